@@ -1,0 +1,81 @@
+"""Errors that a user can mend: each says what, where, what was given, and what is allowed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+Location = tuple[str | int, ...]
+"""Where in a world a fault lies, e.g. ``("robots", 2, "pose", 0)``; ``()`` is the whole world."""
+
+
+class PhysimError(Exception):
+    """Bad input: the command line prints the message alone and exits with 2."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing wrong with a world: where in it, and what to do about it (one line)."""
+
+    location: Location
+    message: str
+
+    def __str__(self) -> str:
+        """``robots[2].pose: message``, without a file position."""
+        return f"{dotted(self.location)}: {self.message}" if self.location else self.message
+
+
+@dataclass(frozen=True)
+class Position:
+    """A place in a text file; line and column count from 1."""
+
+    file: Path | str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        """``file:line:column``."""
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+class WorldError(PhysimError):
+    """A world that cannot be run, with every fault found.
+
+    ``positions`` holds the place in the file of each fault, where the world came from a file;
+    otherwise it is empty.
+    """
+
+    def __init__(self, faults: list[Fault], positions: list[Position] | None = None) -> None:
+        self.faults = tuple(faults)
+        self.positions = tuple(positions or ())
+        lines = [str(fault) for fault in faults]
+        if self.positions:
+            lines = [f"{p}: {line}" for p, line in zip(self.positions, lines, strict=True)]
+        super().__init__("\n".join(lines))
+
+
+class RecordError(PhysimError):
+    """A record that cannot be read or written."""
+
+
+class ControllerError(PhysimError):
+    """A controller that is unknown, cannot be loaded, or gave a command that cannot be applied."""
+
+
+def dotted(location: Location) -> str:
+    """Write a location as the command line takes it: ``robots[2].pose[0]``."""
+    text = ""
+    for part in location:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += f".{part}" if text else part
+    return text
+
+
+def nearest(given: str, allowed: list[str]) -> str:
+    """``; did you mean "x"?`` for the closest of ``allowed``, or an empty string."""
+    import difflib
+
+    close = difflib.get_close_matches(given, allowed, n=1, cutoff=0.6)
+    return f'; did you mean "{close[0]}"?' if close else ""

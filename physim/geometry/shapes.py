@@ -1,0 +1,74 @@
+"""Packed shapes: the arrays that the compiled kernels work on.
+
+A *part* is a convex polygon, counter-clockwise, of at least three vertices; a wall segment is a
+part of two vertices. A nonconvex shape is several parts. A *body* is a run of parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+
+class Shapes(NamedTuple):
+    """Convex parts of several bodies, each in its own frame (robots) or the world's (walls).
+
+    Part p has the vertices ``vertices[part_start[p]:part_start[p + 1]]`` and body i the parts
+    ``body_start[i]`` to ``body_start[i + 1] - 1``.
+    """
+
+    vertices: FloatArray
+    """(V, 2) [m]"""
+    part_start: IntArray
+    """(P + 1,)"""
+    body_start: IntArray
+    """(B + 1,)"""
+    radius: FloatArray
+    """(B,) [m] largest distance of a vertex from the origin of the body's frame"""
+
+
+class Polylines(NamedTuple):
+    """Several polylines: number k has the points ``points[start[k]:start[k + 1]]``."""
+
+    points: FloatArray
+    """(V, 2) [m]"""
+    start: IntArray
+    """(K + 1,)"""
+    station: FloatArray
+    """(V,) [m] arc length from the first point of its polyline"""
+
+
+def pack_shapes(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
+    """Pack bodies, each a sequence of convex parts (n, 2), counter-clockwise, into arrays."""
+    parts = [np.asarray(part, dtype=np.float64) for body in bodies for part in body]
+    vertices = np.concatenate(parts) if parts else np.zeros((0, 2))
+    radius = [max(float(np.hypot(*np.asarray(p).T).max()) for p in body) for body in bodies]
+    return Shapes(
+        np.ascontiguousarray(vertices),
+        _offsets([len(part) for part in parts]),
+        _offsets([len(body) for body in bodies]),
+        np.array(radius, dtype=np.float64),
+    )
+
+
+def pack_polylines(lines: Sequence[ArrayLike]) -> Polylines:
+    """Pack polylines (n, 2), n >= 2, with their arc lengths."""
+    arrays = [np.asarray(line, dtype=np.float64) for line in lines]
+    station = [
+        np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T)))) for line in arrays
+    ]
+    return Polylines(
+        np.ascontiguousarray(np.concatenate(arrays)),
+        _offsets([len(line) for line in arrays]),
+        np.concatenate(station),
+    )
+
+
+def _offsets(lengths: Sequence[int]) -> IntArray:
+    return np.concatenate(([0], np.cumsum(lengths))).astype(np.int64)

@@ -1,0 +1,99 @@
+"""A world made ready to run: every length resolved, everything in arrays.
+
+A `World` is what its author wrote; a `Scene` is what it means: boundaries as drawn segments, paths
+as waypoints, footprints as convex parts, stop stations, bodies by id. It depends on the world and
+the seed alone and does not change during a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
+
+if TYPE_CHECKING:
+    from physim.geometry.area import Area
+    from physim.geometry.nearby import Nearby
+    from physim.world import World
+
+NEIGHBOURS_IN_RANGE = -1
+"""Entry of `FormationPlan.neighbours` that says: by range (also -1 as its only entry)."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """One row of the body table: robots first (file order), then boundaries, then obstacles."""
+
+    id: int
+    kind: str
+    """``robot``, ``boundary`` or ``obstacle``"""
+    name: str
+
+
+@dataclass(frozen=True)
+class FormationPlan:
+    """What (7) needs, the same for every robot of the cluster."""
+
+    active: bool
+    """False in a world without formation: every robot goes at speed ``speed`` = 1 m/s."""
+    gain: float
+    """alpha [1/s]"""
+    speed: float
+    """nu_0 [m/s]"""
+    v_min: float
+    """[m/s] least forward speed that (7) may give"""
+    v_max: float
+    """[m/s] greatest forward speed that (7) may give"""
+    lead: FloatArray
+    """(N,) [m] desired lead of Robot i over Robot 1 along s*: the paper's -l_i; lead[0] = 0"""
+    adjacency: IntArray
+    """(N, N) 1 where j is in N_i; (0, 0) when neighbours are those within ``range``"""
+    range: float
+    """[m] along s*; inf for all; robots consider and see others within it too"""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Arrays of one run: N robots, lengths [m], angles [rad], world frame unless said."""
+
+    world: World
+    """the effective world, after every override"""
+    seed: int
+    dt: float
+    """[s] physics step"""
+    steps: int
+    """number of physics steps of the run; sample 0 is the start"""
+    bodies: tuple[Body, ...]
+    shapes: Shapes
+    """footprints of the N robots, each in its robot's frame (origin = reference point, x forward)"""
+    walls: Shapes
+    """boundaries (parts of two vertices) and obstacles (convex parts), world frame; body k of
+    ``walls`` is body id N + k"""
+    nearby: Nearby
+    """which parts of ``walls`` are near a place"""
+    mass: FloatArray
+    """(N,) [kg]"""
+    limits: FloatArray
+    """(N, 2) largest |v| [m/s] and |omega| [rad/s]"""
+    start: FloatArray
+    """(N, 3) pose at sample 0"""
+    paths: Polylines
+    """own path s_i of each robot"""
+    reference: Polylines
+    """the one reference path s* (a single polyline)"""
+    stop_station: FloatArray
+    """(N,) [m] along the own path; at or past it a robot has arrived"""
+    formation: FormationPlan
+    area: Area
+    """accessible face"""
+
+    @property
+    def robots(self) -> int:
+        """Number of robots N."""
+        return len(self.start)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots: labels only."""
+        return tuple(body.name for body in self.bodies[: self.robots])

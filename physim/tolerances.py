@@ -1,0 +1,33 @@
+"""Every tolerance of the project, named, with its reason."""
+
+CONTACT = 1e-9
+"""[m] Shapes closer than this touch. The engine decides contact to 1e-12 m at 10 km from the
+origin and to 1e-14 m near it, so 1e-9 m is above its rounding and far below any real gap."""
+
+TIME = 1e-6
+"""[s] How well a collision time is asserted, where the shapes close at 1e-3 m/s or more."""
+
+CLOSING_SPEED = 1e-3
+"""[m/s] Slowest closing speed at which ``TIME`` is asserted: CONTACT / CLOSING_SPEED = TIME."""
+
+LENGTH = 1e-9
+"""[m] Points closer than this are one point (duplicate neighbours, closed rings)."""
+
+TIE = 1e-12
+"""[m, rad, s] Objectives closer than this are equal, so rounding does not break a tie."""
+
+TUNNEL_FRACTION = 0.25
+"""[-] Largest advance of any robot point in one step, as a share of the smallest robot width.
+Walls hold while the advance is at most half the robot's length; a quarter leaves a factor two."""
+
+SETTLED_DEPTH = 2e-3
+"""[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
+
+
+def chord(v: float, omega: float, dt: float) -> float:
+    """Return the largest gap [m] between the arc of one step and the straight line of its ends.
+
+    Between two samples the engine moves position and angle linearly; the exact arc lies at most
+    ``|v| |omega| dt^2 / 8`` from that.
+    """
+    return abs(v) * abs(omega) * dt * dt / 8.0

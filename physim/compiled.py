@@ -8,6 +8,7 @@ with the state of all sources of the package, so any edit compiles anew.
 from __future__ import annotations
 
 import functools
+import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -18,17 +19,18 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 @functools.cache
-def source_stamp() -> tuple[tuple[str, int, int], ...]:
-    """Name, modification time [ns] and size of every source file that kernels may stand in."""
+def source_stamp() -> str:
+    """Hash of every source file that kernels may stand in."""
     from importlib.util import find_spec
 
     folders = [Path(__file__).parent]
     controllers = find_spec("physim.controllers")
     if controllers is not None and controllers.origin is not None:
         folders.append(Path(controllers.origin).parent)
-    files = sorted({file.resolve() for folder in folders for file in folder.rglob("*.py")})
-    stats = [(file, file.stat()) for file in files]
-    return tuple((str(file), stat.st_mtime_ns, stat.st_size) for file, stat in stats)
+    hasher = hashlib.sha256()
+    for file in sorted({file.resolve() for folder in folders for file in folder.rglob("*.py")}):
+        hasher.update(f"{file.name}\0".encode() + file.read_bytes())
+    return hasher.hexdigest()
 
 
 def compiled(function: F) -> F:
@@ -45,12 +47,11 @@ def _stamp_cache(kernel: Any) -> None:
     """Make the kernel's disk cache depend on ``source_stamp``; without a cache, do nothing."""
     from numba.core.caching import IndexDataCacheFile
 
-    cache = kernel._cache
+    cache = getattr(kernel, "_cache", None)
     implementation = getattr(cache, "_impl", None)
-    if implementation is None:
+    if cache is None or implementation is None:
         return
-    stamp = (*cache._source_stamp, source_stamp())
-    cache._source_stamp = stamp
+    stamp = (implementation.locator.get_source_stamp(), source_stamp())
     cache._cache_file = IndexDataCacheFile(
         cache_path=cache._cache_path,
         filename_base=implementation.filename_base,

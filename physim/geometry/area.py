@@ -1,0 +1,111 @@
+"""The accessible area, its safe part, and the width along a path (shapely; not for the hot path).
+
+The accessible area is the bounded face between the boundaries that contains the reference path,
+less the obstacles. A point of it is *safe* when it is at least L from every boundary.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, MultiPolygon, Polygon
+from shapely.ops import polygonize, unary_union
+
+from physim.geometry.shapes import FloatArray
+
+ROUND_SEGMENTS = 16
+"""Segments a quarter circle of the drawn safe area: it errs by at most 0.0012 L, to the inside."""
+
+
+@dataclass(frozen=True)
+class Area:
+    """The accessible face of a world, world frame [m]."""
+
+    polygon: Polygon
+
+    @property
+    def accessible_rings(self) -> list[FloatArray]:
+        """Outer ring first, then holes; each (n, 2), first point not repeated."""
+        return _rings(self.polygon)
+
+    def safe_rings(self, safe_distance: float) -> list[FloatArray]:
+        """Rings of the points at least ``safe_distance`` from every boundary, for pictures."""
+        return _rings(self.polygon.buffer(-safe_distance, quad_segs=ROUND_SEGMENTS))
+
+    def outside_stretches(self, points: FloatArray) -> FloatArray:
+        """(M, 2) [m] stretches of a path, from station to station, outside the area."""
+        line = LineString(points)
+        inside = self.polygon.intersection(line)
+        ends = {0.0, line.length}
+        for piece in shapely.get_parts(inside):
+            ends.update(line.project(shapely.Point(p)) for p in shapely.get_coordinates(piece))
+        stations = np.array(sorted(ends))
+        middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
+        outside = ~shapely.covers(self.polygon, middle)
+        return np.stack([stations[:-1][outside], stations[1:][outside]], axis=1)
+
+
+def accessible_area(
+    boundaries: Sequence[FloatArray], obstacles: Sequence[FloatArray], reference: FloatArray
+) -> Area:
+    """Find the face that contains the reference path.
+
+    Raises ValueError when the boundaries close no face around it.
+    """
+    faces = list(polygonize(unary_union([LineString(line) for line in boundaries])))
+    if not faces:
+        raise ValueError("the boundaries enclose no area")
+    line = LineString(reference)
+    face = max(faces, key=lambda polygon: float(polygon.intersection(line).length))
+    if face.intersection(line).length <= 0.0:
+        raise ValueError("no area enclosed by the boundaries contains the reference path")
+    free = face.difference(unary_union([Polygon(ring) for ring in obstacles]))
+    parts = shapely.get_parts(free)
+    return Area(max(parts, key=lambda polygon: float(polygon.intersection(line).length)))
+
+
+def width_profile(
+    points: FloatArray, directions: FloatArray, segments: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Shortest distance [m] to the left and to the right boundary at points of a path (Fig. 4).
+
+    ``points``, ``directions`` (K, 2) along the path, ``segments`` (S, 4) boundary segments
+    ax, ay, bx, by. *Left* is what lies in the half-plane left of the path's direction, so a
+    boundary on both sides of the path counts on each. The width is the sum; inf where a side is
+    open.
+    """
+    left, right = np.empty(len(points)), np.empty(len(points))
+    for k, (origin, (tx, ty)) in enumerate(zip(points, directions, strict=True)):
+        a, b = segments[:, :2] - origin, segments[:, 2:] - origin
+        side_a, side_b = tx * a[:, 1] - ty * a[:, 0], tx * b[:, 1] - ty * b[:, 0]
+        left[k] = _distance_in_half_plane(a, b, side_a, side_b)
+        right[k] = _distance_in_half_plane(a, b, -side_a, -side_b)
+    return left, right
+
+
+def _distance_in_half_plane(
+    a: FloatArray, b: FloatArray, side_a: FloatArray, side_b: FloatArray
+) -> float:
+    """Distance of the origin from the segments' parts whose ``side`` is not negative."""
+    keep = (side_a >= 0.0) | (side_b >= 0.0)
+    if not keep.any():
+        return float("inf")
+    a, b, side_a, side_b = a[keep], b[keep], side_a[keep], side_b[keep]
+    span = side_b - side_a
+    crossing = np.divide(-side_a, span, out=np.zeros_like(span), where=span != 0.0)
+    low = np.where(side_a >= 0.0, 0.0, crossing)
+    high = np.where(side_b >= 0.0, 1.0, crossing)
+    d = b - a
+    foot = np.clip(-(a * d).sum(axis=1) / (d * d).sum(axis=1), low, high)
+    return float(np.hypot(*(a + foot[:, None] * d).T).min())
+
+
+def _rings(shape: Polygon | MultiPolygon) -> list[FloatArray]:
+    rings = []
+    for polygon in shapely.get_parts(shape):
+        if polygon.geom_type == "Polygon" and not polygon.is_empty:
+            rings += [np.array(r.coords)[:-1] for r in (polygon.exterior, *polygon.interiors)]
+    return rings

@@ -1,0 +1,140 @@
+"""Paths: arc length, points at a station, and projection that does not jump between branches.
+
+A station is the arc length [m] from the first waypoint. The kernels work on `Polylines`; `Path`
+is the same for one polyline and for reading by people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+
+import numpy as np
+
+from physim.compiled import compiled
+from physim.geometry.shapes import FloatArray, Polylines, pack_polylines
+
+
+@compiled
+def path_length(lines: Polylines, k: int) -> float:
+    """Length [m] of polyline k."""
+    return float(lines.station[lines.start[k + 1] - 1])
+
+
+@compiled
+def segment_at(lines: Polylines, k: int, station: float) -> int:
+    """Index of the first point of the segment of polyline k that holds a station (clamped)."""
+    low, high = lines.start[k], lines.start[k + 1] - 2
+    while low < high:
+        middle = (low + high + 1) // 2
+        if lines.station[middle] <= station:
+            low = middle
+        else:
+            high = middle - 1
+    return int(low)
+
+
+@compiled
+def point_at(lines: Polylines, k: int, station: float) -> tuple[float, float, float, float]:
+    """Point at a station of polyline k and the unit direction there: x, y, tx, ty (2).
+
+    Before the first waypoint it is the first, past the last it is the last.
+    """
+    a = segment_at(lines, k, station)
+    length = lines.station[a + 1] - lines.station[a]
+    tx = (lines.points[a + 1, 0] - lines.points[a, 0]) / length
+    ty = (lines.points[a + 1, 1] - lines.points[a, 1]) / length
+    along = min(max(station - lines.station[a], 0.0), length)
+    return lines.points[a, 0] + along * tx, lines.points[a, 1] + along * ty, tx, ty
+
+
+@compiled
+def project(
+    lines: Polylines, k: int, x: float, y: float, low: float, high: float
+) -> tuple[float, float]:
+    """Station of the point of polyline k nearest to (x, y) with low <= station <= high.
+
+    Returns the station and the signed deviation [m], positive when (x, y) is left of the path.
+    Of equally near points the one with the smaller station is taken.
+    """
+    first = lines.start[k]
+    end = lines.station[lines.start[k + 1] - 1]
+    low, high = min(max(low, 0.0), end), min(max(high, 0.0), end)
+    best, station, deviation = np.inf, low, 0.0
+    a = segment_at(lines, k, low)
+    if a > first and lines.station[a] >= low:
+        a -= 1
+    while a < lines.start[k + 1] - 1 and lines.station[a] <= high:
+        s0, s1 = lines.station[a], lines.station[a + 1]
+        length = s1 - s0
+        tx = (lines.points[a + 1, 0] - lines.points[a, 0]) / length
+        ty = (lines.points[a + 1, 1] - lines.points[a, 1]) / length
+        dx, dy = x - lines.points[a, 0], y - lines.points[a, 1]
+        along = min(max(dx * tx + dy * ty, max(low - s0, 0.0)), min(high - s0, length))
+        gap = hypot(dx - along * tx, dy - along * ty)
+        if gap < best:
+            best = gap
+            station = min(s0 + along, end)
+            deviation = gap if tx * dy - ty * dx >= 0.0 else -gap
+        a += 1
+    return station, deviation
+
+
+@compiled
+def track(
+    lines: Polylines, k: int, x: float, y: float, previous: float, window: float
+) -> tuple[float, float]:
+    """Projection (3) that follows the robot: nearest point within ``window`` of the last station.
+
+    ``window`` [m] counts along the path and must exceed what the robot can move between two
+    calls. A path that passes near itself does not attract the projection to the other branch as
+    long as the way there along the path is longer than the window.
+    """
+    return project(lines, k, x, y, previous - window, previous + window)
+
+
+class Path:
+    """One polyline of waypoints with its arc length.
+
+    ``outside`` (M, 2) [m] lists the stretches, from station to station, that lie outside the
+    accessible area.
+    """
+
+    def __init__(
+        self, points: Sequence[Sequence[float]] | FloatArray, outside: FloatArray | None = None
+    ) -> None:
+        self.lines = pack_polylines([points])
+        self.outside = np.zeros((0, 2)) if outside is None else outside
+
+    @property
+    def points(self) -> FloatArray:
+        """(n, 2) [m] waypoints."""
+        return self.lines.points
+
+    @property
+    def length(self) -> float:
+        """[m]."""
+        return path_length(self.lines, 0)
+
+    def point(self, station: float) -> FloatArray:
+        """(2,) [m] point at a station; the ends hold beyond them."""
+        return np.array(point_at(self.lines, 0, station)[:2])
+
+    def direction(self, station: float) -> FloatArray:
+        """(2,) unit vector along the path at a station."""
+        return np.array(point_at(self.lines, 0, station)[2:])
+
+    def project(
+        self, x: float, y: float, near: float | None = None, window: float = 2.0
+    ) -> tuple[float, float]:
+        """Station [m] of the nearest point and the signed deviation [m], left positive.
+
+        With ``near``, only stations within ``window`` of it are looked at.
+        """
+        if near is None:
+            return project(self.lines, 0, x, y, 0.0, self.length)
+        return track(self.lines, 0, x, y, near, window)
+
+    def target(self, station: float, look_ahead: float) -> FloatArray:
+        """(2,) [m] the point ``look_ahead`` further along, the last waypoint at most (3)."""
+        return self.point(station + look_ahead)

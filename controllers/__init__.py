@@ -1,1 +1,4 @@
-"""Controllers."""
+"""Controllers shipped with physim, each rule of the paper in a module of its own.
+
+`NOTATION.md` lists symbol, name in code, unit and equation.
+"""

@@ -12,7 +12,6 @@ is whatever the last decision returned, None at first.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
@@ -107,6 +106,10 @@ class Observation:
     dt: float
     """[s] physics step: no command holds for less"""
     formation: FormationView
+    speeds: tuple[float, ...] | None = None
+    """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
+    omegas: tuple[float, ...] | None = None
+    """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
 
 
 @dataclass(frozen=True)
@@ -218,6 +221,5 @@ __all__ = [
     "Observation",
     "Report",
     "Seen",
-    "Sequence",
     "Snapshot",
 ]

@@ -17,10 +17,6 @@ if TYPE_CHECKING:
     from physim.geometry.nearby import Nearby
     from physim.world import World
 
-NEIGHBOURS_IN_RANGE = -1
-"""Entry of `FormationPlan.neighbours` that says: by range (also -1 as its only entry)."""
-
-
 @dataclass(frozen=True)
 class Body:
     """One row of the body table: robots first (file order), then boundaries, then obstacles."""
@@ -82,6 +78,12 @@ class Scene:
     """own path s_i of each robot"""
     reference: Polylines
     """the one reference path s* (a single polyline)"""
+    outside: tuple[FloatArray, ...]
+    """for each path the stretches (M, 2) [m], from station to station, outside the area"""
+    speeds: tuple[tuple[float, ...] | None, ...]
+    """for each robot its own set of speeds, multiples of nu; None: the controller's"""
+    omegas: tuple[tuple[float, ...] | None, ...]
+    """for each robot its own set of rotational speeds [rad/s]; None: the controller's"""
     stop_station: FloatArray
     """(N,) [m] along the own path; at or past it a robot has arrived"""
     formation: FormationPlan

@@ -1,0 +1,151 @@
+"""Collision avoidance: shortest distance and collision time (11), and the rules (12) and (13).
+
+Departures from the paper: (12) uses the signed distance, so that touching robots still have a best
+way out; the boundaries count in (12) when the footprint is within L of one, in (13) always; ties,
+two infinities included, are settled by (5).
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+import numpy as np
+
+from physim import tolerances
+from physim.compiled import compiled
+from physim.geometry.collision_time import collision_time_pair, collision_time_walls
+from physim.geometry.motion import arc
+from physim.geometry.separation import body_distance, wall_distance
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+
+from .path_following import comes_first, judge
+
+TIE = tolerances.TIE
+
+
+@compiled
+def smallest_distance(
+    shapes: Shapes, me: int, pose: FloatArray, rows: IntArray, poses: FloatArray
+) -> float:
+    """Smallest d_ij [m] by (11) of body ``me`` at ``pose`` to bodies ``rows`` at ``poses``, signed.
+
+    ``poses`` (len(rows), 3). inf when there is no row.
+    """
+    smallest = np.inf
+    for k in range(len(rows)):
+        j = rows[k]
+        gap = hypot(poses[k, 0] - pose[0], poses[k, 1] - pose[1])
+        if gap - shapes.radius[me] - shapes.radius[j] < smallest:  # the discs are no farther
+            d = body_distance(shapes, me, pose, shapes, j, poses[k])  # (11)
+            smallest = min(smallest, d)
+    return smallest
+
+
+@compiled
+def smallest_time(
+    shapes: Shapes,
+    me: int,
+    pose: FloatArray,
+    command: FloatArray,
+    pair: FloatArray,
+    rows: IntArray,
+    walls: Shapes,
+    parts: IntArray,
+    horizon: float,
+    translation_only: bool,
+    enough: float,
+) -> float:
+    """Smallest xi [s] by (11) of body ``me`` under the speed pair ``pair``; inf when none.
+
+    ``pose`` (n, 3) and held ``command`` (n, 2) of all bodies of ``shapes``. As soon as a value is
+    below ``enough`` the rest is left out: the caller has no use for anything smaller.
+    """
+    keep = 0.0 if translation_only else 1.0
+    smallest = np.inf
+    mine = (pair[0], keep * pair[1])
+    for j in rows:
+        theirs = (command[j, 0], keep * command[j, 1])
+        gap = hypot(pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1])
+        room = gap - shapes.radius[me] - shapes.radius[j]
+        closing = abs(mine[0]) + abs(theirs[0])
+        if room > 0.0 and room > closing * min(smallest, horizon):
+            continue  # even head-on the discs meet later
+        xi = collision_time_pair(shapes, me, pose[me], mine, j, pose[j], theirs, horizon)  # (11)
+        smallest = min(smallest, xi)
+        if smallest < enough:
+            return smallest
+    xi = collision_time_walls(shapes, me, pose[me], mine, walls, parts, horizon)
+    return min(smallest, xi)
+
+
+@compiled
+def widest_pair(
+    shapes: Shapes,
+    me: int,
+    pose: FloatArray,
+    command: FloatArray,
+    pairs: FloatArray,
+    rows: IntArray,
+    walls: Shapes,
+    parts: IntArray,
+    period: float,
+    judge_ahead: float,
+    tx: float,
+    ty: float,
+) -> int:
+    """Index of the speed pair with the largest smallest distance after ``period`` (12).
+
+    Other robots move on under their held commands. ``parts`` are the wall parts that count.
+    """
+    poses = np.empty((len(rows), 3))
+    for k in range(len(rows)):
+        j = rows[k]
+        poses[k] = arc((pose[j, 0], pose[j, 1], pose[j, 2]), command[j, 0], command[j, 1], period)
+    dwell = np.array([period])
+    end = np.empty(3)
+    best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
+    for c in range(len(pairs)):
+        here = (pose[me, 0], pose[me, 1], pose[me, 2])
+        end[:] = arc(here, pairs[c, 0], pairs[c, 1], period)
+        width = smallest_distance(shapes, me, end, rows, poses)
+        width = min(width, wall_distance(shapes, me, end, walls, parts))
+        if width < widest - TIE:
+            continue
+        value = judge(pose[me], pairs[c : c + 1], dwell, judge_ahead, tx, ty)
+        if width > widest + TIE or comes_first(value, best_value):  # (12)
+            best, widest, best_value = c, width, value
+    return best
+
+
+@compiled
+def longest_pair(
+    shapes: Shapes,
+    me: int,
+    pose: FloatArray,
+    command: FloatArray,
+    pairs: FloatArray,
+    rows: IntArray,
+    walls: Shapes,
+    parts: IntArray,
+    horizon: float,
+    translation_only: bool,
+    period: float,
+    judge_ahead: float,
+    tx: float,
+    ty: float,
+) -> int:
+    """Index of the speed pair with the largest smallest collision time (13)."""
+    dwell = np.array([period])
+    best, longest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
+    for c in range(len(pairs)):
+        enough = longest - TIE
+        xi = smallest_time(
+            shapes, me, pose, command, pairs[c], rows, walls, parts, horizon, translation_only,
+            enough,
+        )  # fmt: skip
+        if xi < enough:
+            continue
+        value = judge(pose[me], pairs[c : c + 1], dwell, judge_ahead, tx, ty)
+        if xi > longest + TIE or comes_first(value, best_value):  # (13)
+            best, longest, best_value = c, xi, value
+    return best

@@ -1,0 +1,65 @@
+"""Formation control along the reference path, (7) to (10).
+
+Stations s_i are projections on the one reference path s*; l_ij = s_j - s_i is positive when Robot
+j is ahead of Robot i. The desired value l*_ij is lead_j - lead_i.
+
+Departures from the paper: the speed is held within [v_min, v_max] (the paper reports the range 0.8
+to 1.3 m/s without a rule for it); N_i is by default the robots within a range along s*.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.compiled import compiled
+from physim.geometry.shapes import FloatArray, IntArray
+
+
+@compiled
+def is_neighbour(
+    i: int, j: int, station: FloatArray, adjacency: IntArray, neighbour_range: float
+) -> bool:
+    """Whether j is in N_i: listed in ``adjacency``, or within range along s* when it is (0, 0)."""
+    if i == j:
+        return False
+    if adjacency.shape[0] > 0:
+        return bool(adjacency[i, j] != 0)
+    return bool(abs(station[j] - station[i]) <= neighbour_range)
+
+
+@compiled
+def formation_sum(i: int, neighbours: IntArray, station: FloatArray, lead: FloatArray) -> float:
+    """Sum over N_i of l_ij - l*_ij [m]: positive when Robot i lags behind its neighbours."""
+    total = 0.0
+    for j in neighbours:
+        total += (station[j] - station[i]) - (lead[j] - lead[i])
+    return total
+
+
+@compiled
+def formation_speed(
+    nu_0: float, alpha: float, v_min: float, v_max: float, error_sum: float
+) -> float:
+    """Forward speed nu_i [m/s] by (7), held within [v_min, v_max]."""
+    nu = nu_0 + alpha * error_sum  # (7)
+    return min(max(nu, v_min), v_max)
+
+
+def formation_energy(station: FloatArray, lead: FloatArray, adjacency: IntArray) -> float:
+    """W [m^2] by (9) for stations and desired leads (N,) and a symmetric adjacency (N, N)."""
+    error = (station[None, :] - station[:, None]) - (lead[None, :] - lead[:, None])
+    return float(0.5 * (adjacency * error**2).sum())  # (9)
+
+
+def formation_energy_rate(
+    station: FloatArray, lead: FloatArray, adjacency: IntArray, alpha: float
+) -> float:
+    """dW/dt [m^2/s] by (10), never positive; holds for ideal motion (8) without saturation."""
+    error = (station[None, :] - station[:, None]) - (lead[None, :] - lead[:, None])
+    inner = (adjacency * error).sum(axis=1)
+    return float(-2.0 * alpha * np.square(inner).sum())  # (10)
+
+
+def formation_error(station: FloatArray, lead: FloatArray) -> FloatArray:
+    """Formation error (N,) [m]: distance to the robots' mean place on s* less its desired value."""
+    return (station.mean() - station) - (lead.mean() - lead)

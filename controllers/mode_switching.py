@@ -1,0 +1,221 @@
+"""The paper's controller: formation, path following and avoidance under mode switching (Fig. 5).
+
+One decision of Robot i, with the rules it is made of:
+
+1. target on the own path (3), moved into the safe area       path_following, safe_area
+2. forward speed by the formation (7)                         formation
+3. the robots ahead and within range                          priority
+4. the command that safe mode would take (5)                  path_following
+5. distance, boundary distance and collision time (11)        avoidance
+6. safe, danger by distance or danger by time (Fig. 5)        switching
+7. in danger the command by (12) or (13)                      avoidance
+8. the time of the next decision (14)                         timing
+
+`decide` works from what the robot sees; `batch` decides for all robots that are due in one
+compiled call. Both run `decide_one`, and both must decide alike.
+
+Departures from the paper: arrival at a stop station is ours (a robot there stands still); each
+rule lists its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from physim.compiled import compiled
+from physim.control import BatchController, Decision, Mode, Observation, Report
+from physim.geometry.separation import wall_distance
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
+from physim.scene import Scene
+
+from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
+from .formation import formation_speed, formation_sum
+from .path_following import best_plan, speed_pairs, target_on_path
+from .priority import considered
+from .safe_area import is_outside, safe_target
+from .settings import ModeSwitchingSettings, Rules
+from .switching import DISTANCE, SAFE, next_mode
+from .timing import update_interval
+
+ARRIVED = int(Mode.ARRIVED)
+
+
+class Bodies(NamedTuple):
+    """Robots that a decision may look at, one row each: all of them, or those in sight."""
+
+    shapes: Shapes
+    index: IntArray
+    """(n,) robot indices"""
+    pose: FloatArray
+    """(n, 3)"""
+    command: FloatArray
+    """(n, 2) held"""
+    station: FloatArray
+    """(n,) [m] along the reference path"""
+
+
+class Own(NamedTuple):
+    """What the deciding robot knows of itself and of the walls near it."""
+
+    row: int
+    """its row of `Bodies`"""
+    path: int
+    """its number in ``paths``"""
+    station: float
+    stop_station: float
+    outside: FloatArray
+    """(M, 2) stretches of its path outside the accessible area"""
+    nu: float
+    """[m/s] forward speed by (7)"""
+    forward_only: bool
+    """whether safe mode leaves the speed to (7)"""
+    speeds: FloatArray
+    omegas: FloatArray
+    parts: IntArray
+    """wall parts in sight"""
+    reach: float
+    """[m] range"""
+
+
+class Memory(NamedTuple):
+    """What a decision leaves for the next: its mode and the rest of its plan."""
+
+    mode: int
+    plan: FloatArray
+    """(m, 2)"""
+    dwell: int
+    """number of the dwell time that comes next; 0: a new plan"""
+
+
+@compiled
+def decide_one(
+    bodies: Bodies, own: Own, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
+) -> tuple[float, float, float, int, FloatArray, int, FloatArray]:
+    """Decide for one robot: v, omega, hold, mode, plan, next dwell number, report (7,)."""
+    me, shapes, pose = own.row, bodies.shapes, bodies.pose
+    report = np.full(7, np.nan)
+    report[5:] = 0.0
+    x, y, ax, ay = target_on_path(paths, own.path, own.station, rules.look_ahead)  # (3)
+    if own.station >= own.stop_station - rules.arrival_tolerance:
+        report[0], report[1] = x, y
+        return 0.0, 0.0, rules.update_period, ARRIVED, memory.plan, 0, report
+    outside = is_outside(own.outside, own.station + rules.look_ahead)
+    position = (pose[me, 0], pose[me, 1])
+    tx, ty = safe_target(
+        walls, own.parts, (x, y), (ax, ay), outside, position, rules.look_ahead,
+        rules.safe_distance,
+    )  # fmt: skip
+
+    rows = considered(me, bodies.index, pose, bodies.station, own.reach)
+    distance = smallest_distance(shapes, me, pose[me], rows, pose[rows])
+    boundary = wall_distance(shapes, me, pose[me], walls, own.parts)
+    pairs = speed_pairs(own.speeds, own.nu, own.omegas)
+    dwell = memory.dwell
+    plan = memory.plan.copy()
+    if dwell == 0:
+        choice = speed_pairs(np.ones(1), own.nu, own.omegas) if own.forward_only else pairs
+        plan = best_plan(pose[me], choice, rules.dwell, rules.judge_ahead, tx, ty)  # (5)
+    pair = plan[dwell]
+    xi = smallest_time(
+        shapes, me, pose, bodies.command, pair, rows, walls, own.parts, rules.horizon,
+        rules.translation_only, -1.0,
+    )  # fmt: skip
+    evaluations = len(rows) + 1
+    mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
+    interval = rules.dwell[dwell]
+    if mode != SAFE:
+        interval = rules.update_period
+        if mode == DISTANCE:
+            near = own.parts if boundary < rules.safe_distance else own.parts[:0]
+            best = widest_pair(
+                shapes, me, pose, bodies.command, pairs, rows, walls, near,
+                rules.update_period, rules.judge_ahead, tx, ty,
+            )  # fmt: skip
+        else:
+            best = longest_pair(
+                shapes, me, pose, bodies.command, pairs, rows, walls, own.parts, rules.horizon,
+                rules.translation_only, rules.update_period, rules.judge_ahead, tx, ty,
+            )  # fmt: skip
+            evaluations += len(pairs) * (len(rows) + 1)
+        pair = pairs[best]
+        xi = smallest_time(
+            shapes, me, pose, bodies.command, pair, rows, walls, own.parts, rules.horizon,
+            rules.translation_only, -1.0,
+        )  # fmt: skip
+        evaluations += len(rows) + 1
+    hold = update_interval(interval, rules.beta, xi)  # (14)
+    goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
+    report[:] = (tx, ty, distance, boundary, xi, len(rows), evaluations)
+    return pair[0], pair[1], hold, mode, plan, dwell + 1 if goes_on else 0, report
+
+
+class ModeSwitching:
+    """Formation, path following and collision avoidance by the paper's rules, all of them."""
+
+    Settings = ModeSwitchingSettings
+
+    def __init__(self, settings: ModeSwitchingSettings | None = None) -> None:
+        self.settings = settings or ModeSwitchingSettings()
+        self.rules = self.settings.rules()
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
+        o = observation
+        plan = np.zeros((len(self.rules.dwell), 2))
+        memory = memory or Memory(mode=SAFE, plan=plan, dwell=0)
+        nu = o.formation.speed
+        if o.formation.active:
+            station = np.array([o.reference_station, *(n.station for n in o.neighbours)])
+            lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
+            error = formation_sum(0, np.arange(1, len(station)), station, lead)
+            nu = formation_speed(
+                o.formation.speed, o.formation.gain, o.formation.v_min, o.formation.v_max, error
+            )
+        bodies = Bodies(
+            shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
+            index=np.array([o.index, *(other.index for other in o.others)]),
+            pose=np.array([o.pose, *(other.pose for other in o.others)]),
+            command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
+            station=np.array([o.reference_station, *(other.station for other in o.others)]),
+        )
+        own = Own(
+            row=0,
+            path=0,
+            station=o.station,
+            stop_station=o.stop_station,
+            outside=o.path.outside,
+            nu=min(nu, o.limits[0]),
+            forward_only=o.formation.active and not self.settings.reverse_in_safe_mode,
+            speeds=np.array(self.settings.speeds if o.speeds is None else o.speeds),
+            omegas=np.array(self.settings.omegas if o.omegas is None else o.omegas),
+            parts=np.arange(len(o.walls)),
+            reach=o.range,
+        )
+        walls = pack_shapes([[part] for part in o.walls])
+        v, omega, hold, mode, plan, dwell, report = decide_one(
+            bodies, own, o.path.lines, walls, self.rules, memory
+        )
+        return Decision(
+            v=v,
+            omega=omega,
+            hold=hold,
+            mode=Mode(mode),
+            memory=Memory(mode, plan, dwell),
+            report=Report(
+                target=(report[0], report[1]),
+                distance=report[2],
+                boundary_distance=report[3],
+                collision_time=report[4],
+                considered=int(report[5]),
+                evaluations=int(report[6]),
+            ),
+        )
+
+    def batch(self, scene: Scene) -> BatchController:
+        """Set up the compiled form for all robots of a scene."""
+        from .batch import ModeSwitchingBatch
+
+        return ModeSwitchingBatch(self.settings, scene)

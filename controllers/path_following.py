@@ -1,0 +1,112 @@
+"""Path following by target chasing, (2) to (6): choose speeds from finite sets.
+
+The target is the point ``look_ahead`` further along the path than the robot's projection (3). A
+plan is a short sequence of speed pairs, one for each dwell time tau_1, tau_2, ...; the plan whose
+end lies nearest to the target is taken (5).
+
+Departures from the paper: by default the plan is judged ``judge_ahead`` = 0.5 s ahead with its last
+command held, which chatters less than judging it at the period's end; ties are settled by the
+smaller heading error, then by the smaller |omega|, then by the order of the sets.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, sin
+
+import numpy as np
+
+from physim import tolerances
+from physim.compiled import compiled
+from physim.geometry.motion import arc
+from physim.geometry.path import path_length, point_at
+from physim.geometry.shapes import FloatArray, Polylines
+
+TIE = tolerances.TIE
+
+
+@compiled
+def target_on_path(
+    paths: Polylines, k: int, station: float, look_ahead: float
+) -> tuple[float, float, float, float]:
+    """Target q̄_i on path k and the unit direction of the path there: x, y, tx, ty."""
+    return point_at(paths, k, min(station + look_ahead, path_length(paths, k)))  # (2), (3)
+
+
+def target_energy(position: FloatArray, target: FloatArray) -> float:
+    """V_i [m^2] by (4)."""
+    return float(0.5 * np.square(position - target).sum())  # (4)
+
+
+@compiled
+def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> FloatArray:
+    """All pairs (v, omega), (C, 2) [m/s, rad/s], from multiples of nu and the set (6)."""
+    pairs = np.empty((len(speeds) * len(omegas), 2))
+    for a in range(len(speeds)):
+        for b in range(len(omegas)):
+            pairs[a * len(omegas) + b, 0] = speeds[a] * nu
+            pairs[a * len(omegas) + b, 1] = omegas[b]
+    return pairs
+
+
+@compiled
+def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> float:
+    """Angle [rad], 0 to pi, between a heading and the direction to a target."""
+    if tx == x and ty == y:
+        return 0.0
+    error = atan2(ty - y, tx - x) - heading
+    return abs(atan2(sin(error), cos(error)))
+
+
+@compiled
+def judge(
+    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float, tx: float, ty: float
+) -> tuple[float, float, float]:
+    """What (5) and its tie-breaks look at, smaller is better: distance, heading error, |omega|.
+
+    ``plan`` (m, 2) holds a speed pair for each dwell time; its last one is held until
+    ``judge_ahead`` where that is later.
+    """
+    x, y, heading = pose[0], pose[1], pose[2]
+    rest = judge_ahead
+    for k in range(len(dwell)):
+        last = k == len(dwell) - 1
+        duration = max(dwell[k], rest) if last else dwell[k]
+        x, y, heading = arc((x, y, heading), plan[k, 0], plan[k, 1], duration)
+        rest -= dwell[k]
+    return hypot(tx - x, ty - y), heading_error(x, y, heading, tx, ty), abs(plan[0, 1])
+
+
+@compiled
+def comes_first(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
+    """Whether judgement a is better than b, in the order of `judge`; equal within TIE is equal."""
+    for k in range(3):
+        if a[k] < b[k] - TIE:
+            return True
+        if a[k] > b[k] + TIE:
+            return False
+    return False
+
+
+@compiled
+def best_plan(
+    pose: FloatArray,
+    pairs: FloatArray,
+    dwell: FloatArray,
+    judge_ahead: float,
+    tx: float,
+    ty: float,
+) -> FloatArray:
+    """Plan (m, 2) that ends nearest to the target (5), out of every sequence of ``pairs``."""
+    count, length = len(pairs), len(dwell)
+    plan, best = np.empty((length, 2)), np.empty((length, 2))
+    best_value = (np.inf, np.inf, np.inf)
+    for code in range(count**length):
+        digits = code
+        for k in range(length):
+            plan[length - 1 - k] = pairs[digits % count]
+            digits //= count
+        value = judge(pose, plan, dwell, judge_ahead, tx, ty)
+        if comes_first(value, best_value):  # argmin of (5)
+            best_value = value
+            best[:] = plan
+    return best

@@ -1,0 +1,141 @@
+"""Settings of the paper's controller: every threshold by name, with its default.
+
+The text of the paper gives few of these numbers; what it states is marked, the rest is ours.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from physim.geometry.shapes import FloatArray
+
+Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+
+LONGEST_PLAN = 3
+"""Dwell times at most: 15 speed pairs make 15^3 = 3375 plans."""
+
+
+class Rules(NamedTuple):
+    """The numbers of `ModeSwitchingSettings`, as the kernels take them."""
+
+    look_ahead: float
+    safe_distance: float
+    update_period: float
+    judge_ahead: float
+    arrival_tolerance: float
+    distance_low: float
+    distance_high: float
+    time_low: float
+    time_high: float
+    boundary_low: float
+    beta: float
+    horizon: float
+    dwell: FloatArray
+    reverse_in_safe_mode: bool
+    translation_only: bool
+
+
+class ModeSwitchingSettings(BaseModel):
+    """Keys under ``controller:`` for ``type: mode_switching``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    look_ahead: Positive = Field(
+        2.0, description="[m] the target lies this far along the path from the projection, (3)"
+    )
+    safe_distance: Positive = Field(
+        1.0, description="[m] L: width of the danger area along the boundaries"
+    )
+    update_period: Positive = Field(
+        0.1, description="[s] longest time between two decisions (paper: 0.1)"
+    )
+    dwell_times: Annotated[list[Positive], Field(min_length=1, max_length=LONGEST_PLAN)] = Field(
+        default=[0.1],
+        description="[s] tau_1, tau_2, ...: how long each speed pair of a plan holds, (5); they "
+        "add up to update_period",
+    )
+    judge_ahead: NotNegative = Field(
+        0.5,
+        description="[s] how far ahead (5) judges a plan, its last command held; update_period "
+        "or less: at the end of the plan, as in the paper",
+    )
+    speeds: Annotated[list[Number], Field(min_length=1, max_length=9)] = Field(
+        default=[-1.0, 0.0, 1.0],
+        description="[-] forward speeds to choose from, as multiples of nu (paper: -1, 0, 1)",
+    )
+    omegas: Annotated[list[Number], Field(min_length=1, max_length=15)] = Field(
+        default=[-pi / 2, -pi / 4, 0.0, pi / 4, pi / 2],
+        description="[rad/s] rotational speeds to choose from, (6)",
+    )
+    reverse_in_safe_mode: bool = Field(
+        False,
+        description="whether safe mode under formation control may choose among speeds, too; "
+        "otherwise (7) sets nu and a robot that faces backwards turns round",
+    )
+    arrival_tolerance: NotNegative = Field(
+        0.25, description="[m] a robot this near its stop station along the path has arrived"
+    )
+    distance_low: NotNegative = Field(
+        0.5, description="[m] danger mode below this distance to a considered robot"
+    )
+    distance_high: NotNegative = Field(0.8, description="[m] back to safe mode only above this")
+    time_low: NotNegative = Field(0.5, description="[s] danger mode below this collision time")
+    time_high: NotNegative = Field(1.0, description="[s] back to safe mode only above this")
+    boundary_low: NotNegative = Field(
+        0.15, description="[m] danger mode below this distance to a boundary, safe above it"
+    )
+    beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
+        0.5, description="[-] the update interval is at most beta times the collision time, (14)"
+    )
+    horizon: Positive = Field(
+        10.0, description="[s] collision times beyond this count as none (inf)"
+    )
+    collision_motion: Literal["arc", "translation"] = Field(
+        "arc",
+        description="motion that collision times assume: present (nu, omega) kept, or present "
+        "velocity vectors kept without turning",
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> ModeSwitchingSettings:
+        if abs(sum(self.dwell_times) - self.update_period) > 1e-9:
+            raise ValueError(
+                f"dwell_times add up to {sum(self.dwell_times):g} s; they must add up to "
+                f"update_period, {self.update_period:g} s"
+            )
+        for name in ("distance", "time"):
+            low, high = getattr(self, f"{name}_low"), getattr(self, f"{name}_high")
+            if high < low:
+                raise ValueError(
+                    f"{name}_high is {high:g}, below {name}_low {low:g}; hysteresis needs "
+                    f"{name}_high >= {name}_low"
+                )
+        if 0.0 not in self.omegas:
+            raise ValueError("omegas has no 0: the robot could never go straight")
+        return self
+
+    def rules(self) -> Rules:
+        """Return the same numbers for the kernels."""
+        return Rules(
+            look_ahead=self.look_ahead,
+            safe_distance=self.safe_distance,
+            update_period=self.update_period,
+            judge_ahead=self.judge_ahead,
+            arrival_tolerance=self.arrival_tolerance,
+            distance_low=self.distance_low,
+            distance_high=self.distance_high,
+            time_low=self.time_low,
+            time_high=self.time_high,
+            boundary_low=self.boundary_low,
+            beta=self.beta,
+            horizon=self.horizon,
+            dwell=np.array(self.dwell_times),
+            reverse_in_safe_mode=self.reverse_in_safe_mode,
+            translation_only=self.collision_motion == "translation",
+        )

@@ -1,0 +1,14 @@
+"""When a robot decides again: event-triggered updates (14)."""
+
+from __future__ import annotations
+
+from physim.compiled import compiled
+
+
+@compiled
+def update_interval(period: float, beta: float, collision_time: float) -> float:
+    """tau_i [s] by (14): the period, or ``beta`` times the smallest collision time if shorter.
+
+    The simulation rounds it down to physics steps, one at least.
+    """
+    return min(period, beta * collision_time)  # (14)

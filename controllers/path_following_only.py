@@ -1,0 +1,35 @@
+"""Path following alone: (1) to (6) in plain Python, deaf to other robots and to walls.
+
+A baseline to compare with, and an example of a controller written from the observation alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from physim.control import Decision, Mode, Observation, Report
+
+from .path_following import best_plan, speed_pairs
+from .settings import ModeSwitchingSettings
+
+
+class PathFollowing:
+    """Path following by target chasing only, without formation or avoidance."""
+
+    def __init__(self) -> None:
+        self.settings = ModeSwitchingSettings()
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        """Choose the speed pair that ends nearest to the target (5)."""
+        rules = self.settings.rules()
+        x, y = observation.path.target(observation.station, rules.look_ahead)
+        if observation.station >= observation.stop_station - rules.arrival_tolerance:
+            return Decision(0.0, 0.0, hold=rules.update_period, mode=Mode.ARRIVED)
+        omegas = observation.omegas or self.settings.omegas
+        pairs = speed_pairs(np.array([1.0]), observation.formation.speed, np.array(omegas))
+        dwell = np.array([rules.update_period])
+        plan = best_plan(observation.pose, pairs, dwell, rules.judge_ahead, x, y)
+        v, omega = plan[0]
+        return Decision(v, omega, hold=rules.update_period, report=Report(target=(x, y)))

@@ -1,0 +1,184 @@
+"""World and seed to Scene: resolve every length, number the bodies, pack the arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from physim.errors import Fault, WorldError
+from physim.geometry.area import Area, accessible_area
+from physim.geometry.corridor import corridor_boundaries, offset_polyline
+from physim.geometry.nearby import build_nearby
+from physim.geometry.path import Path
+from physim.geometry.polygon import convex_parts, counter_clockwise, signed_area
+from physim.geometry.shapes import FloatArray, IntArray, pack_polylines, pack_shapes
+from physim.randomness import stream
+from physim.scene import Body, FormationPlan, Scene
+from physim.world import Offset, World
+from physim.world_file.geometry_check import geometry_faults
+
+DENSITY = 100.0
+"""[kg/m^2] mass of a robot whose world gives none, over its area"""
+DEFAULT_RANGE = 10.0
+"""[m] range of sight in a world without formation (paper: 10 m)"""
+GRID_CELL = 2.0
+"""[m] cell of the wall look-up"""
+
+
+def build_scene(world: World, seed: int | None = None) -> Scene:
+    """Make a world ready to run, with ``seed`` or else the world's own.
+
+    Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
+    that enclose nothing, a step that would tunnel, ...
+    """
+    seed = world.seed if seed is None else seed
+    drawn = _boundaries(world)
+    reference = np.array(world.reference)
+    obstacles = [np.array(ring) for ring in world.obstacles]
+    area = _area(list(drawn.values()), obstacles, reference)
+    footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
+    paths = [_path(world, i, reference) for i in range(len(world.robots))]
+    start = _start(world, seed)
+    faults = geometry_faults(
+        world,
+        start=start,
+        footprints=footprints,
+        boundaries=list(drawn.values()),
+        obstacles=obstacles,
+        accessible=area.polygon,
+        paths=paths,
+    )
+    if faults:
+        raise WorldError(faults)
+
+    parts = [convex_parts(f) for f in footprints]
+    walls = pack_shapes(
+        [_segments(line) for line in drawn.values()] + [list(convex_parts(o)) for o in obstacles]
+    )
+    formation = _formation(world, start, reference)
+    names = [("robot", robot.name) for robot in world.robots]
+    names += [("boundary", name) for name in drawn]
+    names += [("obstacle", f"obstacle {k + 1}") for k in range(len(obstacles))]
+    packed_paths = pack_polylines(paths)
+    ends = packed_paths.station[packed_paths.start[1:] - 1]
+    return Scene(
+        world=world,
+        seed=seed,
+        dt=world.time.step,
+        steps=round(world.time.duration / world.time.step),
+        bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
+        shapes=pack_shapes(parts),
+        walls=walls,
+        nearby=build_nearby(walls, formation.range, GRID_CELL),
+        mass=np.array([_mass(robot.mass, f) for robot, f in zip(world.robots, footprints, strict=True)]),
+        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
+        start=start,
+        paths=packed_paths,
+        reference=pack_polylines([reference]),
+        outside=tuple(area.outside_stretches(path) for path in paths),
+        speeds=tuple(robot.speeds for robot in world.robots),
+        omegas=tuple(robot.omegas for robot in world.robots),
+        stop_station=np.maximum(ends - (formation.lead.max() - formation.lead), 0.0),
+        formation=formation,
+        area=area,
+    )  # fmt: skip
+
+
+def is_random(world: World) -> bool:
+    """Whether anything in the world is drawn by the seed."""
+    return any(robot.pose[2] == "random" for robot in world.robots)
+
+
+def _boundaries(world: World) -> dict[str, FloatArray]:
+    """Boundary polylines by name, in the order of their ids."""
+    if world.corridor is None:
+        lines = world.boundaries or ()
+        return {f"boundary {k + 1}": np.array(line) for k, line in enumerate(lines)}
+    centreline = np.array(world.corridor.centreline)
+    width = np.broadcast_to(np.array(world.corridor.width, dtype=np.float64), len(centreline))
+    try:
+        return corridor_boundaries(centreline, width, world.corridor.end_margin)
+    except ValueError as error:
+        fault = Fault(("corridor", "centreline"), f"the centreline {error}")
+        raise WorldError([fault]) from None
+
+
+def _area(drawn: list[FloatArray], obstacles: list[FloatArray], reference: FloatArray) -> Area:
+    try:
+        return accessible_area(drawn, obstacles, reference)
+    except ValueError as error:
+        message = f"{error}; boundaries must close a face around the reference path"
+        raise WorldError([Fault(("boundaries",), message)]) from None
+
+
+def _path(world: World, i: int, reference: FloatArray) -> FloatArray:
+    path = world.robots[i].path
+    if not isinstance(path, Offset):
+        return np.array(path)
+    try:
+        return offset_polyline(reference, np.full(len(reference), path.offset))
+    except ValueError as error:
+        fault = Fault(("robots", i, "path", "offset"), f"the reference path {error}")
+        raise WorldError([fault]) from None
+
+
+def _start(world: World, seed: int) -> FloatArray:
+    """Start poses (N, 3); a random heading is uniform in [-pi, pi), one stream a robot."""
+    poses = np.empty((len(world.robots), 3))
+    for i, robot in enumerate(world.robots):
+        x, y, heading = robot.pose
+        if heading == "random":
+            heading = stream(seed, "heading", i).uniform(-pi, pi)
+        poses[i] = x, y, heading
+    return poses
+
+
+def _segments(line: FloatArray) -> list[FloatArray]:
+    return [line[k : k + 2] for k in range(len(line) - 1)]
+
+
+def _mass(given: float | None, footprint: FloatArray) -> float:
+    return DENSITY * abs(signed_area(footprint)) if given is None else given
+
+
+def _formation(world: World, start: FloatArray, reference: FloatArray) -> FormationPlan:
+    """Desired leads: as listed, or those of the start poses along s*."""
+    n = len(start)
+    plan = world.formation
+    if plan is None:
+        none = np.zeros((0, 0), dtype=np.int64)
+        return FormationPlan(False, 0.0, 1.0, 0.0, 1.0, np.zeros(n), none, DEFAULT_RANGE)
+    if plan.spacing == "initial":
+        path = Path(reference)
+        station = np.array([path.project(x, y)[0] for x, y, _ in start])
+        lead = station - station[0]
+    else:
+        lead = np.array(plan.spacing)
+    return FormationPlan(
+        active=True,
+        gain=plan.gain,
+        speed=plan.speed,
+        v_min=plan.limits[0],
+        v_max=plan.limits[1],
+        lead=lead,
+        adjacency=_adjacency(plan.neighbours, [robot.name for robot in world.robots]),
+        range=plan.range,
+    )
+
+
+def _adjacency(
+    neighbours: str | Sequence[tuple[str, str]], names: Sequence[str]
+) -> IntArray:
+    """(N, N) symmetric, or (0, 0) when neighbours are those within range."""
+    n = len(names)
+    if neighbours == "range":
+        return np.zeros((0, 0), dtype=np.int64)
+    if neighbours == "all":
+        return np.ones((n, n), dtype=np.int64) - np.eye(n, dtype=np.int64)
+    adjacency = np.zeros((n, n), dtype=np.int64)
+    for a, b in neighbours:
+        i, j = names.index(a), names.index(b)
+        adjacency[i, j] = adjacency[j, i] = 1
+    return adjacency

@@ -1,0 +1,170 @@
+"""The simulation: observe, decide, filter, move, once a step.
+
+One step runs from sample k to sample k + 1: the robots that are due at k decide from one snapshot,
+all hold their commands over the step, and the physics moves them as far as contacts allow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.control import BatchController, Batched, Controller, Decisions, Mode, Observation, Snapshot
+from physim.control_loop import PlainBatch, check_commands, hold_steps
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.perception import Perception
+from physim.physics import Physics
+from physim.registry import make_controller
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.world import World
+
+
+class Filter(Protocol):
+    """Stands between what controllers want and what robots are given, at every step."""
+
+    def __call__(self, scene: Scene, snapshot: Snapshot, wanted: FloatArray) -> FloatArray:
+        """Given commands (N, 2) for wanted ones (N, 2); must not write to its arguments."""
+        ...
+
+
+class Update:
+    """Decisions of one step with what the robots knew then: rows of the update table."""
+
+    __slots__ = ("decisions", "deviation", "formation_error", "given", "next_step", "snapshot")
+
+    def __init__(
+        self,
+        snapshot: Snapshot,
+        decisions: Decisions,
+        given: FloatArray,
+        next_step: IntArray,
+        formation_error: FloatArray,
+        deviation: FloatArray,
+    ) -> None:
+        self.snapshot = snapshot
+        self.decisions = decisions
+        self.given = given
+        self.next_step = next_step
+        self.formation_error = formation_error
+        self.deviation = deviation
+
+
+class Simulation:
+    """A world in motion, step by step.
+
+    ``pose`` (N, 3), ``command`` (N, 2) as wanted by the controllers, ``mode`` (N,), ``contacts``
+    (rows of this sample) and ``step_number`` say how things stand at the present sample.
+    """
+
+    def __init__(
+        self,
+        world: World | Scene,
+        seed: int | None = None,
+        controller: Controller | None = None,
+        filters: Sequence[Filter] = (),
+    ) -> None:
+        """Set up sample 0. Raises WorldError or ControllerError where it cannot be run.
+
+        Without ``controller`` the world's own is made; without ``seed`` the world's own is used.
+        """
+        self.scene = scene = world if isinstance(world, Scene) else build_scene(world, seed)
+        choice = scene.world.controller
+        self.controller = controller or make_controller(choice.type, choice.settings)
+        self.physics = Physics(
+            scene.shapes,
+            scene.walls,
+            scene.start,
+            scene.mass,
+            scene.dt,
+            friction=scene.world.physics.friction,
+            elasticity=scene.world.physics.elasticity,
+        )
+        self.perception = Perception(scene)
+        self.filters = tuple(filters)
+        self.step_number = 0
+        self.pose: FloatArray = self.physics.pose
+        self.command = np.zeros((scene.robots, 2))
+        self.mode = np.zeros(scene.robots, dtype=np.int64)
+        self.next_decision = np.zeros(scene.robots, dtype=np.int64)
+        self.update: Update | None = None
+        self._batch: BatchController = (
+            self.controller.batch(scene)
+            if isinstance(self.controller, Batched)
+            else PlainBatch(self.controller, scene, self.observe)
+        )
+
+    @property
+    def time(self) -> float:
+        """[s] simulated time of the present sample."""
+        return self.step_number * self.scene.dt
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """Contact rows of the present sample."""
+        return self.physics.contacts
+
+    @property
+    def finished(self) -> bool:
+        """Whether every robot has arrived."""
+        return bool((self.mode == Mode.ARRIVED).all())
+
+    def snapshot(self) -> Snapshot:
+        """All robots now: poses, commands held before this step, stations."""
+        p = self.perception
+        return Snapshot(self.step_number, self.pose, self.command, p.station, p.reference_station)
+
+    def observe(self, i: int) -> Observation:
+        """What Robot i may know now."""
+        return self.perception.observe(i, self.snapshot())
+
+    def step(self, commands: FloatArray | None = None) -> None:
+        """Go from this sample to the next.
+
+        With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
+        ControllerError for a command that is not finite or beyond a robot's limits.
+        """
+        self.update = None
+        snapshot = self.snapshot()
+        if commands is not None:
+            wanted = np.array(commands, dtype=np.float64)
+            check_commands(self.scene, self.time, np.arange(self.scene.robots), wanted)
+        else:
+            due = np.flatnonzero(self.next_decision <= self.step_number)
+            wanted = self._decide(snapshot, due) if len(due) else self.command
+        given = wanted
+        for rule in self.filters:
+            given = rule(self.scene, snapshot, given)
+        if self.update is not None:
+            self.update.given = given[self.update.decisions.robot]
+        self.physics.step(given)
+        self.command = wanted
+        self.pose = self.physics.pose
+        self.step_number += 1
+        self.perception.track(self.pose)
+
+    def _decide(self, snapshot: Snapshot, due: IntArray) -> FloatArray:
+        """Ask the robots that are due; commands (N, 2) of all robots from now on."""
+        decisions = self._batch.decide_due(snapshot, due)
+        check_commands(self.scene, self.time, due, decisions.command)
+        next_step = self.step_number + hold_steps(self.scene, self.time, due, decisions.hold)
+        wanted = self.command.copy()
+        wanted[due] = decisions.command
+        self.mode[due] = decisions.mode
+        self.next_decision[due] = next_step
+        known = self.perception
+        frozen = snapshot._replace(
+            station=known.station[due], reference_station=known.reference_station[due]
+        )
+        self.update = Update(
+            frozen,
+            decisions,
+            decisions.command,
+            next_step,
+            known.formation_errors()[due],
+            known.deviation[due],
+        )
+        return wanted

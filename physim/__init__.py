@@ -1,1 +1,93 @@
-"""physim."""
+"""physim: a physics-backed simulator for multi-robot control in confined space.
+
+    world = physim.load_world("my_world.yaml")
+    record = physim.simulate(world)
+    print(record.contacts, physim.summarise(record))
+
+Step by step::
+
+    simulation = physim.Simulation(world, seed=3)
+    while not simulation.finished:
+        simulation.step()
+
+Names are imported when first used, so ``import physim`` is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from physim._version import VERSION as __version__
+    from physim.control import Controller, Decision, Mode, Observation, Report
+    from physim.errors import ControllerError, Fault, PhysimError, RecordError, WorldError
+    from physim.record import Record
+    from physim.recording import simulate
+    from physim.scene_builder import build_scene
+    from physim.simulation import Simulation
+    from physim.summary import summarise
+    from physim.video import render
+    from physim.world import World
+    from physim.world_file import load_world, parse_world
+
+_WHERE = {
+    "Controller": "physim.control",
+    "ControllerError": "physim.errors",
+    "Decision": "physim.control",
+    "Fault": "physim.errors",
+    "Mode": "physim.control",
+    "Observation": "physim.control",
+    "PhysimError": "physim.errors",
+    "Record": "physim.record",
+    "RecordError": "physim.errors",
+    "Report": "physim.control",
+    "Simulation": "physim.simulation",
+    "World": "physim.world",
+    "WorldError": "physim.errors",
+    "build_scene": "physim.scene_builder",
+    "load_world": "physim.world_file",
+    "parse_world": "physim.world_file",
+    "render": "physim.video",
+    "simulate": "physim.recording",
+    "summarise": "physim.summary",
+}
+
+__all__ = [
+    "Controller",
+    "ControllerError",
+    "Decision",
+    "Fault",
+    "Mode",
+    "Observation",
+    "PhysimError",
+    "Record",
+    "RecordError",
+    "Report",
+    "Simulation",
+    "World",
+    "WorldError",
+    "__version__",
+    "build_scene",
+    "load_world",
+    "parse_world",
+    "render",
+    "simulate",
+    "summarise",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name == "__version__":
+        return import_module("physim._version").VERSION
+    if name not in _WHERE:
+        raise AttributeError(f"module 'physim' has no attribute '{name}'")
+    value = getattr(import_module(_WHERE[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names."""
+    return __all__

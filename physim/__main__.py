@@ -1,0 +1,7 @@
+"""``python -m physim``."""
+
+import sys
+
+from physim.cli import main
+
+sys.exit(main())

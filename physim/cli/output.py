@@ -1,0 +1,36 @@
+"""Where a run writes, decided and checked before anything is computed."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from physim.errors import PhysimError
+
+FILES = ("record.h5", "video.mp4", "summary.json")
+
+
+def output_folder(folder: Path, force: bool) -> Path:
+    """Make the output folder and return it.
+
+    Raises PhysimError when it holds an earlier run and ``force`` is not set, when it is a file,
+    or when it cannot be written. With ``force`` the earlier run's own files are removed, others
+    are left alone.
+    """
+    earlier = [folder / name for name in FILES if os.path.lexists(folder / name)]
+    if folder.exists() and not folder.is_dir():
+        raise PhysimError(f"{folder}: is a file; -o takes a folder")
+    if earlier and not force:
+        raise PhysimError(
+            f"{folder}: holds an earlier run ({earlier[0].name}); "
+            "use --force to write over it, or -o for another folder"
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(13, "Permission denied")
+        for file in earlier:
+            file.unlink()
+    except OSError as error:
+        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
+    return folder

@@ -1,0 +1,143 @@
+"""Arguments of every command, and the help that teaches them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NoReturn
+
+DESCRIPTION = """\
+Run corridor worlds of polygon robots on real rigid-body physics, and see what happened.
+
+  physim list                     shipped worlds and controllers
+  physim run ten_robots           run one: record, video and summary in runs/
+  physim run my_world.yaml        run your own
+"""
+
+RUN_EPILOG = """\
+exit codes:
+  0    ran, and everything under "expect:" in the world held
+  1    ran, but an expectation failed
+  2    bad input: one message says what and where
+  130  interrupted (Ctrl-C): record and video so far are complete and readable
+
+examples:
+  physim run ten_robots
+  physim run ten_robots --seed 3 --no-video -o /tmp/seed3
+  physim run my_world.yaml --set time.duration=20.0 --set controller.beta=0.3
+  physim run my_world.yaml --controller my_module:MyController
+"""
+
+
+class Parser(argparse.ArgumentParser):
+    """Argument parser whose errors are one line, with the way to the help."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print one line and exit with 2."""
+        print(f"{self.prog}: {message} (see {self.prog} --help)", file=sys.stderr)
+        sys.exit(2)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Parser of all commands; each sets ``action`` to the function that does it."""
+    from physim._version import VERSION
+
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = Parser("physim", description=DESCRIPTION, formatter_class=raw)
+    parser.add_argument("--version", action="version", version=f"physim {VERSION}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    run = commands.add_parser(
+        "run",
+        help="run a world: record, video and summary",
+        description="Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.",
+        epilog=RUN_EPILOG,
+        formatter_class=raw,
+    )
+    run.add_argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
+    run.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="output folder (default: runs/NAME-SEED)"
+    )
+    run.add_argument("--force", action="store_true", help="write over an earlier run in DIR")
+    run.add_argument("--seed", type=_whole, metavar="N", help="seed, instead of the world's own")
+    run.add_argument(
+        "--controller",
+        metavar="NAME",
+        help="a registered controller (physim list) or your own as module:Class",
+    )
+    run.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change one value of the world, e.g. robots.0.limits.v=1.2 (may be repeated)",
+    )
+    run.add_argument("--no-video", action="store_true", help="leave the video out")
+    run.add_argument("--quiet", action="store_true", help="no progress bar and no table")
+    run.set_defaults(action=_lazy("physim.cli.run", "run"))
+
+    video = commands.add_parser(
+        "video", help="make the video of a record", description="Make the video of a record."
+    )
+    video.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+    video.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="default: video.mp4 beside the record"
+    )
+    video.add_argument("--force", action="store_true", help="write over an existing file")
+    video.add_argument("--fps", type=_whole, default=25, metavar="N", help="frames a second (25)")
+    video.add_argument(
+        "--speed",
+        type=_positive,
+        metavar="X",
+        help="simulated seconds a second of video (default: chosen to last at most 80 s)",
+    )
+    video.add_argument("--quiet", action="store_true", help="no progress bar")
+    video.set_defaults(action=_lazy("physim.cli.video", "video"))
+
+    summary = commands.add_parser(
+        "summary",
+        help="summarise a record",
+        description="Contacts, distances, collision times, formation errors and modes of a record.",
+    )
+    summary.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+    summary.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    summary.set_defaults(action=_lazy("physim.cli.summary", "summary"))
+
+    listing = commands.add_parser(
+        "list",
+        help="list shipped worlds and controllers",
+        description="List the shipped worlds and the registered controllers, a line each.",
+    )
+    listing.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    listing.set_defaults(action=_lazy("physim.cli.listing", "listing"))
+    return parser
+
+
+def _lazy(module: str, name: str) -> Any:
+    """Import the command's module only when it is asked for: ``--help`` stays fast."""
+
+    def action(options: argparse.Namespace) -> int:
+        code: int = getattr(import_module(module), name)(options)
+        return code
+
+    return action
+
+
+def _whole(text: str) -> int:
+    value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
+    if value < 0:
+        raise argparse.ArgumentTypeError(f'"{text}" is not a whole number of at least 0')
+    return value
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f'"{text}" is not a number greater than 0')
+    return value

@@ -1,0 +1,77 @@
+"""Progress bars on a terminal, silence in a pipe."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+REFRESH_SECONDS = 0.1
+
+
+class Bar:
+    """A bar on standard error; does nothing when that is no terminal or ``quiet`` is set."""
+
+    def __init__(self, title: str, total: float, unit: str, quiet: bool) -> None:
+        self.shown = not quiet and sys.stderr.isatty()
+        self.due = 0.0
+        if not self.shown:
+            return
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        self.progress = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"),
+            TextColumn("{task.fields[note]}"),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            transient=True,
+        )
+        self.progress.start()
+        self.task = self.progress.add_task(title, total=total, note="")
+
+    def update(self, done: float, note: Callable[[], str] | str = "") -> None:
+        """Show how far the work is; cheap when nothing is due."""
+        if not self.shown or (now := time.monotonic()) < self.due:
+            return
+        self.due = now + REFRESH_SECONDS
+        text = note() if callable(note) else note
+        self.progress.update(self.task, completed=done, note=text)
+
+    def close(self) -> None:
+        """Take the bar off the screen."""
+        if self.shown:
+            self.progress.stop()
+            self.shown = False
+
+
+class Interrupt:
+    """Counts Ctrl-C (SIGINT) and SIGTERM instead of breaking off in the middle of a file."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def __call__(self) -> bool:
+        """Whether there was one."""
+        return self.count > 0
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+
+
+@contextmanager
+def interrupts() -> Iterator[Interrupt]:
+    """Catch Ctrl-C and SIGTERM while a block runs; the block polls the returned object."""
+    interrupt = Interrupt()
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, interrupt._note) for number in signals]
+    try:
+        yield interrupt
+    finally:
+        for number, handler in zip(signals, before, strict=True):
+            signal.signal(number, handler)

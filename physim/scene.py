@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from physim.geometry.nearby import Nearby
     from physim.world import World
 
+
 @dataclass(frozen=True)
 class Body:
     """One row of the body table: robots first (file order), then boundaries, then obstacles."""

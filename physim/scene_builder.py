@@ -168,9 +168,7 @@ def _formation(world: World, start: FloatArray, reference: FloatArray) -> Format
     )
 
 
-def _adjacency(
-    neighbours: str | Sequence[tuple[str, str]], names: Sequence[str]
-) -> IntArray:
+def _adjacency(neighbours: str | Sequence[tuple[str, str]], names: Sequence[str]) -> IntArray:
     """(N, N) symmetric, or (0, 0) when neighbours are those within range."""
     n = len(names)
     if neighbours == "range":

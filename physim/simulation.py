@@ -12,7 +12,15 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import BatchController, Batched, Controller, Decisions, Mode, Observation, Snapshot
+from physim.control import (
+    BatchController,
+    Batched,
+    Controller,
+    Decisions,
+    Mode,
+    Observation,
+    Snapshot,
+)
 from physim.control_loop import PlainBatch, check_commands, hold_steps
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.perception import Perception

@@ -1,0 +1,84 @@
+"""Corridor walls, accessible and safe area, width along a path."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.geometry.area import accessible_area, width_profile
+from physim.geometry.corridor import corridor_boundaries, offset_polyline
+from physim.geometry.shapes import FloatArray
+
+STRAIGHT = np.array([[0.0, 0.0], [20.0, 0.0]])
+
+
+def box(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
+    return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
+
+
+def test_straight_corridor_is_closed_beyond_both_ends() -> None:
+    walls = corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0)
+    area = accessible_area(list(walls.values()), [], STRAIGHT)
+    assert area.polygon.equals(shapely.box(-3.0, -4.0, 23.0, 4.0))
+
+
+def test_obstacles_are_holes_and_what_they_cut_off_is_not_accessible() -> None:
+    walls = corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0)
+    area = accessible_area(list(walls.values()), [box(5, 1, 7, 3), box(21.5, -5, 22, 5)], STRAIGHT)
+    assert area.polygon.equals(
+        shapely.box(-3.0, -4.0, 21.5, 4.0).difference(shapely.box(5, 1, 7, 3))
+    )
+    assert len(area.accessible_rings) == 2
+
+
+@pytest.mark.parametrize(
+    ("boundaries", "reference"),
+    [
+        ([STRAIGHT + (0, 4), STRAIGHT - (0, 4)], STRAIGHT),
+        ([np.vstack([box(30, 0, 40, 5), [[30, 0]]])], STRAIGHT),
+    ],
+)
+def test_boundaries_that_enclose_nothing_are_refused(
+    boundaries: list[FloatArray], reference: FloatArray
+) -> None:
+    with pytest.raises(ValueError, match="enclose"):
+        accessible_area(boundaries, [], reference)
+
+
+def test_offset_of_a_right_angle_is_mitred() -> None:
+    corner = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]])
+    assert offset_polyline(corner, np.full(3, 1.0)) == pytest.approx(
+        np.array([[0.0, 1.0], [9.0, 1.0], [9.0, 10.0]])
+    )
+
+
+def test_a_line_that_turns_back_cannot_be_offset() -> None:
+    with pytest.raises(ValueError, match="waypoint 1 "):
+        offset_polyline(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 0.1]]), np.full(3, 1.0))
+
+
+def test_outside_stretches_of_a_path() -> None:
+    walls = corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0)
+    area = accessible_area(list(walls.values()), [], STRAIGHT)
+    path = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 6.0], [15.0, 6.0], [15.0, 0.0], [20.0, 0.0]])
+    assert area.outside_stretches(path) == pytest.approx(np.array([[9.0, 23.0]]))
+    assert area.outside_stretches(STRAIGHT).shape == (0, 2)
+
+
+def test_safe_rings_lie_inside_the_true_safe_area() -> None:
+    walls = corridor_boundaries(STRAIGHT, np.array([8.0, 6.0]), 3.0)
+    area = accessible_area(list(walls.values()), [], STRAIGHT)
+    (ring,) = area.safe_rings(1.0)
+    gaps = shapely.distance(area.polygon.exterior, shapely.points(ring))
+    assert gaps.min() == pytest.approx(1.0, abs=1e-9)
+
+
+def test_width_is_the_shortest_distance_left_plus_right() -> None:
+    walls = corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0)
+    segments = np.vstack([np.hstack([line[:-1], line[1:]]) for line in walls.values()])
+    stations = np.linspace(2.0, 18.0, 5)
+    points = np.stack([stations, np.full(5, 1.0)], axis=1)
+    left, right = width_profile(points, np.tile([1.0, 0.0], (5, 1)), segments)
+    assert left == pytest.approx(np.full(5, 3.0))
+    assert right == pytest.approx(np.full(5, 5.0))

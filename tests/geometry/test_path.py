@@ -1,0 +1,85 @@
+"""Paths: points, projection, and continuity where a path nears itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from physim.geometry.path import Path, project, track
+from physim.geometry.shapes import pack_polylines
+
+coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))
+points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=8)
+
+
+def without_repeats(waypoints: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    kept = [waypoints[0]]
+    kept += [b for a, b in zip(waypoints, waypoints[1:], strict=False) if a != b]
+    assume(len(kept) >= 2)
+    return kept
+
+
+@given(points, coordinate, coordinate)
+def test_projection_agrees_with_shapely(
+    waypoints: list[tuple[float, float]], x: float, y: float
+) -> None:
+    waypoints = without_repeats(waypoints)
+    path = Path(waypoints)
+    line = shapely.LineString(waypoints)
+    station, deviation = path.project(x, y)
+    assert path.length == pytest.approx(line.length)
+    assert abs(deviation) == pytest.approx(line.distance(shapely.Point(x, y)), abs=1e-9)
+    assert np.hypot(*(path.point(station) - (x, y))) == pytest.approx(abs(deviation), abs=1e-9)
+
+
+@given(points, st.floats(-10.0, 300.0))
+def test_point_at_a_station_agrees_with_shapely(
+    waypoints: list[tuple[float, float]], station: float
+) -> None:
+    waypoints = without_repeats(waypoints)
+    path = Path(waypoints)
+    clamped = min(max(station, 0.0), path.length)
+    expected = shapely.LineString(waypoints).interpolate(clamped)
+    assert path.point(station) == pytest.approx((expected.x, expected.y), abs=1e-9)
+
+
+@given(points, coordinate, coordinate, st.floats(0.0, 100.0), st.floats(0.0, 50.0))
+def test_window_is_a_search_over_that_stretch_only(
+    waypoints: list[tuple[float, float]], x: float, y: float, low: float, width: float
+) -> None:
+    lines = pack_polylines([without_repeats(waypoints)])
+    end = lines.station[-1]
+    low = min(low, end)
+    station, deviation = project(lines, 0, x, y, low, low + width)
+    assert low <= station <= min(low + width, end)
+    path = Path(lines.points)
+    samples = np.linspace(low, min(low + width, end), 200)
+    gaps = [np.hypot(*(path.point(s) - (x, y))) for s in samples]
+    assert abs(deviation) <= min(gaps) + 1e-9
+
+
+def test_left_of_the_path_is_positive() -> None:
+    path = Path([(0.0, 0.0), (10.0, 0.0)])
+    assert path.project(4.0, 1.5) == pytest.approx((4.0, 1.5))
+    assert path.project(4.0, -1.5) == pytest.approx((4.0, -1.5))
+
+
+def test_projection_does_not_jump_to_a_branch_nearby() -> None:
+    """A hairpin 0.8 m wide: driving out along one leg, 0.5 m to the side of the other leg."""
+    path = Path([(0.0, 0.0), (30.0, 0.0), (30.0, 0.8), (0.0, 0.8)])
+    station, jumped = 0.0, False
+    for x in np.arange(0.0, 25.0, 0.02):
+        new, _ = track(path.lines, 0, x, 0.5, station, 1.0)
+        assert abs(new - station) < 0.05
+        station = new
+        jumped = jumped or abs(path.project(x, 0.5)[0] - station) > 5.0
+    assert station == pytest.approx(24.98)
+    assert jumped  # the plain nearest point lies on the other leg: the test can fail
+
+
+def test_target_past_the_end_is_the_last_waypoint() -> None:
+    path = Path([(0.0, 0.0), (3.0, 0.0)])
+    assert path.target(2.5, 2.0) == pytest.approx((3.0, 0.0))

@@ -23,6 +23,10 @@ Walls hold while the advance is at most half the robot's length; a quarter leave
 SETTLED_DEPTH = 2e-3
 """[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
 
+WHOLE_STEPS = 1e-9
+"""[-] How far, as a share, a duration may be from a whole number of steps: far above the rounding
+of their quotient, and at most a tenth of a step in 1e8 steps."""
+
 
 def chord(v: float, omega: float, dt: float) -> float:
     """Return the largest gap [m] between the arc of one step and the straight line of its ends.

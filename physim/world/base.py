@@ -1,0 +1,52 @@
+"""Base of all models of a world: frozen, strict, and refusing in our own words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from physim.errors import Fault, WorldError
+from physim.world.faults import faults_of
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)
+
+
+class _Meta(ModelMetaclass):
+    """Turns pydantic's error into a `WorldError` with every fault.
+
+    It sits on the call of the class rather than in ``__init__``: a model inside another one is
+    made without that call, so that all faults of a world arrive together.
+    """
+
+    def __call__(cls, /, *args: Any, **data: Any) -> Any:
+        faults: list[Fault] = []
+        made: Any = None
+        try:
+            made = super().__call__(*args, **data)
+        except ValidationError as error:
+            faults = faults_of(error, cls)
+        faults += cls.cross_faults(data)  # type: ignore[attr-defined]
+        if faults:
+            raise WorldError(faults)
+        return made
+
+
+class Model(BaseModel, metaclass=_Meta):
+    """Frozen, hashable, equal by value; an unknown key is refused.
+
+    Making one with bad values raises `physim.errors.WorldError`, which lists every fault.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, protected_namespaces=(), use_attribute_docstrings=False
+    )
+
+    @classmethod
+    def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
+        """Faults between several values of ``data``, valid or not; nothing by default."""
+        return []

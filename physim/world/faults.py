@@ -1,0 +1,177 @@
+"""pydantic's errors in our own words: what was given, what is allowed, what may be meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, cast
+
+from pydantic import BaseModel, ValidationError
+
+from physim.errors import Fault, Location, nearest
+from physim.world.describe import TAGS, field_at, model_at
+
+MOST_SHOWN = 40
+"""Characters of a given value that a message repeats."""
+
+LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
+
+
+@dataclass(frozen=True)
+class KeyFault(Fault):
+    """A fault of a key itself, not of its value: it is shown where the key stands."""
+
+
+def shown(value: Any) -> str:
+    """Write a given value briefly on one line, as a message shows it."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        return "an empty list" if not value else f"a list of {len(value)}"
+    if isinstance(value, str):
+        return '"' + _short(_one_line(value)) + '"'
+    if isinstance(value, int) and abs(value) >= 10**MOST_SHOWN:
+        return "an integer of more than 40 digits"
+    if isinstance(value, int | float):
+        return repr(value)
+    return f"a Python {type(value).__name__}"
+
+
+def _one_line(text: str) -> str:
+    start = text[: MOST_SHOWN + 1]
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in start)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= MOST_SHOWN else text[:MOST_SHOWN] + "…"
+
+
+def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
+    """One fault per mistake of ``error``, which arose when making a ``model``.
+
+    A missing key that is evidently a misspelt one is told once, as the misspelt key.
+    """
+    faults: list[Fault] = []
+    mended: set[Location] = set()
+    missing: list[Fault] = []
+    for details in error.errors(include_url=False):
+        raw: Location = details["loc"]
+        location = plain_location(raw)
+        if details["type"] == "extra_forbidden":
+            allowed = keys_of(model_at(model, raw[:-1]))
+            faults.append(unknown_key(location, allowed))
+            mended |= {(*location[:-1], key) for key in allowed if _meant(location[-1], key)}
+        elif details["type"] == "missing" and not isinstance(location[-1], int):
+            missing.append(Fault(location, _missing(model, raw)))
+        else:
+            faults.append(Fault(location, message(cast(Mapping[str, Any], details))))
+    return faults + [fault for fault in missing if fault.location not in mended]
+
+
+def plain_location(location: Location) -> Location:
+    """Location as the author sees it: without the tags that tell alternatives apart."""
+    parts = tuple(part for part in location if part not in TAGS)
+    if parts[:2] == ("controller", "settings"):
+        return ("controller", *parts[2:])
+    return parts
+
+
+def unknown_key(location: Location, allowed: list[str]) -> Fault:
+    """Fault of a key that does not exist: the allowed ones, and the nearest of them."""
+    given = str(location[-1])
+    choices = f"; allowed: {', '.join(allowed)}" if allowed else ""
+    return KeyFault(location, f"unknown key{choices}{nearest(given.lower(), allowed)}")
+
+
+def keys_of(model: type[BaseModel] | None) -> list[str]:
+    """Keys that a model takes."""
+    return list(model.model_fields) if model is not None else []
+
+
+def _meant(given: str | int, key: str) -> bool:
+    return nearest(str(given).lower(), [key]) != ""
+
+
+def _missing(model: type[BaseModel], location: Location) -> str:
+    field = field_at(model, location)
+    meaning = f"; it is {field.description}" if field is not None and field.description else ""
+    return f"missing{meaning}"
+
+
+def message(details: Mapping[str, Any]) -> str:
+    """Say in one line what is wrong with a value and what is allowed."""
+    given = details.get("input")
+    context = details.get("ctx", {})
+    kind = str(details["type"])
+    if kind in _NEEDED:
+        return f"{_NEEDED[kind]}; given {shown(given)}{_hint(kind, given)}"
+    if kind in _BOUNDS:
+        sign, key = _BOUNDS[kind]
+        return f"must be {sign} {context[key]:.15g}; given {shown(given)}"
+    if kind in _SPECIAL:
+        return _SPECIAL[kind](context, given)
+    return f"{details['msg']}; given {shown(given)}"
+
+
+def _hint(kind: str, given: Any) -> str:
+    if kind == "string_type" and isinstance(given, int | float):
+        return "; put it in quotes to make it a text"
+    if isinstance(given, str) and kind in ("float_type", "int_type"):
+        if LOOKS_NUMERIC.fullmatch(given):
+            return ", which is a text; write the number without quotes"
+        if given.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
+            return "; it must be finite"
+    return ""
+
+
+_NEEDED = {
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_parsing_size": "must be a whole number of a sane size",
+    "finite_number": "must be a finite number",
+    "bool_type": "must be true or false",
+    "bool_parsing": "must be true or false",
+    "string_type": "must be a text",
+    "string_unicode": "must be valid Unicode text",
+    "sequence": "must be a list",
+    "list_type": "must be a list",
+    "tuple_type": "must be a list",
+    "dict_type": "must be a mapping of keys to values",
+    "mapping_type": "must be a mapping of keys to values",
+    "model_type": "must be a mapping of keys to values",
+    "model_attributes_type": "must be a mapping of keys to values",
+    "string_too_short": "must not be empty",
+}
+
+_BOUNDS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+
+_SPECIAL: dict[str, Callable[[Mapping[str, Any], Any], str]] = {
+    "missing": lambda context, given: "missing; one more number is needed here",
+    "too_short": lambda context, given: (
+        f"must have at least {context['min_length']} entries; given {context['actual_length']}"
+    ),
+    "too_long": lambda context, given: (
+        f"must have at most {context['max_length']} entries; given "
+        f"{context['actual_length'] or 'more'}"
+    ),
+    "string_too_long": lambda context, given: (
+        f"must have at most {context['max_length']} characters; given {len(given)}"
+    ),
+    "literal_error": lambda context, given: (
+        f"must be {context['expected']}; given {shown(given)}"
+        + nearest(str(given)[:200].lower(), re.findall(r"'([^']*)'", context["expected"]))
+    ),
+}

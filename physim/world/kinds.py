@@ -1,0 +1,87 @@
+"""Kinds of values that a world is made of: numbers, points, polylines, words, labels.
+
+Numbers are strict: finite, whole numbers count as floats, true/false and text do not. A numpy
+array or number is taken like the list or float it stands for.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
+
+LARGEST_COORDINATE = 1.0e6
+"""[m] Beyond this a double resolves less than the contact tolerance allows."""
+MOST_POINTS = 100_000
+"""Points of one polyline."""
+MOST_CORNERS = 2_000
+"""Corners of one footprint or obstacle."""
+MOST_NAME = 100
+"""Characters of a name."""
+
+
+def plain(value: Any) -> Any:
+    """Return a numpy array or scalar as the list or number it stands for, all else unchanged."""
+    tolist = getattr(value, "tolist", None)
+    return tolist() if callable(tolist) else value
+
+
+def _sequence(value: Any) -> Any:
+    value = plain(value)
+    if isinstance(value, list | tuple):
+        return value
+    raise PydanticCustomError("sequence", "must be a list")
+
+
+def _printable(text: str) -> str:
+    if text.isprintable():
+        return text
+    raise PydanticCustomError("label", "must not hold line breaks or control characters")
+
+
+def _open_ring(corners: tuple[Point, ...]) -> tuple[Point, ...]:
+    """Drop a last corner that repeats the first: the ring is closed anyway."""
+    if len(corners) > 3 and corners[0] == corners[-1]:
+        return corners[:-1]
+    return corners
+
+
+def is_word(value: Any) -> str:
+    """Tell a word from all other values, for a value that is either a number or a word."""
+    return "<word>" if isinstance(value, str) else "<value>"
+
+
+Number = Annotated[float, BeforeValidator(plain), Field(strict=True, allow_inf_nan=False)]
+Whole = Annotated[int, BeforeValidator(plain), Field(strict=True)]
+Flag = Annotated[bool, BeforeValidator(plain), Field(strict=True)]
+Text = Annotated[str, Field(strict=True, max_length=10_000)]
+Label = Annotated[
+    str, Field(strict=True, min_length=1, max_length=MOST_NAME), AfterValidator(_printable)
+]
+Coordinate = Annotated[
+    float,
+    Field(strict=True, allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE),
+]
+Heading = Annotated[
+    Annotated[
+        float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)
+    ]
+    | Annotated[Literal["random"], Tag("<word>")],
+    Discriminator(is_word),
+]
+Point = tuple[float, float]
+Pose = Annotated[tuple[Coordinate, Coordinate, Heading], BeforeValidator(_sequence)]
+Polyline = Annotated[
+    tuple[tuple[Coordinate, Coordinate], ...],
+    BeforeValidator(_sequence),
+    Field(min_length=2, max_length=MOST_POINTS),
+]
+Polygon = Annotated[
+    tuple[tuple[Coordinate, Coordinate], ...],
+    BeforeValidator(_sequence),
+    Field(min_length=3, max_length=MOST_CORNERS),
+    AfterValidator(_open_ring),
+]
+Sequence = BeforeValidator(_sequence)
+"""Put on a tuple field: takes lists, tuples and arrays, and nothing else."""

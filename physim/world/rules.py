@@ -1,0 +1,189 @@
+"""Faults that lie between several values of a world: counts, names, times.
+
+The rules read the values as they were given, valid or not, and pass over what they cannot read:
+so they speak together with the faults of single values, and all arrive at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from physim.errors import Fault, nearest
+from physim.tolerances import WHOLE_STEPS
+from physim.world.faults import shown
+from physim.world.kinds import plain
+
+MOST_STEPS = 100_000_000
+
+
+def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
+    """Every fault between values of ``data``, the raw values of a `World`."""
+    rules = (_time, _walls, _width, _names, _omegas, _formation, _spacing, _neighbours, _distinct)
+    return [fault for rule in rules for fault in rule(data)]
+
+
+def _get(holder: Any, key: str) -> Any:
+    """Value of ``key`` in a mapping or of that attribute of a model; None when there is none."""
+    if isinstance(holder, Mapping):
+        return plain(holder.get(key))
+    return plain(getattr(holder, key, None))
+
+
+def _list(holder: Any, key: str) -> Sequence[Any] | None:
+    value = _get(holder, key)
+    return value if isinstance(value, list | tuple) else None
+
+
+def _number(value: Any) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    return float(value) if abs(value) < 1e300 else None
+
+
+def _time(data: Mapping[str, Any]) -> Iterator[Fault]:
+    step = _number(_get(_get(data, "time"), "step"))
+    duration = _number(_get(_get(data, "time"), "duration"))
+    if step is None or duration is None or step <= 0.0 or duration <= 0.0:
+        return
+    where = ("time", "duration")
+    if step > duration:
+        yield Fault(
+            ("time", "step"),
+            f"{step!r} s is longer than the duration, {duration!r} s; it must be at most that",
+        )
+        return
+    ratio = duration / step
+    steps = round(ratio) if ratio < 1e15 else MOST_STEPS + 1
+    if steps > MOST_STEPS:
+        yield Fault(where, f"{ratio:.4g} steps of {step!r} s; at most {MOST_STEPS} are allowed")
+    elif abs(ratio - steps) > WHOLE_STEPS * max(1.0, ratio):
+        below, above = int(ratio) * step, (int(ratio) + 1) * step
+        yield Fault(
+            where,
+            f"{duration!r} s is not a whole number of steps of {step!r} s; "
+            f"nearest are {below:.12g} and {above:.12g}",
+        )
+
+
+def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
+    corridor, boundaries = _get(data, "corridor"), _get(data, "boundaries")
+    if corridor is None and boundaries is None:
+        yield Fault((), "neither corridor nor boundaries; a world needs one of them")
+    elif corridor is not None and boundaries is not None:
+        yield Fault(("boundaries",), "given beside corridor; a world has one of them, not both")
+    elif corridor is None and _get(data, "reference_path") is None:
+        yield Fault(("reference_path",), "missing; a world with boundaries must give it [m]")
+
+
+def _width(data: Mapping[str, Any]) -> Iterator[Fault]:
+    corridor = _get(data, "corridor")
+    widths, points = _list(corridor, "width"), _list(corridor, "centreline")
+    if widths is not None and points is not None and len(widths) != len(points):
+        yield Fault(
+            ("corridor", "width"),
+            f"{len(widths)} widths for {len(points)} points of the centreline; "
+            "give one number, or one per point",
+        )
+
+
+def _given_names(data: Mapping[str, Any]) -> list[str | None]:
+    names = [_get(robot, "name") for robot in _list(data, "robots") or ()]
+    return [name if isinstance(name, str) else None for name in names]
+
+
+def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
+    first: dict[str, int] = {}
+    for i, name in enumerate(_given_names(data)):
+        if name is not None and first.setdefault(name, i) != i:
+            yield Fault(
+                ("robots", i, "name"),
+                f"{shown(name)} is the name of robots[{first[name]}] too; names must differ",
+            )
+
+
+def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Candidate speeds beyond the robot's own limits could never be followed."""
+    for i, robot in enumerate(_list(data, "robots") or ()):
+        limits = _get(robot, "limits")
+        for key, limit_key, default in (("speeds", "v", 1.5), ("omegas", "omega", 1.6)):
+            limit = _number(_get(limits, limit_key)) if limits is not None else default
+            if limit is None:
+                limit = default
+            for k, value in enumerate(_list(robot, key) or ()):
+                number = _number(value)
+                if number is not None and abs(number) > limit:
+                    yield Fault(
+                        ("robots", i, key, k),
+                        f"{number!r} is beyond limits.{limit_key} = {limit!r} of this robot",
+                    )
+
+
+def _formation(data: Mapping[str, Any]) -> Iterator[Fault]:
+    limits = _list(_get(data, "formation"), "limits")
+    if limits is None or len(limits) != 2:
+        return
+    low, high = (_number(value) for value in limits)
+    if low is not None and high is not None and low > high:
+        yield Fault(
+            ("formation", "limits"),
+            f"least speed {low!r} m/s above the greatest, {high!r}; write [least, greatest]",
+        )
+
+
+def _spacing(data: Mapping[str, Any]) -> Iterator[Fault]:
+    leads, robots = _list(_get(data, "formation"), "spacing"), _list(data, "robots")
+    if leads is None or robots is None:
+        return
+    where = ("formation", "spacing")
+    if len(leads) != len(robots):
+        yield Fault(
+            where,
+            f"{len(leads)} leads for {len(robots)} robots; "
+            "give one lead [m] per robot, or the word initial",
+        )
+    elif _number(leads[0]) not in (None, 0.0):
+        yield Fault((*where, 0), f"{leads[0]!r} m; the lead of the first robot is 0 by definition")
+
+
+def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
+    names = [name for name in _given_names(data) if name is not None]
+    known, seen = set(names), set()
+    for k, pair in enumerate(_list(_get(data, "formation"), "neighbours") or ()):
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            continue
+        where = ("formation", "neighbours", k)
+        for m, name in enumerate(pair):
+            if isinstance(name, str) and name not in known:
+                yield Fault(
+                    (*where, m), f"no robot has the name {shown(name)}{nearest(name[:100], names)}"
+                )
+        if pair[0] == pair[1]:
+            yield Fault(where, f"{shown(pair[0])} cannot be its own neighbour")
+        elif all(isinstance(name, str) for name in pair):
+            if frozenset(pair) in seen:
+                yield Fault(where, "this pair is given twice")
+            seen.add(frozenset(pair))
+
+
+def _distinct(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Polylines of fewer than two distinct points have no direction."""
+    for where, line in _polylines(data):
+        points = [tuple(point) for point in line if isinstance(point, list | tuple)]
+        if len(points) == len(line) and len(line) >= 2 and all(a == b for a, b in pairwise(points)):
+            yield Fault(where, "all its points are the same; two distinct points are needed")
+
+
+def _polylines(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Sequence[Any]]]:
+    corridor = _get(data, "corridor")
+    if (line := _list(corridor, "centreline")) is not None:
+        yield ("corridor", "centreline"), line
+    if (line := _list(data, "reference_path")) is not None:
+        yield ("reference_path",), line
+    for i, boundary in enumerate(_list(data, "boundaries") or ()):
+        if isinstance(boundary, list | tuple):
+            yield ("boundaries", i), boundary
+    for i, robot in enumerate(_list(data, "robots") or ()):
+        if (line := _list(robot, "path")) is not None:
+            yield ("robots", i, "path"), line

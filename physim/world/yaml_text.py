@@ -1,0 +1,151 @@
+"""Write a world as YAML text: every key, units as comments, numbers that read back equal."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from physim.errors import PhysimError
+from physim.world.frozen import thawed
+from physim.world.model import ControllerChoice, World
+
+LINE = 100
+"""Columns after which a list is broken."""
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[ -][A-Za-z0-9_]+)*")
+_NOT_PLAIN = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan", "inf"}
+
+
+def yaml_text(world: World) -> str:
+    """Text of the world file of ``world``: ends in a newline, ASCII but for printable text."""
+    return "\n".join(_block(world, 0)) + "\n"
+
+
+def write_atomically(path: Path, text: str) -> None:
+    """Put ``text`` (UTF-8) into a file, whole or not at all; PhysimError when that fails."""
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+            os.chmod(name, _mode(path))
+            os.replace(name, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(name)
+            raise
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise PhysimError(f"{path}: cannot be written: {reason}") from error
+
+
+def _mode(path: Path) -> int:
+    """Permissions of the file to be replaced, or those of a new file."""
+    try:
+        return path.stat().st_mode & 0o777
+    except OSError:
+        mask = os.umask(0)
+        os.umask(mask)
+        return 0o666 & ~mask
+
+
+def _block(model: BaseModel, indent: int) -> Iterator[str]:
+    """Lines of a model as a block mapping."""
+    space = " " * indent
+    for key, field in type(model).model_fields.items():
+        value = getattr(model, key)
+        if value is None or (key in ("description", "obstacles") and not value):
+            continue
+        unit = _unit(field.description or "")
+        if isinstance(value, ControllerChoice):
+            flat = {"type": value.type, **thawed(value.settings)}
+            yield f"{space}{key}:"
+            for name, setting in flat.items():
+                yield from _entry(f"{space}  {_text(name)}", setting, "", indent + 2)
+        elif isinstance(value, BaseModel):
+            lines = list(_block(value, indent + 2))
+            yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
+        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+            yield f"{space}{key}:"
+            for item in value:
+                first, *others = _block(item, indent + 4)
+                yield f"{space}  - {first.strip()}"
+                yield from others
+        else:
+            yield from _entry(f"{space}{key}", value, unit, indent)
+
+
+def _unit(description: str) -> str:
+    found = re.match(r"\[[^\]]+\]", description)
+    return f"  # {found[0]}" if found else ""
+
+
+def _entry(head: str, value: Any, unit: str, indent: int) -> Iterator[str]:
+    """``key: value  # [unit]``, long lists broken over several lines."""
+    flow = _flow(value)
+    if len(head) + 2 + len(flow) + len(unit) <= LINE or not isinstance(value, list | tuple):
+        yield f"{head}: {flow}{unit}"
+        return
+    yield f"{head}: [{unit}"
+    line = " " * (indent + 2)
+    for item in value:
+        piece = _flow(item) + ","
+        if line.strip() and len(line) + len(piece) > LINE:
+            yield line.rstrip()
+            line = " " * (indent + 2)
+        line += piece + " "
+    yield line.rstrip()
+    yield " " * indent + "]"
+
+
+def _flow(value: Any) -> str:
+    """Write a value on one line, as YAML's flow style."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return _float(value)
+    if isinstance(value, int):
+        return int.__repr__(value)
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
+    raise PhysimError(f"a value of type {type(value).__name__} cannot stand in a world file")
+
+
+def _float(value: float) -> str:
+    """Shortest text that reads back equal, with the dot and the sign that YAML 1.1 wants."""
+    text = float.__repr__(value)
+    mantissa, e, exponent = text.partition("e")
+    if not e:
+        return text
+    dot = "" if "." in mantissa else ".0"
+    sign = "" if exponent[0] in "+-" else "+"
+    return f"{mantissa}{dot}e{sign}{exponent}"
+
+
+def _text(text: str) -> str:
+    """Plain where no reader could take it for something else, else in double quotes."""
+    if _PLAIN.fullmatch(text) and text.lower() not in _NOT_PLAIN:
+        return text
+    return '"' + "".join(_escaped(character) for character in text) + '"'
+
+
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return "\\" + character
+    if character.isprintable():
+        return character
+    code = ord(character)
+    if code <= 0xFF:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code <= 0xFFFF else f"\\U{code:08x}"

@@ -1,0 +1,8 @@
+"""Robots and walls as rigid bodies: the only package that imports pymunk."""
+
+from __future__ import annotations
+
+from physim.physics.contacts import CONTACT, Kind, Phase
+from physim.physics.host import Physics
+
+__all__ = ["CONTACT", "Kind", "Phase", "Physics"]

@@ -1,0 +1,101 @@
+"""Keep the engine's false contacts out, and note the true ones with their impulses.
+
+pymunk now and then reports a contact more than a metre deep between polygons that are apart and
+have edges on one line. So each contact it reports is checked: shapes farther apart than CONTACT
+by their exact separation are not processed, not noted, only counted.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import pymunk
+
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.physics.closeness import parts_apart
+from physim.physics.space import Hosted
+from physim.tolerances import CONTACT
+
+
+class Touches(NamedTuple):
+    """True contacts of parts in one solve, in the order in which the engine met them."""
+
+    part: IntArray
+    """(M, 2) part numbers"""
+    impulse: FloatArray
+    """(M,) [N s] magnitude"""
+
+
+class Guard(Protocol):
+    """Checks contacts inside the engine's step."""
+
+    rejected: int
+    """false contacts met so far"""
+
+    def take(self) -> Touches:
+        """Return the true contacts since the last call; raise what went wrong in a callback."""
+        ...
+
+
+class PythonGuard:
+    """The guard as plain callbacks: slower than the native form, and its oracle."""
+
+    def __init__(self, hosted: Hosted, shapes: Shapes, *, checks: bool = True) -> None:
+        """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
+        self.rejected = 0
+        self._number = {shape: part for part, shape in enumerate(hosted.parts)}
+        self._vertices = [
+            shapes.vertices[start:stop]
+            for start, stop in zip(shapes.part_start[:-1], shapes.part_start[1:], strict=True)
+        ]
+        self._checks = checks
+        self._found: list[tuple[int, int, float]] = []
+        self._failure: Exception | None = None
+        hosted.space.on_collision(
+            None, None, pre_solve=self._pre_solve, post_solve=self._post_solve
+        )
+
+    def take(self) -> Touches:
+        found, self._found = self._found, []
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        return Touches(
+            np.array([(p, q) for p, q, _ in found], dtype=np.int64).reshape(-1, 2),
+            np.array([impulse for _, _, impulse in found], dtype=np.float64),
+        )
+
+    def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        # An exception would be printed and swallowed by the engine: keep it for take().
+        try:
+            touches = not self._checks or self._separation(arbiter) <= CONTACT
+            arbiter.process_collision = touches
+            self.rejected += not touches
+        except Exception as failure:
+            self._failure = self._failure or failure
+
+    def _post_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        try:
+            first, second = arbiter.shapes
+            numbers = self._number[first], self._number[second]
+            self._found.append((*numbers, arbiter.total_impulse.length))
+        except Exception as failure:
+            self._failure = self._failure or failure
+
+    def _separation(self, arbiter: pymunk.Arbiter) -> float:
+        first, second = arbiter.shapes
+        return parts_apart(
+            self._vertices[self._number[first]],
+            _pose(first),
+            self._vertices[self._number[second]],
+            _pose(second),
+        )
+
+
+def _pose(shape: pymunk.Shape) -> FloatArray:
+    body = shape.body
+    if body is None:
+        raise RuntimeError("the engine reported a shape without a body")
+    x, y = body.position
+    return np.array((x, y, body.angle))

@@ -24,6 +24,7 @@ class BodyArrays:
     """
 
     def __init__(self, space: pymunk.Space, robots: int) -> None:
+        """Attach to a space that has ``robots`` dynamic bodies."""
         self._space = space
         rows = robots + 1  # the static body is listed too
         pose, self._pose_buffer = _shared(rows, 3)

@@ -79,13 +79,13 @@ def contact_rows(
     """
     before, now = frozenset(before), frozenset(now)
     pairs = sorted(before | now)
-    rows = np.zeros(len(pairs), CONTACT)
-    for row, pair in zip(rows, pairs, strict=True):
+    rows = []
+    for pair in pairs:
         separation, x, y, nx, ny = describe(*pair)
         phase = _phase(pair in before, pair in now)
         strength = impulse.get(pair, 0.0)
-        row[()] = (step, *pair, phase, Kind.PHYSICAL, x, y, nx, ny, -separation, strength)
-    return rows
+        rows.append((step, *pair, phase, Kind.PHYSICAL, x, y, nx, ny, -separation, strength))
+    return np.array(rows, dtype=CONTACT)
 
 
 def _phase(touched: bool, touches: bool) -> Phase:

@@ -57,6 +57,7 @@ class PythonGuard:
         )
 
     def take(self) -> Touches:
+        """Return the true contacts since the last call; raise what went wrong in a callback."""
         found, self._found = self._found, []
         failure, self._failure = self._failure, None
         if failure is not None:

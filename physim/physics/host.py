@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +11,7 @@ from physim.physics.closeness import body_closeness
 from physim.physics.contacts import Closeness, Pair, contact_rows, no_contacts
 from physim.physics.guard import PythonGuard, Touches
 from physim.physics.motion import chord_velocities
-from physim.physics.space import build_space, moment, body_parts, part_bodies
+from physim.physics.space import body_parts, build_space, moment, part_bodies
 
 
 class Physics:
@@ -73,7 +71,7 @@ class Physics:
     @property
     def touching(self) -> NDArray[np.bool_]:
         """(N,) whether each robot touches a robot or a wall at this sample."""
-        touching = np.zeros(len(self._wanted) , dtype=np.bool_)
+        touching = np.zeros(len(self._wanted), dtype=np.bool_)
         robots = [body for pair in self._pairs for body in pair if body < len(touching)]
         touching[robots] = True
         return touching

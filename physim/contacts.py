@@ -20,7 +20,8 @@ class Phase(IntEnum):
     STAYS = 1
     """touching at the sample before, too"""
     ENDED = 2
-    """first sample apart; depth and impulse are 0"""
+    """first sample apart: depth 0, impulse what the pair still exchanged in the last step, point and
+    normal those of the nearest points"""
 
 
 class Kind(IntEnum):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from physim.physics.contacts import CONTACT, Kind, Phase
 from physim.physics.host import Physics
 
-__all__ = ["CONTACT", "Kind", "Phase", "Physics"]
+__all__ = ["Physics"]

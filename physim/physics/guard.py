@@ -13,7 +13,7 @@ import numpy as np
 import pymunk
 
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.physics.closeness import parts_apart
+from physim.physics.closeness import parts_distance
 from physim.physics.space import Hosted
 from physim.tolerances import CONTACT
 
@@ -25,6 +25,9 @@ class Touches(NamedTuple):
     """(M, 2) part numbers"""
     impulse: FloatArray
     """(M,) [N s] magnitude"""
+
+
+NOTHING = Touches(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 
 
 class Guard(Protocol):
@@ -45,10 +48,7 @@ class PythonGuard:
         """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
         self.rejected = 0
         self._number = {shape: part for part, shape in enumerate(hosted.parts)}
-        self._vertices = [
-            shapes.vertices[start:stop]
-            for start, stop in zip(shapes.part_start[:-1], shapes.part_start[1:], strict=True)
-        ]
+        self._shapes = shapes
         self._checks = checks
         self._found: list[tuple[int, int, float]] = []
         self._failure: Exception | None = None
@@ -62,8 +62,10 @@ class PythonGuard:
         failure, self._failure = self._failure, None
         if failure is not None:
             raise failure
+        if not found:
+            return NOTHING
         return Touches(
-            np.array([(p, q) for p, q, _ in found], dtype=np.int64).reshape(-1, 2),
+            np.array([(p, q) for p, q, _ in found], dtype=np.int64),
             np.array([impulse for _, _, impulse in found], dtype=np.float64),
         )
 
@@ -85,13 +87,10 @@ class PythonGuard:
             self._failure = self._failure or failure
 
     def _separation(self, arbiter: pymunk.Arbiter) -> float:
-        first, second = arbiter.shapes
-        return parts_apart(
-            self._vertices[self._number[first]],
-            _pose(first),
-            self._vertices[self._number[second]],
-            _pose(second),
-        )
+        # In the order of part numbers, as distances of bodies are worked out everywhere.
+        first, second = sorted(arbiter.shapes, key=self._number.__getitem__)
+        p, q = self._number[first], self._number[second]
+        return parts_distance(self._shapes, p, _pose(first), q, _pose(second))
 
 
 def _pose(shape: pymunk.Shape) -> FloatArray:

@@ -1,0 +1,101 @@
+"""Keep the engine's false contacts out, and note the true ones with their impulses.
+
+pymunk now and then reports a contact more than a metre deep between polygons that are apart and
+have edges on one line. So each contact it reports is checked: shapes farther apart than CONTACT
+by their exact separation are not processed, not noted, only counted.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import pymunk
+
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.physics.closeness import parts_distance
+from physim.physics.space import Hosted
+from physim.tolerances import CONTACT
+
+
+class Touches(NamedTuple):
+    """True contacts of parts in one solve, in the order in which the engine met them."""
+
+    part: IntArray
+    """(M, 2) part numbers"""
+    impulse: FloatArray
+    """(M,) [N s] magnitude"""
+
+
+NOTHING = Touches(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
+
+
+class Guard(Protocol):
+    """Checks contacts inside the engine's step."""
+
+    rejected: int
+    """false contacts met so far"""
+
+    def take(self) -> Touches:
+        """Return the true contacts since the last call; raise what went wrong in a callback."""
+        ...
+
+
+class PythonGuard:
+    """The guard as plain callbacks: slower than the native form, and its oracle."""
+
+    def __init__(self, hosted: Hosted, shapes: Shapes, *, checks: bool = True) -> None:
+        """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
+        self.rejected = 0
+        self._number = {shape: part for part, shape in enumerate(hosted.parts)}
+        self._shapes = shapes
+        self._checks = checks
+        self._found: list[tuple[int, int, float]] = []
+        self._failure: Exception | None = None
+        hosted.space.on_collision(
+            None, None, pre_solve=self._pre_solve, post_solve=self._post_solve
+        )
+
+    def take(self) -> Touches:
+        """Return the true contacts since the last call; raise what went wrong in a callback."""
+        found, self._found = self._found, []
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        if not found:
+            return NOTHING
+        return Touches(
+            np.array([(p, q) for p, q, _ in found], dtype=np.int64),
+            np.array([impulse for _, _, impulse in found], dtype=np.float64),
+        )
+
+    def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        # An exception would be printed and swallowed by the engine: keep it for take().
+        try:
+            touches = not self._checks or self._separation(arbiter) <= CONTACT
+            arbiter.process_collision = touches
+            self.rejected += not touches
+        except Exception as failure:
+            self._failure = self._failure or failure
+
+    def _post_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        try:
+            first, second = arbiter.shapes
+            numbers = self._number[first], self._number[second]
+            self._found.append((*numbers, arbiter.total_impulse.length))
+        except Exception as failure:
+            self._failure = self._failure or failure
+
+    def _separation(self, arbiter: pymunk.Arbiter) -> float:
+        # In the order of part numbers, as distances of bodies are worked out everywhere.
+        first, second = sorted(arbiter.shapes, key=self._number.__getitem__)
+        p, q = self._number[first], self._number[second]
+        return parts_distance(self._shapes, p, _pose(first), q, _pose(second))
+
+
+def _pose(shape: pymunk.Shape) -> FloatArray:
+    body = shape.body
+    if body is None:
+        raise RuntimeError("the engine reported a shape without a body")
+    x, y = body.position
+    return np.array((x, y, body.angle))

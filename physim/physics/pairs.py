@@ -1,0 +1,84 @@
+"""Touching pairs of bodies and their history: began, stays, ended.
+
+A pair of bodies a < b is one integer, its *key* a * B + b with B bodies, so that a set of pairs is
+a sorted array. Which pairs touch is decided elsewhere.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.contacts import CONTACT, Kind, Phase
+from physim.geometry.shapes import FloatArray, IntArray
+
+
+class Pairs(NamedTuple):
+    """A set of touching pairs, each with what it exchanged."""
+
+    key: IntArray
+    """(K,) increasing, without repetition"""
+    impulse: FloatArray
+    """(K,) [N s]"""
+
+
+def no_pairs() -> Pairs:
+    """Return the empty set of pairs."""
+    return Pairs(np.zeros(0, dtype=np.int64), np.zeros(0))
+
+
+def no_contacts() -> NDArray[np.void]:
+    """Return an empty array of contact rows."""
+    return np.zeros(0, CONTACT)
+
+
+def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
+    """Gather contacts of parts, ``body`` (M, 2) in any order, into pairs: impulses are added."""
+    key = body.min(axis=1) * bodies + body.max(axis=1)
+    unique, place = np.unique(key, return_inverse=True)
+    return Pairs(unique, np.bincount(place, weights=impulse, minlength=len(unique)))
+
+
+def split(key: IntArray, bodies: int) -> IntArray:
+    """Return body ids (K, 2), the smaller first, of pairs."""
+    return np.stack(np.divmod(key, bodies), axis=1)
+
+
+def phases(key: IntArray, before: IntArray, now: IntArray) -> NDArray[np.int8]:
+    """Return the `Phase` of each pair, given the sets that touched before and touch now."""
+    touched = np.isin(key, before)
+    touches = np.isin(key, now)
+    return np.where(touches, np.where(touched, Phase.STAYS, Phase.BEGAN), Phase.ENDED).astype("i1")
+
+
+def contact_rows(
+    step: int,
+    pairs: IntArray,
+    phase: NDArray[np.int8],
+    found: FloatArray,
+    impulse: FloatArray,
+) -> NDArray[np.void]:
+    """Return contact rows of a sample from columns: ``pairs`` (K, 2), ``found`` (K, 5).
+
+    ``found`` holds x, y, nx, ny and signed distance [m]; a pair that is apart has depth 0.
+    """
+    rows = np.zeros(len(pairs), CONTACT)
+    rows["step"] = step
+    rows["a"], rows["b"] = pairs.T
+    rows["phase"] = phase
+    rows["kind"] = Kind.PHYSICAL
+    rows["x"], rows["y"], rows["nx"], rows["ny"] = found[:, :4].T
+    rows["depth"] = np.maximum(-found[:, 4], 0.0)
+    rows["impulse"] = impulse
+    return rows
+
+
+def impulse_of(key: IntArray, *exchanged: Pairs) -> FloatArray:
+    """Return the impulse [N s] of each pair, added over several sets; 0 where none has it."""
+    total = np.zeros(len(key))
+    for pairs in exchanged:
+        known = np.isin(pairs.key, key)
+        total[np.searchsorted(key, pairs.key[known])] += pairs.impulse[known]
+    return total

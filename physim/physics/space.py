@@ -1,0 +1,122 @@
+"""Build the pymunk space: robots as dynamic bodies, walls as shapes of the static body."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pymunk
+
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.tolerances import CONTACT
+
+SLOP = 1e-3
+"""[m] Overlap that the engine leaves in place (its default is 0.1 m)."""
+
+ITERATIONS = 20
+"""Rounds of the contact solver per step."""
+
+RADIUS = CONTACT
+"""[m] Skin of every shape. Shapes touch at CONTACT; two skins are twice that, so that the engine
+reports every pair that may touch and the exact check alone decides."""
+
+
+class Hosted(NamedTuple):
+    """A space and its shapes, numbered like the parts of robots and then of walls."""
+
+    space: pymunk.Space
+    bodies: list[pymunk.Body]
+    """of the N robots"""
+    parts: list[pymunk.Shape]
+    """one shape a part"""
+
+
+def build_space(
+    shapes: Shapes,
+    walls: Shapes,
+    start: FloatArray,
+    mass: FloatArray,
+    friction: float,
+    elasticity: float,
+) -> Hosted:
+    """Set up the engine as measured to be right for commanded robots: no gravity, no damping."""
+    space = pymunk.Space()
+    space.gravity = (0.0, 0.0)
+    space.damping = 1.0
+    space.collision_slop = SLOP
+    space.iterations = ITERATIONS
+    space.collision_persistence = 1
+    bodies, parts = [], []
+    for robot, pose in enumerate(start):
+        body = _robot_body(shapes, robot, pose, float(mass[robot]))
+        polygons: list[pymunk.Shape] = [
+            pymunk.Poly(body, part.tolist(), radius=RADIUS) for part in body_parts(shapes, robot)
+        ]
+        space.add(body, *polygons)
+        bodies.append(body)
+        parts += polygons
+    for wall in range(len(walls.body_start) - 1):
+        solids = _wall_shapes(space.static_body, body_parts(walls, wall))
+        space.add(*solids)
+        parts += solids
+    for shape in parts:
+        # The engine multiplies the values of two shapes.
+        shape.friction = float(np.sqrt(friction))
+        shape.elasticity = float(np.sqrt(elasticity))
+    return Hosted(space, bodies, parts)
+
+
+def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
+    """Return the convex parts (n, 2) of one body."""
+    return [
+        shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]]
+        for p in range(shapes.body_start[body], shapes.body_start[body + 1])
+    ]
+
+
+def part_bodies(shapes: Shapes) -> IntArray:
+    """Return the body index of every part."""
+    return np.repeat(np.arange(len(shapes.body_start) - 1), np.diff(shapes.body_start))
+
+
+def moment(parts: list[FloatArray], mass: float) -> float:
+    """Moment of inertia [kg m^2] about the origin of even polygons that share ``mass`` by area."""
+    area = inertia = 0.0
+    for part in parts:
+        after = np.roll(part, -1, axis=0)
+        cross = part[:, 0] * after[:, 1] - part[:, 1] * after[:, 0]
+        square = (part * part + part * after + after * after).sum(axis=1)
+        area += cross.sum() / 2.0
+        inertia += (cross * square).sum() / 12.0
+    return float(mass * inertia / area)
+
+
+def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> pymunk.Body:
+    # Origin and centre of gravity are the reference point, so that a commanded twist, which is
+    # that point's, is the body's velocity.
+    body = pymunk.Body(mass, moment(body_parts(shapes, robot), mass))
+    body.position = (float(pose[0]), float(pose[1]))
+    body.angle = float(pose[2])
+    return body
+
+
+def _wall_shapes(static: pymunk.Body, parts: list[FloatArray]) -> list[pymunk.Shape]:
+    made: list[pymunk.Shape] = []
+    for part in parts:
+        if len(part) == 2:
+            made.append(pymunk.Segment(static, tuple(part[0]), tuple(part[1]), RADIUS))
+        else:
+            made.append(pymunk.Poly(static, part.tolist(), radius=RADIUS))
+    _chain(parts, made)
+    return made
+
+
+def _chain(parts: list[FloatArray], made: list[pymunk.Shape]) -> None:
+    """Tell segments that meet end to start of each other, so that nothing snags where they do."""
+    ends = {tuple(part[1]): tuple(part[0]) for part in parts if len(part) == 2}
+    starts = {tuple(part[0]): tuple(part[1]) for part in parts if len(part) == 2}
+    for part, segment in zip(parts, made, strict=True):
+        if isinstance(segment, pymunk.Segment):
+            first, last = tuple(part[0]), tuple(part[1])
+            # At an open end the segment is its own neighbour: nothing is held back there.
+            segment.set_neighbors(ends.get(first, first), starts.get(last, last))

@@ -1,0 +1,51 @@
+"""One row of the contact table: what physics writes and the record keeps.
+
+A row stands for one pair of touching bodies at one step. An *episode* is a maximal run of a pair:
+its first row has phase `BEGAN`, the rows while it lasts `STAYS`, and one row at the first sample
+without contact `ENDED`.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+
+
+class Phase(IntEnum):
+    """Where in its episode a contact row stands."""
+
+    BEGAN = 0
+    """first sample of an episode"""
+    STAYS = 1
+    """touching at the sample before, too"""
+    ENDED = 2
+    """first sample apart; depth and impulse are 0"""
+
+
+class Kind(IntEnum):
+    """How a contact was found."""
+
+    PHYSICAL = 0
+    """the shapes touch at a sample"""
+    SWEPT = 1
+    """they touch between two samples only"""
+
+
+CONTACT = np.dtype(
+    [
+        ("step", "<i8"),
+        ("a", "<i4"),
+        ("b", "<i4"),
+        ("phase", "i1"),
+        ("kind", "i1"),
+        ("x", "<f8"),
+        ("y", "<f8"),
+        ("nx", "<f8"),
+        ("ny", "<f8"),
+        ("depth", "<f8"),
+        ("impulse", "<f8"),
+    ]
+)
+"""Contact row: body ids a < b, deepest point (x, y) [m], normal (nx, ny) from a to b, depth [m]
+(0 when just touching), impulse [N s]. Packed, so that a row has no undefined bytes."""

@@ -36,7 +36,7 @@ class Cluster(NamedTuple):
     """What does not change in a run, for every robot."""
 
     shapes: Shapes
-    index: IntArray
+    number: IntArray
     walls: Shapes
     nearby: Nearby
     paths: Polylines
@@ -80,7 +80,7 @@ def forward_speed(i: int, cluster: Cluster, station: FloatArray) -> float:
                 count += 1
         error = formation_sum(i, neighbours[:count], station, cluster.lead)
         nu = formation_speed(cluster.nu_0, cluster.alpha, cluster.v_min, cluster.v_max, error)
-    return min(nu, cluster.top_speed[i])
+    return min(nu, float(cluster.top_speed[i]))
 
 
 @compiled
@@ -99,7 +99,7 @@ def decide_all(
     Writes the robots' memories. All decide from the same state, so their order does not matter.
     """
     rows = np.empty((len(due), 11))
-    bodies = Bodies(cluster.shapes, cluster.index, pose, command, reference_station)
+    bodies = Bodies(cluster.shapes, cluster.number, pose, command, reference_station)
     for k in range(len(due)):
         i = due[k]
         near = parts(cluster.nearby, pose[i, 0], pose[i, 1])
@@ -138,7 +138,7 @@ class ModeSwitchingBatch:
         stretches = [np.reshape(s, (-1, 2)) for s in scene.outside]
         self.cluster = Cluster(
             shapes=scene.shapes,
-            index=np.arange(scene.robots),
+            number=np.arange(scene.robots),
             walls=scene.walls,
             nearby=scene.nearby,
             paths=scene.paths,
@@ -177,7 +177,7 @@ class ModeSwitchingBatch:
             self.rules,
             self.memories,
         )
-        return Decisions(due, rows[:, :2], rows[:, 2], rows[:, 3], rows[:, 4:])
+        return Decisions(due, rows[:, :2], rows[:, 2], rows[:, 3].astype(np.int64), rows[:, 4:])
 
     def _check_limits(self, scene: Scene) -> None:
         """Refuse speeds to choose from that a robot's limits do not allow."""

@@ -46,7 +46,7 @@ class Bodies(NamedTuple):
     """Robots that a decision may look at, one row each: all of them, or those in sight."""
 
     shapes: Shapes
-    index: IntArray
+    number: IntArray
     """(n,) robot indices"""
     pose: FloatArray
     """(n, 3)"""
@@ -108,7 +108,7 @@ def decide_one(
         rules.safe_distance,
     )  # fmt: skip
 
-    rows = considered(me, bodies.index, pose, bodies.station, own.reach)
+    rows = considered(me, bodies.number, pose, bodies.station, own.reach)
     distance = smallest_distance(shapes, me, pose[me], rows, pose[rows])
     boundary = wall_distance(shapes, me, pose[me], walls, own.parts)
     pairs = speed_pairs(own.speeds, own.nu, own.omegas)
@@ -175,7 +175,7 @@ class ModeSwitching:
             )
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
-            index=np.array([o.index, *(other.index for other in o.others)]),
+            number=np.array([o.index, *(other.index for other in o.others)]),
             pose=np.array([o.pose, *(other.pose for other in o.others)]),
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
             station=np.array([o.reference_station, *(other.station for other in o.others)]),

@@ -20,10 +20,11 @@ class PathFollowing:
 
     def __init__(self) -> None:
         self.settings = ModeSwitchingSettings()
+        self.rules = self.settings.rules()
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""
-        rules = self.settings.rules()
+        rules = self.rules
         x, y = observation.path.target(observation.station, rules.look_ahead)
         if observation.station >= observation.stop_station - rules.arrival_tolerance:
             return Decision(0.0, 0.0, hold=rules.update_period, mode=Mode.ARRIVED)

@@ -47,13 +47,14 @@ class ModeSwitchingSettings(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     look_ahead: Positive = Field(
-        2.0, description="[m] the target lies this far along the path from the projection, (3)"
+        default=2.0,
+        description="[m] the target lies this far along the path from the projection, (3)",
     )
     safe_distance: Positive = Field(
-        1.0, description="[m] L: width of the danger area along the boundaries"
+        default=1.0, description="[m] L: width of the danger area along the boundaries"
     )
     update_period: Positive = Field(
-        0.1, description="[s] longest time between two decisions (paper: 0.1)"
+        default=0.1, description="[s] longest time between two decisions (paper: 0.1)"
     )
     dwell_times: Annotated[list[Positive], Field(min_length=1, max_length=LONGEST_PLAN)] = Field(
         default=[0.1],
@@ -61,7 +62,7 @@ class ModeSwitchingSettings(BaseModel):
         "add up to update_period",
     )
     judge_ahead: NotNegative = Field(
-        0.5,
+        default=0.5,
         description="[s] how far ahead (5) judges a plan, its last command held; update_period "
         "or less: at the end of the plan, as in the paper",
     )
@@ -74,30 +75,36 @@ class ModeSwitchingSettings(BaseModel):
         description="[rad/s] rotational speeds to choose from, (6)",
     )
     reverse_in_safe_mode: bool = Field(
-        False,
+        default=False,
         description="whether safe mode under formation control may choose among speeds, too; "
         "otherwise (7) sets nu and a robot that faces backwards turns round",
     )
     arrival_tolerance: NotNegative = Field(
-        0.25, description="[m] a robot this near its stop station along the path has arrived"
+        default=0.25,
+        description="[m] a robot this near its stop station along the path has arrived",
     )
     distance_low: NotNegative = Field(
-        0.5, description="[m] danger mode below this distance to a considered robot"
+        default=0.5, description="[m] danger mode below this distance to a considered robot"
     )
-    distance_high: NotNegative = Field(0.8, description="[m] back to safe mode only above this")
-    time_low: NotNegative = Field(0.5, description="[s] danger mode below this collision time")
-    time_high: NotNegative = Field(1.0, description="[s] back to safe mode only above this")
+    distance_high: NotNegative = Field(
+        default=0.8, description="[m] back to safe mode only above this"
+    )
+    time_low: NotNegative = Field(
+        default=0.5, description="[s] danger mode below this collision time"
+    )
+    time_high: NotNegative = Field(default=1.0, description="[s] back to safe mode only above this")
     boundary_low: NotNegative = Field(
-        0.15, description="[m] danger mode below this distance to a boundary, safe above it"
+        default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )
     beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
-        0.5, description="[-] the update interval is at most beta times the collision time, (14)"
+        default=0.5,
+        description="[-] the update interval is at most beta times the collision time, (14)",
     )
     horizon: Positive = Field(
-        10.0, description="[s] collision times beyond this count as none (inf)"
+        default=10.0, description="[s] collision times beyond this count as none (inf)"
     )
     collision_motion: Literal["arc", "translation"] = Field(
-        "arc",
+        default="arc",
         description="motion that collision times assume: present (nu, omega) kept, or present "
         "velocity vectors kept without turning",
     )

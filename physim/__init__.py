@@ -19,7 +19,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physim._version import VERSION as __version__
+    from physim._version import VERSION as __version__  # noqa: N811
     from physim.control import Controller, Decision, Mode, Observation, Report
     from physim.errors import ControllerError, Fault, PhysimError, RecordError, WorldError
     from physim.record import Record

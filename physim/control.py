@@ -100,7 +100,7 @@ class Observation:
     others: tuple[Seen, ...]
     """robots within ``range``, by index"""
     walls: tuple[FloatArray, ...]
-    """parts of boundaries (2, 2) and obstacles (n, 2) within ``range``, in the order of the world"""
+    """parts of boundaries (2, 2) and obstacles (n, 2) within ``range``, in the world's order"""
     range: float
     """[m]"""
     dt: float

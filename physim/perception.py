@@ -12,7 +12,7 @@ from physim.compiled import compiled
 from physim.control import FormationView, Neighbour, Observation, Seen, Snapshot
 from physim.geometry.nearby import parts
 from physim.geometry.path import Path, path_length, project, track
-from physim.geometry.shapes import FloatArray, IntArray, Polylines
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.sight import parts_in_range
 from physim.scene import Scene
 
@@ -117,16 +117,13 @@ class Perception:
                 for j in (self.neighbours(i) if plan.active else ())
             ),
             others=tuple(self._seen(int(j), snapshot, time) for j in np.flatnonzero(in_range)),
-            walls=tuple(
-                _read_only(scene.walls.vertices[scene.walls.part_start[p] : scene.walls.part_start[p + 1]])
-                for p in walls
-            ),
+            walls=tuple(_part(scene.walls, p) for p in walls),
             range=plan.range,
             dt=scene.dt,
             formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
             speeds=scene.speeds[i],
             omegas=scene.omegas[i],
-        )  # fmt: skip
+        )
 
     def _seen(self, j: int, snapshot: Snapshot, time: float) -> Seen:
         return Seen(
@@ -141,14 +138,17 @@ class Perception:
 
     def _footprint(self, i: int) -> tuple[FloatArray, ...]:
         shapes = self.scene.shapes
-        return tuple(
-            _read_only(shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]])
-            for p in range(shapes.body_start[i], shapes.body_start[i + 1])
-        )
+        parts = range(shapes.body_start[i], shapes.body_start[i + 1])
+        return tuple(_part(shapes, p) for p in parts)
 
 
 def _anywhere(lines: Polylines, k: int, x: float, y: float) -> tuple[float, float]:
     return project(lines, k, x, y, 0.0, path_length(lines, k))
+
+
+def _part(shapes: Shapes, part: int) -> FloatArray:
+    """Vertices (n, 2) of a part, read-only."""
+    return _read_only(shapes.vertices[shapes.part_start[part] : shapes.part_start[part + 1]])
 
 
 def _read_only(array: FloatArray) -> FloatArray:

@@ -63,7 +63,7 @@ class Scene:
     """number of physics steps of the run; sample 0 is the start"""
     bodies: tuple[Body, ...]
     shapes: Shapes
-    """footprints of the N robots, each in its robot's frame (origin = reference point, x forward)"""
+    """footprints of the N robots, each in its own frame (origin = reference point, x forward)"""
     walls: Shapes
     """boundaries (parts of two vertices) and obstacles (convex parts), world frame; body k of
     ``walls`` is body id N + k"""

@@ -72,7 +72,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         shapes=pack_shapes(parts),
         walls=walls,
         nearby=build_nearby(walls, formation.range, GRID_CELL),
-        mass=np.array([_mass(robot.mass, f) for robot, f in zip(world.robots, footprints, strict=True)]),
+        mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
         start=start,
         paths=packed_paths,

@@ -1,0 +1,8 @@
+"""The record of a run: one HDF5 file, written as the run goes, read by everything above."""
+
+from __future__ import annotations
+
+from physim.record.reader import Record
+from physim.record.writer import RecordWriter
+
+__all__ = ["Record", "RecordWriter"]

@@ -1,0 +1,115 @@
+"""Open a record file, or say in one line why it cannot be read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from physim.errors import RecordError
+from physim.record import layout
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def open_record(path: Path) -> h5py.File:
+    """Open a record for reading. Raises RecordError that names the file and the fault."""
+    if not path.exists():
+        raise RecordError(f"{path}: no such file; give the record.h5 of a run")
+    if path.is_dir():
+        inside = path / "record.h5"
+        hint = f"; did you mean {inside}?" if inside.is_file() else ""
+        raise RecordError(f"{path}: is a folder; give the record.h5 of a run{hint}")
+    try:
+        with path.open("rb") as stream:
+            signature = stream.read(len(_HDF5_SIGNATURE))
+    except OSError as error:
+        raise RecordError(f"{path}: cannot be read: {error.strerror}") from error
+    if signature != _HDF5_SIGNATURE:
+        raise RecordError(f"{path}: not an HDF5 file; give the record.h5 of a run")
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        fault = "truncated" if "truncated" in str(error) else "damaged"
+        raise RecordError(f"{path}: {fault} HDF5 file; make the record again") from error
+
+
+def check_layout(file: h5py.File, where: str) -> None:
+    """Check that an open file is a record of this version, with all its parts.
+
+    Raises RecordError that names the first part that is missing or not as it should be.
+    """
+    try:
+        _check_attributes(file, where)
+        _check_datasets(file, where)
+    except RecordError:
+        raise
+    except Exception as error:  # the library raises many kinds for damaged files
+        raise RecordError(f"{where}: damaged record: {_one_line(error)}") from error
+
+
+def damaged(where: str, part: str, error: Exception) -> RecordError:
+    """Error for a part of a record that cannot be read."""
+    return RecordError(f"{where}: {part} cannot be read, the file is damaged: {_one_line(error)}")
+
+
+def _check_attributes(file: h5py.File, where: str) -> None:
+    found = file.attrs.get("format")
+    if not isinstance(found, str) or found != layout.FORMAT:
+        raise RecordError(
+            f"{where}: not a record of physim (no attribute format = {layout.FORMAT})"
+        )
+    version = file.attrs.get("version")
+    if version != layout.VERSION:
+        raise RecordError(
+            f"{where}: record version {version}; this physim reads version {layout.VERSION}"
+        )
+    for name in layout.ATTRIBUTES:
+        if name not in file.attrs:
+            raise RecordError(f"{where}: attribute {name} is missing")
+        _check_attribute(name, file.attrs[name], where)
+
+
+def _check_attribute(name: str, value: Any, where: str) -> None:
+    if name in layout.TEXTS:
+        good = isinstance(value, str)
+    elif name == "ended":
+        good = isinstance(value, bytes) and value.decode() in layout.ENDED
+    else:
+        good = np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number)
+    if name == "dt":
+        good = good and value > 0
+    if not good:
+        raise RecordError(f"{where}: attribute {name} is {value!r}, which no record has")
+
+
+def _check_datasets(file: h5py.File, where: str) -> None:
+    for path in layout.DATASETS:
+        if not isinstance(file.get(path), h5py.Dataset):
+            raise RecordError(f"{where}: dataset {path} is missing")
+    robots = file["/robots/stop_station"].size
+    wanted: dict[str, tuple[tuple[int, ...], Any]] = {
+        **{path: ((), row) for path, row in layout.TABLES.items()},
+        **layout.steps_rows(robots),
+    }
+    for path, (shape, row) in wanted.items():
+        found = file[path]
+        if found.shape[1:] != shape or found.ndim != 1 + len(shape) or found.dtype != row:
+            raise RecordError(
+                f"{where}: dataset {path} has rows {found.shape[1:]} of {found.dtype}"
+            )
+    for path, row in (
+        (layout.EXTREMES, layout.EXTREME),
+        (layout.EXTREMES_FARTHEST, layout.FARTHEST),
+    ):
+        if file[path].dtype != row:
+            raise RecordError(f"{where}: dataset {path} has rows of {file[path].dtype}")
+    for i in range(robots):
+        if not len(file.get(layout.FOOTPRINTS.format(i), ())):
+            raise RecordError(f"{where}: group {layout.FOOTPRINTS.format(i)} is missing")
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

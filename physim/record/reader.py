@@ -1,0 +1,280 @@
+"""Read the record of a run: `Record`."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.errors import RecordError
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_polylines
+from physim.record import layout
+from physim.record.checks import check_layout, damaged, open_record
+from physim.record.digest import digest
+from physim.scene import Body
+
+if TYPE_CHECKING:
+    from physim.world import World
+
+
+class Record:
+    """One run of N robots with K recorded samples: lengths [m], angles [rad], world frame.
+
+    Arrays are read when first asked for and are read-only; close the record, or use it in a
+    ``with`` block, when done. In a file whose run was killed (``ended`` is "running") the tables
+    end with the last recorded sample.
+    """
+
+    def __init__(self, file: h5py.File, path: Path | None = None) -> None:
+        """Read an open file; `load` opens one. Raises RecordError when it is no record."""
+        self.path = path
+        self._where = str(path) if path is not None else "record in memory"
+        self._file = file
+        check_layout(file, self._where)
+        attributes = file.attrs
+        self.name = str(attributes["name"])
+        self.world_text = str(attributes["world"])
+        """YAML text of the effective world"""
+        self.seed = int(attributes["seed"])
+        self.dt = float(attributes["dt"])
+        """[s] physics step"""
+        self.steps_planned = int(attributes["steps_planned"])
+        self.steps_run = int(attributes["steps_run"])
+        self.record_every = int(attributes["record_every"])
+        """[steps] between two recorded samples"""
+        self.safe_distance = float(attributes["safe_distance"])
+        """[m] at which ``safe`` was drawn"""
+        self.ended = attributes["ended"].decode()
+        """"running" (it was killed), "finished", "duration", "interrupted" or "error\""""
+        self.rejected_contacts = int(attributes["rejected_contacts"])
+        self.samples = min(len(file[path]) for path in layout.STEPS)
+        """K"""
+        self.robots = int(file["/robots/stop_station"].size)
+        """N"""
+        if self.ended == "running" and self.samples:
+            self.steps_run = int(self.steps[-1])
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Record:
+        """Open a record file. Raises RecordError with one line that says what is wrong with it."""
+        file = open_record(Path(path))
+        try:
+            return cls(file, Path(path))
+        except BaseException:
+            file.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file; what was read stays, nothing more can be read."""
+        self._file.close()
+
+    def __enter__(self) -> Record:
+        """Use in a ``with`` block, which closes the record."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Close the record."""
+        self.close()
+
+    def __repr__(self) -> str:
+        """Name, seed, size and end of the run."""
+        size = f"{self.robots} robots, {self.samples} samples"
+        return f'<Record "{self.name}" seed {self.seed}: {size}, ended "{self.ended}">'
+
+    # Samples
+
+    @cached_property
+    def steps(self) -> IntArray:
+        """(K,) physics step of each sample, increasing from 0."""
+        return self.read("/steps/step")
+
+    @cached_property
+    def time(self) -> FloatArray:
+        """(K,) [s]."""
+        return _frozen(self.steps * self.dt)
+
+    @cached_property
+    def pose(self) -> FloatArray:
+        """(K, N, 3) x, y [m], heading [rad], unwrapped."""
+        return self.read("/steps/pose")
+
+    @cached_property
+    def clearance(self) -> FloatArray:
+        """(K, N) [m] to the nearest other robot, negative = depth; inf for a robot alone.
+
+        With ``record_every`` > 1 the least since the sample before; so too ``boundary_clearance``.
+        """
+        return self.read("/steps/clearance")
+
+    @cached_property
+    def boundary_clearance(self) -> FloatArray:
+        """(K, N) [m] to the nearest boundary or obstacle, negative = depth; inf without any."""
+        return self.read("/steps/boundary_clearance")
+
+    def pose_at(self, step: int) -> FloatArray:
+        """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""
+        row = int(np.searchsorted(self.steps, step))
+        if row == self.samples or self.steps[row] != step:
+            nearest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
+            raise RecordError(f"{self._where}: step {step} is not recorded; nearest: {nearest}")
+        pose: FloatArray = self.read("/steps/pose", row, row + 1)[0]
+        return pose
+
+    # Tables
+
+    @cached_property
+    def updates(self) -> NDArray[np.void]:
+        """Decisions, rows of `layout.UPDATE` in the order of steps."""
+        return self.read("/updates")
+
+    @cached_property
+    def contacts(self) -> NDArray[np.void]:
+        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
+        return self.read("/contacts")
+
+    @cached_property
+    def extremes(self) -> NDArray[np.void]:
+        """(N,) rows of `layout.EXTREME`: shortest distances over all physics steps."""
+        return self.read(layout.EXTREMES)
+
+    @cached_property
+    def farthest(self) -> NDArray[np.void]:
+        """() one `layout.FARTHEST`: farthest [m], step, a, b over all physics steps."""
+        return self.read(layout.EXTREMES_FARTHEST)
+
+    # Scene
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """Robots by index, then boundaries, then obstacles: id, kind and name."""
+        columns = [self.read(f"/bodies/{column}") for column in ("id", "kind", "name")]
+        rows = zip(*columns, strict=True)
+        return tuple(Body(int(id), kind.decode(), name.decode()) for id, kind, name in rows)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots: labels only."""
+        return tuple(body.name for body in self.bodies[: self.robots])
+
+    @cached_property
+    def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
+        """Convex parts (n, 2) [m] of each robot, in its frame."""
+        groups = [layout.FOOTPRINTS.format(i) for i in range(self.robots)]
+        return tuple(
+            tuple(self.read(f"{group}/{part}") for part in sorted(self._file[group], key=int))
+            for group in groups
+        )
+
+    @cached_property
+    def walls(self) -> Shapes:
+        """Boundaries and obstacles, world frame; body k of them has id N + k."""
+        vertices, part_start, body_start = (
+            self.read(f"/walls/{field}") for field in ("vertices", "part_start", "body_start")
+        )
+        lengths = np.hypot(vertices[:, 0], vertices[:, 1])
+        runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
+        radius = [float(lengths[first:last].max()) for first, last in runs]
+        return Shapes(vertices, part_start, body_start, _frozen(np.array(radius, dtype=float)))
+
+    @cached_property
+    def paths(self) -> Polylines:
+        """Own path of each robot."""
+        return pack_polylines(self._runs("/paths"))
+
+    @cached_property
+    def reference(self) -> Polylines:
+        """The one reference path s*."""
+        return pack_polylines(self._runs("/reference"))
+
+    @cached_property
+    def stop_station(self) -> FloatArray:
+        """(N,) [m] along the own path."""
+        return self.read("/robots/stop_station")
+
+    @cached_property
+    def accessible(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the accessible area."""
+        return tuple(self._runs("/areas/accessible"))
+
+    @cached_property
+    def safe(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the safe area."""
+        return tuple(self._runs("/areas/safe"))
+
+    @cached_property
+    def world(self) -> World:
+        """The effective world. Raises WorldError where its text is faulty."""
+        from physim.world_file import parse_world
+
+        return parse_world(self.world_text)
+
+    @cached_property
+    def versions(self) -> dict[str, str]:
+        """Versions of physim and its libraries that made the record."""
+        return dict(json.loads(self._file.attrs.get("versions", "{}")))
+
+    @cached_property
+    def wall_clock(self) -> dict[str, float]:
+        """Figures of the wall clock; empty while running."""
+        group = self._file.get(layout.WALL_CLOCK)
+        return {} if group is None else {key: float(value) for key, value in group.attrs.items()}
+
+    # The whole
+
+    def read(self, path: str, first: int = 0, last: int | None = None) -> NDArray[Any]:
+        """Rows ``first`` to ``last - 1`` of a dataset, without keeping them.
+
+        Raises RecordError when they cannot be read.
+        """
+        try:
+            dataset = self._file[path]
+            if dataset.ndim == 0:
+                return _frozen(np.asarray(dataset[()], dtype=dataset.dtype))
+            if path in layout.STEPS:
+                last = self.samples if last is None else min(last, self.samples)
+            rows = np.asarray(dataset[first:last])
+        except (OSError, RuntimeError, KeyError, ValueError) as error:
+            raise damaged(self._where, path, error) from error
+        if path in layout.TABLES and self.ended == "running":
+            rows = rows[rows["step"] <= self.steps_run]
+        return _frozen(rows)
+
+    def digest(self) -> str:
+        """SHA-256 of all but the wall clock and the versions, see `physim.record.digest`."""
+        return digest(self, self._file)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a copy of the whole record to a file. Raises RecordError when that fails."""
+        target = Path(path)
+        draft = target.with_name(target.name + ".part")
+        try:
+            if self.path is not None:
+                shutil.copyfile(self.path, draft)
+            else:
+                self._file.flush()
+                draft.write_bytes(self._file.id.get_file_image())
+            draft.replace(target)
+        except OSError as error:
+            draft.unlink(missing_ok=True)
+            raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
+
+    def _runs(self, group: str) -> list[FloatArray]:
+        """Polylines or rings of a packed group."""
+        points, start = self.read(f"{group}/points"), self.read(f"{group}/start")
+        return [points[first:last] for first, last in pairwise(start)]
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.flags.writeable = False
+    return array
+
+
+__all__ = ["Record"]

@@ -1,0 +1,113 @@
+"""The part of a record that is known before the first step: attributes, bodies, shapes, paths."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
+from typing import Protocol
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physim.geometry.shapes import FloatArray, Polylines, Shapes
+from physim.record import layout
+from physim.scene import Body
+
+LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
+
+
+class SceneArrays(Protocol):
+    """What the record takes from a `physim.scene.Scene`."""
+
+    @property
+    def seed(self) -> int: ...  # noqa: D102
+    @property
+    def dt(self) -> float: ...  # noqa: D102
+    @property
+    def steps(self) -> int: ...  # noqa: D102
+    @property
+    def bodies(self) -> tuple[Body, ...]: ...  # noqa: D102
+    @property
+    def shapes(self) -> Shapes: ...  # noqa: D102
+    @property
+    def walls(self) -> Shapes: ...  # noqa: D102
+    @property
+    def start(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def paths(self) -> Polylines: ...  # noqa: D102
+    @property
+    def reference(self) -> Polylines: ...  # noqa: D102
+    @property
+    def stop_station(self) -> FloatArray: ...  # noqa: D102
+
+
+def write_attributes(
+    file: h5py.File,
+    scene: SceneArrays,
+    *,
+    name: str,
+    world_text: str,
+    record_every: int,
+    safe_distance: float,
+) -> None:
+    """Set the root attributes of a run that begins."""
+    attributes = file.attrs
+    attributes["format"] = layout.FORMAT
+    attributes["version"] = layout.VERSION
+    attributes["units"] = layout.UNITS
+    attributes["name"] = name
+    attributes["world"] = world_text
+    attributes["seed"] = np.int64(scene.seed)
+    attributes["dt"] = float(scene.dt)
+    attributes["steps_planned"] = np.int64(scene.steps)
+    attributes["record_every"] = np.int64(record_every)
+    attributes["safe_distance"] = float(safe_distance)
+    attributes["steps_run"] = np.int64(0)
+    attributes["rejected_contacts"] = np.int64(0)
+    attributes["versions"] = json.dumps(_versions())
+    attributes["ended"] = np.array(b"running", dtype=f"S{layout.ENDED_BYTES}")
+
+
+def write_scene(
+    file: h5py.File, scene: SceneArrays, accessible: Sequence[ArrayLike], safe: Sequence[ArrayLike]
+) -> None:
+    """Write bodies, footprints, walls, paths and areas (rings (n, 2) [m], world frame)."""
+    text = h5py.string_dtype("utf-8")
+    file["/bodies/id"] = np.array([body.id for body in scene.bodies], dtype=np.int32)
+    for column in ("kind", "name"):
+        values = [getattr(body, column) for body in scene.bodies]
+        file.create_dataset(f"/bodies/{column}", data=values, dtype=text)
+    for i, parts in enumerate(unpack(scene.shapes)[: len(scene.start)]):
+        for p, part in enumerate(parts):
+            file[f"{layout.FOOTPRINTS.format(i)}/{p:02d}"] = part
+    file["/robots/stop_station"] = np.asarray(scene.stop_station, dtype=np.float64)
+    for field in ("vertices", "part_start", "body_start"):
+        file[f"/walls/{field}"] = getattr(scene.walls, field)
+    for group, lines in (("/paths", scene.paths), ("/reference", scene.reference)):
+        file[f"{group}/points"] = lines.points
+        file[f"{group}/start"] = lines.start
+    for group, rings in (("/areas/accessible", accessible), ("/areas/safe", safe)):
+        arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
+        file[f"{group}/points"] = np.concatenate([np.zeros((0, 2)), *arrays])
+        lengths = [0, *(len(ring) for ring in arrays)]
+        file[f"{group}/start"] = np.cumsum(lengths).astype(np.int64)
+
+
+def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
+    """Convex parts (n, 2) of every body of packed shapes."""
+    vertices = np.split(shapes.vertices, shapes.part_start[1:-1])
+    starts: NDArray[np.int64] = shapes.body_start
+    return tuple(tuple(vertices[first:last]) for first, last in pairwise(starts))
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:
+            found[library] = "unknown"
+    return found

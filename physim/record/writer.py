@@ -1,0 +1,209 @@
+"""Write the record of a run while it goes: `RecordWriter`."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physim.errors import RecordError
+from physim.record import layout
+from physim.record.buffer import RowBuffer
+from physim.record.crash_safe import PAGE, CrashSafeFile
+from physim.record.extremes import ClearanceBlock, Extremes
+from physim.record.reader import Record
+from physim.record.skeleton import SceneArrays, write_attributes, write_scene
+
+CHUNK_BYTES = 1 << 18
+BUFFER_BYTES = 1 << 21
+
+
+class RecordWriter:
+    """Streams a run to an HDF5 file, or keeps it in memory.
+
+    Rows are gathered and go to the file in bursts, at most every ``flush_every_s`` of wall time or
+    when about 2 MB a dataset have come together, so memory stays flat. After every burst the file
+    is complete: if the process is killed at any moment, ``h5py.File(path)`` and ``Record.load``
+    read all up to the last burst. An existing file is replaced.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str] | None,
+        scene: SceneArrays,
+        world_text: str,
+        *,
+        name: str | None = None,
+        accessible: Sequence[ArrayLike] = (),
+        safe: Sequence[ArrayLike] = (),
+        safe_distance: float = 0.0,
+        record_every: int | None = None,
+        flush_every_s: float = 0.5,
+    ) -> None:
+        """Begin the record of ``scene``; with ``path`` None it stays in memory.
+
+        ``accessible`` and ``safe`` are rings (n, 2) [m] for pictures, ``safe`` at ``safe_distance``
+        [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
+        world where they are not given. Raises RecordError where the file cannot be written.
+        """
+        world = getattr(scene, "world", None)
+        name = name if name is not None else str(world.name) if world else ""
+        every = record_every or (int(world.time.record_every) if world else 1)
+        self.path = None if path is None else Path(path)
+        self.robots = len(scene.start)
+        self._flush_every_s = flush_every_s
+        self._disk: CrashSafeFile | None = None
+        self._file = self._open()
+        try:
+            write_attributes(
+                self._file, scene, name=name, world_text=world_text,
+                record_every=every, safe_distance=safe_distance,
+            )  # fmt: skip
+            write_scene(self._file, scene, accessible, safe)
+            self._file.create_group(layout.WALL_CLOCK)
+            self.extremes = Extremes(self.robots)
+            self._file[layout.EXTREMES] = self.extremes.rows
+            self._file[layout.EXTREMES_FARTHEST] = self.extremes.farthest
+            samples = scene.steps // every + 2
+            self._tables = {
+                path: self._growing(path, (), row, samples * self.robots)
+                for path, row in layout.TABLES.items()
+            }
+            self._steps = {
+                path: self._growing(path, shape, row, samples)
+                for path, (shape, row) in layout.steps_rows(self.robots).items()
+            }
+            self.flush()
+        except BaseException:
+            self._abandon()
+            raise
+
+    def append_steps(
+        self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
+    ) -> None:
+        """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m]."""
+        for buffer, rows in zip(
+            self._steps.values(), (step, pose, clearance, boundary_clearance), strict=True
+        ):
+            buffer.append(rows)
+        self._flush_if_due()
+
+    def append_updates(self, rows: NDArray[np.void]) -> None:
+        """Append decisions, rows of `layout.UPDATE` in the order of steps."""
+        self._append_table("/updates", rows)
+
+    def append_contacts(self, rows: NDArray[np.void]) -> None:
+        """Append contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
+        self._append_table("/contacts", rows)
+
+    def note_extremes(self, step: ArrayLike, found: ClearanceBlock) -> None:
+        """Take the clearances of B physics steps into account, see `Extremes.note`."""
+        self.extremes.note(np.asarray(step, dtype=np.int64), found)
+
+    def set_extremes(self, rows: NDArray[np.void], farthest: NDArray[np.void] | None) -> None:
+        """Set the extremes over all physics steps so far: (N,) `EXTREME`, one `FARTHEST`."""
+        self.extremes.rows[:] = rows
+        if farthest is not None:
+            self.extremes.farthest[...] = farthest
+
+    def flush(self) -> None:
+        """Make all that was appended so far readable. Raises RecordError when that fails."""
+        try:
+            for buffer in (*self._tables.values(), *self._steps.values()):
+                buffer.flush()
+            self._file[layout.EXTREMES][:] = self.extremes.rows
+            self._file[layout.EXTREMES_FARTHEST][()] = self.extremes.farthest
+            if self._disk is not None:
+                self._disk.holding = True
+            self._file.flush()
+            if self._disk is not None:
+                self._disk.commit()
+        except OSError as error:
+            raise RecordError(f"{self.path}: cannot write the record: {error}") from error
+        self._due = time.monotonic() + self._flush_every_s
+
+    def close(
+        self, ended: str, *, steps_run: int, rejected: int, wall_clock: Mapping[str, float]
+    ) -> None:
+        """Write what is left and close the record; ``ended`` is one of `layout.ENDED`.
+
+        ``wall_clock`` are figures outside the digest, e.g. ``seconds`` and ``factor``.
+        """
+        if ended not in layout.ENDED:
+            raise RecordError(f'ended "{ended}"; allowed: {", ".join(layout.ENDED)}')
+        self.flush()
+        attributes = self._file.attrs
+        attributes.modify("steps_run", np.int64(steps_run))
+        attributes.modify("rejected_contacts", np.int64(rejected))
+        for key, value in wall_clock.items():
+            self._file[layout.WALL_CLOCK].attrs[key] = float(value)
+        attributes.modify("ended", np.array(ended.encode(), dtype=f"S{layout.ENDED_BYTES}"))
+        self.flush()
+        if self._disk is not None:
+            self._close_disk(self._disk)
+
+    def record(self) -> Record:
+        """Return what was written, to be read; the writer must be closed."""
+        return Record(self._file) if self.path is None else Record.load(self.path)
+
+    def _open(self) -> h5py.File:
+        """Open the file, with an index that changes on disk at a flush only."""
+        settings: dict[str, Any] = {"libver": "earliest", "rdcc_nbytes": 0}
+        if self.path is None:
+            settings |= {"driver": "core", "backing_store": False, "block_size": BUFFER_BYTES}
+            return h5py.File("record", "w", **settings)
+        try:
+            self._disk = CrashSafeFile(self.path)
+        except OSError as error:
+            raise RecordError(f"{self.path}: cannot be written: {error.strerror}") from error
+        self._disk.holding = True
+        settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
+        file = h5py.File(self._disk, "w", **settings)
+        cache = file.id.get_mdc_config()
+        cache.evictions_enabled = False
+        cache.incr_mode = cache.flash_incr_mode = cache.decr_mode = 0
+        file.id.set_mdc_config(cache)
+        return file
+
+    def _growing(self, path: str, shape: tuple[int, ...], row: Any, most: int) -> RowBuffer:
+        """Create a dataset that grows by rows, with chunks no larger than ``most`` rows."""
+        size = np.dtype(row).itemsize * int(np.prod(shape, dtype=int))
+        rows = max(1, min(CHUNK_BYTES // size, most))
+        dataset = self._file.create_dataset(
+            path, (0, *shape), row, maxshape=(None, *shape), chunks=(rows, *shape)
+        )
+        return RowBuffer(dataset, min(BUFFER_BYTES // size, 8 * rows))
+
+    def _append_table(self, path: str, rows: NDArray[np.void]) -> None:
+        if rows.dtype != layout.TABLES[path]:
+            raise RecordError(f"{path}: rows of type {rows.dtype}; {layout.TABLES[path]} expected")
+        self._tables[path].append(rows)
+        self._flush_if_due()
+
+    def _flush_if_due(self) -> None:
+        if time.monotonic() >= self._due:
+            self.flush()
+
+    def _close_disk(self, disk: CrashSafeFile) -> None:
+        try:
+            disk.holding = True
+            self._file.close()
+            disk.commit()
+            disk.close()
+        except OSError as error:
+            raise RecordError(f"{self.path}: cannot close the record: {error}") from error
+
+    def _abandon(self) -> None:
+        """Leave nothing half-written when the record cannot be begun."""
+        self._file.close()
+        if self._disk is not None:
+            self._disk.close()
+
+
+__all__ = ["RecordWriter"]

@@ -64,9 +64,7 @@ Coordinate = Annotated[
     Field(strict=True, allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE),
 ]
 Heading = Annotated[
-    Annotated[
-        float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)
-    ]
+    Annotated[float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)]
     | Annotated[Literal["random"], Tag("<word>")],
     Discriminator(is_word),
 ]

@@ -75,7 +75,9 @@ class Corridor(Model):
         | Annotated[
             tuple[Length, ...], Sequence, Field(min_length=2, max_length=100_000), Tag("<list>")
         ],
-        Discriminator(lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"),
+        Discriminator(
+            lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"
+        ),
     ] = Field(description="[m] full width: one number, or one per point of the centreline")
     end_margin: Length = Field(
         default=3.0, description="[m] from either end of the centreline to the cap that closes it"
@@ -174,7 +176,9 @@ class Formation(Model):
         default=1.0, description="[m/s] nu_0, steady speed of the cluster"
     )
     limits: Annotated[
-        tuple[Annotated[Number, Field(ge=0.0, le=1000.0)], Annotated[Number, Field(gt=0.0, le=1000.0)]],
+        tuple[
+            Annotated[Number, Field(ge=0.0, le=1000.0)], Annotated[Number, Field(gt=0.0, le=1000.0)]
+        ],
         Sequence,
     ] = Field(default=(0.8, 1.3), description="[m/s] least and greatest speed that (7) may give")
     spacing: Annotated[
@@ -296,9 +300,9 @@ class World(Model):
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
     )
-    robots: Annotated[
-        tuple[Robot, ...], Sequence, Field(min_length=1, max_length=MOST_ROBOTS)
-    ] = Field(description="list of robots, in the order of their ids")
+    robots: Annotated[tuple[Robot, ...], Sequence, Field(min_length=1, max_length=MOST_ROBOTS)] = (
+        Field(description="list of robots, in the order of their ids")
+    )
     formation: Formation | None = Field(
         default=None, description="formation control; without it every robot goes at 1 m/s"
     )

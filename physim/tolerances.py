@@ -27,6 +27,10 @@ WHOLE_STEPS = 1e-9
 """[-] How far, as a share, a duration may be from a whole number of steps: far above the rounding
 of their quotient, and at most a tenth of a step in 1e8 steps."""
 
+FLAT = 1e-12
+"""[-] Sine of the turn at a corner below which the two edges count as one straight edge. A part
+that is concave by that much differs from a convex one by less than ``CONTACT`` up to 1000 m."""
+
 
 def chord(v: float, omega: float, dt: float) -> float:
     """Return the largest gap [m] between the arc of one step and the straight line of its ends.

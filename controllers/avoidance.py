@@ -71,11 +71,11 @@ def smallest_time(
         if room > 0.0 and room > closing * min(smallest, horizon):
             continue  # even head-on the discs meet later
         xi = collision_time_pair(shapes, me, pose[me], mine, j, pose[j], theirs, horizon)  # (11)
-        smallest = min(smallest, xi)
+        smallest = min(smallest, float(xi))
         if smallest < enough:
             return smallest
     xi = collision_time_walls(shapes, me, pose[me], mine, walls, parts, horizon)
-    return min(smallest, xi)
+    return min(smallest, float(xi))
 
 
 @compiled

@@ -62,4 +62,4 @@ def formation_energy_rate(
 
 def formation_error(station: FloatArray, lead: FloatArray) -> FloatArray:
     """Formation error (N,) [m]: distance to the robots' mean place on s* less its desired value."""
-    return (station.mean() - station) - (lead.mean() - lead)
+    return np.asarray((station.mean() - station) - (lead.mean() - lead))

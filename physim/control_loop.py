@@ -46,7 +46,7 @@ class PlainBatch:
         name = type(self.controller).__name__
         where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
         try:
-            decision = self.controller.decide(self.observe(i), self.memory[i])
+            decision: object = self.controller.decide(self.observe(i), self.memory[i])
         except PhysimError:
             raise
         except Exception as error:

@@ -71,7 +71,7 @@ class Perception:
     def formation_errors(self) -> FloatArray:
         """(N,) [m] distance to the robots' mean place on s* less its desired value."""
         station, lead = self.reference_station, self.scene.formation.lead
-        return (station.mean() - station) - (lead.mean() - lead)
+        return np.asarray((station.mean() - station) - (lead.mean() - lead))
 
     def neighbours(self, i: int) -> IntArray:
         """Robots in N_i, increasing."""

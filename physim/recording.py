@@ -9,13 +9,14 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.contacts import CONTACT
 from physim.control import Controller
 from physim.geometry.clearance import clearances
-from physim.geometry.shapes import FloatArray
 from physim.record import Record, RecordWriter
 from physim.record.layout import UPDATE
 from physim.simulation import Filter, Simulation, Update
@@ -100,14 +101,14 @@ class Recorder:
         )
 
 
-def update_rows(updates: Sequence[Update]) -> np.ndarray[tuple[int], np.dtype[np.void]]:
+def update_rows(updates: Sequence[Update]) -> NDArray[np.void]:
     """Rows of the update table, in the order of steps."""
     rows = np.zeros(sum(len(u.decisions.robot) for u in updates), dtype=UPDATE)
     rows["step"] = np.repeat(
         [u.snapshot.step for u in updates], [len(u.decisions.robot) for u in updates]
     )
 
-    def column(values: list[FloatArray]) -> FloatArray:
+    def column(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         return np.concatenate(values)
 
     rows["robot"] = column([u.decisions.robot for u in updates])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import pi
+from typing import Literal
 
 import numpy as np
 
@@ -168,7 +169,9 @@ def _formation(world: World, start: FloatArray, reference: FloatArray) -> Format
     )
 
 
-def _adjacency(neighbours: str | Sequence[tuple[str, str]], names: Sequence[str]) -> IntArray:
+def _adjacency(
+    neighbours: Literal["range", "all"] | Sequence[tuple[str, str]], names: Sequence[str]
+) -> IntArray:
     """(N, N) symmetric, or (0, 0) when neighbours are those within range."""
     n = len(names)
     if neighbours == "range":
@@ -176,7 +179,8 @@ def _adjacency(neighbours: str | Sequence[tuple[str, str]], names: Sequence[str]
     if neighbours == "all":
         return np.ones((n, n), dtype=np.int64) - np.eye(n, dtype=np.int64)
     adjacency = np.zeros((n, n), dtype=np.int64)
-    for a, b in neighbours:
+    for pair in neighbours:
+        a, b = pair
         i, j = names.index(a), names.index(b)
         adjacency[i, j] = adjacency[j, i] = 1
     return adjacency

@@ -1,0 +1,77 @@
+"""Which wall parts are near a place: a grid of lists.
+
+The list of a cell holds every part that comes within ``reach`` of any point of the cell, in the
+order of the walls, so one look-up answers for a whole neighbourhood.
+"""
+
+from __future__ import annotations
+
+from math import floor
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from physim.compiled import compiled
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+
+
+class Nearby(NamedTuple):
+    """Grid over the walls: cell c = row * columns + column has ``part[start[c]:start[c + 1]]``."""
+
+    origin_x: float
+    origin_y: float
+    cell: float
+    """[m] side of a cell"""
+    columns: int
+    rows: int
+    start: IntArray
+    """(columns * rows + 1,)"""
+    part: IntArray
+    reach: float
+    """[m]"""
+    every: IntArray
+    """every part, for places outside the grid"""
+
+
+def build_nearby(walls: Shapes, reach: float, cell: float) -> Nearby:
+    """Sort the parts of ``walls`` into a grid of cells of side ``cell`` [m].
+
+    Cells grow where the world is large, so that there are at most about a million of them.
+    """
+    every = np.arange(len(walls.part_start) - 1, dtype=np.int64)
+    low, high = walls.vertices.min(axis=0) - cell, walls.vertices.max(axis=0) + cell
+    cell = max(cell, float(np.sqrt(np.prod(high - low) / 1e6)))
+    columns, rows = (int(n) for n in np.ceil((high - low) / cell))
+    x0 = low[0] + cell * np.arange(columns)
+    y0 = low[1] + cell * np.arange(rows)
+    boxes = shapely.box(
+        np.tile(x0, rows),
+        np.repeat(y0, columns),
+        np.tile(x0 + cell, rows),
+        np.repeat(y0 + cell, columns),
+    )
+    shapes = [_shape(walls, part) for part in every]
+    # a hair wider than reach: rounding must not drop a part that just comes within it
+    near = shapely.STRtree(shapes).query(boxes, predicate="dwithin", distance=reach * (1.0 + 1e-9))
+    order = np.lexsort((near[1], near[0]))
+    counts = np.bincount(near[0], minlength=columns * rows)
+    start = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+    part = np.ascontiguousarray(near[1][order], dtype=np.int64)
+    return Nearby(float(low[0]), float(low[1]), cell, columns, rows, start, part, reach, every)
+
+
+@compiled
+def parts(nearby: Nearby, x: float, y: float) -> IntArray:
+    """Parts that may be within ``reach`` of a place, increasing; all of them outside the grid."""
+    column = int(floor((x - nearby.origin_x) / nearby.cell))
+    row = int(floor((y - nearby.origin_y) / nearby.cell))
+    if column < 0 or row < 0 or column >= nearby.columns or row >= nearby.rows:
+        return nearby.every
+    c = row * nearby.columns + column
+    return nearby.part[nearby.start[c] : nearby.start[c + 1]]
+
+
+def _shape(walls: Shapes, part: int) -> shapely.Geometry:
+    corners: FloatArray = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
+    return shapely.LineString(corners) if len(corners) == 2 else shapely.Polygon(corners)

@@ -13,7 +13,7 @@ import numpy as np
 
 from physim import tolerances
 from physim.compiled import compiled
-from physim.geometry.collision_time import collision_time_pair, collision_time_walls
+from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes

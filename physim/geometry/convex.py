@@ -182,6 +182,54 @@ def outline_distance(
 
 
 @compiled
+def part_feature(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    c: float,
+    s: float,
+    tx: float,
+    ty: float,
+    rx: float,
+    ry: float,
+    enough: float,
+) -> tuple[float, bool, bool, int, float]:
+    """Return `part_gap`, and what it rests on.
+
+    That is (signed distance, is it between outlines rather than along a normal?, is the best
+    normal one of Q's?, the edge of the best normal, the gap along it).
+    """
+    gap, edge, vertex = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
+    if gap >= enough:
+        return gap, False, False, edge, gap
+    other, n, i = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, enough)
+    if other >= enough:
+        return other, False, True, n, other
+    of_q = other > gap
+    if of_q:
+        gap = other
+        edge = n
+        k = n - 1 if n > q0 else q1 - 1
+        if gap > 0.0 and over_edge(Q, k, n, P, i, c, -s, rx, ry, tx, ty):
+            return gap, False, of_q, edge, gap
+    elif gap > 0.0:
+        k = edge - 1 if edge > p0 else p1 - 1
+        if over_edge(P, k, edge, Q, vertex, c, s, tx, ty, rx, ry):
+            return gap, False, of_q, edge, gap
+    if gap > -NEARLY_TOUCHING or gap == -np.inf:
+        distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
+        if gap > 0.0:
+            # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
+            return max(gap, distance), True, of_q, edge, gap
+        if gap == -np.inf or distance > ROUNDING - gap:
+            return distance, True, of_q, edge, gap
+    return gap, False, of_q, edge, gap
+
+
+@compiled
 def part_gap(
     P: FloatArray,
     p0: int,
@@ -201,24 +249,66 @@ def part_gap(
 
     Where it is below ``enough`` it is exact; otherwise some number from ``enough`` up to it.
     """
-    gap, m, j = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
-    if gap >= enough:
-        return gap
-    other, n, i = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, enough)
-    if other >= enough:
-        return other
-    if gap >= other:
-        if gap > 0.0 and over_edge(P, m - 1 if m > p0 else p1 - 1, m, Q, j, c, s, tx, ty, rx, ry):
-            return gap
-    else:
-        gap = other
-        if gap > 0.0 and over_edge(Q, n - 1 if n > q0 else q1 - 1, n, P, i, c, -s, rx, ry, tx, ty):
-            return gap
-    if gap > 0.0:
-        # Never below the gap by rounding: so `enough` cannot change a minimum over parts.
-        return max(gap, outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry))
-    if gap > -NEARLY_TOUCHING or gap == -np.inf:
-        distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
-        if gap == -np.inf or distance > ROUNDING - gap:
-            return distance
-    return gap
+    return part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)[0]
+
+
+@compiled
+def face_normal(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    c: float,
+    s: float,
+    of_q: bool,
+    edge: int,
+) -> tuple[float, float]:
+    """Return the unit normal of the edge that `part_feature` found, from P to Q, in P's frame."""
+    if edge < 0:
+        return 1.0, 0.0
+    if of_q:
+        k = edge - 1 if edge > q0 else q1 - 1
+        ex = Q[edge, 0] - Q[k, 0]
+        ey = Q[edge, 1] - Q[k, 1]
+        size = math.sqrt(ex * ex + ey * ey)
+        nx = -ey / size
+        ny = ex / size
+        return c * nx - s * ny, s * nx + c * ny
+    k = edge - 1 if edge > p0 else p1 - 1
+    ex = P[edge, 0] - P[k, 0]
+    ey = P[edge, 1] - P[k, 1]
+    size = math.sqrt(ex * ex + ey * ey)
+    return ey / size, -ex / size
+
+
+@compiled
+def support_gap(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    c: float,
+    s: float,
+    tx: float,
+    ty: float,
+    rx: float,
+    ry: float,
+    nx: float,
+    ny: float,
+) -> float:
+    """Return the gap of P and Q along a unit direction of P's frame, from P to Q."""
+    x = P[p0, 0]
+    y = P[p0, 1]
+    top = -np.inf
+    for k in range(p0, p1):
+        top = max(top, nx * (P[k, 0] - x) + ny * (P[k, 1] - y))
+    ux = c * nx + s * ny
+    uy = c * ny - s * nx
+    low = np.inf
+    for k in range(q0, q1):
+        low = min(low, ux * (Q[k, 0] - rx) + uy * (Q[k, 1] - ry))
+    return low + (nx * (tx - x) + ny * (ty - y)) - top

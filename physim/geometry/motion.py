@@ -8,6 +8,7 @@ accurate to the last bits for every h but 0, so no case distinction by size is n
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,9 @@ def chord_factor(h: float) -> float:
 
 
 @compiled
-def arc(pose: FloatArray, v: float, omega: float, t: float) -> tuple[float, float, float]:
+def arc(
+    pose: FloatArray | tuple[float, float, float], v: float, omega: float, t: float
+) -> tuple[float, float, float]:
     """Return (x, y, heading) [m, m, rad] after time t [s] at constant (v, omega), equation (1).
 
     ``pose`` is (3,), world frame; the heading is not wrapped; t may be negative.
@@ -67,3 +70,73 @@ def chord_velocities(pose: FloatArray, command: FloatArray, dt: float, out: Floa
         out[i, 0] = vx
         out[i, 1] = vy
         out[i, 2] = command[i, 1]
+
+
+class Course(NamedTuple):
+    """A body under a constant twist: pose now, velocity now, and how both turn (world frame)."""
+
+    x: float
+    y: float
+    c: float
+    """cosine of the heading"""
+    s: float
+    """sine of the heading"""
+    vx: float
+    """[m/s]"""
+    vy: float
+    turn: float
+    """[rad/s] how fast the velocity turns: omega on an arc, 0 on a straight line"""
+    spin: float
+    """[rad/s] how fast the body turns"""
+    speed: float
+    """[m/s] length of the velocity, which is constant"""
+    radius: float
+    """[m] of the disc about the reference point that holds the body"""
+
+
+@compiled
+def arc_course(pose: FloatArray, v: float, omega: float, radius: float) -> Course:
+    """Course of a body with the twist (v, omega) in its own frame: an arc."""
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    return Course(pose[0], pose[1], c, s, v * c, v * s, omega, omega, abs(v), radius)
+
+
+@compiled
+def straight_course(pose: FloatArray, vx: float, vy: float, omega: float, radius: float) -> Course:
+    """Course of a body with the twist (vx, vy, omega) in the world frame: a straight line."""
+    c = math.cos(pose[2])
+    s = math.sin(pose[2])
+    speed = math.sqrt(vx * vx + vy * vy)
+    return Course(pose[0], pose[1], c, s, vx, vy, 0.0, omega, speed, radius)
+
+
+@compiled
+def still_course() -> Course:
+    """Course of what never moves and whose vertices are in the world frame: walls."""
+    return Course(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@compiled
+def along_course(course: Course, t: float) -> tuple[float, float, float, float, float, float]:
+    """Return (x, y, c, s, vx, vy) after time t [s]: place, cos and sin of the heading, velocity."""
+    x, y, c, s, vx, vy = course.x, course.y, course.c, course.s, course.vx, course.vy
+    turned_c = 1.0
+    turned_s = 0.0
+    if course.turn == 0.0:
+        x += vx * t
+        y += vy * t
+    else:
+        h = 0.5 * course.turn * t
+        ch = math.cos(h)
+        sh = math.sin(h)
+        length = t * (sh / h if h != 0.0 else 1.0)
+        x += length * (ch * vx - sh * vy)
+        y += length * (sh * vx + ch * vy)
+        turned_c = 1.0 - 2.0 * sh * sh
+        turned_s = 2.0 * sh * ch
+        vx, vy = turned_c * vx - turned_s * vy, turned_s * vx + turned_c * vy
+    if course.spin != course.turn:
+        turned_c = math.cos(course.spin * t)
+        turned_s = math.sin(course.spin * t)
+    return x, y, turned_c * c - turned_s * s, turned_s * c + turned_c * s, vx, vy

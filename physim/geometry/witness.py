@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.convex import face_gap, part_gap, vertex_gap
+from physim.geometry.convex import part_feature, vertex_gap
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import TIE
 
@@ -131,19 +131,12 @@ def part_witness(
     ry: float,
 ) -> Witness:
     """`part_gap` with normal and points, all in P's frame (a lies on P, b on Q)."""
-    d = part_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, np.inf)
-    gap, m, _ = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, np.inf)
-    other, n, _ = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, np.inf)
-    if max(gap, other) >= d - TIE:
-        if gap >= other:
-            k = m - 1 if m > p0 else p1 - 1
-            hit, x, y, nx, ny = face_witness(P, k, m, Q, q0, q1, c, s, tx, ty, rx, ry, gap)
-            if hit or d <= 0.0:
-                return d, nx, ny, x, y, x + d * nx, y + d * ny
-        else:
-            k = n - 1 if n > q0 else q1 - 1
-            hit, x, y, nx, ny = face_witness(Q, k, n, P, p0, p1, c, -s, rx, ry, tx, ty, other)
-            if hit or d <= 0.0:
+    d, outline, of_q, edge, gap = part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, np.inf)
+    if edge >= 0 and gap >= d - TIE:
+        if of_q:
+            k = edge - 1 if edge > q0 else q1 - 1
+            hit, x, y, nx, ny = face_witness(Q, k, edge, P, p0, p1, c, -s, rx, ry, tx, ty, gap)
+            if hit or not outline:
                 x -= rx
                 y -= ry
                 bx = c * x - s * y + tx
@@ -151,6 +144,11 @@ def part_witness(
                 ox = -(c * nx - s * ny)
                 oy = -(s * nx + c * ny)
                 return d, ox, oy, bx - d * ox, by - d * oy, bx, by
+        else:
+            k = edge - 1 if edge > p0 else p1 - 1
+            hit, x, y, nx, ny = face_witness(P, k, edge, Q, q0, q1, c, s, tx, ty, rx, ry, gap)
+            if hit or not outline:
+                return d, nx, ny, x, y, x + d * nx, y + d * ny
     ax, ay, dx, dy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
     size = math.sqrt(dx * dx + dy * dy)
     if size > 0.0:

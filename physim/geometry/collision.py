@@ -1,0 +1,205 @@
+"""Collision time (11) of bodies under constant twists, in kernels.
+
+The collision time xi [s] is the smallest time at which two shapes, closed sets, intersect if both
+keep their twists; 0 while they overlap or touch (within CONTACT = 1e-9 m), inf when there is none
+up to the horizon. It is never late: at every earlier instant the shapes are apart, and at xi they
+are within 1e-9 m; a graze within 1e-9 m may count either way. Should the advancement of parts that
+turn reach its cap (`advancement.MOST_STEPS`), the value is a lower bound.
+
+- Both keep their headings (omega = 0): closed form, see `translation`.
+- Otherwise: certified conservative advancement, see `advancement`.
+
+Early outs only leave out what cannot meet, and never change a value. A twist is (v [m/s],
+omega [rad/s]) in the body frame, poses are (3,) in the world frame.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from physim.compiled import compiled
+from physim.geometry.advancement import advancement_time
+from physim.geometry.motion import Course, arc_course, still_course
+from physim.geometry.separation import point_gap
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.translation import translation_time
+
+BOUND_MARGIN = 1e-8
+"""[m] An early out must leave this much: ten times CONTACT, and far above rounding."""
+
+Twist = tuple[float, float]
+
+
+@compiled
+def swept_disc(a: Course) -> tuple[float, float, float]:
+    """Return (x, y, radius) of the disc that a turning body never leaves, whatever the time."""
+    if a.turn == 0.0:
+        return a.x, a.y, a.radius
+    return a.x - a.vy / a.turn, a.y + a.vx / a.turn, a.radius + a.speed / abs(a.turn)
+
+
+@compiled
+def stays(a: Course) -> bool:
+    """Whether a body is confined to its `swept_disc`: it goes round, or stands still."""
+    return a.turn != 0.0 or a.speed == 0.0
+
+
+@compiled
+def nearest_pass(x: float, y: float, vx: float, vy: float, horizon: float) -> float:
+    """Smallest distance from the origin of a point that starts at (x, y) and moves with v."""
+    square = vx * vx + vy * vy
+    t = 0.0
+    if square > 0.0:
+        t = min(max(-(x * vx + y * vy) / square, 0.0), horizon)
+    x += t * vx
+    y += t * vy
+    return math.sqrt(x * x + y * y)
+
+
+@compiled
+def never_meet(a: Course, b: Course, horizon: float) -> bool:
+    """Whether discs alone show that two bodies do not meet up to the horizon."""
+    x = b.x - a.x
+    y = b.y - a.y
+    room = a.radius + b.radius + BOUND_MARGIN
+    if math.sqrt(x * x + y * y) > room + (a.speed + b.speed) * horizon:
+        return True
+    if a.turn == 0.0 and b.turn == 0.0:
+        return nearest_pass(x, y, b.vx - a.vx, b.vy - a.vy, horizon) > room
+    ax, ay, ra = swept_disc(a)
+    bx, by, rb = swept_disc(b)
+    room = ra + rb + BOUND_MARGIN
+    if stays(a):
+        if stays(b):
+            x = bx - ax
+            y = by - ay
+            return math.sqrt(x * x + y * y) > room
+        return nearest_pass(b.x - ax, b.y - ay, b.vx, b.vy, horizon) > room
+    return nearest_pass(a.x - bx, a.y - by, a.vx, a.vy, horizon) > room
+
+
+@compiled
+def part_time(
+    shapes_a: Shapes, p: int, a: Course, shapes_b: Shapes, q: int, b: Course, horizon: float
+) -> float:
+    """Collision time [s] of two parts on their courses."""
+    p0 = shapes_a.part_start[p]
+    p1 = shapes_a.part_start[p + 1]
+    q0 = shapes_b.part_start[q]
+    q1 = shapes_b.part_start[q + 1]
+    P = shapes_a.vertices
+    Q = shapes_b.vertices
+    if a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0:
+        x = b.x - a.x
+        y = b.y - a.y
+        vx = b.vx - a.vx
+        vy = b.vy - a.vy
+        return translation_time(
+            P,
+            p0,
+            p1,
+            Q,
+            q0,
+            q1,
+            a.c * b.c + a.s * b.s,
+            a.c * b.s - a.s * b.c,
+            a.c * x + a.s * y,
+            a.c * y - a.s * x,
+            a.c * vx + a.s * vy,
+            a.c * vy - a.s * vx,
+            horizon,
+        )
+    return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
+
+
+@compiled
+def bodies_time(
+    shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
+) -> float:
+    """Collision time [s] of body i on course a and body j on course b; inf when there is none."""
+    xi = np.inf
+    if never_meet(a, b, horizon):
+        return xi
+    for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
+        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
+            xi = min(xi, part_time(shapes_a, p, a, shapes_b, q, b, min(xi, horizon)))
+    return xi
+
+
+@compiled
+def clear_of_part(a: Course, walls: Shapes, p0: int, p1: int, horizon: float) -> bool:
+    """Whether discs alone show that a body does not meet a part that stands still."""
+    if stays(a):
+        x, y, radius = swept_disc(a)
+        return point_gap(walls.vertices, p0, p1, x, y) > radius + BOUND_MARGIN
+    # Straight ahead: all vertices to the left, to the right, behind or beyond.
+    ux = a.vx / a.speed
+    uy = a.vy / a.speed
+    room = a.radius + BOUND_MARGIN
+    left = np.inf
+    right = np.inf
+    behind = np.inf
+    beyond = np.inf
+    for k in range(p0, p1):
+        x = walls.vertices[k, 0] - a.x
+        y = walls.vertices[k, 1] - a.y
+        along = ux * x + uy * y
+        across = ux * y - uy * x
+        left = min(left, across)
+        right = min(right, -across)
+        behind = min(behind, -along)
+        beyond = min(beyond, along - a.speed * horizon)
+    return left > room or right > room or behind > room or beyond > room
+
+
+@compiled
+def walls_time(
+    shapes: Shapes, i: int, a: Course, walls: Shapes, part_ids: IntArray, horizon: float
+) -> float:
+    """Collision time [s] of body i on course a and the given parts, which stand still."""
+    still = still_course()
+    xi = np.inf
+    if a.spin != 0.0 and (a.turn == a.spin or a.speed == 0.0):
+        # After a full turn all repeats.
+        horizon = min(horizon, 2.0 * math.pi / abs(a.spin) * (1.0 + 1e-6))
+    for part in part_ids:
+        p0 = walls.part_start[part]
+        p1 = walls.part_start[part + 1]
+        if not clear_of_part(a, walls, p0, p1, min(xi, horizon)):
+            for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
+                xi = min(xi, part_time(walls, part, still, shapes, q, a, min(xi, horizon)))
+    return xi
+
+
+@compiled
+def collision_time_pair(
+    shapes: Shapes,
+    i: int,
+    pose_i: FloatArray,
+    twist_i: Twist,
+    j: int,
+    pose_j: FloatArray,
+    twist_j: Twist,
+    horizon: float,
+) -> float:
+    """Collision time (11) [s] of robots i and j of ``shapes``, each on its arc; inf if none."""
+    a = arc_course(pose_i, twist_i[0], twist_i[1], shapes.radius[i])
+    b = arc_course(pose_j, twist_j[0], twist_j[1], shapes.radius[j])
+    return bodies_time(shapes, i, a, shapes, j, b, horizon)
+
+
+@compiled
+def collision_time_walls(
+    shapes: Shapes,
+    i: int,
+    pose: FloatArray,
+    twist: Twist,
+    walls: Shapes,
+    part_ids: IntArray,
+    horizon: float,
+) -> float:
+    """Collision time (11) [s] of robot i on its arc and the given parts of ``walls``."""
+    a = arc_course(pose, twist[0], twist[1], shapes.radius[i])
+    return walls_time(shapes, i, a, walls, part_ids, horizon)

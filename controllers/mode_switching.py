@@ -147,7 +147,8 @@ def decide_one(
         evaluations += len(rows) + 1
     hold = update_interval(interval, rules.beta, xi)  # (14)
     goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
-    report[:] = (tx, ty, distance, boundary, xi, len(rows), evaluations)
+    report[:5] = (tx, ty, distance, boundary, xi)
+    report[5], report[6] = len(rows), evaluations
     return pair[0], pair[1], hold, mode, plan, dwell + 1 if goes_on else 0, report
 
 

@@ -108,7 +108,7 @@ def _ear(corners: list[Corner], i: int, j: int, k: int, reflex: set[int]) -> flo
 
 def _merged(corners: list[Corner], triangles: list[Part], longest_first: bool) -> list[Part]:
     """Take out every diagonal whose two parts together are convex."""
-    parts = {k: part for k, part in enumerate(triangles)}
+    parts = dict(enumerate(triangles))
     owner = {edge: k for k, part in parts.items() for edge in _edges(part)}
     diagonals = [(i, j) for i, j in owner if i < j and (j, i) in owner]
     diagonals.sort(key=lambda e: math.dist(corners[e[0]], corners[e[1]]), reverse=longest_first)

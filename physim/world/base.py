@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -23,14 +23,14 @@ class _Meta(ModelMetaclass):
     made without that call, so that all faults of a world arrive together.
     """
 
-    def __call__(cls, /, *args: Any, **data: Any) -> Any:
+    def __call__(cls, /, *args: Any, **data: Any) -> Any:  # noqa: N805
         faults: list[Fault] = []
         made: Any = None
         try:
             made = super().__call__(*args, **data)
         except ValidationError as error:
-            faults = faults_of(error, cls)
-        faults += cls.cross_faults(data)  # type: ignore[attr-defined]
+            faults = faults_of(error, cast("type[Model]", cls))
+        faults += cast("type[Model]", cls).cross_faults(data)
         if faults:
             raise WorldError(faults)
         return made

@@ -69,7 +69,8 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         elif details["type"] == "missing" and not isinstance(location[-1], int):
             missing.append(Fault(location, _missing(model, raw)))
         else:
-            faults.append(Fault(location, message(cast(Mapping[str, Any], details))))
+            choice = _choice(model, raw) if details["type"] in _NEEDED else ""
+            faults.append(Fault(location, message(cast(Mapping[str, Any], details), choice)))
     return faults + [fault for fault in missing if fault.location not in mended]
 
 
@@ -99,17 +100,26 @@ def _meant(given: str | int, key: str) -> bool:
 
 def _missing(model: type[BaseModel], location: Location) -> str:
     field = field_at(model, location)
-    meaning = f"; it is {field.description}" if field is not None and field.description else ""
-    return f"missing{meaning}"
+    return f"missing; needed: {field.description}" if field is not None else "missing"
 
 
-def message(details: Mapping[str, Any]) -> str:
-    """Say in one line what is wrong with a value and what is allowed."""
+def _choice(model: type[BaseModel], location: Location) -> str:
+    """What a value of several kinds may be, where none of them was given."""
+    if not location or location[-1] not in TAGS:
+        return ""
+    field = field_at(model, location[:-1])
+    if field is not None and field.description:
+        return f"must be: {field.description}"
+    return "must be a number or a word" if location[-1] in ("<word>", "<value>") else ""
+
+
+def message(details: Mapping[str, Any], needed: str = "") -> str:
+    """Say in one line what is wrong with a value and what is allowed (``needed``, if known)."""
     given = details.get("input")
     context = details.get("ctx", {})
     kind = str(details["type"])
     if kind in _NEEDED:
-        return f"{_NEEDED[kind]}; given {shown(given)}{_hint(kind, given)}"
+        return f"{needed or _NEEDED[kind]}; given {shown(given)}{_hint(kind, given)}"
     if kind in _BOUNDS:
         sign, key = _BOUNDS[kind]
         return f"must be {sign} {context[key]:.15g}; given {shown(given)}"

@@ -12,6 +12,7 @@ class FrozenMapping(Mapping[str, Any]):
     __slots__ = ("_items",)
 
     def __init__(self, items: Mapping[str, Any] | None = None) -> None:
+        """Hold a frozen copy of ``items``; keys become text."""
         self._items = {str(key): frozen(value) for key, value in (items or {}).items()}
 
     def __getitem__(self, key: str) -> Any:

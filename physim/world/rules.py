@@ -6,12 +6,13 @@ so they speak together with the faults of single values, and all arrive at once.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 from physim.errors import Fault, nearest
-from physim.tolerances import WHOLE_STEPS
+from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import shown
 from physim.world.kinds import plain
 
@@ -70,6 +71,8 @@ def _time(data: Mapping[str, Any]) -> Iterator[Fault]:
 def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
     corridor, boundaries = _get(data, "corridor"), _get(data, "boundaries")
     if corridor is None and boundaries is None:
+        if any(nearest(key.lower(), ["corridor", "boundaries"]) for key in data):
+            return  # a misspelt key, which is a fault of its own
         yield Fault((), "neither corridor nor boundaries; a world needs one of them")
     elif corridor is not None and boundaries is not None:
         yield Fault(("boundaries",), "given beside corridor; a world has one of them, not both")
@@ -150,6 +153,8 @@ def _spacing(data: Mapping[str, Any]) -> Iterator[Fault]:
 def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
     names = [name for name in _given_names(data) if name is not None]
     known, seen = set(names), set()
+    if not known:
+        return
     for k, pair in enumerate(_list(_get(data, "formation"), "neighbours") or ()):
         if not isinstance(pair, list | tuple) or len(pair) != 2:
             continue
@@ -168,11 +173,19 @@ def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def _distinct(data: Mapping[str, Any]) -> Iterator[Fault]:
-    """Polylines of fewer than two distinct points have no direction."""
+    """Two neighbours at one place leave a polyline without direction there."""
     for where, line in _polylines(data):
-        points = [tuple(point) for point in line if isinstance(point, list | tuple)]
-        if len(points) == len(line) and len(line) >= 2 and all(a == b for a, b in pairwise(points)):
-            yield Fault(where, "all its points are the same; two distinct points are needed")
+        points = [_point(point) for point in line]
+        for k, (a, b) in enumerate(pairwise(points), start=1):
+            if a is not None and b is not None and math.dist(a, b) <= LENGTH:
+                yield Fault((*where, k), "repeats the point before it; leave one of them out")
+
+
+def _point(value: Any) -> tuple[float, float] | None:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        return None
+    x, y = _number(value[0]), _number(value[1])
+    return None if x is None or y is None else (x, y)
 
 
 def _polylines(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], Sequence[Any]]]:

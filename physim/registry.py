@@ -1,0 +1,172 @@
+"""Controllers by name: those that installed packages register, and, when trusted, any class.
+
+A package registers one by the entry point group ``physim.controllers``. ``module:Class`` imports a
+module, so it is taken from the command line or Python alone, never from a world file.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import sys
+import traceback
+from collections.abc import Mapping
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, Any
+
+from physim.errors import ControllerError, Fault, WorldError, nearest
+from physim.world.faults import faults_of, shown, unknown_key
+from physim.world.frozen import thawed
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+GROUP = "physim.controllers"
+
+
+def controller_names() -> dict[str, str]:
+    """Name and one-line description of every registered controller, by name.
+
+    One that cannot be imported is listed with the reason.
+    """
+    found = {}
+    for name, entry in sorted(_entries().items()):
+        try:
+            found[name] = _first_line(_load(entry.value, name))
+        except ControllerError as error:
+            found[name] = str(error)
+    return found
+
+
+def find_controller(name: str, trusted: bool = False) -> type[Any]:
+    """Return the class of a controller: a registered name, or ``module:Class`` when trusted.
+
+    Raises `ControllerError` when it is unknown, may not be named here, or cannot be imported.
+    """
+    entries = _entries()
+    if name in entries:
+        return _load(entries[name].value, name)
+    if ":" in name:
+        if not trusted:
+            raise ControllerError(
+                f"{shown(name)} names a class; a world may name registered controllers only: "
+                f"{', '.join(sorted(entries))}; give it on the command line by --controller"
+            )
+        _make_folder_importable()
+        return _load(name, name)
+    raise ControllerError(
+        f"no controller is called {shown(name)}; registered: "
+        f"{', '.join(sorted(entries)) or 'none'}{nearest(name[:100], sorted(entries))}"
+    )
+
+
+def settings_model(controller: type[Any]) -> type[BaseModel] | None:
+    """Return the pydantic model of a controller's settings, or None when it has none.
+
+    Raises `ControllerError` when its ``Settings`` is something else.
+    """
+    from pydantic import BaseModel
+
+    settings = getattr(controller, "Settings", None)
+    if settings is None:
+        return None
+    if not (isinstance(settings, type) and issubclass(settings, BaseModel)):
+        raise ControllerError(f"{controller.__name__}.Settings must be a pydantic model")
+    return settings
+
+
+def make_controller(name: str, settings: Mapping[str, Any], trusted: bool = False) -> Any:
+    """Make a controller with its settings checked: ``cls(settings)``, or ``cls()`` without any.
+
+    Raises `ControllerError` as `find_controller` does, and `WorldError` with a fault at
+    ``("controller", key)`` for each setting that is wrong.
+    """
+    controller = find_controller(name, trusted)
+    made, faults = checked_settings(controller, settings)
+    if faults:
+        raise WorldError(faults)
+    try:
+        return controller() if made is None else controller(made)
+    except Exception as error:
+        raise ControllerError(f"controller {shown(name)} cannot be made: {_told(error)}") from error
+
+
+def checked_settings(
+    controller: type[Any], settings: Mapping[str, Any]
+) -> tuple[BaseModel | None, list[Fault]]:
+    """Settings object of a controller, or the faults of ``settings``.
+
+    They are checked strictly, as JSON would be: text is no number, a list may fill a tuple.
+    """
+    from pydantic import ValidationError
+
+    model = settings_model(controller)
+    allowed = [] if model is None else list(model.model_fields)
+    faults = [unknown_key(("controller", key), allowed) for key in settings if key not in allowed]
+    if model is None:
+        return None, faults
+    known = {key: thawed(value) for key, value in settings.items() if key in allowed}
+    try:
+        made = model.model_validate_json(json.dumps(known), strict=True)
+    except ValidationError as error:
+        faults += [
+            Fault(("controller", *fault.location), fault.message)
+            for fault in faults_of(error, model)
+        ]
+        return None, faults
+    except (TypeError, ValueError) as error:
+        return None, [*faults, Fault(("controller",), f"settings cannot be read: {error}")]
+    return made, faults
+
+
+def _entries() -> dict[str, EntryPoint]:
+    return {entry.name: entry for entry in entry_points(group=GROUP)}
+
+
+def _first_line(controller: type[Any]) -> str:
+    lines = (controller.__doc__ or "").strip().splitlines()
+    return lines[0] if lines else "no description"
+
+
+def _load(target: str, name: str) -> type[Any]:
+    """Import ``module:Class``; every failure is a `ControllerError` on one line."""
+    module_name, _, class_name = target.partition(":")
+    try:
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise ControllerError(
+            f"controller {shown(name)}: module {shown(module_name)} cannot be imported: "
+            f"{_told(error)}"
+        ) from error
+    found: Any = module
+    for part in class_name.split("."):
+        found = getattr(found, part, None)
+    if not isinstance(found, type):
+        classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
+        raise ControllerError(
+            f"controller {shown(name)}: module {shown(module_name)} has no class "
+            f"{shown(class_name)}{nearest(class_name[:100], classes)}"
+        )
+    if not callable(getattr(found, "decide", None)):
+        raise ControllerError(
+            f"controller {shown(name)}: class {class_name} has no method "
+            "decide(observation, memory)"
+        )
+    return found
+
+
+def _make_folder_importable() -> None:
+    """Let ``module:Class`` name a file of the current folder, as ``python -m`` does."""
+    folder = os.getcwd()
+    if folder not in sys.path and "" not in sys.path:
+        sys.path.insert(0, folder)
+        importlib.invalidate_caches()
+
+
+def _told(error: Exception) -> str:
+    """Type, text and place of an error in somebody else's code, on one line."""
+    text = " ".join(str(error).split())[:200]
+    frames = traceback.extract_tb(error.__traceback__)
+    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {text}{place}"

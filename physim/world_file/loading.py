@@ -1,0 +1,153 @@
+"""From a file or a text to a `World`, with every fault found and its place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from physim.errors import ControllerError, Fault, Location, Position, WorldError
+from physim.registry import checked_settings, find_controller
+from physim.world import World
+from physim.world.faults import KeyFault
+from physim.world_file.file_text import file_text
+from physim.world_file.nodes import Document, Member, Node
+from physim.world_file.overrides import apply_overrides
+from physim.world_file.reading import read_document, refused
+
+MOST_FAULTS = 100
+"""Faults of one world that are told one by one."""
+
+
+def load_world(
+    path: str | os.PathLike[str],
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+) -> World:
+    """Read a world file; ``overrides`` and ``controller`` as the command line gives them.
+
+    Raises `WorldError` with every fault found, each with its line and column.
+    """
+    return read_world(path, overrides=overrides, controller=controller)[0]
+
+
+def read_world(
+    path: str | os.PathLike[str],
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+) -> tuple[World, Document]:
+    """As `load_world`, with the document, by which later faults find their place (`located`)."""
+    document = read_document(file_text(Path(path)), str(path))
+    return world_of(document, overrides=overrides, controller=controller)
+
+
+def parse_world(
+    text: str,
+    source: str = "<text>",
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+) -> World:
+    """Read a world from the text of a world file. Raises `WorldError` as `load_world` does."""
+    document = read_document(text, source)
+    return world_of(document, overrides=overrides, controller=controller)[0]
+
+
+def world_of(
+    document: Document, *, overrides: Sequence[str] = (), controller: str | None = None
+) -> tuple[World, Document]:
+    """World of a document, and the document with the overrides in it.
+
+    A ``controller`` given here replaces the one of the document and may be ``module:Class``; the
+    document's settings are kept only if they belong to that controller.
+    """
+    if document.root.members is None:
+        raise refused(
+            document.source,
+            document.root.line,
+            document.root.column,
+            "a world is a mapping of keys to values: name, time, corridor, robots, …",
+        )
+    if controller is not None:
+        document = _with_controller(document, controller)
+    document = apply_overrides(document, overrides)
+    values = document.values()
+    faults = _controller_faults(values, trusted=controller is not None)
+    world: World | None = None
+    try:
+        world = World(**values)
+    except WorldError as error:
+        faults = [*error.faults, *faults]
+    if faults or document.faults or world is None:
+        raise located(faults, document)
+    return world, document
+
+
+def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
+    """Error of these faults and those of the document, each with its place in the file.
+
+    Without a document (a world made in Python) there are no places. Faults of values that could
+    not even be read are left out, since the document says why.
+    """
+    if document is None:
+        return WorldError(_capped(list(faults)))
+    told = list(zip(document.faults, document.fault_positions, strict=True))
+    for fault in faults:
+        if not _is_void(fault.location, document):
+            key = isinstance(fault, KeyFault)
+            told.append((fault, document.position(fault.location, key)))
+    told.sort(key=lambda pair: (pair[1].line, pair[1].column))
+    kept = _capped([fault for fault, _ in told])
+    positions = [position for _, position in told][: len(kept)]
+    return WorldError(kept, positions)
+
+
+def _is_void(location: Location, document: Document) -> bool:
+    return any(location[:n] in document.void for n in range(len(location) + 1))
+
+
+def _capped(faults: list[Fault]) -> list[Fault]:
+    if len(faults) <= MOST_FAULTS:
+        return faults
+    more = len(faults) - MOST_FAULTS + 1
+    return [*faults[: MOST_FAULTS - 1], Fault((), f"{more} more faults")]
+
+
+def _with_controller(document: Document, name: str) -> Document:
+    """Put the controller of the command line in the place of the world's."""
+    root = document.root
+    members = dict(root.members or {})
+    old = members.get("controller")
+    settings = old.node.members if old is not None and old.node.members is not None else {}
+    chosen = settings["type"].node.value if "type" in settings else "mode_switching"
+    kept = dict(settings) if chosen == name else {}
+    kept["type"] = Member(1, 1, Node(1, 1, name, override=f"controller.type={name}"))
+    line, column = (old.line, old.column) if old is not None else (root.line, root.column)
+    members["controller"] = Member(line, column, Node(line, column, members=kept))
+    return Document(
+        document.source,
+        Node(root.line, root.column, members=members, size=root.size, height=root.height),
+        document.faults,
+        document.fault_positions,
+        document.void,
+    )
+
+
+def _controller_faults(values: dict[str, object], trusted: bool) -> list[Fault]:
+    """Faults of the controller's name and settings; nothing where the model says so already."""
+    choice = values.get("controller", {})
+    if not isinstance(choice, dict):
+        return []
+    settings = {key: value for key, value in choice.items() if key != "type"}
+    name = choice.get("type", "mode_switching")
+    if not isinstance(name, str) or not name:
+        return []
+    try:
+        return checked_settings(find_controller(name, trusted), settings)[1]
+    except ControllerError as error:
+        return [Fault(("controller", "type"), str(error))]
+
+
+__all__ = ["Position", "load_world", "located", "parse_world", "read_world", "world_of"]

@@ -1,0 +1,109 @@
+"""Values given on the command line: ``--set a.b.0.c=YAML``, put into the tree of the file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from physim.errors import Fault, Location, Position, WorldError
+from physim.world.faults import shown
+from physim.world_file.nodes import Document, Member, Node, OverridePosition
+from physim.world_file.reading import read_document
+
+_KEY = re.compile(r"[^.\[\]=]+(?:\.[^.\[\]=]+|\[[0-9]+\])*")
+
+
+def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
+    """Return the document with values replaced, in the order given; the given one is unchanged.
+
+    Each override is ``key=YAML``, the key written ``robots.0.pose`` or ``robots[0].pose``. Keys
+    that do not exist are made, so that the check of the model finds them as unknown keys, at
+    ``--set key``. Raises `WorldError` for an override that cannot be read or placed.
+    """
+    for override in overrides:
+        document = _applied(document, override)
+    return document
+
+
+def _applied(document: Document, override: str) -> Document:
+    key, equals, text = override.partition("=")
+    key = key.strip()
+    place = OverridePosition(document.source, 1, 1, shown(key)[1:-1])
+    if not equals or not _KEY.fullmatch(key):
+        message = (
+            f"{shown(override)} is not KEY=VALUE, as time.step=0.02 or robots.0.pose=[1, 2, 0]"
+        )
+        raise WorldError([Fault((), message)], [place])
+    location = _location(key)
+    try:
+        value = read_document(text, document.source)
+    except WorldError as error:
+        raise WorldError([Fault((), fault.message) for fault in error.faults], [place]) from None
+    _mark(value.root, key)
+    root = _placed(document.root, location, 0, value.root, place)
+    return _without(document, location, replace(value, root=root), place)
+
+
+def _location(key: str) -> Location:
+    parts = re.findall(r"[^.\[\]]+", key)
+    return tuple(int(part) if re.fullmatch("[0-9]{1,9}", part) else part for part in parts)
+
+
+def _mark(node: Node, key: str) -> None:
+    """Say of every value in a tree which override it came from."""
+    node.override = key
+    members = [member.node for member in (node.members or {}).values()]
+    for child in [*(node.items or []), *members]:
+        if child.override is None:
+            _mark(child, key)
+
+
+def _placed(
+    node: Node | None, location: Location, depth: int, value: Node, place: Position
+) -> Node:
+    """Copy of a tree with ``value`` at ``location``; only the way there is copied."""
+    if depth == len(location):
+        return value
+    part = location[depth]
+    if node is None:
+        node = replace(value, value=None, items=None, members={})
+    if node.members is not None:
+        key = str(part)
+        old = node.members.get(key)
+        child = _placed(old.node if old else None, location, depth + 1, value, place)
+        line, column = (old.line, old.column) if old else (node.line, node.column)
+        return replace(node, members={**node.members, key: Member(line, column, child)})
+    if node.items is not None and isinstance(part, int) and part < len(node.items):
+        child = _placed(node.items[part], location, depth + 1, value, place)
+        return replace(node, items=[*node.items[:part], child, *node.items[part + 1 :]])
+    if node.items is not None:
+        there = f"has entries 0 to {len(node.items) - 1}" if node.items else "is an empty list"
+        message = f"there is no entry {shown(part)}; this list {there}"
+    else:
+        message = f"there is no {shown(part)} in it; it is the single value {shown(node.value)}"
+    raise WorldError([Fault(location[:depth], message)], [place])
+
+
+def _without(
+    document: Document, location: Location, changed: Document, place: Position
+) -> Document:
+    """Put the faults of the old text that still stand and those of the new value together."""
+    depth = len(location)
+    kept = [
+        (fault, position)
+        for fault, position in zip(document.faults, document.fault_positions, strict=True)
+        if fault.location[:depth] != location
+    ]
+    new = [
+        (replace(fault, location=(*location, *fault.location)), place) for fault in changed.faults
+    ]
+    void = {where for where in document.void if where[:depth] != location}
+    void |= {(*location, *where) for where in changed.void}
+    return Document(
+        document.source,
+        changed.root,
+        tuple(fault for fault, _ in kept + new),
+        tuple(position for _, position in kept + new),
+        frozenset(void),
+    )

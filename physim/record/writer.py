@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -157,7 +158,7 @@ class RecordWriter:
         settings: dict[str, Any] = {"libver": "earliest", "rdcc_nbytes": 0}
         if self.path is None:
             settings |= {"driver": "core", "backing_store": False, "block_size": BUFFER_BYTES}
-            return h5py.File("record", "w", **settings)
+            return h5py.File(f"record {uuid4().hex}", "w", **settings)  # names must differ
         try:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:

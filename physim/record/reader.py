@@ -59,8 +59,10 @@ class Record:
         """K"""
         self.robots = int(file["/robots/stop_station"].size)
         """N"""
-        if self.ended == "running" and self.samples:
-            self.steps_run = int(self.steps[-1])
+        self._killed_at: int | None = None
+        if self.ended == "running":
+            self._killed_at = int(self.steps[-1]) if self.samples else -1
+            self.steps_run = max(0, self._killed_at)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -243,8 +245,8 @@ class Record:
             rows = np.asarray(dataset[first:last])
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             raise damaged(self._where, path, error) from error
-        if path in layout.TABLES and self.ended == "running":
-            rows = rows[rows["step"] <= self.steps_run]
+        if path in layout.TABLES and self._killed_at is not None:
+            rows = rows[rows["step"] <= self._killed_at]
         return _frozen(rows)
 
     def digest(self) -> str:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import h5py
 import numpy as np
@@ -87,12 +88,17 @@ class RecordWriter:
     def append_steps(
         self, step: ArrayLike, pose: ArrayLike, clearance: ArrayLike, boundary_clearance: ArrayLike
     ) -> None:
-        """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m]."""
+        """Append B samples: step (B,), pose (B, N, 3), clearances (B, N) [m].
+
+        Goes to the file when the time has come; append the decisions and contacts of the samples
+        before, then a killed run's tables end with its samples.
+        """
         for buffer, rows in zip(
             self._steps.values(), (step, pose, clearance, boundary_clearance), strict=True
         ):
             buffer.append(rows)
-        self._flush_if_due()
+        if time.monotonic() >= self._due:
+            self.flush()
 
     def append_updates(self, rows: NDArray[np.void]) -> None:
         """Append decisions, rows of `layout.UPDATE` in the order of steps."""
@@ -157,7 +163,7 @@ class RecordWriter:
         settings: dict[str, Any] = {"libver": "earliest", "rdcc_nbytes": 0}
         if self.path is None:
             settings |= {"driver": "core", "backing_store": False, "block_size": BUFFER_BYTES}
-            return h5py.File("record", "w", **settings)
+            return h5py.File(f"record {uuid4().hex}", "w", **settings)  # names must differ
         try:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
@@ -184,11 +190,6 @@ class RecordWriter:
         if rows.dtype != layout.TABLES[path]:
             raise RecordError(f"{path}: rows of type {rows.dtype}; {layout.TABLES[path]} expected")
         self._tables[path].append(rows)
-        self._flush_if_due()
-
-    def _flush_if_due(self) -> None:
-        if time.monotonic() >= self._due:
-            self.flush()
 
     def _close_disk(self, disk: CrashSafeFile) -> None:
         try:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
 from physim.video.layout import Box
@@ -31,12 +32,12 @@ class Lens(NamedTuple):
         """Return points (…, 2) [m] as pixels (…, 2)."""
         return np.asarray(points) * (self.scale, -self.scale) + (self.x, self.y)
 
-    def fixed(self, points: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:
+    def fixed(self, points: FloatArray) -> NDArray[np.int32]:
         """Return points (…, 2) [m] as OpenCV's fixed-point pixels (…, 2)."""
         return fixed(self.pixels(points))
 
 
-def fixed(pixels: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:
+def fixed(pixels: FloatArray) -> NDArray[np.int32]:
     """Return pixels as OpenCV's fixed-point numbers; far outside the picture they saturate."""
     return np.rint(np.clip(pixels, -1e6, 1e6) * (1 << SHIFT)).astype(np.int32)
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
-from physim.video.robots import Figure, placed
+from physim.video.robots import Outline
 
 
 class Pair(NamedTuple):
@@ -20,8 +20,13 @@ class Pair(NamedTuple):
     points: FloatArray
 
 
-def closest_pair(figures: list[Figure], pose: FloatArray) -> Pair | None:
-    """Find the closest pair of robots at poses (N, 3); of equal ones the first. None for one robot.
+def closest_pair(
+    outlines: list[Outline[np.float64]], pose: FloatArray, reach: FloatArray
+) -> Pair | None:
+    """Find the closest pair of robots; of equal ones the first. None for one robot.
+
+    ``outlines``: of the N robots, world frame; ``pose`` (N, 3); ``reach`` (N,) [m]: radius of a
+    disc around the reference point that holds the robot.
 
     Pairs are taken in the order of a lower bound, the distance of their enclosing discs, so far
     fewer than all are worked out.
@@ -30,7 +35,6 @@ def closest_pair(figures: list[Figure], pose: FloatArray) -> Pair | None:
     if count < 2:
         return None
     a, b = np.triu_indices(count, 1)
-    reach = np.array([figure.reach for figure in figures])
     gap = np.hypot(*(pose[a, :2] - pose[b, :2]).T)
     order = np.argsort(gap - reach[a] - reach[b], kind="stable")
     bound = (gap - reach[a] - reach[b])[order]
@@ -42,7 +46,7 @@ def closest_pair(figures: list[Figure], pose: FloatArray) -> Pair | None:
         i, j = int(a[index]), int(b[index])
         for k in (i, j):
             if k not in shapes:
-                shapes[k] = _polygon(figures[k], pose[k])
+                shapes[k] = _polygon(outlines[k].parts)
         distance = float(shapely.distance(shapes[i], shapes[j]))
         if distance < best:
             best, found = distance, (i, j)
@@ -51,7 +55,7 @@ def closest_pair(figures: list[Figure], pose: FloatArray) -> Pair | None:
     return Pair(i, j, best, shapely.get_coordinates(line))
 
 
-def _polygon(figure: Figure, pose: FloatArray) -> shapely.Geometry:
-    if len(figure.parts) == 1:
-        return shapely.Polygon(placed(figure.parts[0], pose))
-    return shapely.MultiPolygon([shapely.Polygon(placed(part, pose)) for part in figure.parts])
+def _polygon(parts: list[FloatArray]) -> shapely.Geometry:
+    if len(parts) == 1:
+        return shapely.polygons(parts[0])
+    return shapely.geometrycollections([shapely.polygons(part) for part in parts])

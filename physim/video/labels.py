@@ -17,7 +17,7 @@ GAPS = (3.0, 16.0)
 """[px] between a robot's disc and its label"""
 GLIDE = 0.3
 """Share of the way that a label moves in a frame."""
-EVERY = 3
+EVERY = 6
 """Frames between two choices of places."""
 
 
@@ -35,6 +35,7 @@ class Labels:
 
     def __init__(self) -> None:
         self._chosen: dict[int, int] = {}
+        self._wanted: dict[int, FloatArray] = {}
         self._offset: dict[int, FloatArray] = {}
         self._frame = 0
 
@@ -49,16 +50,17 @@ class Labels:
         middles = np.zeros((len(tags), 2))
         taken = boxes
         for row, tag in enumerate(tags):
-            places = _places(tag)
             if choose:
+                places = _places(tag)
                 self._chosen[tag.key] = self._best(tag, places, taken, area)
-            offset = places[self._chosen[tag.key]]
+                self._wanted[tag.key] = places[self._chosen[tag.key]]
+            offset = self._wanted[tag.key]
             before = self._offset.get(tag.key, offset)
             offset = before + (offset - before) * GLIDE
             self._offset[tag.key] = offset
             middles[row] = offset + tag.at
             if choose:
-                taken = np.concatenate((taken, [_box(places[self._chosen[tag.key]], tag)]))
+                taken = np.concatenate((taken, [_box(self._wanted[tag.key], tag)]))
         return middles
 
     def _best(

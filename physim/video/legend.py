@@ -11,7 +11,7 @@ from physim.control import Mode
 from physim.video import marks, theme
 from physim.video.camera import Lens
 from physim.video.closest import Pair
-from physim.video.robots import draw_robot, figure
+from physim.video.robots import Fleet, draw_robot
 from physim.video.text import Image, write
 from physim.video.theme import Colour
 
@@ -25,10 +25,11 @@ _UNIT = Lens(1.0, 0.0, 0.0)
 
 def draw_modes(image: Image, left: int, top: int) -> None:
     """Draw one line a mode: a robot in its colour, and its name."""
-    shape = figure([_BOX])
+    fleet = Fleet([[_BOX]])
     for row, mode in enumerate(Mode):
         y = top + row * ROW + ROW / 2.0
-        draw_robot(image, Lens(1.0, left + 11.0, y), shape, np.zeros(3), mode, False)
+        vertices = Lens(1.0, left + 11.0, y).fixed(fleet.placed(np.zeros((1, 3))))
+        draw_robot(image, fleet.split(vertices)[0], mode, False)
         write(image, theme.MODE_WORDS[mode], (left + SIGN, y + 5), theme.TEXT)
 
 
@@ -72,7 +73,7 @@ def _path(image: Image, left: float, y: float) -> None:
 
 def _trail(image: Image, left: float, y: float) -> None:
     places = np.linspace(*_ends(left, y), 12)
-    marks.draw_trail(image, _UNIT, places, theme.robot_colour(0))
+    marks.draw_trail(image, _UNIT.fixed(places), theme.robot_colour(0), 12)
 
 
 def _target(image: Image, left: float, y: float) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from numpy.typing import NDArray
+
 from physim.geometry.shapes import FloatArray
 from physim.video import theme
 from physim.video.camera import Lens, fixed
@@ -15,11 +17,9 @@ from physim.video.theme import SHIFT, Colour
 ONE = 1 << SHIFT
 
 
-def draw_trail(view: Image, lens: Lens, places: FloatArray, colour: Colour) -> None:
-    """Draw where a robot went, (T, 2) [m] from the oldest place to now, fading with age."""
-    pixels = lens.fixed(places)
+def draw_trail(view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int) -> None:
+    """Draw where a robot went, (T, 2) fixed-point pixels, old to new, fading in ``bands`` steps."""
     count = len(pixels) - 1
-    bands = 16
     for band in range(bands):
         first, last = band * count // bands, (band + 1) * count // bands
         if last > first:

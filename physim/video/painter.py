@@ -16,7 +16,7 @@ from physim.video.labels import Labels, Tag
 from physim.video.layout import arrange
 from physim.video.overview import Overview
 from physim.video.panel import Now, Panel, metres
-from physim.video.robots import draw_robot, figure, placed
+from physim.video.robots import Fleet, Outline, draw_robot
 from physim.video.story import Story
 from physim.video.strip import Strip
 from physim.video.text import Image, shorten, sprite, stamp
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 NAMED = 60
 """Robots above which names would only hide the picture."""
+TRAIL_BANDS = 70
+"""Steps in which trails fade, over all robots."""
 TRAIL_STEPS = 60
 """Most places of a trail."""
 
@@ -45,7 +47,7 @@ class Painter:
         view = self._layout.view
         self._camera = Camera(self.story, world.extent, view, speed)
         self._background = Background(world, self._camera.scale)
-        self._figures = [figure(parts) for parts in record.footprints]
+        self._fleet = Fleet(record.footprints)
         self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed)
         self._overview = None if self._camera.whole else Overview(world, self._panel.free)
         strip = self._layout.strip
@@ -64,10 +66,11 @@ class Painter:
         pose = story.pose(time)
         rows = story.decisions(time)
         modes = story.modes(rows)
-        pair = closest_pair(self._figures, pose)
+        vertices = self._fleet.placed(pose)
+        pair = closest_pair(self._fleet.split(vertices), pose, self._fleet.reach)
         image = np.empty((theme.HEIGHT, theme.WIDTH, 3), np.uint8)
         lens = self._camera.lens(time)
-        self._paint_view(self._layout.view.of(image), lens, time, pose, rows, pair)
+        self._paint_view(self._layout.view.of(image), lens, time, pose, rows, vertices, pair)
         depth = float(np.min(record.clearance[sample]))
         wall = float(np.min(record.boundary_clearance[sample]))
         deviation = float(story.deviations(rows)[0])
@@ -91,43 +94,44 @@ class Painter:
         time: float,
         pose: FloatArray,
         rows: IntArray,
+        vertices: FloatArray,
         pair: Pair | None,
     ) -> None:
         story = self.story
         self._background.paint(view, lens)
-        for index, trail in enumerate(self._trails(time, pose)):
-            marks.draw_trail(view, lens, trail, theme.robot_colour(index))
+        bands = min(max(TRAIL_BANDS // story.robots, 4), 16)
+        for index, trail in enumerate(lens.fixed(self._trails(time, pose))):
+            marks.draw_trail(view, trail, theme.robot_colour(index), bands)
         targets = story.targets(rows)
         for place, target in zip(pose[:, :2], targets, strict=True):
             marks.draw_target(view, lens, place, target)
         touching = story.contacts.touching(time, story.robots)
         modes = story.modes(rows)
-        for index, shape in enumerate(self._figures):
-            draw_robot(view, lens, shape, pose[index], int(modes[index]), bool(touching[index]))
+        outlines = self._fleet.split(lens.fixed(vertices))
+        for outline, mode, touches in zip(outlines, modes, touching, strict=True):
+            draw_robot(view, outline, int(mode), bool(touches))
         if pair is not None:
             marks.draw_closest(view, lens, pair)
         lasts = marks.mark_lasts(self._speed)
         for row in story.contacts.recent(time, lasts):
             age = time - float(story.contacts.began[row])
             marks.draw_contact(view, lens, story.contacts.place[row], age, self._speed)
-        self._write_labels(view, lens, pose, pair, lens.pixels(targets))
+        self._write_labels(view, lens, outlines, pair, lens.pixels(targets))
 
-    def _trails(self, time: float, pose: FloatArray) -> list[FloatArray]:
+    def _trails(self, time: float, pose: FloatArray) -> FloatArray:
+        """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""
         first = int(np.ceil(max(time - theme.TRAIL, 0.0) / self._period - 1e-9))
         last = int(np.floor(time / self._period + 1e-9)) + 1
         places = np.concatenate((self._history[first:last], pose[None, :, :2]))
-        return [places[:, i] for i in range(self.story.robots)]
+        return np.ascontiguousarray(places.transpose(1, 0, 2))
 
     def _write_labels(
-        self, view: Image, lens: Lens, pose: FloatArray, pair: Pair | None, targets: FloatArray
+        self, view: Image, lens: Lens, outlines: list[Outline[np.int32]], pair: Pair | None, targets: FloatArray
     ) -> None:
         """Names of the robots in view, and the distance of the closest pair."""
         high, wide = view.shape[:2]
-        outlines = [
-            lens.pixels(placed(np.concatenate(shape.parts), pose[i]))
-            for i, shape in enumerate(self._figures)
-        ]
-        boxes = np.array([[*o.min(axis=0), *o.max(axis=0)] for o in outlines])
+        shapes = [np.concatenate(outline.rings) / marks.ONE for outline in outlines]
+        boxes = np.array([[*s.min(axis=0), *s.max(axis=0)] for s in shapes])
         rings = targets[np.isfinite(targets).all(axis=1)]
         keep_clear = np.concatenate((boxes, np.hstack((rings - 5.0, rings + 5.0))))
         tags, pictures = [], []
@@ -138,13 +142,13 @@ class Painter:
             pictures.append(sprite(text, theme.TEXT, theme.INK))
             reach = min(max(span * 0.2, 8.0), 30.0)
             tags.append(Tag(-1, (middle[0], middle[1]), reach, _size(pictures[-1])))
-        if len(pose) <= NAMED:
+        if len(boxes) <= NAMED:
             for index, box in enumerate(boxes):
                 if box[2] < 0 or box[3] < 0 or box[0] > wide or box[1] > high:
                     continue
                 pictures.append(sprite(self._names[index], theme.TEXT, theme.INK))
                 middle = (box[:2] + box[2:]) / 2.0
-                reach = float(np.hypot(*(outlines[index] - middle).T).max()) * 0.85
+                reach = float(np.hypot(*(shapes[index] - middle).T).max()) * 0.85
                 tags.append(Tag(index, (middle[0], middle[1]), reach, _size(pictures[-1])))
         middles = self._labels.place(tags, keep_clear, (wide, high))
         for tag, picture, at in zip(tags, pictures, middles, strict=True):

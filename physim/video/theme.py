@@ -6,6 +6,8 @@ scheme of Paul Tol: both stay apart under the common kinds of colour blindness.
 
 from __future__ import annotations
 
+import functools
+
 from physim.control import Mode
 
 Colour = tuple[int, int, int]
@@ -88,6 +90,7 @@ def mode_colour(mode: int) -> Colour:
         return UNDECIDED
 
 
+@functools.lru_cache(maxsize=4096)
 def mix(a: Colour, b: Colour, share: float) -> Colour:
     """Return ``a`` with ``share`` (0 to 1) of ``b``."""
     red, green, blue = (round(x + (y - x) * share) for x, y in zip(a, b, strict=True))

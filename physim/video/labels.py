@@ -63,9 +63,7 @@ class Labels:
                 taken = np.concatenate((taken, [_box(self._wanted[tag.key], tag)]))
         return middles
 
-    def _best(
-        self, tag: Tag, places: FloatArray, taken: FloatArray, area: tuple[int, int]
-    ) -> int:
+    def _best(self, tag: Tag, places: FloatArray, taken: FloatArray, area: tuple[int, int]) -> int:
         half = np.array(tag.size) / 2.0
         middle = places + tag.at
         low, high = middle - half, middle + half

@@ -72,7 +72,7 @@ def _path(image: Image, left: float, y: float) -> None:
 
 
 def _trail(image: Image, left: float, y: float) -> None:
-    places = np.linspace(*_ends(left, y), 12)
+    places = _ends(left, y)[0] + np.linspace(0.0, 22.0, 13)[:, None] * (1.0, 0.0)
     marks.draw_trail(image, _UNIT.fixed(places), theme.robot_colour(0), 12)
 
 
@@ -82,7 +82,7 @@ def _target(image: Image, left: float, y: float) -> None:
 
 
 def _closest(image: Image, left: float, y: float) -> None:
-    ends = _ends(left, y) + [[3.0, 0.0], [-3.0, 0.0]]
+    ends = _ends(left, y) + np.array([[3.0, 0.0], [-3.0, 0.0]])
     marks.draw_closest(image, _UNIT, Pair(0, 1, 0.0, ends))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-
 from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray

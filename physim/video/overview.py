@@ -23,14 +23,12 @@ class Overview:
         size = np.maximum(high - low, 1e-6)
         room = np.array([box.width, box.height], dtype=np.float64)
         scale = float(((room - 10.0) / size).min())
-        corner = room / 2.0 + (-1.0, 1.0) * (low + high) / 2.0 * scale
+        corner = room / 2.0 + np.array([-0.5, 0.5]) * (low + high) * scale
         self._lens = Lens(scale, float(corner[0]), float(corner[1]))
         self._ground = np.empty((box.height, box.width, 3), np.uint8)
         draw_ground(self._ground, _plain(ground), self._lens)
 
-    def paint(
-        self, image: Image, corners: FloatArray, places: FloatArray, modes: IntArray
-    ) -> None:
+    def paint(self, image: Image, corners: FloatArray, places: FloatArray, modes: IntArray) -> None:
         """Draw the ground, the view's rectangle (two ``corners`` (2, 2) [m]) and the robots."""
         image[:] = self._ground
         for place, mode in zip(self._lens.fixed(places), modes, strict=True):

@@ -126,7 +126,12 @@ class Painter:
         return np.ascontiguousarray(places.transpose(1, 0, 2))
 
     def _write_labels(
-        self, view: Image, lens: Lens, outlines: list[Outline[np.int32]], pair: Pair | None, targets: FloatArray
+        self,
+        view: Image,
+        lens: Lens,
+        outlines: list[Outline[np.int32]],
+        pair: Pair | None,
+        targets: FloatArray,
     ) -> None:
         """Names of the robots in view, and the distance of the closest pair."""
         high, wide = view.shape[:2]
@@ -151,7 +156,7 @@ class Painter:
                 reach = float(np.hypot(*(shapes[index] - middle).T).max()) * 0.85
                 tags.append(Tag(index, (middle[0], middle[1]), reach, _size(pictures[-1])))
         middles = self._labels.place(tags, keep_clear, (wide, high))
-        for tag, picture, at in zip(tags, pictures, middles, strict=True):
+        for picture, at in zip(pictures, middles, strict=True):
             left, top = at - np.array(_size(picture)) / 2.0
             stamp(view, picture, round(left), round(top))
 

@@ -74,8 +74,10 @@ class Panel:
     def _scale_bar(self, image: Image, top: int, scale: float) -> int:
         """Draw a bar of a round length at most 150 px long; return its bottom."""
         step = round_step(150.0 / scale, 1)
-        length = step if step * scale <= 150.0 else next(
-            step / k for k in (2.0, 2.5, 5.0, 10.0) if step / k * scale <= 150.0
+        length = (
+            step
+            if step * scale <= 150.0
+            else next(step / k for k in (2.0, 2.5, 5.0, 10.0) if step / k * scale <= 150.0)
         )
         self._rule(image, top)
         y, end = top + 20, PAD + round(length * scale)
@@ -94,14 +96,28 @@ class Panel:
             count = int((now.modes == mode).sum())
             y = MODES + row * legend.ROW + legend.ROW // 2 + 5
             colour = theme.INK if count else theme.QUIET
-            write(image, str(count), (self._right, y), theme.TEXT, colour=colour, weight=BOLD,
-                  anchor="right")
+            write(
+                image,
+                str(count),
+                (self._right, y),
+                theme.TEXT,
+                colour=colour,
+                weight=BOLD,
+                anchor="right",
+            )
 
     def _clock(self, image: Image, time: float) -> None:
         write(image, f"{time:.1f} s", (PAD, CLOCK + 32), 30, weight=BOLD)
         speed = f"×{self._speed:g}"
-        write(image, speed, (self._right, CLOCK + 31), 20, weight=BOLD, anchor="right",
-              colour=theme.QUIET)
+        write(
+            image,
+            speed,
+            (self._right, CLOCK + 31),
+            20,
+            weight=BOLD,
+            anchor="right",
+            colour=theme.QUIET,
+        )
         y, span = CLOCK + 50, self._right - PAD
         done = PAD + round(span * time / max(self._story.duration, 1e-9))
         cv2.line(image, (PAD, y), (self._right, y), theme.FAINT, 5)
@@ -125,8 +141,15 @@ class Panel:
         for row, (words, value, colour) in enumerate(rows):
             y = FIGURES + 12 + row * 22
             write(image, words, (PAD, y), theme.TEXT, colour=theme.QUIET)
-            write(image, value, (self._right, y), theme.TEXT, colour=colour, weight=BOLD,
-                  anchor="right")
+            write(
+                image,
+                value,
+                (self._right, y),
+                theme.TEXT,
+                colour=colour,
+                weight=BOLD,
+                anchor="right",
+            )
 
 
 def metres(length: float) -> str:

@@ -86,7 +86,9 @@ class Fleet:
         pieces = iter(np.split(vertices, self._ends))
         return [
             Outline(
-                [next(pieces) for _ in shape.rings], next(pieces), [next(pieces) for _ in shape.parts]
+                [next(pieces) for _ in shape.rings],
+                next(pieces),
+                [next(pieces) for _ in shape.parts],
             )
             for shape in self.figures
         ]

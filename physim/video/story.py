@@ -33,7 +33,8 @@ def playback_speed(duration: float) -> float:
 def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
     """Return the simulated times of all frames (F,) [s]: 0, and on to the end inclusive."""
     last = int(np.ceil(duration * fps / speed - 1e-6))
-    return np.minimum(np.arange(last + 1) * (speed / fps), duration)
+    times: FloatArray = np.minimum(np.arange(last + 1) * (speed / fps), duration)
+    return times
 
 
 class Story:
@@ -85,19 +86,23 @@ class Story:
 
     def modes(self, rows: IntArray) -> IntArray:
         """Return the modes of decisions ``rows``; -1 where there is none."""
-        return self._of(self._mode, rows, -1)
+        found: IntArray = self._of(self._mode, rows, -1)
+        return found
 
     def targets(self, rows: IntArray) -> FloatArray:
         """Return the targets (n, 2) [m] of decisions ``rows``; NaN where there is none."""
-        return self._of(self._target, rows, np.nan)
+        found: FloatArray = self._of(self._target, rows, np.nan)
+        return found
 
     def errors(self, rows: IntArray) -> FloatArray:
         """Return the formation errors [m] of decisions ``rows``; NaN where there is none."""
-        return self._of(self._error, rows, np.nan)
+        found: FloatArray = self._of(self._error, rows, np.nan)
+        return found
 
     def deviations(self, rows: IntArray) -> FloatArray:
         """Return the deviations [m] from the own path, left positive; NaN where there is none."""
-        return self._of(self._deviation, rows, np.nan)
+        found: FloatArray = self._of(self._deviation, rows, np.nan)
+        return found
 
     @property
     def in_formation(self) -> bool:

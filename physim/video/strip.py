@@ -77,9 +77,7 @@ class Strip:
             points = fixed(np.column_stack((self._x(times), self._y(np.nan_to_num(line)))))
             breaks = np.flatnonzero(np.diff(known.astype(int))) + 1
             colour = theme.robot_colour(index)
-            for piece, shown in zip(
-                np.split(points, breaks), np.split(known, breaks), strict=True
-            ):
+            for piece, shown in zip(np.split(points, breaks), np.split(known, breaks), strict=True):
                 if shown[0] and len(piece) > 1:
                     cv2.polylines(self._full, [piece], False, colour, 2, cv2.LINE_AA, SHIFT)
 
@@ -122,4 +120,6 @@ def spread(wanted: FloatArray, gap: float, low: float, high: float) -> FloatArra
             total, count = total + before, count + members
         pools.append((total, count))
     places = np.array([total / count for total, count in pools for _ in range(count)])
-    return np.clip(places, low, high - (steps[-1] if len(steps) else 0.0)) + steps
+    top = high - gap * max(len(wanted) - 1, 0)
+    moved: FloatArray = np.clip(places, low, max(low, top)) + steps
+    return moved

@@ -1,0 +1,68 @@
+"""Things drawn in the view beside the robots: trails, targets, the closest pair, contacts."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray
+from physim.video import theme
+from physim.video.camera import Lens, fixed
+from physim.video.closest import Pair
+from physim.video.text import Image
+from physim.video.theme import SHIFT, Colour
+
+ONE = 1 << SHIFT
+
+
+def draw_trail(view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int) -> None:
+    """Draw where a robot went, (T, 2) fixed-point pixels, old to new, fading in ``bands`` steps."""
+    count = len(pixels) - 1
+    for band in range(bands):
+        first, last = band * count // bands, (band + 1) * count // bands
+        if last > first:
+            shade = theme.mix(colour, theme.SAFE_AREA, 0.85 * (1.0 - (band + 1) / bands))
+            piece = [pixels[first : last + 1]]
+            cv2.polylines(view, piece, False, shade, 2, cv2.LINE_AA, SHIFT)
+
+
+def draw_target(view: Image, lens: Lens, robot: FloatArray, target: FloatArray) -> None:
+    """Draw a target (2,) [m] as a small ring, joined to its robot by a thin line."""
+    if not np.isfinite(target).all():
+        return
+    ends = lens.fixed(np.stack((robot, target)))
+    cv2.polylines(view, [ends], False, theme.QUIET, 1, cv2.LINE_AA, SHIFT)
+    cv2.circle(view, ends[1].tolist(), 3 * ONE, theme.WHITE, cv2.FILLED, cv2.LINE_AA, SHIFT)
+    cv2.circle(view, ends[1].tolist(), 3 * ONE, theme.TARGET, 1, cv2.LINE_AA, SHIFT)
+
+
+def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
+    """Join the closest points of the closest pair."""
+    ends = lens.fixed(pair.points)
+    cv2.polylines(view, [ends], False, theme.WHITE, 5, cv2.LINE_AA, SHIFT)
+    cv2.polylines(view, [ends], False, theme.CLOSEST, 2, cv2.LINE_AA, SHIFT)
+    for end in ends.tolist():
+        cv2.circle(view, end, 3 * ONE, theme.CLOSEST, cv2.FILLED, cv2.LINE_AA, SHIFT)
+
+
+def draw_contact(view: Image, lens: Lens, place: FloatArray, age: float, speed: float) -> None:
+    """Draw a contact that began ``age`` simulated seconds ago: a flash, then a cross that stays."""
+    centre = lens.pixels(place)
+    if not np.isfinite(centre).all():
+        return
+    at = fixed(centre).tolist()
+    grown = age / (theme.FLASH * speed)
+    if grown < 1.0:
+        radius = round((9.0 + 25.0 * grown) * ONE)
+        cv2.circle(view, at, radius, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
+        cv2.circle(view, at, radius, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
+    arms = np.array([[[-7.0, -7.0], [7.0, 7.0]], [[-7.0, 7.0], [7.0, -7.0]]])
+    cross = list(fixed(centre + arms))
+    cv2.polylines(view, cross, False, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
+    cv2.polylines(view, cross, False, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
+
+
+def mark_lasts(speed: float) -> float:
+    """Return how long [s, simulated] the mark of a contact stays at a playback speed."""
+    return max(theme.MARK, theme.FLASH * speed)

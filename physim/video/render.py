@@ -1,0 +1,76 @@
+"""A record as a video, or as stills. Shows simulated time only: same record, same frames."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from physim.errors import PhysimError
+from physim.video.encoder import VideoFile
+from physim.video.painter import Painter
+from physim.video.story import Story, frame_times, playback_speed
+from physim.video.text import Image
+
+if TYPE_CHECKING:
+    from physim.record import Record
+
+FPS = 25.0
+
+
+def render(
+    record: Record,
+    path: Path | str,
+    *,
+    fps: float = FPS,
+    speed: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> int:
+    """Write the video of a record and return the number of frames in it.
+
+    H.264 in MP4, 1280 x 720, yuv420p, ``fps`` frames per second of video. ``speed`` is simulated
+    seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
+    video lasts at most 80 s. ``progress(done, total)`` is called after each frame. ``stop()`` is
+    asked after each frame; once True, the file is completed with the frames so far.
+
+    The file appears under its name only when it is complete. Raises
+    `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
+    """
+    chosen = _checked(record, fps, speed)
+    painter = Painter(record, chosen, fps)
+    times = frame_times(painter.story.duration, fps, chosen)
+    done = 0
+    with VideoFile(path, fps) as video:
+        for time in times.tolist():
+            video.write(painter.frame(time))
+            done += 1
+            if progress is not None:
+                progress(done, len(times))
+            if stop is not None and stop():
+                break
+    return done
+
+
+def frame_at(record: Record, time: float, *, fps: float = FPS, speed: float | None = None) -> Image:
+    """Return the picture (720, 1280, 3) uint8 RGB of a record at ``time`` [s].
+
+    It equals the video's frame of that time but for the places of names, which glide in a video.
+    A time outside the record is taken to its nearer end. Raises `physim.errors.PhysimError`.
+    """
+    if not math.isfinite(time):
+        raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
+    painter = Painter(record, _checked(record, fps, speed), fps)
+    return painter.frame(min(max(float(time), 0.0), painter.story.duration))
+
+
+def _checked(record: Record, fps: float, speed: float | None) -> float:
+    """Return the playback speed to use, or refuse what was given."""
+    if not (math.isfinite(fps) and 1.0 <= fps <= 240.0):
+        raise PhysimError(f"fps: {fps} given; allowed: 1 to 240 frames per second")
+    if speed is None:
+        return playback_speed(Story(record).duration)
+    if not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):
+        raise PhysimError(f"playback speed: {speed} given; allowed: 0.001 to 1000000")
+    return float(speed)

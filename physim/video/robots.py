@@ -1,0 +1,107 @@
+"""Robots as they are: outline of the union of all parts, filled by mode, with a heading mark."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Generic, NamedTuple, TypeVar
+
+import cv2
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray
+from physim.video import theme
+from physim.video.text import Image
+from physim.video.theme import SHIFT
+
+T = TypeVar("T", bound=np.generic)
+
+SEAM = 1e-6
+"""[m] Parts closer than this are drawn as one: their shared edges agree only to rounding."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A robot's footprint made ready to draw, robot's frame [m]."""
+
+    rings: tuple[FloatArray, ...]
+    """outline and holes of the union of its parts"""
+    parts: tuple[FloatArray, ...]
+    mark: FloatArray
+    """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
+    reach: float
+    """[m] largest distance of a vertex from the reference point"""
+
+
+def figure(parts: Sequence[FloatArray]) -> Figure:
+    """Prepare a footprint given as convex parts (n, 2)."""
+    polygons = [shapely.make_valid(shapely.Polygon(part)) for part in parts]
+    union = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
+    union = shapely.buffer(union, -SEAM, join_style="mitre")
+    pieces = [p for p in shapely.get_parts(union) if p.geom_type == "Polygon" and not p.is_empty]
+    rings = [
+        shapely.get_coordinates(ring)[:-1] for p in pieces for ring in (p.exterior, *p.interiors)
+    ]
+    radius_line = shapely.maximum_inscribed_circle(max(pieces, key=lambda p: float(p.area)))
+    middle, edge = shapely.get_coordinates(radius_line)
+    size = float(np.hypot(*(edge - middle)))
+    mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
+    reach = max(float(np.hypot(*np.asarray(part).T).max()) for part in parts)
+    return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach)
+
+
+class Outline(NamedTuple, Generic[T]):
+    """A robot's pieces (n, 2) at one time."""
+
+    rings: list[NDArray[T]]
+    mark: NDArray[T]
+    parts: list[NDArray[T]]
+
+
+class Fleet:
+    """All robots: their vertices are placed together, in one go a frame."""
+
+    def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
+        self.figures = [figure(parts) for parts in footprints]
+        self.reach = np.array([shape.reach for shape in self.figures])
+        pieces = [[*s.rings, s.mark, *s.parts] for s in self.figures]
+        flat = [piece for body in pieces for piece in body]
+        self._points = np.concatenate(flat)
+        self._owner = np.repeat(
+            np.arange(len(pieces)), [sum(len(piece) for piece in body) for body in pieces]
+        )
+        self._ends = np.cumsum([len(piece) for piece in flat])[:-1]
+
+    def placed(self, pose: FloatArray) -> FloatArray:
+        """Return all vertices (V, 2) [m] in the world frame for poses (N, 3)."""
+        c, s = np.cos(pose[:, 2])[self._owner], np.sin(pose[:, 2])[self._owner]
+        x, y = self._points.T
+        turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
+        return turned + pose[self._owner, :2]
+
+    def split(self, vertices: NDArray[T]) -> list[Outline[T]]:
+        """Divide vertices (V, 2), in any units, into the pieces of each robot."""
+        pieces = iter(np.split(vertices, self._ends))
+        return [
+            Outline(
+                [next(pieces) for _ in shape.rings],
+                next(pieces),
+                [next(pieces) for _ in shape.parts],
+            )
+            for shape in self.figures
+        ]
+
+
+def draw_robot(view: Image, outline: Outline[np.int32], mode: int, touching: bool) -> None:
+    """Draw one robot, given in OpenCV's fixed-point pixels.
+
+    A robot that touches something has a firm outline in the contact colour.
+    """
+    colour = theme.mode_colour(mode)
+    rings = outline.rings
+    cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
+    edge, width = (theme.CONTACT, 3) if touching else (theme.mix(colour, (0, 0, 0), 0.6), 1)
+    cv2.polylines(view, rings, True, edge, width, cv2.LINE_AA, SHIFT)
+    cv2.fillPoly(view, [outline.mark], theme.WHITE, cv2.LINE_AA, SHIFT)

@@ -1,0 +1,117 @@
+"""What a record says at given times: poses, last decisions, contacts. Nothing is interpolated."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from physim.errors import RecordError
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.video.contacts import episodes
+
+if TYPE_CHECKING:
+    from physim.record import Record
+
+SPEEDS = (1, 2, 4, 5, 8)
+"""Playback speeds of the first decade; the others are these times a power of ten."""
+
+LONGEST = 80.0
+"""[s] length of a video above which the next playback speed is taken"""
+
+
+def playback_speed(duration: float) -> float:
+    """Return simulated seconds per second of video: 1, 2, 4, 5, 8, 10, 20 …"""
+    decade = 1.0
+    while True:
+        for speed in SPEEDS:
+            if duration <= LONGEST * speed * decade * (1.0 + 1e-9):
+                return speed * decade
+        decade *= 10.0
+
+
+def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
+    """Return the simulated times of all frames (F,) [s]: 0, and on to the end inclusive."""
+    last = int(np.ceil(duration * fps / speed - 1e-6))
+    times: FloatArray = np.minimum(np.arange(last + 1) * (speed / fps), duration)
+    return times
+
+
+class Story:
+    """Look-ups in a record at any time [s]; N robots."""
+
+    def __init__(self, record: Record) -> None:
+        self.time: FloatArray = np.asarray(record.time, dtype=np.float64)
+        if len(self.time) == 0 or len(record.names) == 0:
+            raise RecordError(
+                f"record {record.name!r}: no sample to show; at least one robot and one recorded "
+                "step are needed"
+            )
+        self.record = record
+        self.robots = len(record.names)
+        self.duration = float(self.time[-1])
+        updates = record.updates
+        decided = np.asarray(updates["step"], dtype=np.float64) * record.dt
+        robot = np.asarray(updates["robot"])
+        self._rows: list[IntArray] = [np.flatnonzero(robot == i) for i in range(self.robots)]
+        self._decided = [decided[rows] for rows in self._rows]
+        self._mode: IntArray = np.asarray(updates["mode"], dtype=np.int64)
+        self._target = np.column_stack(
+            (np.asarray(updates["target_x"]), np.asarray(updates["target_y"]))
+        )
+        self._error = np.asarray(updates["formation_error"], dtype=np.float64)
+        self._deviation = np.asarray(updates["deviation"], dtype=np.float64)
+        self.contacts = episodes(record)
+
+    def sample(self, time: Any) -> Any:
+        """Return the index of the sample nearest to ``time`` (of two, the earlier)."""
+        after = np.clip(np.searchsorted(self.time, time), 1, max(len(self.time) - 1, 1))
+        if len(self.time) == 1:
+            return np.zeros_like(after)
+        return np.where(self.time[after] - time < time - self.time[after - 1], after, after - 1)
+
+    def pose(self, time: Any) -> FloatArray:
+        """Return the poses (N, 3), or (T, N, 3) for an array of times."""
+        return np.asarray(self.record.pose[self.sample(time)], dtype=np.float64)
+
+    def decision(self, robot: int, time: Any) -> Any:
+        """Return the row of ``robot``'s last decision at or before ``time``, -1 for none."""
+        count = np.searchsorted(self._decided[robot], np.asarray(time) + 1e-9, side="right")
+        rows = np.concatenate(([-1], self._rows[robot]))
+        return rows[count]
+
+    def decisions(self, time: float) -> IntArray:
+        """Return the rows (N,) of all robots' last decisions at or before ``time``; -1 none."""
+        return np.array([self.decision(i, time) for i in range(self.robots)], dtype=np.int64)
+
+    def modes(self, rows: IntArray) -> IntArray:
+        """Return the modes of decisions ``rows``; -1 where there is none."""
+        found: IntArray = self._of(self._mode, rows, -1)
+        return found
+
+    def targets(self, rows: IntArray) -> FloatArray:
+        """Return the targets (n, 2) [m] of decisions ``rows``; NaN where there is none."""
+        found: FloatArray = self._of(self._target, rows, np.nan)
+        return found
+
+    def errors(self, rows: IntArray) -> FloatArray:
+        """Return the formation errors [m] of decisions ``rows``; NaN where there is none."""
+        found: FloatArray = self._of(self._error, rows, np.nan)
+        return found
+
+    def deviations(self, rows: IntArray) -> FloatArray:
+        """Return the deviations [m] from the own path, left positive; NaN where there is none."""
+        found: FloatArray = self._of(self._deviation, rows, np.nan)
+        return found
+
+    @property
+    def in_formation(self) -> bool:
+        """Whether there is a formation error to show."""
+        return self.robots > 1 and bool(np.isfinite(self._error).any())
+
+    @staticmethod
+    def _of(values: Any, rows: IntArray, missing: float) -> Any:
+        result = np.full((len(rows), *values.shape[1:]), missing, dtype=values.dtype)
+        known = rows >= 0
+        result[known] = values[rows[known]]
+        return result

@@ -52,8 +52,16 @@ def _stamp_cache(kernel: Any) -> None:
     if cache is None or implementation is None:
         return
     stamp = (implementation.locator.get_source_stamp(), source_stamp())
-    cache._cache_file = IndexDataCacheFile(
+    cache._cache_file = IndexDataCacheFile(  # type: ignore[no-untyped-call]
         cache_path=cache._cache_path,
         filename_base=implementation.filename_base,
         source_stamp=stamp,
     )
+
+
+def is_cached(kernel: Callable[..., Any]) -> bool:
+    """Whether compiled code of a kernel lies on disk for the present sources."""
+    try:
+        return bool(cast(Any, kernel)._cache._cache_file._load_index())
+    except (AttributeError, OSError):
+        return False

@@ -133,17 +133,18 @@ def simulate(
     world: World,
     *,
     seed: int | None = None,
-    controller: Controller | None = None,
+    controller: Controller | str | None = None,
     filters: Sequence[Filter] = (),
     path: str | os.PathLike[str] | None = None,
-    progress: Callable[[Simulation], None] | None = None,
+    progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
     """Run a world until every robot has arrived or its duration is over, and record it.
 
     The record goes to the file ``path``, or stays in memory. ``progress`` is called after every
-    step; when ``stop`` says True the run ends there, with a complete record. Raises WorldError
-    or ControllerError; a run that breaks off leaves its record closed, ended "error".
+    step with the simulation and the real-time factor; when ``stop`` says True the run ends
+    there, with a complete record. Raises WorldError or ControllerError; a run that breaks off
+    leaves its record closed, ended "error".
     """
     simulation = Simulation(world, seed, controller, filters)
     return record_run(simulation, path=path, progress=progress, stop=stop)
@@ -153,7 +154,7 @@ def record_run(
     simulation: Simulation,
     *,
     path: str | os.PathLike[str] | None = None,
-    progress: Callable[[Simulation], None] | None = None,
+    progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
     """Run a simulation from where it stands to its end and record it; see `simulate`."""
@@ -177,15 +178,16 @@ def record_run(
 def _loop(
     simulation: Simulation,
     recorder: Recorder,
-    progress: Callable[[Simulation], None] | None,
+    progress: Callable[[Simulation, float], None] | None,
     stop: Callable[[], bool] | None,
 ) -> str:
     """Step to the end; says how it ended."""
+    started = time.perf_counter()
     while simulation.step_number < simulation.scene.steps:
         simulation.step()
         recorder.after_step()
         if progress is not None:
-            progress(simulation)
+            progress(simulation, simulation.time / (time.perf_counter() - started))
         if simulation.finished:
             return "finished"
         if stop is not None and stop():

@@ -18,7 +18,7 @@ from physim.geometry.shapes import FloatArray, IntArray, pack_polylines, pack_sh
 from physim.randomness import stream
 from physim.scene import Body, FormationPlan, Scene
 from physim.world import Offset, World
-from physim.world_file.geometry_check import geometry_faults
+from physim.world_file.geometry_check import geometry_faults, shape_faults
 
 DENSITY = 100.0
 """[kg/m^2] mass of a robot whose world gives none, over its area"""
@@ -34,7 +34,10 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
     that enclose nothing, a step that would tunnel, ...
     """
-    seed = world.seed if seed is None else seed
+    world = world if seed is None else world.changed(seed=seed)
+    seed = world.seed
+    if faults := shape_faults(world):
+        raise WorldError(faults)
     drawn = _boundaries(world)
     reference = np.array(world.reference)
     obstacles = [np.array(ring) for ring in world.obstacles]

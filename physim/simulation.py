@@ -72,16 +72,16 @@ class Simulation:
         self,
         world: World | Scene,
         seed: int | None = None,
-        controller: Controller | None = None,
+        controller: Controller | str | None = None,
         filters: Sequence[Filter] = (),
     ) -> None:
         """Set up sample 0. Raises WorldError or ControllerError where it cannot be run.
 
-        Without ``controller`` the world's own is made; without ``seed`` the world's own is used.
+        ``controller`` is an object, a registered name or ``module:Class``; without it the world's
+        own is made. Without ``seed`` the world's own is used.
         """
         self.scene = scene = world if isinstance(world, Scene) else build_scene(world, seed)
-        choice = scene.world.controller
-        self.controller = controller or make_controller(choice.type, choice.settings)
+        self.controller = _controller(scene.world, controller)
         self.physics = Physics(
             scene.shapes,
             scene.walls,
@@ -176,3 +176,10 @@ class Simulation:
             known.deviation[due],
         )
         return wanted
+
+
+def _controller(world: World, given: Controller | str | None) -> Controller:
+    if isinstance(given, str):
+        made: Controller = make_controller(given, {}, trusted=True)
+        return made
+    return given or make_controller(world.controller.type, world.controller.settings)

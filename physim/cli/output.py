@@ -34,3 +34,14 @@ def output_folder(folder: Path, force: bool) -> Path:
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return folder
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        part.unlink(missing_ok=True)
+        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

@@ -35,6 +35,11 @@ class Bar:
         self.progress.start()
         self.task = self.progress.add_task(title, total=total, note="")
 
+    def total(self, total: float) -> None:
+        """Say how much work there is in all."""
+        if self.shown:
+            self.progress.update(self.task, total=total)
+
     def update(self, done: float, note: Callable[[], str] | str = "") -> None:
         """Show how far the work is; cheap when nothing is due."""
         if not self.shown or (now := time.monotonic()) < self.due:

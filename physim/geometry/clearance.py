@@ -114,9 +114,7 @@ def fill(
         pose = poses[b]
         set_frames(pose, cores, frame)
         nearest_others(shapes, cores, frame, order, limit, out.clearance[b], out.other[b])
-        out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(
-            shapes, cores, frame
-        )
+        out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(shapes, cores, frame)
         for i in range(robots):
             gap, part = nearest_part(shapes, i, frame, walls, nearby, lists)
             out.boundary_clearance[b, i] = gap

@@ -51,7 +51,7 @@ def build_nearby(walls: Shapes, reach: float, cell: float) -> Nearby:
         np.tile(x0 + cell, rows),
         np.repeat(y0 + cell, columns),
     )
-    shapes = [_shape(walls, part) for part in every]
+    shapes = [_shape(walls, int(part)) for part in every]
     # a hair wider than reach: rounding must not drop a part that just comes within it
     near = shapely.STRtree(shapes).query(boxes, predicate="dwithin", distance=reach * (1.0 + 1e-9))
     order = np.lexsort((near[1], near[0]))
@@ -64,8 +64,8 @@ def build_nearby(walls: Shapes, reach: float, cell: float) -> Nearby:
 @compiled
 def parts(nearby: Nearby, x: float, y: float) -> IntArray:
     """Parts that may be within ``reach`` of a place, increasing; all of them outside the grid."""
-    column = int(floor((x - nearby.origin_x) / nearby.cell))
-    row = int(floor((y - nearby.origin_y) / nearby.cell))
+    column = floor((x - nearby.origin_x) / nearby.cell)
+    row = floor((y - nearby.origin_y) / nearby.cell)
     if column < 0 or row < 0 or column >= nearby.columns or row >= nearby.rows:
         return nearby.every
     c = row * nearby.columns + column

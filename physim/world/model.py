@@ -150,7 +150,9 @@ class Robot(Model):
         default=None, description="[kg] 100 kg/m² times the area of the footprint when absent"
     )
     speeds: Speeds | None = Field(
-        default=None, description="[m/s] speeds to choose from, instead of the controller's"
+        default=None,
+        description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1, "
+        "instead of the controller's",
     )
     omegas: Speeds | None = Field(
         default=None, description="[rad/s] rotational speeds to choose from, likewise"

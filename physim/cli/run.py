@@ -1,0 +1,106 @@
+"""``physim run``: world in; record, video and summary out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from physim.cli.output import output_folder, write_text
+from physim.cli.progress import Bar, Interrupt, interrupts
+from physim.cli.video import write_video
+from physim.control import Controller
+from physim.errors import WorldError
+from physim.record import Record
+from physim.recording import record_run
+from physim.registry import make_controller
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.simulation import Simulation
+from physim.summary import Summary, summarise, table
+from physim.warm_up import is_warm, warm_up
+from physim.world_file import located, read_world
+from physim.world_file.shipped import find_world
+
+FAILED, INTERRUPTED = 1, 130
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a world; returns the exit code."""
+    simulation = _set_up(options)
+    scene = simulation.scene
+    folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
+    folder = output_folder(folder, options.force)
+    with interrupts() as interrupt:
+        record = _simulate(simulation, folder, options.quiet, interrupt)
+        summary = summarise(record)
+        write_text(folder / "summary.json", summary.to_json())
+        stopped = bool(interrupt.count)
+        if stopped:
+            _say(f"interrupted at {simulation.time:g} s of simulated time", options)
+        if not options.no_video:
+            if stopped:
+                _say("writing the video so far (Ctrl-C again ends it sooner)", options)
+            already = interrupt.count
+            write_video(
+                record, folder / "video.mp4", options.quiet, lambda: interrupt.count > already
+            )
+        stopped = stopped or bool(interrupt.count)
+    if not options.quiet:
+        print(table(summary), end="")
+        print(f"{'files':<26}  {folder}/")
+    return _code(summary, stopped)
+
+
+def _set_up(options: argparse.Namespace) -> Simulation:
+    """Read and check the world; every fault with its place in the file."""
+    world, document = read_world(
+        find_world(options.world), overrides=options.overrides, controller=options.controller
+    )
+    try:
+        scene = build_scene(world, options.seed)
+    except WorldError as error:
+        raise located(error.faults, document) from None
+
+    def controller() -> Controller:
+        choice, trusted = world.controller, options.controller is not None
+        made: Controller = make_controller(choice.type, choice.settings, trusted=trusted)
+        return made
+
+    simulation = Simulation(scene, controller=controller())
+    _prepare(scene, controller(), options)
+    return simulation
+
+
+def _prepare(scene: Scene, controller: Controller, options: argparse.Namespace) -> None:
+    """Compile the kernels where that is still to be done, and say so; load them otherwise."""
+    cold = not is_warm()
+    if cold:
+        _say("compiling the kernels, once after an installation or an edit ...", options)
+    seconds = warm_up(scene, controller)
+    if cold:
+        _say(f"compiled in {seconds:.0f} s and kept for later runs", options)
+
+
+def _simulate(simulation: Simulation, folder: Path, quiet: bool, interrupt: Interrupt) -> Record:
+    scene = simulation.scene
+    bar = Bar(scene.world.name, scene.steps * scene.dt, "s", quiet)
+
+    def progress(now: Simulation, factor: float) -> None:
+        bar.update(now.time, lambda: f"{factor:.0f} x real time")
+
+    try:
+        return record_run(simulation, path=folder / "record.h5", progress=progress, stop=interrupt)
+    finally:
+        bar.close()
+
+
+def _say(text: str, options: argparse.Namespace) -> None:
+    if not options.quiet:
+        print(text, file=sys.stderr, flush=True)
+
+
+def _code(summary: Summary, stopped: bool) -> int:
+    if stopped:
+        return INTERRUPTED
+    return 0 if all(one.held for one in summary.expectations) else FAILED

@@ -69,7 +69,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         elif details["type"] == "missing" and not isinstance(location[-1], int):
             missing.append(Fault(location, _missing(model, raw)))
         else:
-            choice = _choice(model, raw) if details["type"] in _NEEDED else ""
+            choice = _choice(model, raw)
             faults.append(Fault(location, message(cast(Mapping[str, Any], details), choice)))
     return faults + [fault for fault in missing if fault.location not in mended]
 
@@ -108,9 +108,7 @@ def _choice(model: type[BaseModel], location: Location) -> str:
     if not location or location[-1] not in TAGS:
         return ""
     field = field_at(model, location[:-1])
-    if field is not None and field.description:
-        return f"must be: {field.description}"
-    return "must be a number or a word" if location[-1] in ("<word>", "<value>") else ""
+    return f"must be: {field.description}" if field is not None else ""
 
 
 def message(details: Mapping[str, Any], needed: str = "") -> str:
@@ -120,12 +118,20 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     kind = str(details["type"])
     if kind in _NEEDED:
         return f"{needed or _NEEDED[kind]}; given {shown(given)}{_hint(kind, given)}"
+    if kind == "literal_error":
+        words = re.findall(r"'([^']*)'", context["expected"])
+        near = nearest(str(given)[:100].lower(), words)
+        return f"{needed or _words(words)}; given {shown(given)}{near}"
     if kind in _BOUNDS:
         sign, key = _BOUNDS[kind]
         return f"must be {sign} {context[key]:.15g}; given {shown(given)}"
     if kind in _SPECIAL:
         return _SPECIAL[kind](context, given)
     return f"{details['msg']}; given {shown(given)}"
+
+
+def _words(words: list[str]) -> str:
+    return f"must be a number or the word {' or '.join(words)}"
 
 
 def _hint(kind: str, given: Any) -> str:
@@ -179,9 +185,5 @@ _SPECIAL: dict[str, Callable[[Mapping[str, Any], Any], str]] = {
     ),
     "string_too_long": lambda context, given: (
         f"must have at most {context['max_length']} characters; given {len(given)}"
-    ),
-    "literal_error": lambda context, given: (
-        f"must be {context['expected']}; given {shown(given)}"
-        + nearest(str(given)[:200].lower(), re.findall(r"'([^']*)'", context["expected"]))
     ),
 }

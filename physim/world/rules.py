@@ -71,7 +71,8 @@ def _time(data: Mapping[str, Any]) -> Iterator[Fault]:
 def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
     corridor, boundaries = _get(data, "corridor"), _get(data, "boundaries")
     if corridor is None and boundaries is None:
-        if any(nearest(key.lower(), ["corridor", "boundaries"]) for key in data):
+        walls = ["corridor", "boundaries"]
+        if any(nearest(key.lower(), walls) for key in data if key not in walls):
             return  # a misspelt key, which is a fault of its own
         yield Fault((), "neither corridor nor boundaries; a world needs one of them")
     elif corridor is not None and boundaries is not None:

@@ -21,7 +21,6 @@ from physim.geometry.polygon import (
     corners,
     is_simple,
     least_width,
-    signed_area,
     smallest_width,
 )
 from physim.geometry.shapes import FloatArray
@@ -91,7 +90,8 @@ def corners_of_line(line: ArrayLike) -> FloatArray:
     """Points (n, 2) of a polyline without neighbours closer than ``LENGTH``."""
     points = np.asarray(line, dtype=np.float64).reshape(-1, 2)
     steps = np.hypot(*np.diff(points, axis=0).T)
-    return points[np.concatenate((np.ones(min(len(points), 1), dtype=bool), steps > LENGTH))]
+    keep = np.concatenate((np.ones(min(len(points), 1), dtype=bool), steps > LENGTH))
+    return np.asarray(points[keep], dtype=np.float64)
 
 
 def placed_outline(pose: ArrayLike, footprint: ArrayLike) -> Any:
@@ -110,7 +110,7 @@ def _outline_fault(outline: ArrayLike) -> str:
         thin = least_width(points)
         return "" if thin > LENGTH else f"is only {thin:.2g} m wide; a polygon with area is needed"
     ring = shapely.Polygon(points)
-    if abs(signed_area(points)) < LENGTH**2 or ring.convex_hull.area < LENGTH**2:
+    if least_width(points) <= LENGTH:
         return "encloses no area; a polygon with area is needed"
     reason = shapely.is_valid_reason(ring)
     place = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []

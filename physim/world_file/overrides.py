@@ -36,6 +36,8 @@ def _applied(document: Document, override: str) -> Document:
         )
         raise WorldError([Fault((), message)], [place])
     location = _location(key)
+    if not text.strip():
+        raise WorldError([Fault(location, "no value after the =")], [place])
     try:
         value = read_document(text, document.source)
     except WorldError as error:

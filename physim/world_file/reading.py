@@ -181,7 +181,7 @@ class _Reader:
         self._check_tag(event, line, column)
         if event.tag is None:
             try:
-                value = scalar(event.value) if event.style is None else event.value
+                value = event.value if event.style else scalar(event.value)
             except RefusedScalarError as error:
                 self._fault(Fault(self._here(), str(error)), line, column)
         if value is VOID:

@@ -33,7 +33,8 @@ class RefusedScalarError(Exception):
 def scalar(text: str) -> bool | int | float | str:
     """Value of a plain (unquoted) scalar.
 
-    Raises `RefusedScalarError` where it is empty, not finite, too long, or read differently by other readers.
+    Raises `RefusedScalarError` where it is empty, not finite, too long, or read differently by
+    other readers.
     """
     if text[:1] in "+-.0123456789":
         return _number(text)
@@ -53,9 +54,10 @@ def _number(text: str) -> int | float | str:
     if not text:
         raise RefusedScalarError("empty value; give one, or leave the key out")
     if _WHOLE.fullmatch(text):
-        if len(text) > MOST_DIGITS:
+        digits = len(text.lstrip("+-"))
+        if digits > MOST_DIGITS:
             raise RefusedScalarError(
-                f"an integer of {len(text)} digits; at most {MOST_DIGITS} are allowed"
+                f"an integer of {digits} digits; at most {MOST_DIGITS} are allowed"
             )
         return int(text)
     if _DECIMAL.fullmatch(text):

@@ -1,0 +1,195 @@
+from __future__ import annotations
+
+import math
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physim.errors import WorldError
+from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, World
+from tests.world.strategies import worlds
+
+ROBOT = {
+    "name": "r1",
+    "footprint": {"length": 1.8, "width": 1.0},
+    "pose": [3.0, 1.0, 0.0],
+    "path": [[0.0, 1.0], [30.0, 1.0]],
+}
+
+
+def values(**changes):
+    base = {
+        "name": "w",
+        "time": {"step": 0.01, "duration": 30.0},
+        "corridor": {"centreline": [[0, 0], [30, 0]], "width": 8},
+        "robots": [ROBOT, {**ROBOT, "name": "r2", "pose": [6, 1, "random"]}],
+    }
+    return {**base, **changes}
+
+
+def faults(**changes):
+    with pytest.raises(WorldError) as caught:
+        World(**values(**changes))
+    return {fault.location: fault.message for fault in caught.value.faults}
+
+
+def test_defaults_are_those_of_the_issue():
+    world = World(**values(formation={}))
+    assert world.controller == ControllerChoice(type="mode_switching")
+    assert (world.formation.gain, world.formation.range) == (0.05, 10.0)
+    assert world.formation.limits == (0.8, 1.3)
+    assert world.robots[0].limits == Limits(v=1.5, omega=1.6)
+    assert world.corridor.end_margin == 3.0
+    assert world.reference == ((0.0, 0.0), (30.0, 0.0))
+    assert world.time.steps == 3000
+    assert world.robots[0].outline == ((-0.9, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.9, 0.5))
+
+
+@given(worlds())
+def test_worlds_are_values(world):
+    copy = world.changed()
+    assert copy == world
+    assert hash(copy) == hash(world)
+    assert world.changed(seed=(world.seed + 1) % 1000) != world.changed(seed=world.seed % 1000)
+
+
+def test_numpy_is_taken_like_lists():
+    line = np.array([[0.0, 0.0], [30.0, 0.0]])
+    world = World(**values(corridor={"centreline": line, "width": np.array([8.0, 7.0])}))
+    assert world.corridor.centreline == ((0.0, 0.0), (30.0, 0.0))
+    assert World(**values(seed=np.int64(4))).seed == 4
+
+
+def test_a_closed_polygon_loses_its_repeated_corner():
+    ring = [[0, 0], [1, 0], [0, 1], [0, 0]]
+    assert World(**values(obstacles=[ring])).obstacles == (((0, 0), (1, 0), (0, 1)),)
+
+
+def test_all_faults_come_at_once_in_our_words():
+    found = faults(
+        seed=True,
+        nmae=1,
+        time={"step": "0.1", "duratoin": 3},
+        robots=[{**ROBOT, "pose": [1, math.nan]}, {**ROBOT, "path": 3}],
+        formation={"spacing": "initail", "limits": [2, 1]},
+        controller=5,
+    )
+    assert 'did you mean "duration"?' in found["time", "duratoin"]
+    assert ("time", "duration") not in found
+    assert 'given "0.1", which is a text' in found["time", "step"]
+    assert found["robots", 0, "pose", 1] == "must be a finite number; given nan"
+    assert found["robots", 0, "pose", 2].startswith("missing")
+    assert "{offset}" in found["robots", 1, "path"]
+    assert "is the name of robots[0] too" in found["robots", 1, "name"]
+    assert 'did you mean "initial"?' in found["formation", "spacing"]
+    assert "least speed" in found["formation", "limits"][0:12]
+    assert 'did you mean "name"?' in found[("nmae",)]
+    assert found[("seed",)] == "must be a whole number; given true"
+    assert len(found) == 11
+
+
+@pytest.mark.parametrize(
+    ("changes", "location", "text"),
+    [
+        ({"time": {"step": 0, "duration": 1}}, ("time", "step"), "greater than 0"),
+        ({"time": {"step": -0.1, "duration": 1}}, ("time", "step"), "greater than 0"),
+        ({"time": {"step": 0.3, "duration": 1.0}}, ("time", "duration"), "0.9 and 1.2"),
+        ({"time": {"step": 2.0, "duration": 1.0}}, ("time", "step"), "longer than the duration"),
+        ({"time": {"step": 1e-9, "duration": 1.0}}, ("time", "duration"), "at most 100000000"),
+        ({"corridor": None}, (), "neither corridor nor boundaries"),
+        ({"boundaries": [[[0, 0], [1, 0]]]}, ("boundaries",), "not both"),
+        (
+            {"corridor": None, "boundaries": [[[0, 0], [1, 0]]]},
+            ("reference_path",),
+            "with boundaries must give it",
+        ),
+        ({"corridor": {"centreline": [[0, 0], [3, 0]], "width": [1, 2, 3]}}, ("corridor", "width"),
+         "3 widths for 2 points"),
+        ({"formation": {"spacing": [0, 1, 2]}}, ("formation", "spacing"), "3 leads for 2 robots"),
+        ({"formation": {"spacing": [1, 2]}}, ("formation", "spacing", 0), "is 0 by definition"),
+        ({"formation": {"neighbours": [["r1", "r3"]]}}, ("formation", "neighbours", 0, 1),
+         'no robot has the name "r3"'),
+        ({"formation": {"neighbours": [["r1", "r1"]]}}, ("formation", "neighbours", 0), "its own"),
+        ({"formation": {"neighbours": [["r1", "r2"], ["r2", "r1"]]}},
+         ("formation", "neighbours", 1), "twice"),
+        ({"robots": []}, ("robots",), "at least 1"),
+        ({"robots": {}}, ("robots",), "must be a list; given a mapping"),
+        ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), "beyond"),
+        ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), "repeats"),
+        ({"reference_path": [[0, 0]]}, ("reference_path",), "at least 2 entries; given 1"),
+        ({"reference_path": [[0, 2e6], [1, 1]]}, ("reference_path", 0, 1), "at most 1000000"),
+        ({"reference_path": [1, 2, 3]}, ("reference_path", 0), "must be a list; given 1"),
+        ({"name": ""}, ("name",), "must not be empty"),
+        ({"name": "a\nb"}, ("name",), "line breaks"),
+        ({"seed": 10**5000}, ("seed",), "at most"),
+        ({"seed": -1}, ("seed",), "at least 0"),
+        ({"physics": {"elasticity": 2}}, ("physics", "elasticity"), "at most 1"),
+        ({"expect": {"finished": 1}}, ("expect", "finished"), "must be true or false"),
+        ({"expect": {"min_distance": -1}}, ("expect", "min_distance"), "at least 0"),
+        ({"robots": [{**ROBOT, "pose": [1, 2, "rndom"]}]}, ("robots", 0, "pose", 2),
+         'must be a number or the word random; given "rndom"; did you mean "random"?'),
+        ({"robots": [{**ROBOT, "footprint": {"length": -1, "width": 1}}]},
+         ("robots", 0, "footprint", "length"), "greater than 0; given -1"),
+        ({"robots": [{**ROBOT, "footprint": {"lenght": 1, "width": 1}}]},
+         ("robots", 0, "footprint", "lenght"), 'did you mean "length"'),
+    ],
+)  # fmt: skip
+def test_each_fault_has_its_place_and_says_what_is_allowed(changes, location, text):
+    found = faults(**changes)
+    assert text in found[location]
+    assert len(found) == 1 or text == "must be a list; given 1"
+
+
+def test_parts_raise_the_same_error_on_their_own():
+    with pytest.raises(WorldError, match="length: must be greater than 0"):
+        Box(length=0.0, width=1.0)
+    with pytest.raises(WorldError, match="name: missing"):
+        Robot(**{key: value for key, value in ROBOT.items() if key != "name"})
+
+
+def test_a_world_cannot_be_changed_in_place():
+    world = World(**values())
+    with pytest.raises(Exception, match="frozen"):
+        world.seed = 3
+    with pytest.raises(TypeError):
+        world.controller.settings["a"] = 1
+
+
+def test_controller_settings_are_flat_hashable_and_order_free():
+    a = World(**values(controller={"type": "x", "a": [1, {"b": 2}], "c": 3}))
+    b = World(**values(controller={"c": 3, "a": (1, {"b": 2}), "type": "x"}))
+    assert a == b
+    assert hash(a) == hash(b)
+    assert a.controller.settings == FrozenMapping({"a": (1, {"b": 2}), "c": 3})
+
+
+def test_stem_is_safe_in_a_file_name():
+    assert World(**values(name="../a b/'c'")).stem == "a_b_c"
+    assert World(**values(name="//")).stem == "world"
+
+
+@given(st.text(min_size=1, max_size=100).filter(str.isprintable))
+def test_stem_of_any_name_is_one_plain_word(name):
+    assert re.fullmatch(r"[A-Za-z0-9_-]+", World(**values(name=name)).stem)
+
+
+def test_every_field_is_described_in_a_schema():
+    schema = World.model_json_schema()
+    models = [schema, *schema["$defs"].values()]
+    assert len(models) > 8
+    for model in models:
+        for key, field in model["properties"].items():
+            assert field.get("description"), (model["title"], key)
+
+
+def test_the_model_loads_no_heavy_package():
+    code = (
+        "import sys, physim.world; print({'numpy', 'yaml', 'shapely', 'numba'} & set(sys.modules))"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "set()"

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+import os
+
+import pytest
+import yaml
+from hypothesis import given, settings
+
+from physim.errors import PhysimError
+from physim.world import World
+from physim.world_file.nodes import Document
+from physim.world_file.reading import read_document
+from tests.world.strategies import worlds
+from tests.world.test_model import values
+
+
+def read(text: str) -> World:
+    document: Document = read_document(text)
+    assert not document.faults
+    return World(**document.values())
+
+
+@settings(max_examples=200)
+@given(worlds())
+def test_text_reads_back_equal(world):
+    assert read(world.to_yaml()) == world
+
+
+@settings(max_examples=100)
+@given(worlds())
+def test_other_readers_take_the_text_alike(world):
+    assert World(**yaml.safe_load(world.to_yaml())) == world
+
+
+def test_text_has_units_and_short_lines():
+    line = [[float(k), 0.25 * k] for k in range(300)]
+    world = World(**values(reference_path=line))
+    text = world.to_yaml()
+    assert "  step: 0.01  # [s]\n" in text
+    assert max(len(row) for row in text.splitlines()) <= 100
+    assert read(text) == world
+
+
+def test_save_is_whole_or_nothing(tmp_path):
+    world = World(**values())
+    path = tmp_path / "a.yaml"
+    world.save(path)
+    assert read(path.read_text()) == world
+    world.changed(seed=5).save(str(path))
+    assert read(path.read_text()).seed == 5
+    assert os.listdir(tmp_path) == ["a.yaml"]
+
+
+def test_save_says_why_it_cannot(tmp_path):
+    with pytest.raises(PhysimError, match=r"no_folder/a\.yaml: cannot be written: No such file"):
+        World(**values()).save(tmp_path / "no_folder" / "a.yaml")
+    with pytest.raises(PhysimError, match="cannot be written"):
+        World(**values()).save(tmp_path)

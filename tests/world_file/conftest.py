@@ -1,0 +1,21 @@
+"""The tests of this folder see two registered controllers of their own."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+
+import pytest
+
+from physim import registry
+
+MODULE = "tests.world_file.controllers_for_tests"
+
+
+@pytest.fixture(autouse=True)
+def _registered(monkeypatch):
+    entries = {
+        name: EntryPoint(name, f"{MODULE}:{target}", registry.GROUP)
+        for name, target in (("mode_switching", "Switching"), ("plain", "Plain"))
+    }
+    entries["broken"] = EntryPoint("broken", "no_such_module_here:Class", registry.GROUP)
+    monkeypatch.setattr(registry, "_entries", lambda: entries)

@@ -1,0 +1,71 @@
+from __future__ import annotations
+
+import pytest
+
+from physim.errors import ControllerError, WorldError
+from physim.registry import controller_names, find_controller, make_controller
+from tests.world_file import controllers_for_tests as fakes
+
+HERE = "tests.world_file.controllers_for_tests"
+
+
+def test_names_have_a_line_each():
+    names = controller_names()
+    assert names["mode_switching"] == "Stands in for the shipped controller."
+    assert names["plain"] == "Has no settings."
+    assert "cannot be imported" in names["broken"]
+
+
+def test_controllers_are_made_with_checked_settings():
+    made = make_controller("mode_switching", {"omegas": (0.5, 1)})
+    assert isinstance(made, fakes.Switching)
+    assert made.settings.omegas == (0.5, 1.0)
+    assert isinstance(make_controller("plain", {}), fakes.Plain)
+    assert isinstance(make_controller(f"{HERE}:Plain", {}, trusted=True), fakes.Plain)
+
+
+@pytest.mark.parametrize(
+    ("settings", "location"),
+    [
+        ({"look_ahed": 1.0}, ("controller", "look_ahed")),
+        ({"look_ahead": "1"}, ("controller", "look_ahead")),
+        ({"look_ahead": True}, ("controller", "look_ahead")),
+        ({"omegas": [1, "a"]}, ("controller", "omegas", 1)),
+    ],
+)
+def test_wrong_settings_have_their_place(settings, location):
+    with pytest.raises(WorldError) as caught:
+        make_controller("mode_switching", settings)
+    assert [fault.location for fault in caught.value.faults] == [location]
+
+
+@pytest.mark.parametrize(
+    ("name", "trusted", "text"),
+    [
+        ("mode_swich", True, 'did you mean "mode_switching"?'),
+        ("broken", True, "cannot be imported: ModuleNotFoundError"),
+        (f"{HERE}:Plain", False, "may name registered controllers only"),
+        (f"{HERE}:Plane", True, 'did you mean "Plain"?'),
+        (f"{HERE}:Mute", True, "has no method decide"),
+        (f"{HERE}:", True, "has no class"),
+        (":x", True, "cannot be imported"),
+        ("../evil:X", True, "cannot be imported"),
+    ],
+)
+def test_controllers_that_cannot_be_had_say_why(name, trusted, text):
+    with pytest.raises(ControllerError) as caught:
+        find_controller(name, trusted)
+    assert text in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_class_in_the_current_folder_is_found(tmp_path, monkeypatch):
+    (tmp_path / "my_own_controller.py").write_text(
+        "class Mine:\n    def decide(self, observation, memory):\n        return None\n"
+    )
+    (tmp_path / "my_faulty_controller.py").write_text("\nx = 1 / 0\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", __import__("sys").path[:])
+    assert find_controller("my_own_controller:Mine", trusted=True).__name__ == "Mine"
+    with pytest.raises(ControllerError, match=r"ZeroDivisionError.*my_faulty_controller\.py:2"):
+        find_controller("my_faulty_controller:Mine", trusted=True)

@@ -1,9 +1,10 @@
-"""Robot-steps a second of the physics alone, free and in a jam: ``python benchmarks/physics.py``."""
+"""Speed of the physics alone, free and in a jam: ``python benchmarks/physics.py``."""
 
 from __future__ import annotations
 
 import argparse
 import time
+from itertools import pairwise
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def scene(robots: int, spacing: float) -> Physics:
     start = np.column_stack((places, np.linspace(-3, 3, robots)))
     angle = np.linspace(0, 2 * np.pi, 201)
     ring = (10 + side * spacing) * np.column_stack((np.cos(angle), np.sin(angle)))
-    walls = pack_shapes([list(zip(ring, ring[1:], strict=False))])
+    walls = pack_shapes([list(pairwise(ring))])
     return Physics(pack_shapes([[box(1.0, 0.6)]] * robots), walls, start, np.full(robots, 10), 0.05)
 
 

@@ -20,7 +20,8 @@ class Phase(IntEnum):
     STAYS = 1
     """touching at the sample before, too"""
     ENDED = 2
-    """first sample apart"""
+    """first sample apart: depth 0, impulse what the pair exchanged in the last step, point and
+    normal those of the nearest points"""
 
 
 class Kind(IntEnum):
@@ -47,6 +48,5 @@ CONTACT = np.dtype(
         ("impulse", "<f8"),
     ]
 )
-"""Contact row: sample, body ids a < b, `Phase`, `Kind`, deepest point x, y [m], unit normal nx, ny
-from a to b (world frame), depth [m] (0 when just touching), impulse [N s]. In a row of phase
-*ended* the bodies are apart: depth is minus their distance. Packed, so no byte is undefined."""
+"""Contact row: body ids a < b, deepest point (x, y) [m], normal (nx, ny) from a to b, depth [m]
+(0 when just touching), impulse [N s]. Packed, so that a row has no undefined bytes."""

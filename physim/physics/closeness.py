@@ -1,4 +1,4 @@
-"""Exact closeness of parts and bodies at their poses: what every verdict and depth rests on.
+"""Where and how deep pairs of bodies touch, by exact separation.
 
 The engine's own depth is wrong for aligned shapes, so nothing is said about a contact but by the
 separation kernels of `physim.geometry`. Robots and walls share one numbering here, robots first.
@@ -9,8 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.convex import part_gap
-from physim.geometry.separation import body_separation, relative_frame
+from physim.geometry.separation import body_separation
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
 
@@ -21,19 +20,6 @@ def joined(shapes: Shapes, walls: Shapes) -> Shapes:
         np.concatenate((shapes.part_start, walls.part_start[1:] + shapes.part_start[-1])),
         np.concatenate((shapes.body_start, walls.body_start[1:] + shapes.body_start[-1])),
         np.concatenate((shapes.radius, walls.radius)),
-    )
-
-
-@compiled
-def parts_distance(shapes: Shapes, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray) -> float:
-    """Signed distance [m] of parts p and q whose bodies are at ``pose_p`` and ``pose_q`` (3,).
-
-    Equal to the last bit to `body_distance` of bodies of one part each, in the order given.
-    """
-    c, s, tx, ty = relative_frame(pose_p, pose_q)
-    v, start = shapes.vertices, shapes.part_start
-    return part_gap(
-        v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0, np.inf
     )
 
 

@@ -1,8 +1,8 @@
 """Keep the engine's false contacts out, and note the true ones with their impulses.
 
 pymunk now and then reports a contact more than a metre deep between polygons that are apart and
-have edges on one line. So each contact it reports is checked: shapes farther apart than CONTACT
-by their exact separation are not processed, not noted, only counted.
+have edges on one line. So each contact it reports is judged by the exact separation of the parts
+(`physim.physics.verdict`): what is apart is not processed, not noted, only counted.
 """
 
 from __future__ import annotations
@@ -13,9 +13,8 @@ import numpy as np
 import pymunk
 
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.physics.closeness import parts_distance
 from physim.physics.space import Hosted
-from physim.tolerances import CONTACT
+from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 
 
 class Touches(NamedTuple):
@@ -49,6 +48,7 @@ class PythonGuard:
         self.rejected = 0
         self._number = {shape: part for part, shape in enumerate(hosted.parts)}
         self._shapes = shapes
+        self._links = segment_links(shapes)
         self._checks = checks
         self._found: list[tuple[int, int, float]] = []
         self._failure: Exception | None = None
@@ -72,9 +72,9 @@ class PythonGuard:
     def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         # An exception would be printed and swallowed by the engine: keep it for take().
         try:
-            touches = not self._checks or self._separation(arbiter) <= CONTACT
-            arbiter.process_collision = touches
-            self.rejected += not touches
+            verdict = self._judge(arbiter) if self._checks else ACTS
+            arbiter.process_collision = verdict not in (APART, LEFT)
+            self.rejected += verdict == APART
         except Exception as failure:
             self._failure = self._failure or failure
 
@@ -86,11 +86,18 @@ class PythonGuard:
         except Exception as failure:
             self._failure = self._failure or failure
 
-    def _separation(self, arbiter: pymunk.Arbiter) -> float:
+    def _judge(self, arbiter: pymunk.Arbiter) -> int:
         # In the order of part numbers, as distances of bodies are worked out everywhere.
-        first, second = sorted(arbiter.shapes, key=self._number.__getitem__)
+        shapes = arbiter.shapes
+        first, second = sorted(shapes, key=self._number.__getitem__)
         p, q = self._number[first], self._number[second]
-        return parts_distance(self._shapes, p, _pose(first), q, _pose(second))
+        verdict, nx, ny = judge(self._shapes, self._links, p, _pose(first), q, _pose(second))
+        if verdict == SIDE:
+            sign = 1.0 if shapes[0] is second else -1.0
+            points = arbiter.contact_point_set
+            points.normal = pymunk.Vec2d(sign * nx, sign * ny)
+            arbiter.contact_point_set = points
+        return verdict
 
 
 def _pose(shape: pymunk.Shape) -> FloatArray:

@@ -38,7 +38,9 @@ def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
     """Gather contacts of parts, ``body`` (M, 2) in any order, into pairs: impulses are added."""
     key = body.min(axis=1) * bodies + body.max(axis=1)
     unique, place = np.unique(key, return_inverse=True)
-    return Pairs(unique, np.bincount(place, weights=impulse, minlength=len(unique)))
+    total = np.zeros(len(unique))
+    np.add.at(total, place, impulse)
+    return Pairs(unique, total)
 
 
 def split(key: IntArray, bodies: int) -> IntArray:

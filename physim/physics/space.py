@@ -101,22 +101,11 @@ def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> py
 
 
 def _wall_shapes(static: pymunk.Body, parts: list[FloatArray]) -> list[pymunk.Shape]:
+    # Segments are not told their neighbours: see physim.physics.verdict.
     made: list[pymunk.Shape] = []
     for part in parts:
         if len(part) == 2:
             made.append(pymunk.Segment(static, tuple(part[0]), tuple(part[1]), RADIUS))
         else:
             made.append(pymunk.Poly(static, part.tolist(), radius=RADIUS))
-    _chain(parts, made)
     return made
-
-
-def _chain(parts: list[FloatArray], made: list[pymunk.Shape]) -> None:
-    """Tell segments that meet end to start of each other, so that nothing snags where they do."""
-    ends = {tuple(part[1]): tuple(part[0]) for part in parts if len(part) == 2}
-    starts = {tuple(part[0]): tuple(part[1]) for part in parts if len(part) == 2}
-    for part, segment in zip(parts, made, strict=True):
-        if isinstance(segment, pymunk.Segment):
-            first, last = tuple(part[0]), tuple(part[1])
-            # At an open end the segment is its own neighbour: nothing is held back there.
-            segment.set_neighbors(ends.get(first, first), starts.get(last, last))

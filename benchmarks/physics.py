@@ -1,0 +1,73 @@
+"""Speed of the physics alone, free and in a jam: ``python benchmarks/physics.py``."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from itertools import pairwise
+
+import numpy as np
+
+from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.physics import Physics
+
+
+def box(length: float, width: float) -> FloatArray:
+    a, b = length / 2, width / 2
+    return np.array([[-a, -b], [a, -b], [a, b], [-a, b]])
+
+
+def scene(robots: int, spacing: float) -> Physics:
+    """Robots on a square lattice in a ring of 200 wall segments well outside."""
+    side = int(np.ceil(np.sqrt(robots)))
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    places = (np.column_stack((x.ravel(), y.ravel()))[:robots] - (side - 1) / 2) * spacing
+    start = np.column_stack((places, np.linspace(-3, 3, robots)))
+    angle = np.linspace(0, 2 * np.pi, 201)
+    ring = (10 + side * spacing) * np.column_stack((np.cos(angle), np.sin(angle)))
+    walls = pack_shapes([list(pairwise(ring))])
+    return Physics(pack_shapes([[box(1.0, 0.6)]] * robots), walls, start, np.full(robots, 10), 0.05)
+
+
+def free(physics: Physics) -> FloatArray:
+    """Circles of radius 0.5 m."""
+    return np.tile([0.4, 0.8], (len(physics.pose), 1))
+
+
+def inwards(physics: Physics) -> FloatArray:
+    """All robots to the middle."""
+    pose = physics.pose
+    turn = np.arctan2(-pose[:, 1], -pose[:, 0]) - pose[:, 2]
+    turn = np.remainder(turn + np.pi, 2 * np.pi) - np.pi
+    return np.column_stack((np.cos(turn), np.clip(2 * turn, -1, 1)))
+
+
+def measure(robots: int, jam: bool, steps: int) -> str:
+    physics = scene(robots, 2.0 if jam else 4.0)
+    command, contacts, seconds = free(physics), 0, 0.0
+    for k in range(-steps // 2, steps):
+        if jam:
+            command = inwards(physics)
+        begin = time.perf_counter()
+        physics.step(command)
+        if k >= 0:
+            seconds += time.perf_counter() - begin
+            contacts += len(physics.contacts)
+    name = "jam" if jam else "free"
+    return (
+        f"{name:5}{robots:5}{seconds / steps * 1e6:11.1f} us/step"
+        f"{robots * steps / seconds:12.0f} robot-steps/s{contacts / steps:8.1f} contacts"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--steps", type=int, default=1000)
+    steps = parser.parse_args().steps
+    for robots in (10, 100):
+        for jam in (False, True):
+            print(measure(robots, jam, steps))
+
+
+if __name__ == "__main__":
+    main()

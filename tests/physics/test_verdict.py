@@ -1,0 +1,83 @@
+"""The engine's contacts are those of the exact distance: none missed, none invented."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hosts import ELL, box, distances, drive, host, pairs_in, segments
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim.geometry.shapes import pack_shapes
+from physim.tolerances import CONTACT
+
+ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
+RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]
+WALLS = [segments(RING), [box(0.3, 0.3, x=0.5)], [box(0.4, 0.2, x=-0.8), box(0.2, 0.5, x=-0.8)]]
+SHAPES, SOLID = pack_shapes(ROBOTS), pack_shapes(WALLS)
+
+
+def touching(pose):
+    return {pair for pair, d in distances(SHAPES, SOLID, pose).items() if d <= CONTACT}
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.floats(-1.6, 1.6),
+            st.floats(-1.6, 1.6),
+            st.one_of(st.floats(-4, 4), st.sampled_from([0.0, math.pi / 2, -math.pi, 0.5])),
+        ),
+        min_size=6,
+        max_size=6,
+    ),
+    st.floats(-1.0, 1.0),
+)
+def test_contacts_agree_with_distances(start, speed):
+    physics = host(start, ROBOTS, walls=WALLS)
+    assert pairs_in(physics.contacts) == touching(np.array(start))
+    for _ in range(3):
+        physics.step(np.tile([speed, 0.3], (6, 1)))
+        assert pairs_in(physics.contacts) == touching(physics.pose)
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    st.sampled_from([-1e-6, -1e-9, -1e-12, 0.0, 1e-12, 0.9e-9, 1.1e-9, 1e-8, 1e-6]),
+    st.floats(-math.pi, math.pi),
+    st.floats(-50, 50),
+    st.floats(-0.9, 0.9),
+    st.sampled_from([0.0, 0.3, math.pi / 2]),
+)
+def test_at_the_very_edge_of_contact(gap, heading, away, shift, turn):
+    # A box beside a box, turned against it or aligned: touching within 1e-9 m is contact.
+    reach = 0.3 + 0.5 * math.sin(turn) + 0.3 * math.cos(turn)
+    c, s = math.cos(heading), math.sin(heading)
+    x, y = shift * c - (reach + gap) * s, shift * s + (reach + gap) * c
+    start = np.array([[away, away, heading], [away + x, away + y, heading + turn]])
+    physics = host(start)
+    exact = distances(pack_shapes([[box()]] * 2), pack_shapes([]), physics.pose)
+    assert pairs_in(physics.contacts) == {p for p, d in exact.items() if d <= CONTACT}
+
+
+@pytest.mark.parametrize("dt", [0.05, 0.02])
+def test_first_contact_is_at_the_sample_that_the_collision_time_says(dt):
+    rng = np.random.default_rng(3)
+    for _ in range(100):
+        gap, v, u = rng.uniform(0.01, 2.0), rng.uniform(0.1, 1.0), rng.uniform(0.1, 1.0)
+        shift = rng.uniform(-0.5, 0.5)
+        xi = gap / (v + u)
+        physics = host([[0.0, 0.0, 0.0], [1.0 + gap, shift, np.pi]], dt=dt)
+        expected = math.ceil((xi - CONTACT) / dt)
+        _, rows = drive(physics, [[v, 0.0], [u, 0.0]], expected)
+        assert [len(r) for r in rows] == [0] * expected + [1]
+        assert rows[-1]["step"][0] == expected
+
+
+def test_depth_of_aligned_deep_overlap_is_exact():
+    physics = host([[0.0, 0.0, 0.7], [0.2 * math.cos(0.7), 0.2 * math.sin(0.7), 0.7]])
+    (row,) = physics.contacts
+    assert row["depth"] == pytest.approx(0.6, abs=1e-12)  # out sideways: the whole width

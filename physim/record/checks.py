@@ -1,4 +1,8 @@
-"""Open a record file, or say in one line why it cannot be read."""
+"""Open a record file, or say in one line why it cannot be read.
+
+A limit: the HDF5 library itself may crash on a file whose index was changed byte by byte. What is
+caught here are files that break off, that are something else, or that lack or twist a part.
+"""
 
 from __future__ import annotations
 

@@ -104,13 +104,13 @@ class Journal:
 def test_file_is_complete_after_every_single_write(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Chunks of a row or two, so that the chunk trees split, also at their roots."""
+    """Chunks of few rows, so that the chunk trees split: the root at 64 chunks, then a leaf."""
     monkeypatch.setattr(writer, "CHUNK_BYTES", 128)
     journal = Journal(monkeypatch)
     out = RecordWriter(tmp_path / "r.h5", make_scene(), "name: x\n", name="x", flush_every_s=1e9)
     marks = [(len(journal.changes), 0)]
     total = 0
-    for rows in (1, 2, 58, 1, 2, 3, 1, 40, 24, 1, 2, 1):
+    for rows in (1, 61, 1, 1, 1, 1, 48, *[1] * 14):
         append(out, total, total + rows)
         total += rows
         out.flush()
@@ -166,6 +166,21 @@ def test_record_survives_a_kill(tmp_path: Path, seed: int) -> None:
         assert file.attrs["ended"] == b"running"
     with Record.load(path) as record:
         assert check(record, max(told, default=700)) == record.steps_run + 1
+
+
+def test_block_of_the_index_is_written_last_page_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[tuple[int, bytes]] = []
+
+    def pwrite(fd: int, data: Any, address: int) -> int:
+        part = bytes(data)[:3000]  # the system may write less than it is given
+        calls.append((address, part))
+        return len(part)
+
+    monkeypatch.setattr(crash_safe.os, "pwrite", pwrite)
+    block = bytes(range(256)) * 20
+    crash_safe._write_last_page_first(0, block, 4000)
+    assert [address for address, _ in calls] == [8192, 4096, 7096, 4000]
+    assert b"".join(part for _, part in sorted(calls)) == block
 
 
 def test_nothing_is_left_of_a_record_that_cannot_begin(tmp_path: Path) -> None:

@@ -1,0 +1,129 @@
+"""Summary, its JSON and table, and the expectations of a world."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from physim.errors import RecordError
+from physim.expectations import Held, expectations
+from physim.record import Record
+from physim.summary import summarise, table
+from tests.records import make_record
+
+
+def test_figures_and_names() -> None:
+    with make_record() as record:
+        s = summarise(record)
+    assert (s.name, s.seed, s.robots, s.ended, s.simulated_s) == ("made up", 3, 3, "duration", 10.0)
+    assert (s.contacts.count, s.contacts.between_robots, s.contacts.with_boundaries) == (2, 1, 1)
+    assert s.contacts.first_s == pytest.approx(3.0)
+    assert s.contacts.depth_m == pytest.approx(0.02)
+    assert s.contacts.impulse_ns == pytest.approx(5.0 * 30)
+    assert s.shortest_distance_m is not None
+    assert s.shortest_distance_m.value == pytest.approx(-0.02)
+    assert s.shortest_distance_m.bodies == ("r1", "r2")
+    assert s.shortest_boundary_distance_m is not None
+    assert s.shortest_boundary_distance_m.bodies == ("r2", "left")
+    assert s.real_time_factor == 100.0
+    assert not s.finished
+
+
+def test_json_is_valid_and_the_same_but_for_the_wall_clock(tmp_path: Path) -> None:
+    one = summarise(make_record(seconds=2.0, wall_clock={"seconds": 1.0}))
+    make_record(tmp_path / "r.h5", seconds=2.0, wall_clock={"seconds": 2.0}).close()
+    with Record.load(tmp_path / "r.h5") as record:
+        other = summarise(record)
+    first, second = json.loads(one.to_json()), json.loads(other.to_json())
+    assert (first.pop("wall_clock"), second.pop("wall_clock")) == (
+        {"seconds": 1.0},
+        {"seconds": 2.0},
+    )
+    assert first == second
+    assert first["shortest_distance_m"]["bodies"] == ["r1", "r2"]
+    assert first["expectations"][0] == {"key": "contacts", "wanted": 2, "got": 2, "held": True}
+
+
+def test_what_has_no_meaning_is_null() -> None:
+    text = summarise(
+        make_record(robots=1, seconds=1.0, wall_clock={"factor": float("inf")})
+    ).to_json()
+    found = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+    for key in ("shortest_distance_m", "farthest_pair_m", "formation_error_peak_m"):
+        assert found[key] is None
+    assert found["wall_clock"] == {"factor": None}
+    assert found["contacts"]["first_s"] is None
+
+
+def test_table() -> None:
+    lines = table(summarise(make_record())).splitlines()
+    found = dict(line.split("  ", 1) for line in lines)
+    texts = {label: text.strip() for label, text in found.items()}
+    assert texts["run"] == "made up, seed 3, 3 robots: duration after 10.00 s"
+    assert texts["contacts"] == "2 (1 between robots, 1 with boundaries), first at 3.00 s"
+    assert texts["shortest distance"] == "-0.0200 m (r1 and r2 at 3.19 s)"
+    assert texts["expected contacts"] == "held: 2 <= 2"
+    assert texts["expected finished"] == "held: false = false"
+    assert texts["real-time factor"] == "100.0"
+    assert all(len(line) <= 120 for line in lines)
+
+
+def test_table_of_one_robot_without_wall_clock() -> None:
+    text = table(summarise(make_record(robots=1, seconds=1.0, wall_clock={})))
+    assert "shortest distance           n/a" in text
+    assert "real-time factor            n/a" in text
+
+
+def fared(expect: str) -> dict[str, Held]:
+    with make_record(seconds=10.0, world_text=f"name: x\nexpect: {expect}\n") as record:
+        return {one.key: one for one in expectations(record)}
+
+
+@pytest.mark.parametrize(
+    ("key", "held", "broken"),
+    [
+        ("contacts", 2, 1),
+        ("min_distance", -0.021, -0.019),
+        ("min_boundary_distance", -0.011, -0.009),
+        ("max_distance", 4.8, 4.7),
+        ("finished", "false", "true"),
+    ],
+)
+def test_expectation_held_and_broken(key: str, held: object, broken: object) -> None:
+    assert fared(f"{{{key}: {held}}}")[key].held
+    one = fared(f"{{{key}: {broken}}}")[key]
+    assert not one.held
+    text = table(summarise(make_record(world_text=f"expect: {{{key}: {broken}}}")))
+    assert f"expected {key}" in text
+    assert "NOT HELD" in text
+
+
+def test_exactly_on_the_bound_holds() -> None:
+    with make_record() as record:
+        bound = float(record.extremes["clearance"].min())
+    assert fared(f"{{min_distance: {bound!r}}}")["min_distance"].held
+
+
+def test_bounds_on_what_a_run_does_not_have_hold() -> None:
+    world = "expect: {min_distance: 0.05, max_distance: 1.0, contacts: null}"
+    with make_record(robots=1, seconds=1.0, world_text=world) as record:
+        assert [tuple(one) for one in expectations(record)] == [
+            ("min_distance", 0.05, None, True),
+            ("max_distance", 1.0, None, True),
+        ]
+        assert summarise(record).held
+
+
+@pytest.mark.parametrize("world", ["", "name: x\n", "expect:\n", "- 1\n", "expect: 5\n"])
+def test_world_without_expectations(world: str) -> None:
+    with make_record(seconds=0.2, world_text=world) as record:
+        assert expectations(record) == []
+
+
+def test_world_text_that_is_not_yaml() -> None:
+    with make_record(seconds=0.2, world_text="a: [") as record:
+        with pytest.raises(RecordError, match="cannot be read") as caught:
+            expectations(record)
+        assert "\n" not in str(caught.value)

@@ -23,8 +23,8 @@ from physim.video.text import Image
 from physim.video.theme import HEIGHT, WIDTH
 
 SUFFIXES = (".mp4", ".m4v")
-OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1"}
-"""One setting quicker than the preset: a quarter less work for files 8 % larger."""
+OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1:bframes=1"}
+"""Two settings quicker than the preset: two fifths less work for files a fifth larger."""
 LIMITED, BT601, BT709 = 1, 5, 1
 """Numbers of H.264 (ITU-T H.273) for range, matrix, and primaries and transfer."""
 WAITING = 6

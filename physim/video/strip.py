@@ -54,8 +54,8 @@ class Strip:
         write(image, "formation error [m]", (14, 20), theme.SMALL, weight=BOLD)
         right, bottom = LEFT + self._wide, TOP + self._high
         low, high = self._range
-        step = round_step(high - low, 4)
-        for value in ticks(low, high, 4):
+        step = round_step(high - low, 5)
+        for value in ticks(low, high, 5):
             y = int(np.rint(self._y(value)))
             colour = theme.QUIET if value == 0.0 else theme.FAINT
             cv2.line(image, (LEFT, y), (right, y), colour, 1)

@@ -74,7 +74,7 @@ class Strip:
     def _draw_lines(self, times: FloatArray, values: FloatArray) -> None:
         for index, line in enumerate(values):
             known = np.isfinite(line)
-            points = fixed(np.column_stack((self._x(times), self._y(np.nan_to_num(line)))))
+            points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
             breaks = np.flatnonzero(np.diff(known.astype(int))) + 1
             colour = theme.robot_colour(index)
             for piece, shown in zip(np.split(points, breaks), np.split(known, breaks), strict=True):

@@ -23,8 +23,8 @@ from physim.video.text import Image
 from physim.video.theme import HEIGHT, WIDTH
 
 SUFFIXES = (".mp4", ".m4v")
-OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1"}
-"""One setting quicker than the preset: a quarter less work for files 8 % larger."""
+OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1:bframes=1"}
+"""Two settings quicker than the preset: two fifths less work for files a fifth larger."""
 LIMITED, BT601, BT709 = 1, 5, 1
 """Numbers of H.264 (ITU-T H.273) for range, matrix, and primaries and transfer."""
 WAITING = 6
@@ -56,7 +56,7 @@ class VideoFile:
             self._open()
         except (OSError, av.FFmpegError) as fault:
             self._part.unlink(missing_ok=True)
-            raise self._unwritable(fault) from fault
+            raise unwritable(self.path, fault) from fault
         self._thread.start()
         return self
 
@@ -78,7 +78,7 @@ class VideoFile:
     def write(self, frame: Image) -> None:
         """Take one frame; it must not be changed afterwards. Raises what the encoder met."""
         if self._fault is not None:
-            raise self._unwritable(self._fault) from self._fault
+            raise unwritable(self.path, self._fault) from self._fault
         self._frames.put(frame)
 
     def _work(self) -> None:
@@ -118,11 +118,7 @@ class VideoFile:
         finally:
             self._part.unlink(missing_ok=True)
         if kind is None and self._fault is not None:
-            raise self._unwritable(self._fault) from self._fault
-
-    def _unwritable(self, fault: BaseException) -> RecordError:
-        reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
-        return RecordError(f"{self.path}: cannot write the video: {reason}")
+            raise unwritable(self.path, self._fault) from self._fault
 
 
 def check_path(path: Path) -> None:
@@ -132,7 +128,17 @@ def check_path(path: Path) -> None:
             f'{path}: cannot write a video as "{path.suffix}"; allowed: {", ".join(SUFFIXES)}; '
             f'did you mean "{path.with_suffix(".mp4").name}"?'
         )
-    if path.is_dir():
+    try:
+        folder, parent = path.is_dir(), path.parent.is_dir()
+    except OSError as fault:  # for one, a name that is too long
+        raise unwritable(path, fault) from fault
+    if folder:
         raise RecordError(f"{path}: cannot write the video: this is a folder; name a file in it")
-    if not path.parent.is_dir():
+    if not parent:
         raise RecordError(f"{path}: cannot write the video: there is no folder {path.parent}")
+
+
+def unwritable(path: Path, fault: BaseException) -> RecordError:
+    """Say in one line why a video cannot be written."""
+    reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
+    return RecordError(f"{path}: cannot write the video: {reason}")

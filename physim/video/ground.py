@@ -87,8 +87,8 @@ def _merged(parts: list[FloatArray]) -> list[FloatArray]:
 
 
 def _paths(record: Record, safe: shapely.Geometry) -> list[Stroke]:
-    """Robots' paths in their colours, dashed in the danger area; the reference path on top."""
-    strokes = []
+    """The reference path, and over it the robots' own, dashed in the danger area."""
+    strokes = [Stroke(_steps(line), theme.REFERENCE, 2) for line in _lines(record.reference)]
     shapely.prepare(safe)
     for index, line in enumerate(_lines(record.paths)):
         colour = theme.mix(theme.robot_colour(index), theme.WHITE, 0.42)
@@ -98,7 +98,6 @@ def _paths(record: Record, safe: shapely.Geometry) -> list[Stroke]:
             pieces = _pieces(share)
             if len(pieces):
                 strokes.append(Stroke(pieces, colour, 1, dash))
-    strokes += [Stroke(_steps(line), theme.REFERENCE, 2) for line in _lines(record.reference)]
     return strokes
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physim.errors import PhysimError
-from physim.video.encoder import VideoFile
+from physim.video.encoder import VideoFile, check_path
 from physim.video.painter import Painter
 from physim.video.story import Story, frame_times, playback_speed
 from physim.video.text import Image
@@ -38,6 +38,7 @@ def render(
     The file appears under its name only when it is complete. Raises
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
     """
+    check_path(Path(path))
     chosen = _checked(record, fps, speed)
     painter = Painter(record, chosen, fps)
     times = frame_times(painter.story.duration, fps, chosen)

@@ -44,12 +44,23 @@ def figure(parts: Sequence[FloatArray]) -> Figure:
     rings = [
         shapely.get_coordinates(ring)[:-1] for p in pieces for ring in (p.exterior, *p.interiors)
     ]
-    radius_line = shapely.maximum_inscribed_circle(max(pieces, key=lambda p: float(p.area)))
-    middle, edge = shapely.get_coordinates(radius_line)
-    size = float(np.hypot(*(edge - middle)))
+    middle, size = _widest(max(pieces, key=lambda p: float(p.area)))
     mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
     reach = max(float(np.hypot(*np.asarray(part).T).max()) for part in parts)
     return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach)
+
+
+def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
+    """Return middle [m] and radius [m] of a disc about as large as any within ``shape``.
+
+    The centroid where that serves, since a long shape has many such discs.
+    """
+    middle, edge = shapely.get_coordinates(shapely.maximum_inscribed_circle(shape))
+    radius = float(np.hypot(*(edge - middle)))
+    room = float(shapely.distance(shape.centroid, shape.boundary))
+    if shape.contains(shape.centroid) and room > 0.85 * radius:
+        return shapely.get_coordinates(shape.centroid)[0], room
+    return middle, radius
 
 
 class Outline(NamedTuple, Generic[T]):

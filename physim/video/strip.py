@@ -54,8 +54,8 @@ class Strip:
         write(image, "formation error [m]", (14, 20), theme.SMALL, weight=BOLD)
         right, bottom = LEFT + self._wide, TOP + self._high
         low, high = self._range
-        step = round_step(high - low, 4)
-        for value in ticks(low, high, 4):
+        step = round_step(high - low, 5)
+        for value in ticks(low, high, 5):
             y = int(np.rint(self._y(value)))
             colour = theme.QUIET if value == 0.0 else theme.FAINT
             cv2.line(image, (LEFT, y), (right, y), colour, 1)
@@ -74,7 +74,7 @@ class Strip:
     def _draw_lines(self, times: FloatArray, values: FloatArray) -> None:
         for index, line in enumerate(values):
             known = np.isfinite(line)
-            points = fixed(np.column_stack((self._x(times), self._y(np.nan_to_num(line)))))
+            points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
             breaks = np.flatnonzero(np.diff(known.astype(int))) + 1
             colour = theme.robot_colour(index)
             for piece, shown in zip(np.split(points, breaks), np.split(known, breaks), strict=True):

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from tests.records import make_record
+
+FIELDS = (
+    "time dt steps pose clearance boundary_clearance updates contacts names footprints walls "
+    "paths reference accessible safe name seed robots"
+)
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Any]]:
+    """Make a record of so many robots and seconds, once each; it must not be changed."""
+    records: dict[Any, Any] = {}
+
+    def make(robots: int, seconds: float = 4.0) -> Any:
+        key = (robots, seconds)
+        if key not in records:
+            folder = Path(tmp_path_factory.mktemp("record"))
+            records[key] = make_record(folder / "r.h5", robots, seconds, dt=0.02)
+        return records[key]
+
+    yield make
+    for record in records.values():
+        record.close()
+
+
+@pytest.fixture(scope="session")
+def changed() -> Callable[..., Any]:
+    """Return what the video reads of a record, with some of it replaced."""
+
+    def change(record: Any, **changes: Any) -> Any:
+        return SimpleNamespace(**{f: getattr(record, f) for f in FIELDS.split()} | changes)
+
+    return change

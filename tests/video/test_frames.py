@@ -1,0 +1,150 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physim.errors import PhysimError
+from physim.video import frame_at, theme
+from physim.video.painter import Painter
+from tests.records import make_record
+
+VIEW = (slice(0, theme.HEIGHT - theme.STRIP_HEIGHT), slice(0, theme.WIDTH - theme.PANEL_WIDTH))
+
+
+def pixels(image: Any, colour: theme.Colour, part: Any = VIEW) -> int:
+    return int((image[part] == np.array(colour, np.uint8)).all(axis=2).sum())
+
+
+def test_same_record_same_frames(made: Callable[..., Any], tmp_path: Any) -> None:
+    again = make_record(tmp_path / "again.h5", 3, 4.0, dt=0.02)
+    first, second = Painter(made(3), 1.0, 25.0), Painter(again, 1.0, 25.0)
+    for time in np.arange(0.0, 4.0, 0.2):
+        assert np.array_equal(first.frame(time), second.frame(time))
+    again.close()
+
+
+def test_a_still_is_the_frame_of_its_time(made: Callable[..., Any]) -> None:
+    still, frame = frame_at(made(3), 0.0), Painter(made(3), 1.0, 25.0).frame(0.0)
+    assert still.shape == (720, 1280, 3)
+    assert still.dtype == np.uint8
+    assert np.array_equal(still, frame)
+
+
+def test_time_moves_the_picture(made: Callable[..., Any]) -> None:
+    assert not np.array_equal(frame_at(made(1), 0.0), frame_at(made(1), 2.0))
+    assert np.array_equal(frame_at(made(1), 99.0), frame_at(made(1), 4.0))
+    with pytest.raises(PhysimError, match="finite"):
+        frame_at(made(1), float("nan"))
+
+
+def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., Any]) -> None:
+    record = made(3)  # robots 0 and 1 touch from 1.2 s on
+    began = float(record.contacts["step"][0]) * record.dt
+    assert began == pytest.approx(1.2)
+    counts = [pixels(frame_at(record, began + t), theme.CONTACT) for t in (-0.06, 0.0, 0.8, 1.1)]
+    assert counts[0] == 0
+    assert counts[1] > 150, "flash, mark and outlines"
+    assert counts[2] > 30, "the mark stays for a second"
+    assert counts[3] == 0
+
+
+def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:
+    record = made(3)
+    assert pixels(frame_at(record, 1.2 + 1.8, speed=4.0), theme.CONTACT) > 30
+    assert pixels(frame_at(record, 1.2 + 1.8, speed=1.0), theme.CONTACT) < pixels(
+        frame_at(record, 1.2 + 1.8, speed=4.0), theme.CONTACT
+    )
+
+
+def test_robots_have_the_colour_of_their_mode(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(1)
+    for mode, colour in theme.MODES.items():
+        updates = record.updates.copy()
+        updates["mode"] = mode
+        picture = frame_at(changed(record, updates=updates), 2.0)
+        assert pixels(picture, colour) > 300
+        others = [c for c in theme.MODES.values() if c != colour]
+        assert not any(pixels(picture, c) for c in others)
+
+
+def test_one_robot_has_no_strip_and_several_have(made: Callable[..., Any]) -> None:
+    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
+    assert pixels(frame_at(made(1), 2.0), theme.WHITE, below) < 2000
+    assert pixels(frame_at(made(3), 2.0), theme.WHITE, below) > 100000
+
+
+def test_without_formation_there_is_no_strip(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    updates = made(3).updates.copy()
+    updates["formation_error"] = np.nan
+    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
+    picture = frame_at(changed(made(3), updates=updates), 2.0)
+    assert pixels(picture, theme.WHITE, below) < 5000
+
+
+def test_a_record_without_decisions_or_areas(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    bare = changed(record, updates=record.updates[:0], contacts=record.contacts[:0])
+    assert pixels(frame_at(bare, 2.0), theme.UNDECIDED) > 300
+    open_field = changed(record, accessible=[], safe=[])
+    assert frame_at(open_field, 2.0).shape == (720, 1280, 3)
+
+
+def test_a_record_of_one_sample(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    record = made(3)
+    fields = ("time", "steps", "pose", "clearance", "boundary_clearance")
+    single = changed(record, **{field: getattr(record, field)[:1] for field in fields})
+    assert frame_at(single, 0.0).shape == (720, 1280, 3)
+
+
+@pytest.mark.parametrize(
+    "name", ["r", "日本語 — é ß 🤖", "a/\"b'\n\t\x00%s", "x" * 200, "", "\ud800"]
+)
+def test_any_name(made: Callable[..., Any], changed: Callable[..., Any], name: str) -> None:
+    strange = changed(made(3), names=(name, "r2", name), name=name)
+    assert frame_at(strange, 2.0).shape == (720, 1280, 3)
+
+
+def test_values_that_are_not_finite_do_not_break(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    updates, contacts = record.updates.copy(), record.contacts.copy()
+    for field in ("target_x", "formation_error", "deviation"):
+        updates[field][::3] = np.nan
+        updates[field][1::7] = np.inf
+    contacts["x"] = np.nan
+    without = SimpleNamespace(
+        clearance=np.full_like(record.clearance, np.inf),
+        boundary_clearance=np.full_like(record.boundary_clearance, np.inf),
+    )
+    odd = changed(record, updates=updates, contacts=contacts, **vars(without))
+    assert frame_at(odd, 1.3).shape == (720, 1280, 3)
+
+
+def test_places_far_from_the_origin(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    """10 km from the origin the view is the same, up to rounding of the camera's place."""
+    record, away = made(1), np.array([10_000.0, -10_000.0])
+    walls = record.walls._replace(vertices=record.walls.vertices + away)
+    pose = record.pose + np.array([*away, 0.0])
+    updates = record.updates.copy()
+    updates["target_x"] += away[0]
+    updates["target_y"] += away[1]
+    rings = [ring + away for ring in record.accessible], [ring + away for ring in record.safe]
+    moved = changed(
+        record, walls=walls, pose=pose, updates=updates, accessible=rings[0], safe=rings[1],
+        paths=record.paths._replace(points=record.paths.points + away),
+        reference=record.reference._replace(points=record.reference.points + away),
+    )  # fmt: skip
+    here, there = frame_at(record, 2.0), frame_at(moved, 2.0)
+    for colour in (theme.SAFE_AREA, theme.DANGER_AREA, theme.MODES[theme.Mode.SAFE]):
+        assert pixels(there, colour) == pytest.approx(pixels(here, colour), rel=0.05)

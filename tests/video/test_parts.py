@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physim.geometry.shapes import FloatArray
+from physim.video import theme
+from physim.video.background import Background, draw_ground
+from physim.video.camera import Camera, Lens
+from physim.video.closest import closest_pair
+from physim.video.ground import ground
+from physim.video.labels import Labels, Tag
+from physim.video.layout import arrange
+from physim.video.panel import metres
+from physim.video.robots import Fleet
+from physim.video.story import Story
+from physim.video.strip import spread
+from physim.video.text import clean, shorten, sprite, stamp, width
+from physim.video.ticks import number, ticks
+from tests.records import BOX, ELL
+
+numbers = st.floats(-300.0, 300.0, allow_nan=False)
+
+
+@given(st.lists(numbers, max_size=9))
+def test_names_are_spread_within_the_plot(values: list[float]) -> None:
+    places = spread(np.sort(np.array(values, dtype=float)), 13.0, 20.0, 140.0)
+    assert len(places) == len(values)
+    assert (np.diff(places) >= 13.0 - 1e-9).all()
+    assert ((places >= 20.0 - 1e-9) & (places <= 140.0 + 1e-9)).all()
+
+
+def test_names_with_room_stay() -> None:
+    assert spread(np.array([30.0, 50.0, 90.0]), 13.0, 0.0, 100.0).tolist() == [30.0, 50.0, 90.0]
+    assert spread(np.array([50.0, 50.0]), 10.0, 0.0, 100.0).tolist() == [45.0, 55.0]
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(1, 10))
+def test_ticks_are_few_and_inside(low: float, span: float, most: int) -> None:
+    found = ticks(low, low + span, most)
+    assert len(found) <= most + 1
+    assert all(low - 1e-6 * span <= t <= low + span * (1 + 1e-6) for t in found)
+
+
+def test_numbers() -> None:
+    assert [number(v, 0.5) for v in (-0.0, 1.5, -2.0)] == ["0.0", "1.5", "−2.0"]
+    assert number(50.0, 50.0) == "50"
+    assert [metres(v) for v in (1.234, 0.0999, -0.0123, 0.0)] == [
+        "1.23 m", "0.10 m", "−0.012 m", "0.000 m",
+    ]  # fmt: skip
+
+
+@given(st.text(max_size=40), st.integers(10, 200))
+def test_text_is_cut_to_its_room(text: str, room: int) -> None:
+    cut = shorten(text, 14, room)
+    assert "\n" not in cut
+    assert cut == clean(text) or cut.endswith("…")
+    assert width(cut, 14) <= max(room, width("…", 14))
+
+
+def test_other_scripts_are_written_not_boxes() -> None:
+    pictures = [sprite(text, 14, theme.INK)[1] for text in ("日", "本", "é", "e", "Ж")]
+    shapes = {picture.tobytes() for picture in pictures}
+    assert len(shapes) == 5
+
+
+def test_a_sprite_is_clipped_at_every_edge() -> None:
+    image = np.full((20, 20, 3), 255, np.uint8)
+    for left, top in ((-500, 5), (5, -500), (15, 15), (-5, -5), (500, 500)):
+        stamp(image, sprite("name", 14, theme.INK), left, top)
+    assert image.shape == (20, 20, 3)
+
+
+def test_tiles_show_no_seams(made: Callable[..., Any]) -> None:
+    world = ground(made(3))
+    lens = Lens(31.7, 40.0, 611.0)
+    cut = np.zeros((720, 1280, 3), np.uint8)
+    Background(world, lens.scale).paint(cut, lens)
+    whole = np.zeros((720 + 64, 1280 + 64, 3), np.uint8)
+    draw_ground(whole, world, Lens(lens.scale, lens.x + 32, lens.y + 32))
+    difference = np.abs(cut.astype(int) - whole[32:-32, 32:-32]).max(axis=2)
+    assert (difference > 40).sum() < 60, "long lines may differ by rounding only"
+    assert len(np.unique(cut.reshape(-1, 3), axis=0)) > 10
+
+
+def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[..., Any]) -> None:
+    story, box = Story(made(3)), arrange(True).view
+    small = (np.array([-2.0, -5.0]), np.array([22.0, 8.0]))
+    assert Camera(story, small, box, 1.0).whole
+    large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
+    camera = Camera(story, large, box, 1.0)
+    assert not camera.whole
+    assert camera.scale * 1.8 >= 35.0
+    for time in (0.0, 1.3, 4.0):
+        places = camera.lens(time).pixels(story.pose(time)[:, :2])
+        assert (places > 20.0).all()
+        assert (places < np.array([box.width, box.height]) - 20.0).all()
+
+
+def test_one_camera_movement_however_asked(made: Callable[..., Any]) -> None:
+    story, box = Story(made(3)), arrange(True).view
+    large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
+    one, two = Camera(story, large, box, 1.0), Camera(story, large, box, 1.0)
+    one.lens(3.0)
+    assert one.lens(1.0) == two.lens(1.0)
+    steps = np.diff([two.centre(t) for t in np.arange(0.0, 4.0, 0.04)], axis=0)
+    assert np.hypot(*steps.T).max() < 0.1, "no jump: the robots go at 1 m/s"
+
+
+poses = st.lists(
+    st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-4, 4)), min_size=2, max_size=6
+)
+
+
+@given(poses)
+def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]]) -> None:
+    pose = np.array(rows)
+    footprints: list[tuple[FloatArray, ...]] = [ELL if i % 2 else (BOX,) for i in range(len(pose))]
+    fleet = Fleet(footprints)
+    pair = closest_pair(fleet.split(fleet.placed(pose)), pose, fleet.reach)
+    assert pair is not None
+    shapes = [
+        shapely.union_all([turned(part, row) for part in parts])
+        for parts, row in zip(footprints, pose, strict=True)
+    ]
+    a, b = np.triu_indices(len(pose), 1)
+    least = min(shapes[i].distance(shapes[j]) for i, j in zip(a, b, strict=True))
+    assert pair.distance == pytest.approx(least, abs=1e-9)
+    assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(least, abs=1e-9)
+    assert np.hypot(*(pair.points[1] - pair.points[0])) == pytest.approx(least, abs=1e-9)
+
+
+def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return shapely.Polygon([(c * x - s * y + pose[0], s * x + c * y + pose[1]) for x, y in part])
+
+
+def test_a_robot_of_several_parts_has_one_outline_and_a_mark_inside() -> None:
+    shape = Fleet([ELL]).figures[0]
+    assert len(shape.rings) == 1
+    area = sum(shapely.Polygon(part).area for part in ELL)
+    assert shapely.Polygon(shape.rings[0]).area == pytest.approx(area, rel=1e-4)
+    assert shapely.Polygon(shape.rings[0]).contains(shapely.Polygon(shape.mark))
+    assert shape.mark[0, 0] > shape.mark[1:, 0].max(), "it points forward"
+
+
+def test_labels_of_robots_side_by_side_do_not_overlap() -> None:
+    boxes = np.array([[x, 200.0, x + 40.0, 230.0] for x in (100.0, 145.0, 190.0, 235.0)])
+    tags = [Tag(i, (b[0] + 20.0, 215.0), 21.0, (34.0, 20.0)) for i, b in enumerate(boxes)]
+    middles = Labels().place(tags, boxes, (600, 400))
+    rects = [shapely.box(x - 15, y - 8, x + 15, y + 8) for x, y in middles]
+    rects += [shapely.box(*box) for box in boxes]
+    overlaps = [a.intersection(b).area for k, a in enumerate(rects) for b in rects[:k]]
+    assert max(overlaps) == 0.0
+
+
+def test_a_label_stays_in_the_view() -> None:
+    tag = Tag(0, (10.0, 8.0), 20.0, (60.0, 20.0))
+    (x, y) = Labels().place([tag], np.zeros((0, 4)), (600, 400))[0]
+    assert x >= 30.0
+    assert y >= 10.0

@@ -1,0 +1,58 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physim.contacts import CONTACT, Kind, Phase
+from physim.video.contacts import episodes
+from physim.video.story import Story, frame_times
+
+
+def test_the_nearest_sample_is_shown(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    record = made(1)
+    story = Story(changed(record, time=np.array([0.0, 1.0, 3.0]), pose=record.pose[:3]))
+    times = np.array([-1.0, 0.0, 0.5, 0.51, 1.9, 2.0, 2.1, 9.0])
+    assert story.sample(times).tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
+
+
+def test_the_last_decision_at_or_before_holds(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    updates = made(3).updates[:4].copy()
+    updates["robot"], updates["step"], updates["mode"] = [0, 1, 0, 1], [0, 5, 10, 10], [0, 1, 2, 3]
+    story = Story(changed(made(3), updates=updates, dt=0.1))
+    assert story.decisions(0.0).tolist() == [0, -1, -1]
+    assert story.decisions(0.99).tolist() == [0, 1, -1]
+    assert story.decisions(1.0).tolist() == [2, 3, -1]
+    assert story.modes(story.decisions(1.0)).tolist() == [2, 3, -1]
+    assert np.isnan(story.targets(story.decisions(1.0))[2]).all()
+
+
+def test_frames_go_from_the_start_to_the_end() -> None:
+    assert frame_times(0.0, 25.0, 1.0).tolist() == [0.0]
+    assert frame_times(1.0, 4.0, 1.0).tolist() == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert frame_times(1.1, 2.0, 1.0).tolist() == [0.0, 0.5, 1.0, 1.1]
+
+
+def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    began, stays, ended = Phase.BEGAN, Phase.STAYS, Phase.ENDED
+    rows = [(10, 0, 1, began), (11, 0, 1, stays), (11, 1, 4, began), (12, 0, 1, ended)]
+    rows += [(20, 0, 1, began), (30, 0, 2, began)]
+    table = np.zeros(len(rows), CONTACT)
+    table["step"], table["a"], table["b"], table["phase"] = np.array(rows).T
+    table["x"] = np.arange(len(rows))
+    table["kind"][-1] = Kind.SWEPT
+    record = changed(made(3), contacts=table, dt=0.1)
+    found = episodes(record)
+    assert found.began.tolist() == pytest.approx([1.0, 1.1, 2.0, 3.0])
+    assert found.place[:, 0].tolist() == [0.0, 2.0, 4.0, 5.0]
+    assert [found.count(t) for t in (0.9, 1.0, 1.1, 2.5, 3.0)] == [0, 1, 2, 3, 4]
+    assert found.touching(1.15, 3).tolist() == [True, True, False]
+    assert found.touching(1.2, 3).tolist() == [False, True, False], "0 and 1 parted at 1.2 s"
+    assert found.touching(2.5, 3).tolist() == [True, True, False]
+    assert found.touching(3.0, 3).tolist() == [True, True, True]
+    assert found.touching(3.1, 3).tolist() == [True, True, False], "a swept contact is over at once"
+    assert found.recent(2.0, 0.95).tolist() == [1, 2]

@@ -26,13 +26,14 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.control import BatchController, Decision, Mode, Observation, Report
+from physim.geometry.path import path_length
 from physim.geometry.separation import wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
 from physim.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import formation_speed, formation_sum
-from .path_following import best_plan, speed_pairs, target_on_path
+from .path_following import best_plan, judging_time, speed_pairs, target_on_path
 from .priority import considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
@@ -108,6 +109,8 @@ def decide_one(
         rules.safe_distance,
     )  # fmt: skip
 
+    left = path_length(paths, own.path) - own.station
+    judge_ahead = judging_time(rules.judge_ahead, left, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
     distance = smallest_distance(shapes, me, pose[me], rows, pose[rows])
     boundary = wall_distance(shapes, me, pose[me], walls, own.parts)
@@ -116,7 +119,7 @@ def decide_one(
     plan = memory.plan.copy()
     if dwell == 0:
         choice = speed_pairs(np.ones(1), own.nu, own.omegas) if own.forward_only else pairs
-        plan = best_plan(pose[me], choice, rules.dwell, rules.judge_ahead, tx, ty)  # (5)
+        plan = best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty)  # (5)
     pair = plan[dwell]
     xi = smallest_time(
         shapes, me, pose, bodies.command, pair, rows, walls, own.parts, rules.horizon,
@@ -131,12 +134,12 @@ def decide_one(
             near = own.parts if boundary < rules.safe_distance else own.parts[:0]
             best = widest_pair(
                 shapes, me, pose, bodies.command, pairs, rows, walls, near,
-                rules.update_period, rules.judge_ahead, tx, ty,
+                rules.update_period, judge_ahead, tx, ty,
             )  # fmt: skip
         else:
             best = longest_pair(
                 shapes, me, pose, bodies.command, pairs, rows, walls, own.parts, rules.horizon,
-                rules.translation_only, rules.update_period, rules.judge_ahead, tx, ty,
+                rules.translation_only, rules.update_period, judge_ahead, tx, ty,
             )  # fmt: skip
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]

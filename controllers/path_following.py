@@ -5,8 +5,9 @@ plan is a short sequence of speed pairs, one for each dwell time tau_1, tau_2, .
 end lies nearest to the target is taken (5).
 
 Departures from the paper: by default the plan is judged ``judge_ahead`` = 0.5 s ahead with its last
-command held, which chatters less than judging it at the period's end; ties are settled by the
-smaller heading error, then by the smaller |omega|, then by the order of the sets.
+command held, which chatters less than judging it at the period's end, but no further than to the
+last waypoint; ties are settled by the smaller heading error, then by the smaller |omega|, then by
+the order of the sets.
 """
 
 from __future__ import annotations
@@ -55,6 +56,16 @@ def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> f
         return 0.0
     error = atan2(ty - y, tx - x) - heading
     return abs(atan2(sin(error), cos(error)))
+
+
+@compiled
+def judging_time(judge_ahead: float, left: float, nu: float) -> float:
+    """How far ahead [s] a plan is judged with ``left`` [m] of path ahead of the projection.
+
+    No further than to the last waypoint at speed nu: a robot that would overshoot it within
+    ``judge_ahead`` would rather stand still short of it.
+    """
+    return min(judge_ahead, left / nu) if nu > 0.0 else judge_ahead
 
 
 @compiled

@@ -135,27 +135,30 @@ class Simulation:
         With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
         ControllerError for a command that is not finite or beyond a robot's limits.
         """
-        self.update = None
+        update: Update | None = None
         snapshot = self.snapshot()
         if commands is not None:
             wanted = np.array(commands, dtype=np.float64)
             check_commands(self.scene, self.time, np.arange(self.scene.robots), wanted)
         else:
             due = np.flatnonzero(self.next_decision <= self.step_number)
-            wanted = self._decide(snapshot, due) if len(due) else self.command
+            wanted = self.command
+            if len(due):
+                wanted, update = self._decide(snapshot, due)
         given = wanted
         for rule in self.filters:
             given = rule(self.scene, snapshot, given)
-        if self.update is not None:
-            self.update.given = given[self.update.decisions.robot]
+        if update is not None:
+            update.given = given[update.decisions.robot]
+        self.update = update
         self.physics.step(given)
         self.command = wanted
         self.pose = self.physics.pose
         self.step_number += 1
         self.perception.track(self.pose)
 
-    def _decide(self, snapshot: Snapshot, due: IntArray) -> FloatArray:
-        """Ask the robots that are due; commands (N, 2) of all robots from now on."""
+    def _decide(self, snapshot: Snapshot, due: IntArray) -> tuple[FloatArray, Update]:
+        """Ask the robots that are due; commands (N, 2) of all robots from now on, and who said."""
         decisions = self._batch.decide_due(snapshot, due)
         check_commands(self.scene, self.time, due, decisions.command)
         next_step = self.step_number + hold_steps(self.scene, self.time, due, decisions.hold)
@@ -167,7 +170,7 @@ class Simulation:
         frozen = snapshot._replace(
             station=known.station[due], reference_station=known.reference_station[due]
         )
-        self.update = Update(
+        update = Update(
             frozen,
             decisions,
             decisions.command,
@@ -175,7 +178,7 @@ class Simulation:
             known.formation_errors()[due],
             known.deviation[due],
         )
-        return wanted
+        return wanted, update
 
 
 def _controller(world: World, given: Controller | str | None) -> Controller:

@@ -11,7 +11,7 @@ import numpy as np
 
 from physim.control import Decision, Mode, Observation, Report
 
-from .path_following import best_plan, speed_pairs
+from .path_following import best_plan, judging_time, speed_pairs
 from .settings import ModeSwitchingSettings
 
 
@@ -31,6 +31,8 @@ class PathFollowing:
         omegas = observation.omegas or self.settings.omegas
         pairs = speed_pairs(np.array([1.0]), observation.formation.speed, np.array(omegas))
         dwell = np.array([rules.update_period])
-        plan = best_plan(observation.pose, pairs, dwell, rules.judge_ahead, x, y)
+        left = observation.path.length - observation.station
+        ahead = judging_time(rules.judge_ahead, left, observation.formation.speed)
+        plan = best_plan(observation.pose, pairs, dwell, ahead, x, y)
         v, omega = plan[0]
         return Decision(v, omega, hold=rules.update_period, report=Report(target=(x, y)))

@@ -80,8 +80,9 @@ class ModeSwitchingSettings(BaseModel):
         "otherwise (7) sets nu and a robot that faces backwards turns round",
     )
     arrival_tolerance: NotNegative = Field(
-        default=0.25,
-        description="[m] a robot this near its stop station along the path has arrived",
+        default=0.06,
+        description="[m] a robot this near its stop station along the path has arrived; above "
+        "half of what it moves in update_period, or one free to stand still might stop short",
     )
     distance_low: NotNegative = Field(
         default=0.5, description="[m] danger mode below this distance to a considered robot"

@@ -65,4 +65,9 @@ def _wanted(record: Record) -> Mapping[str, Figure]:
         line = " ".join(str(error).split())
         raise RecordError(f"world text of {record!r} cannot be read: {line}") from error
     expect = world.get("expect") if isinstance(world, Mapping) else None
-    return expect if isinstance(expect, Mapping) else {}
+    if not isinstance(expect, Mapping):
+        return {}
+    for key, value in expect.items():
+        if not isinstance(value, bool | float | int | None):
+            raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
+    return expect

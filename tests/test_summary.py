@@ -127,3 +127,10 @@ def test_world_text_that_is_not_yaml() -> None:
         with pytest.raises(RecordError, match="cannot be read") as caught:
             expectations(record)
         assert "\n" not in str(caught.value)
+
+
+def test_expectation_that_is_no_number() -> None:
+    wanted = r"expect\.contacts is 'few', not a number"
+    record = make_record(seconds=0.2, world_text="expect: {contacts: few}")
+    with record, pytest.raises(RecordError, match=wanted):
+        expectations(record)

@@ -216,7 +216,7 @@ class Record:
         """The effective world. Raises WorldError where its text is faulty."""
         from physim.world_file import parse_world
 
-        return parse_world(self.world_text)
+        return parse_world(self.world_text, f"world of {self._where}")
 
     @cached_property
     def versions(self) -> dict[str, str]:

@@ -72,14 +72,15 @@ class Recorder:
         self.count += 1
 
     def _write(self) -> None:
-        if self.count:
-            self._write_poses()
+        """Write the block; the samples last, since they are what makes the record flush."""
         if self.updates:
             self.writer.append_updates(update_rows(self.updates))
             self.updates = []
         if self.contacts:
             self.writer.append_contacts(np.concatenate(self.contacts, dtype=CONTACT))
             self.contacts = []
+        if self.count:
+            self._write_poses()
         self.first += self.count
         self.count = 0
         self.since = time.monotonic()
@@ -188,7 +189,7 @@ def _loop(
         recorder.after_step()
         if progress is not None:
             progress(simulation, simulation.time / (time.perf_counter() - started))
-        if simulation.finished:
+        if simulation.update is not None and simulation.finished:
             return "finished"
         if stop is not None and stop():
             return "interrupted"

@@ -118,7 +118,7 @@ class Simulation:
     @property
     def finished(self) -> bool:
         """Whether every robot has arrived."""
-        return bool((self.mode == Mode.ARRIVED).all())
+        return bool((self.mode == int(Mode.ARRIVED)).all())
 
     def snapshot(self) -> Snapshot:
         """All robots now: poses, commands held before this step, stations."""

@@ -64,8 +64,8 @@ def contact_rows(
 ) -> NDArray[np.void]:
     """Return contact rows of a sample from columns: ``pairs`` (K, 2), ``found`` (K, 5).
 
-    ``found`` holds x, y, nx, ny and signed distance [m]. Of a pair that has ended the depth is minus
-    the distance; a pair that touches, by its tolerance, has no depth below 0.
+    ``found`` holds x, y, nx, ny and signed distance [m]. Of a pair that has ended the depth is
+    minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
     rows = np.zeros(len(pairs), CONTACT)
     rows["step"] = step

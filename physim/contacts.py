@@ -20,8 +20,7 @@ class Phase(IntEnum):
     STAYS = 1
     """touching at the sample before, too"""
     ENDED = 2
-    """first sample apart: depth 0, impulse what the pair exchanged in the last step, point and
-    normal those of the nearest points"""
+    """first sample apart"""
 
 
 class Kind(IntEnum):
@@ -48,5 +47,7 @@ CONTACT = np.dtype(
         ("impulse", "<f8"),
     ]
 )
-"""Contact row: body ids a < b, deepest point (x, y) [m], normal (nx, ny) from a to b, depth [m]
-(0 when just touching), impulse [N s]. Packed, so that a row has no undefined bytes."""
+"""Contact row: sample, body ids a < b, `Phase`, `Kind`, deepest point x, y [m], unit normal nx, ny
+from a to b (world frame), depth [m] (0 when just touching), impulse [N s]. In a row of phase
+*ended* the bodies are apart: depth is minus their distance, point and normal are those of the
+gap, impulse is what they exchanged before they parted. Packed, so no byte is undefined."""

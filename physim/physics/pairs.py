@@ -64,7 +64,8 @@ def contact_rows(
 ) -> NDArray[np.void]:
     """Return contact rows of a sample from columns: ``pairs`` (K, 2), ``found`` (K, 5).
 
-    ``found`` holds x, y, nx, ny and signed distance [m]; a pair that is apart has depth 0.
+    ``found`` holds x, y, nx, ny and signed distance [m]. Of a pair that has ended the depth is
+    minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
     rows = np.zeros(len(pairs), CONTACT)
     rows["step"] = step
@@ -72,7 +73,7 @@ def contact_rows(
     rows["phase"] = phase
     rows["kind"] = Kind.PHYSICAL
     rows["x"], rows["y"], rows["nx"], rows["ny"] = found[:, :4].T
-    rows["depth"] = np.maximum(-found[:, 4], 0.0)
+    rows["depth"] = np.where(phase == Phase.ENDED, -found[:, 4], np.maximum(-found[:, 4], 0.0))
     rows["impulse"] = impulse
     return rows
 

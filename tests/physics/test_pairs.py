@@ -71,7 +71,7 @@ def test_rows_from_columns():
     )
     assert rows.dtype == CONTACT
     assert rows[0].tolist() == (6, 0, 1, 0, Kind.PHYSICAL, 1.0, 2.0, 0.0, 1.0, 0.25, 7.0)
-    assert rows[1].tolist() == (6, 0, 4, 2, Kind.PHYSICAL, 3.0, 4.0, 1.0, 0.0, 0.0, 8.0)
+    assert rows[1].tolist() == (6, 0, 4, 2, Kind.PHYSICAL, 3.0, 4.0, 1.0, 0.0, -0.5, 8.0)
 
 
 def test_a_visit_to_a_wall_is_one_episode():
@@ -82,7 +82,7 @@ def test_a_visit_to_a_wall_is_one_episode():
     assert rows["phase"].tolist() == [Phase.BEGAN] + [Phase.STAYS] * 6 + [Phase.ENDED]
     assert rows["step"].tolist() == list(range(4, 12))
     last = rows[-1]
-    assert (last["depth"], last["nx"], last["ny"]) == pytest.approx((0.0, 1.0, 0.0), abs=1e-9)
+    assert (last["depth"], last["nx"], last["ny"]) == pytest.approx((-0.05, 1.0, 0.0), abs=1e-3)
     assert last["x"] == pytest.approx(1.975, abs=1e-3)  # midway in the gap
     assert not physics.touching.any()
 

@@ -11,6 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import pack_shapes
+from physim.physics.closeness import joined
+from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 from physim.tolerances import CONTACT
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
@@ -81,3 +83,45 @@ def test_depth_of_aligned_deep_overlap_is_exact():
     physics = host([[0.0, 0.0, 0.7], [0.2 * math.cos(0.7), 0.2 * math.sin(0.7), 0.7]])
     (row,) = physics.contacts
     assert row["depth"] == pytest.approx(0.6, abs=1e-12)  # out sideways: the whole width
+
+
+def judged(robot, points, pose):
+    """Verdict of each segment of a chain on a robot of one part."""
+    shapes = joined(pack_shapes([[robot]]), pack_shapes([segments(points)]))
+    links, still = segment_links(shapes), np.zeros(3)
+    parts = range(1, len(points))
+    return [judge(shapes, links, 0, np.array(pose), q, still) for q in parts]
+
+
+def test_links_of_open_and_closed_chains():
+    lines = pack_shapes([segments([(0, 0), (1, 0), (2, 0)]), segments(RING), [box()]])
+    links = segment_links(lines).tolist()
+    assert links[:2] == [[-1, 1], [0, -1]]
+    assert links[2:8] == [[7, 3], [2, 4], [3, 5], [4, 6], [5, 7], [6, 2]]
+    assert links[8] == [-1, -1]
+
+
+FLOOR = [(-2.0, 0.0), (-0.1, 0.0), (0.4998, 0.0), (1.5, 0.0), (2.0, 0.0)]
+
+
+def test_a_flat_robot_is_held_by_the_segments_below_not_by_the_end_ahead():
+    # Pressed 1 mm into the floor, its front 0.2 mm beyond the start of the third segment.
+    told = judged(box(), FLOOR, (0.0, 0.299, 0.0))
+    assert [verdict for verdict, _, _ in told] == [ACTS, ACTS, LEFT, APART]
+    for _, nx, ny in told[:2]:
+        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)
+
+
+def test_an_end_that_stops_a_robot_acts():
+    # The same floor without what comes before: its end is a true obstacle.
+    ((verdict, nx, ny),) = judged(box(), FLOOR[2:4], (0.0, 0.299, 0.0))
+    assert verdict == ACTS
+    assert (nx, ny) == pytest.approx((-1.0, 0.0), abs=1e-12)
+
+
+def test_a_tip_across_a_joint_is_pushed_straight_out_by_both():
+    tip = [(0.0, -0.5), (0.4, 0.0), (-0.4, 0.0)]
+    told = judged(tip, [(-2.0, 0.0), (0.0, 0.0), (2.0, 0.0)], (0.0001, 0.499, 0.0))
+    assert [verdict for verdict, _, _ in told] == [SIDE, SIDE]
+    for _, nx, ny in told:
+        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-12)

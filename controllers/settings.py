@@ -91,9 +91,9 @@ class ModeSwitchingSettings(BaseModel):
         default=0.8, description="[m] back to safe mode only above this"
     )
     time_low: NotNegative = Field(
-        default=0.5, description="[s] danger mode below this collision time"
+        default=1.0, description="[s] danger mode below this collision time"
     )
-    time_high: NotNegative = Field(default=1.0, description="[s] back to safe mode only above this")
+    time_high: NotNegative = Field(default=2.0, description="[s] back to safe mode only above this")
     boundary_low: NotNegative = Field(
         default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )

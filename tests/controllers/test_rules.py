@@ -22,7 +22,7 @@ from physim.controllers.settings import ModeSwitchingSettings
 from physim.controllers.switching import next_mode
 from physim.controllers.timing import update_interval
 
-RULES = ModeSwitchingSettings().rules()
+RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0).rules()
 FAR = float("inf")
 
 
@@ -141,7 +141,7 @@ def test_update_interval_14() -> None:
     [
         ({"dwell_times": [0.05, 0.04]}, "add up to 0.09"),
         ({"distance_low": 1.0}, "distance_high is 0.8, below distance_low 1"),
-        ({"time_high": 0.1}, "time_high is 0.1, below time_low 0.5"),
+        ({"time_high": 0.1}, "time_high is 0.1, below time_low 1"),
         ({"omegas": [1.0]}, "no 0"),
         ({"beta": 1.0}, "less than 1"),
         ({"look_ahaed": 1.0}, "look_ahaed"),

@@ -1,1 +1,42 @@
-"""Geometry."""
+"""Geometry: exact distances and collision times of polygon shapes, motion on arcs, areas.
+
+The public functions are named here and loaded on first use, so that importing the package stays
+quick. The compiled kernels are in the modules of this package.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from physim.geometry.queries import (
+        Separation,
+        closest_points,
+        collision_time,
+        polyline,
+        shortest_distance,
+        signed_distance,
+    )
+
+__all__ = [
+    "Separation",
+    "closest_points",
+    "collision_time",
+    "polyline",
+    "shortest_distance",
+    "signed_distance",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public function on first use."""
+    if name in __all__:
+        from physim.geometry import queries
+
+        return getattr(queries, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """List what is loaded, and the public functions."""
+    return sorted({*globals(), *__all__})

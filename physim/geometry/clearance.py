@@ -13,18 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.nearby import Nearby, parts
-from physim.geometry.separation import body_distance_in, body_part_distance, point_gap
+from physim.geometry.nearby import Nearby
+from physim.geometry.separation import body_gap, point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.wall_clearance import empty_lists, nearest_part
 
 MARGIN = 1e-9
 """[m] Bounds must win by this, so that their rounding cannot matter."""
-
-LIST_SLACK = 0.5
-"""[m] How far a robot may about go until its list of near walls is made anew."""
-
-LIST_SIZE = 64
-"""Parts in such a list; where more are near, all that `nearby` names are looked at."""
 
 
 class Clearances(NamedTuple):
@@ -53,20 +48,6 @@ class Cores(NamedTuple):
     y: FloatArray
     inner: FloatArray
     outer: FloatArray
-
-
-class WallLists(NamedTuple):
-    """Parts within ``limit`` of a place, per robot: good while the robot is near that place."""
-
-    place: FloatArray
-    """(N, 2)"""
-    limit: FloatArray
-    """(N,) [m], -inf where there is no list"""
-    part: IntArray
-    """(N, LIST_SIZE), increasing"""
-    count: IntArray
-    nearest: IntArray
-    """(N,) part that was nearest last time, -1 at first"""
 
 
 def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, nearby: Nearby) -> Clearances:
@@ -100,13 +81,7 @@ def fill(
     """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part."""
     robots = poses.shape[1]
     cores = find_cores(shapes)
-    lists = WallLists(
-        np.zeros((robots, 2)),
-        np.full(robots, -np.inf),
-        np.zeros((robots, LIST_SIZE), dtype=np.int64),
-        np.zeros(robots, dtype=np.int64),
-        np.full(robots, -1),
-    )
+    lists = empty_lists(robots)
     order = np.arange(robots)
     frame = np.empty((robots, 6))
     limit = np.empty(robots)
@@ -116,7 +91,7 @@ def fill(
         nearest_others(shapes, cores, frame, order, limit, out.clearance[b], out.other[b])
         out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(shapes, cores, frame)
         for i in range(robots):
-            gap, part = nearest_part(shapes, i, frame, walls, nearby, lists)
+            gap, part = nearest_part(shapes, i, pose[i], frame[i], walls, nearby, lists)
             out.boundary_clearance[b, i] = gap
             out.boundary_other[b, i] = robots + part_body[part] if part >= 0 else -1
 
@@ -157,7 +132,14 @@ def set_frames(pose: FloatArray, cores: Cores, frame: FloatArray) -> None:
 
 
 @compiled
-def pair_distance(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
+def pair_distance(
+    vertices: FloatArray,
+    part_start: IntArray,
+    body_start: IntArray,
+    i: int,
+    j: int,
+    frame: FloatArray,
+) -> float:
     """Signed distance [m] of robots i and j; the same whichever comes first."""
     if j < i:
         i, j = j, i
@@ -165,16 +147,12 @@ def pair_distance(shapes: Shapes, i: int, j: int, frame: FloatArray) -> float:
     s = frame[i, 3]
     dx = frame[j, 0] - frame[i, 0]
     dy = frame[j, 1] - frame[i, 1]
-    return body_distance_in(
-        shapes,
-        i,
-        shapes,
-        j,
-        c * frame[j, 2] + s * frame[j, 3],
-        c * frame[j, 3] - s * frame[j, 2],
-        c * dx + s * dy,
-        c * dy - s * dx,
-    )
+    return body_gap(
+        vertices, part_start, body_start[i], body_start[i + 1],
+        vertices, part_start, body_start[j], body_start[j + 1],
+        c * frame[j, 2] + s * frame[j, 3], c * frame[j, 3] - s * frame[j, 2],
+        c * dx + s * dy, c * dy - s * dx,
+    )  # fmt: skip
 
 
 @compiled
@@ -204,20 +182,22 @@ def nearest_others(
     ``limit``: a distance that the nearest robot surely does not exceed, from discs inside.
     """
     robots = len(order)
+    V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
+    inner, outer = cores.inner, cores.outer
     gap[:] = np.inf
     other[:] = -1
     limit[:] = np.inf
     sort_by_x(frame, order)
-    largest = cores.outer.max()
+    largest = outer.max()
     for a in range(robots):
         i = order[a]
         for k in range(a + 1, robots):
             j = order[k]
             dx = frame[j, 4] - frame[i, 4]
-            if k > a + 1 and dx - largest - cores.outer[i] > limit[i]:
+            if k > a + 1 and dx - largest - outer[i] > limit[i]:
                 break
             dy = frame[j, 5] - frame[i, 5]
-            most = math.sqrt(dx * dx + dy * dy) - cores.inner[i] - cores.inner[j] + MARGIN
+            most = math.sqrt(dx * dx + dy * dy) - inner[i] - inner[j] + MARGIN
             limit[i] = min(limit[i], most)
             limit[j] = min(limit[j], most)
     widest = limit.max() if robots > 1 else 0.0
@@ -226,12 +206,12 @@ def nearest_others(
         for k in range(a + 1, robots):
             j = order[k]
             dx = frame[j, 4] - frame[i, 4]
-            if dx - largest - cores.outer[i] > widest:
+            if dx - largest - outer[i] > widest:
                 break
             dy = frame[j, 5] - frame[i, 5]
-            least = math.sqrt(dx * dx + dy * dy) - cores.outer[i] - cores.outer[j] - MARGIN
+            least = math.sqrt(dx * dx + dy * dy) - outer[i] - outer[j] - MARGIN
             if least <= max(limit[i], limit[j]):
-                d = pair_distance(shapes, i, j, frame)
+                d = pair_distance(V, part_start, body_start, i, j, frame)
                 keep_nearest(i, j, d, gap, other, limit)
                 keep_nearest(j, i, d, gap, other, limit)
 
@@ -251,21 +231,23 @@ def keep_nearest(
 def farthest_pair(shapes: Shapes, cores: Cores, frame: FloatArray) -> tuple[float, int, int]:
     """Largest distance between the shapes of two robots, and which; (-inf, -1, -1) if none."""
     robots = len(frame)
+    V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
+    inner = cores.inner
     best = -np.inf
     first = -1
     second = -1
     # The pair whose cores are farthest apart is a good start: few others can beat it.
     at_a, at_b = farthest_cores(frame)
     if at_b >= 0:
-        best = pair_distance(shapes, at_a, at_b, frame)
+        best = pair_distance(V, part_start, body_start, at_a, at_b, frame)
         first, second = at_a, at_b
     for i in range(robots):
         for j in range(i + 1, robots):
             dx = frame[j, 4] - frame[i, 4]
             dy = frame[j, 5] - frame[i, 5]
-            room = best + cores.inner[i] + cores.inner[j] - MARGIN
+            room = best + inner[i] + inner[j] - MARGIN
             if room <= 0.0 or dx * dx + dy * dy >= room * room:
-                d = pair_distance(shapes, i, j, frame)
+                d = pair_distance(V, part_start, body_start, i, j, frame)
                 if d > best or (d == best and (i, j) < (first, second)):
                     best, first, second = d, i, j
     return best, first, second
@@ -285,88 +267,3 @@ def farthest_cores(frame: FloatArray) -> tuple[int, int]:
             if square > most:
                 most, first, second = square, i, j
     return first, second
-
-
-@compiled
-def nearest_part(
-    shapes: Shapes,
-    i: int,
-    frame: FloatArray,
-    walls: Shapes,
-    nearby: Nearby,
-    lists: WallLists,
-) -> tuple[float, int]:
-    """Signed distance [m] of robot i from the walls and the nearest part; of equal ones the lowest.
-
-    Looks at the robot's own list first, then at what is near its place, then at all, until the
-    parts that were left out are surely farther.
-    """
-    x = frame[i, 0]
-    y = frame[i, 1]
-    room = shapes.radius[i] + MARGIN
-    start = lists.nearest[i]
-    if lists.limit[i] > 0.0:
-        moved = math.hypot(x - lists.place[i, 0], y - lists.place[i, 1])
-        some = lists.part[i, : lists.count[i]]
-        gap, part = nearest_of(shapes, i, frame, walls, some, start)
-        if gap < lists.limit[i] - moved - room:
-            lists.nearest[i] = part
-            return gap, part
-    some = parts(nearby, x, y)
-    within = nearby.reach
-    gap, part = nearest_of(shapes, i, frame, walls, some, start)
-    if len(some) == len(nearby.every):
-        within = np.inf
-    elif not gap < within - room:
-        some = nearby.every
-        within = np.inf
-        gap, part = nearest_of(shapes, i, frame, walls, some, part)
-    lists.nearest[i] = part
-    limit = min(within, max(gap, 0.0) + room + LIST_SLACK)
-    lists.limit[i] = -np.inf
-    if part >= 0 and make_list(i, x, y, limit, walls, some, lists):
-        lists.limit[i] = limit
-    return gap, part
-
-
-@compiled
-def nearest_of(
-    shapes: Shapes, i: int, frame: FloatArray, walls: Shapes, some: IntArray, start: int
-) -> tuple[float, int]:
-    """Nearest of some wall parts (increasing), tried against part ``start`` first (-1: none)."""
-    x, y, c, s = frame[i, 0], frame[i, 1], frame[i, 2], frame[i, 3]
-    best = np.inf
-    nearest = -1
-    enough = np.inf
-    if start >= 0:
-        # Anything up to this value is looked at, so that of equal parts the lowest is found.
-        best = body_part_distance(shapes, i, c, s, x, y, walls, start, np.inf)
-        nearest = start
-        enough = np.nextafter(best, np.inf)
-    for part in some:
-        gap = body_part_distance(shapes, i, c, s, x, y, walls, part, enough)
-        if gap < enough:
-            best = gap
-            nearest = part
-            enough = gap
-    return best, nearest
-
-
-@compiled
-def make_list(
-    i: int, x: float, y: float, limit: float, walls: Shapes, some: IntArray, lists: WallLists
-) -> bool:
-    """List the parts of ``some`` within ``limit`` of (x, y); False when they are too many."""
-    count = 0
-    for part in some:
-        p0 = walls.part_start[part]
-        p1 = walls.part_start[part + 1]
-        if point_gap(walls.vertices, p0, p1, x, y) <= limit:
-            if count == LIST_SIZE:
-                return False
-            lists.part[i, count] = part
-            count += 1
-    lists.count[i] = count
-    lists.place[i, 0] = x
-    lists.place[i, 1] = y
-    return True

@@ -82,35 +82,29 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
 
 @compiled
 def part_time(
-    shapes_a: Shapes, p: int, a: Course, shapes_b: Shapes, q: int, b: Course, horizon: float
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    horizon: float,
 ) -> float:
     """Collision time [s] of two parts on their courses."""
-    p0 = shapes_a.part_start[p]
-    p1 = shapes_a.part_start[p + 1]
-    q0 = shapes_b.part_start[q]
-    q1 = shapes_b.part_start[q + 1]
-    P = shapes_a.vertices
-    Q = shapes_b.vertices
     if a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0:
         x = b.x - a.x
         y = b.y - a.y
         vx = b.vx - a.vx
         vy = b.vy - a.vy
         return translation_time(
-            P,
-            p0,
-            p1,
-            Q,
-            q0,
-            q1,
-            a.c * b.c + a.s * b.s,
-            a.c * b.s - a.s * b.c,
-            a.c * x + a.s * y,
-            a.c * y - a.s * x,
-            a.c * vx + a.s * vy,
-            a.c * vy - a.s * vx,
+            P, p0, p1, Q, q0, q1,
+            a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c,
+            a.c * x + a.s * y, a.c * y - a.s * x,
+            a.c * vx + a.s * vy, a.c * vy - a.s * vx,
             horizon,
-        )
+        )  # fmt: skip
     return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
 
 
@@ -122,18 +116,23 @@ def bodies_time(
     xi = np.inf
     if never_meet(a, b, horizon):
         return xi
+    P, p_start = shapes_a.vertices, shapes_a.part_start
+    Q, q_start = shapes_b.vertices, shapes_b.part_start
+    q_first, q_last = shapes_b.body_start[j], shapes_b.body_start[j + 1]
     for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
-        for q in range(shapes_b.body_start[j], shapes_b.body_start[j + 1]):
-            xi = min(xi, part_time(shapes_a, p, a, shapes_b, q, b, min(xi, horizon)))
+        p0, p1 = p_start[p], p_start[p + 1]
+        for q in range(q_first, q_last):
+            time = part_time(P, p0, p1, a, Q, q_start[q], q_start[q + 1], b, min(xi, horizon))
+            xi = min(xi, time)
     return xi
 
 
 @compiled
-def clear_of_part(a: Course, walls: Shapes, p0: int, p1: int, horizon: float) -> bool:
+def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) -> bool:
     """Whether discs alone show that a body does not meet a part that stands still."""
     if stays(a):
         x, y, radius = swept_disc(a)
-        return point_gap(walls.vertices, p0, p1, x, y) > radius + BOUND_MARGIN
+        return point_gap(W, p0, p1, x, y) > radius + BOUND_MARGIN
     # Straight ahead: all vertices to the left, to the right, behind or beyond.
     ux = a.vx / a.speed
     uy = a.vy / a.speed
@@ -143,8 +142,8 @@ def clear_of_part(a: Course, walls: Shapes, p0: int, p1: int, horizon: float) ->
     behind = np.inf
     beyond = np.inf
     for k in range(p0, p1):
-        x = walls.vertices[k, 0] - a.x
-        y = walls.vertices[k, 1] - a.y
+        x = W[k, 0] - a.x
+        y = W[k, 1] - a.y
         along = ux * x + uy * y
         across = ux * y - uy * x
         left = min(left, across)
@@ -164,12 +163,16 @@ def walls_time(
     if a.spin != 0.0 and (a.turn == a.spin or a.speed == 0.0):
         # After a full turn all repeats.
         horizon = min(horizon, 2.0 * math.pi / abs(a.spin) * (1.0 + 1e-6))
+    W, w_start = walls.vertices, walls.part_start
+    Q, q_start = shapes.vertices, shapes.part_start
+    first, last = shapes.body_start[i], shapes.body_start[i + 1]
     for part in part_ids:
-        p0 = walls.part_start[part]
-        p1 = walls.part_start[part + 1]
-        if not clear_of_part(a, walls, p0, p1, min(xi, horizon)):
-            for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-                xi = min(xi, part_time(walls, part, still, shapes, q, a, min(xi, horizon)))
+        w0, w1 = w_start[part], w_start[part + 1]
+        if clear_of_part(a, W, w0, w1, min(xi, horizon)):
+            continue
+        for q in range(first, last):
+            q0, q1 = q_start[q], q_start[q + 1]
+            xi = min(xi, part_time(W, w0, w1, still, Q, q0, q1, a, min(xi, horizon)))
     return xi
 
 

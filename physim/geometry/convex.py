@@ -311,4 +311,5 @@ def support_gap(
     low = np.inf
     for k in range(q0, q1):
         low = min(low, ux * (Q[k, 0] - rx) + uy * (Q[k, 1] - ry))
-    return low + (nx * (tx - x) + ny * (ty - y)) - top
+    gap: float = low + (nx * (tx - x) + ny * (ty - y)) - top
+    return gap

@@ -55,28 +55,31 @@ def relative_frame(pose_a: FloatArray, pose_b: FloatArray) -> Frame:
 
 
 @compiled
-def body_distance_in(
-    a: Shapes, i: int, b: Shapes, j: int, c: float, s: float, tx: float, ty: float
+def body_gap(
+    P: FloatArray,
+    p_start: IntArray,
+    p_first: int,
+    p_last: int,
+    Q: FloatArray,
+    q_start: IntArray,
+    q_first: int,
+    q_last: int,
+    c: float,
+    s: float,
+    tx: float,
+    ty: float,
 ) -> float:
-    """`body_distance` with the frame of b in a's frame already worked out."""
+    """Smallest `part_gap` of parts p_first..p_last-1 and q_first..q_last-1.
+
+    The arrays come apart from their `Shapes` because handing those on costs time in each call.
+    """
     best = np.inf
-    for p in range(a.body_start[i], a.body_start[i + 1]):
-        for q in range(b.body_start[j], b.body_start[j + 1]):
+    for p in range(p_first, p_last):
+        for q in range(q_first, q_last):
             gap = part_gap(
-                a.vertices,
-                a.part_start[p],
-                a.part_start[p + 1],
-                b.vertices,
-                b.part_start[q],
-                b.part_start[q + 1],
-                c,
-                s,
-                tx,
-                ty,
-                0.0,
-                0.0,
-                best,
-            )
+                P, p_start[p], p_start[p + 1], Q, q_start[q], q_start[q + 1],
+                c, s, tx, ty, 0.0, 0.0, best,
+            )  # fmt: skip
             best = min(best, gap)
     return best
 
@@ -87,7 +90,11 @@ def body_distance(
 ) -> float:
     """Signed distance [m] of body i of ``shapes_a`` at ``pose_a`` and body j of ``shapes_b``."""
     c, s, tx, ty = relative_frame(pose_a, pose_b)
-    return body_distance_in(shapes_a, i, shapes_b, j, c, s, tx, ty)
+    return body_gap(
+        shapes_a.vertices, shapes_a.part_start, shapes_a.body_start[i], shapes_a.body_start[i + 1],
+        shapes_b.vertices, shapes_b.part_start, shapes_b.body_start[j], shapes_b.body_start[j + 1],
+        c, s, tx, ty,
+    )  # fmt: skip
 
 
 @compiled
@@ -118,32 +125,36 @@ def point_gap(P: FloatArray, p0: int, p1: int, x: float, y: float) -> float:
 
 
 @compiled
-def body_part_distance(
-    shapes: Shapes,
-    i: int,
+def wall_gap(
+    W: FloatArray,
+    w0: int,
+    w1: int,
+    Q: FloatArray,
+    q_start: IntArray,
+    q_first: int,
+    q_last: int,
+    radius: float,
     c: float,
     s: float,
     x: float,
     y: float,
-    walls: Shapes,
-    part: int,
     enough: float,
 ) -> float:
-    """Signed distance [m] of robot i at (x, y), heading (c, s), and one part of the walls.
+    """Signed distance [m] of a wall part ``W[w0:w1]`` and a body at (x, y), heading (c, s).
 
-    Exact where it is below ``enough``; otherwise some number of at least ``enough``.
+    Exact where it is below ``enough``; otherwise some number from ``enough`` up to it.
     """
-    p0 = walls.part_start[part]
-    p1 = walls.part_start[part + 1]
-    bound = point_gap(walls.vertices, p0, p1, x, y) - shapes.radius[i] - BOUND_MARGIN
+    bound = point_gap(W, w0, w1, x, y) - radius - BOUND_MARGIN
     if bound >= enough:
         return bound
-    best = enough
-    for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-        q0 = shapes.part_start[q]
-        q1 = shapes.part_start[q + 1]
-        gap = part_gap(walls.vertices, p0, p1, shapes.vertices, q0, q1, c, s, x, y, 0.0, 0.0, best)
-        best = min(best, gap)
+    best = np.inf
+    for q in range(q_first, q_last):
+        best = min(
+            best,
+            part_gap(
+                W, w0, w1, Q, q_start[q], q_start[q + 1], c, s, x, y, 0.0, 0.0, min(best, enough)
+            ),
+        )
     return best
 
 
@@ -155,12 +166,22 @@ def nearest_wall(
 
     (inf, -1) when no part is given. Of equally near parts the first given wins.
     """
+    W = walls.vertices
+    w_start = walls.part_start
+    Q = shapes.vertices
+    q_start = shapes.part_start
+    q_first = shapes.body_start[i]
+    q_last = shapes.body_start[i + 1]
+    radius = shapes.radius[i]
     c = math.cos(pose[2])
     s = math.sin(pose[2])
     best = np.inf
     nearest = -1
     for part in part_ids:
-        gap = body_part_distance(shapes, i, c, s, pose[0], pose[1], walls, part, best)
+        gap = wall_gap(
+            W, w_start[part], w_start[part + 1], Q, q_start, q_first, q_last, radius,
+            c, s, pose[0], pose[1], best,
+        )  # fmt: skip
         if gap < best:
             best = gap
             nearest = part

@@ -1,0 +1,93 @@
+"""Pairs per second of the geometry kernels on one core: ``python benchmarks/geometry.py``.
+
+Boxes of 1.8 x 1.0 m at random poses in 12 x 12 m; the smallest processor time of several rounds.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numba
+import numpy as np
+
+from physim.geometry.clearance import clearances
+from physim.geometry.collision import collision_time_pair
+from physim.geometry.nearby import build_nearby
+from physim.geometry.separation import body_distance
+from physim.geometry.shapes import Shapes, pack_shapes
+
+ROBOTS = 300
+ROUNDS = 5
+BOX = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
+
+
+@numba.njit  # type: ignore[untyped-decorator]
+def all_distances(shapes: Shapes, pose: Any) -> float:
+    total = 0.0
+    for i in range(len(pose)):
+        for j in range(i):
+            total += body_distance(shapes, i, pose[i], shapes, j, pose[j])
+    return total
+
+
+@numba.njit  # type: ignore[untyped-decorator]
+def all_times(shapes: Shapes, pose: Any, omega: Any) -> int:
+    hits = 0
+    for i in range(len(pose)):
+        for j in range(i):
+            one, other = (1.0, omega[i]), (1.0, omega[j])
+            xi = collision_time_pair(shapes, i, pose[i], one, j, pose[j], other, 10.0)
+            hits += xi < np.inf
+    return hits
+
+
+def best_time(work: Callable[..., Any], *args: Any) -> float:
+    work(*args)  # compile
+    times = []
+    for _ in range(ROUNDS):
+        start = time.process_time()
+        work(*args)
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def corridor() -> Shapes:
+    x = np.arange(0.0, 260.0, 1.3)
+
+    def wall(offset: float) -> list[Any]:
+        line = np.c_[x, 3.0 * np.sin(x / 15.0) + offset]
+        return [line[k : k + 2] for k in range(len(line) - 1)]
+
+    return pack_shapes([wall(4.0), wall(-4.0)])
+
+
+def main() -> None:
+    rng = np.random.default_rng(1)
+    shapes = pack_shapes([[BOX]] * ROBOTS)
+    pose = np.c_[rng.uniform(-6.0, 6.0, (ROBOTS, 2)), rng.uniform(-7.0, 7.0, ROBOTS)]
+    pairs = ROBOTS * (ROBOTS - 1) / 2
+    arcs = rng.choice([-1.57, -0.785, 0.785, 1.57], ROBOTS)
+    distance = pairs / best_time(all_distances, shapes, pose) / 1e6
+    straight = pairs / best_time(all_times, shapes, pose, np.zeros(ROBOTS)) / 1e6
+    turning = pairs / best_time(all_times, shapes, pose, arcs) / 1e6
+    print(f"distance          {distance:6.2f} M pairs/s")
+    print(f"translation time  {straight:6.2f} M pairs/s")
+    print(f"arc time          {turning:6.2f} M pairs/s")
+
+    samples, robots, walls = 4000, 10, corridor()
+    t = 0.01 * np.arange(samples)[:, None]
+    i = np.arange(robots)
+    x = 5.0 + 2.3 * (i // 2) + t * (1.0 + 0.02 * i)
+    y = 3.0 * np.sin(x / 15.0) + np.where(i % 2, 1.4, -1.4)
+    heading = 0.2 * np.cos(x / 15.0) + 0.1 * np.sin(t * i)
+    group = pack_shapes([[BOX]] * robots)
+    poses = np.stack([x, y, heading], axis=2)
+    near = build_nearby(walls, 10.0, 2.0)
+    sample = best_time(clearances, poses, group, walls, near) / samples * 1e6
+    print(f"clearances        {sample:6.2f} us a sample of {robots} robots")
+
+
+if __name__ == "__main__":
+    main()

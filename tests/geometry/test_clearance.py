@@ -1,0 +1,138 @@
+"""Clearances against plain minima over all pairs and all wall parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from physim.geometry import clearance
+from physim.geometry import separation as kernels
+from physim.geometry.clearance import clearances
+from physim.geometry.nearby import build_nearby
+from physim.geometry.shapes import pack_shapes
+from physim.geometry.wall_clearance import LIST_SIZE
+from tests.geometry.cases import BOX, corridor_walls, random_body
+
+
+def random_run(rng, robots, samples):
+    """Robots that drift and turn along a corridor, in small and sometimes in large steps."""
+    shapes = pack_shapes([random_body(rng) for _ in range(robots)])
+    start = np.c_[
+        rng.uniform(4, 16, robots), rng.uniform(-2, 2, robots), rng.uniform(-4, 4, robots)
+    ]
+    steps = rng.normal(0.0, [0.03, 0.02, 0.05], (samples, robots, 3)) + [0.02, 0.0, 0.0]
+    steps[rng.random(samples) < 0.03] *= 40.0
+    return shapes, start + np.cumsum(steps, axis=0)
+
+
+def plain(pose, shapes, walls):
+    """All distances of one sample: (N, N) with inf on the diagonal, (N, P)."""
+    robots = len(pose)
+    pairs = np.full((robots, robots), np.inf)
+    for i in range(robots):
+        for j in range(i + 1, robots):
+            d = kernels.body_distance(shapes, i, pose[i], shapes, j, pose[j])
+            pairs[i, j] = pairs[j, i] = d
+    parts = len(walls.part_start) - 1
+    gaps = np.array([
+        [kernels.wall_distance(shapes, i, pose[i], walls, np.array([k])) for k in range(parts)]
+        for i in range(robots)
+    ])  # fmt: skip
+    return pairs, gaps
+
+
+@pytest.mark.parametrize("reach", [0.5, 3.0, 10.0])
+def test_equal_to_plain_minima(reach):
+    rng = np.random.default_rng(int(10 * reach))
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, reach, 1.0)
+    shapes, poses = random_run(rng, 6, 60)
+    found = clearances(poses, shapes, walls, nearby)
+    body = np.repeat(np.arange(3), np.diff(walls.body_start))
+    for b in range(len(poses)):
+        pairs, gaps = plain(poses[b], shapes, walls)
+        assert found.clearance[b] == pytest.approx(pairs.min(axis=1), abs=1e-13)
+        assert (pairs[np.arange(6), found.other[b]] <= pairs.min(axis=1) + 1e-13).all()
+        assert (found.boundary_clearance[b] == gaps.min(axis=1)).all()
+        assert (found.boundary_other[b] == 6 + body[gaps.argmin(axis=1)]).all()
+        np.fill_diagonal(pairs, -np.inf)
+        assert found.farthest[b] == pytest.approx(pairs.max(), abs=1e-13)
+        a, c = found.farthest_a[b], found.farthest_b[b]
+        assert a < c
+        assert pairs[a, c] >= pairs.max() - 1e-13
+
+
+def test_a_sample_does_not_depend_on_the_others():
+    rng = np.random.default_rng(4)
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, 10.0, 1.0)
+    shapes, poses = random_run(rng, 5, 80)
+    whole = clearances(poses, shapes, walls, nearby)
+    for rows in ([7], [79], list(range(30, 60)), [60, 3, 59, 4]):
+        for one, other in zip(clearances(poses[rows], shapes, walls, nearby), whole, strict=True):
+            assert np.array_equal(one, other[rows])
+
+
+def test_outside_the_grid_and_far_from_all_walls():
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, 2.0, 1.0)
+    shapes = pack_shapes([[BOX], [BOX]])
+    poses = np.array([[[-300.0, 40.0, 1.0], [12.0, 0.0, 0.0]]] * 3)
+    found = clearances(poses, shapes, walls, nearby)
+    _, gaps = plain(poses[0], shapes, walls)
+    assert (found.boundary_clearance == gaps.min(axis=1)).all()
+
+
+def test_overlaps_are_negative():
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, 5.0, 1.0)
+    shapes = pack_shapes([[BOX], [BOX], [BOX]])
+    poses = np.array([[[5.0, 0.0, 0.0], [6.6, 0.1, 0.0], [12.0, 4.6, 0.0]]])
+    found = clearances(poses, shapes, walls, nearby)
+    assert found.clearance[0, :2] == pytest.approx([-0.2, -0.2])
+    assert found.boundary_clearance[0, 2] < 0.0
+
+
+def test_more_walls_near_than_a_list_holds():
+    comb = [[np.array([[0.02 * k, 3.0], [0.02 * k + 0.01, 3.1]])] for k in range(5 * LIST_SIZE)]
+    walls = pack_shapes(comb)
+    nearby = build_nearby(walls, 5.0, 1.0)
+    shapes = pack_shapes([[BOX]])
+    poses = np.array([[[0.5 + 0.02 * k, 0.0, 0.1 * k]] for k in range(40)])
+    found = clearances(poses, shapes, walls, nearby)
+    for b in range(len(poses)):
+        _, gaps = plain(poses[b], shapes, walls)
+        assert found.boundary_clearance[b, 0] == gaps.min()
+
+
+def test_one_robot_alone():
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, 5.0, 1.0)
+    found = clearances(np.array([[[5.0, 0.0, 0.0]]]), pack_shapes([[BOX]]), walls, nearby)
+    assert found.clearance[0, 0] == np.inf
+    assert found.other[0, 0] == -1
+    assert (found.farthest[0], found.farthest_a[0], found.farthest_b[0]) == (-np.inf, -1, -1)
+
+
+def test_equally_near_robots_give_the_lowest():
+    walls = corridor_walls(25.0)
+    nearby = build_nearby(walls, 5.0, 1.0)
+    shapes = pack_shapes([[BOX]] * 3)
+    poses = np.array([[[8.0, 0.0, 0.0], [5.0, 0.0, 0.0], [11.0, 0.0, 0.0]]])
+    found = clearances(poses, shapes, walls, nearby)
+    assert list(found.other[0]) == [1, 0, 0]
+
+
+def test_cores_lie_inside():
+    rng = np.random.default_rng(9)
+    shapes = pack_shapes([random_body(rng) for _ in range(20)])
+    cores = clearance.find_cores(shapes)
+    for i in range(20):
+        core = pack_shapes([[np.array([[cores.x[i], cores.y[i]]])]])
+        pose = np.zeros(3)
+        d = kernels.body_distance(shapes, i, pose, core, 0, pose)
+        assert d <= 1e-15
+        assert cores.inner[i] <= -d + 1e-15 or cores.inner[i] == 0.0
+        first, last = shapes.part_start[shapes.body_start[[i, i + 1]]]
+        reach = np.hypot(*(shapes.vertices[first:last] - [cores.x[i], cores.y[i]]).T).max()
+        assert cores.outer[i] == pytest.approx(reach, abs=1e-15)

@@ -1,0 +1,351 @@
+"""Collision times against marching with shapely, closed cases, and published ones.
+
+The guarantee is checked as it is stated: at every earlier instant the shapes are apart, at the
+time returned they are within CONTACT, and times agree to TIME where they close fast enough.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim.errors import PhysimError
+from physim.geometry import collision as kernels
+from physim.geometry import collision_time
+from physim.geometry.advancement import advancement_time, turning_reach
+from physim.geometry.motion import arc_course, still_course
+from physim.geometry.shapes import pack_shapes
+from physim.geometry.translation import clip_normals, translation_time
+from physim.tolerances import CLOSING_SPEED, CONTACT, TIME
+from tests.geometry.cases import BOX, corridor_walls, placed, published, random_convex, random_scene
+from tests.oracles.collision_time import distance_at, marched_time
+
+HORIZON = 10.0
+OMEGAS = (0.0, 0.0, -1.57, -0.785, 0.785, 1.57, 0.3, -1e-3)
+
+
+def disc(radius=0.1, corners=256):
+    angles = 2.0 * np.pi * np.arange(corners) / corners
+    return radius * np.c_[np.cos(angles), np.sin(angles)]
+
+
+def random_twist(rng):
+    v = float(rng.choice([-1.0, 0.0, 1.0, rng.uniform(-1.5, 1.5)]))
+    if rng.random() < 0.3:
+        angle = rng.uniform(-np.pi, np.pi)
+        return (v * math.cos(angle), v * math.sin(angle), float(rng.choice(OMEGAS)))
+    return (v, float(rng.choice(OMEGAS)))
+
+
+def check_time(xi, a, b, horizon=HORIZON):
+    """The guarantee for a time ``xi`` of bodies a and b, each (parts, pose, twist)."""
+    marched = marched_time(*a, *b, horizon)
+    if marched is None:
+        return
+
+    def distance(t):
+        return distance_at(*a, *b, t)
+
+    if math.isinf(xi):
+        # A contact missed may only be a graze, or one at the very horizon.
+        assert math.isinf(marched) or marched > horizon - TIME or is_graze(distance, marched)
+        return
+    assert distance(xi) <= CONTACT * (1.0 + 1e-5)
+    if xi > 0.0:
+        for t in xi * np.linspace(0.0, 1.0, 50, endpoint=False):
+            assert distance(t) > 0.0
+    closing = distance(max(0.0, xi - TIME)) / TIME
+    if closing >= 2.0 * CLOSING_SPEED and xi > TIME:
+        assert xi == pytest.approx(marched, abs=TIME)
+
+
+def is_graze(distance, t):
+    """Whether the shapes only come within CONTACT after t, without overlap."""
+    return all(distance(t + k * 1e-6) > 0.0 for k in range(50))
+
+
+@settings(max_examples=150)
+@given(st.integers(0, 2**32 - 1))
+def test_random_bodies_against_marching(seed):
+    rng = np.random.default_rng(seed)
+    bodies, _, poses = random_scene(rng, 2, spread=3.0)
+    a, b = ((bodies[k], poses[k], random_twist(rng)) for k in (0, 1))
+    xi = collision_time(*a, *b, HORIZON)
+    check_time(xi, a, b)
+    other = collision_time(*b, *a, HORIZON)
+    if math.isinf(xi) or math.isinf(other):
+        assert xi == other or distance_at(*a, *b, min(xi, other)) > 0.0
+    else:
+        assert distance_at(*a, *b, other) <= CONTACT * (1.0 + 1e-5)
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 2**32 - 1))
+def test_walls_against_marching(seed):
+    rng = np.random.default_rng(seed)
+    bodies, shapes, _ = random_scene(rng, 1)
+    walls = corridor_walls()
+    starts = walls.part_start
+    parts = [walls.vertices[starts[k] : starts[k + 1]] for k in range(len(starts) - 1)]
+    pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
+    twist = (float(rng.uniform(-1.5, 1.5)), float(rng.choice(OMEGAS)))
+    ids = np.arange(len(parts))
+    xi = kernels.collision_time_walls(shapes, 0, pose, twist, walls, ids, HORIZON)
+    check_time(xi, (bodies[0], pose, twist), (parts, np.zeros(3), (0.0, 0.0)))
+    # The order of the parts, and what was found before, change nothing.
+    single = [
+        kernels.collision_time_walls(shapes, 0, pose, twist, walls, ids[k : k + 1], HORIZON)
+        for k in ids
+    ]
+    assert xi == min(single)
+    assert xi == kernels.collision_time_walls(shapes, 0, pose, twist, walls, ids[::-1].copy(), 10.0)
+
+
+def test_discs_whose_present_relative_speed_misleads():
+    """Parallel discs that turn towards each other: the relative speed now is 0, and grows."""
+    a, b = disc(), disc()
+    found = [
+        collision_time(a, (0, 0, 0), (1, 1), b, (0, 0.5, 0), (1, -1), 20.0),
+        collision_time(b, (0, 0.5, 0), (1, -1), a, (0, 0, 0), (1, 1), 20.0),
+    ]
+    exact = math.acos(1.0 - 0.15)  # 2 (1 - cos t) = 0.5 - 0.2 for true discs
+    assert exact == pytest.approx(0.555, abs=1e-3)
+    assert found == pytest.approx([exact, exact], abs=1e-4)
+
+
+def test_turning_on_the_spot_hits_a_wall():
+    bar = [[-1.0, -0.1], [1.0, -0.1], [1.0, 0.1], [-1.0, 0.1]]
+    wall = [[-5.0, 0.8], [5.0, 0.8]]
+    reach, at = math.hypot(1.0, 0.1), math.atan2(0.1, 1.0)
+    exact = (math.asin(0.8 / reach) - at) / 0.5
+    xi = collision_time(bar, (0, 0, 0), (0, 0.5), wall, (0, 0, 0), (0, 0))
+    assert xi == pytest.approx(exact, abs=TIME)
+    # Beyond the reach it turns for ever.
+    assert collision_time(bar, (0, -0.3, 0), (0, 0.5), wall, (0, 0, 0), (0, 0), 1e4) == math.inf
+
+
+def test_straight_head_on_is_exact():
+    for turn in (0.0, 0.7, 2.0):
+        a = placed([(0.0, 0.0)], (0, 0, turn))[0]
+        b = placed([(5.0, 0.1)], (0, 0, turn))[0]
+        pose_a, pose_b = (*a, turn), (*b, turn + math.pi)
+        xi = collision_time(BOX, pose_a, (1.0, 0.0), BOX, pose_b, (0.6, 0.0))
+        assert xi == pytest.approx((5.0 - 1.8) / 1.6, abs=1e-14)
+        # The same through the advancement: a rotation far too slow to matter.
+        xi = collision_time(BOX, pose_a, (1.0, 1e-13), BOX, pose_b, (0.6, 0.0))
+        assert xi == pytest.approx((5.0 - 1.8) / 1.6, abs=1e-8)
+
+
+@pytest.mark.parametrize("omega", [0.0, 0.5])
+@pytest.mark.parametrize("offset", [0.0, 10_000.0])
+def test_touching_and_overlapping_now_is_zero(omega, offset):
+    pose = (offset, 0.0, 0.0)
+    for x in (0.5, 1.8, 1.8 + 0.5 * CONTACT):
+        xi = collision_time(BOX, pose, (-1.0, omega), BOX, (offset + x, 0.0, 0.0), (1.0, 0.0))
+        assert xi == (0.0 if offset == 0.0 or x < 1.8 or omega == 0.0 else pytest.approx(0.0))
+
+
+def test_just_apart_and_leaving_is_never():
+    for omega in (0.0, 1e-6):
+        xi = collision_time(BOX, (0, 0, 0), (-1, omega), BOX, (1.8 + 1e-6, 0, 0), (1, 0))
+        assert xi == math.inf
+
+
+def test_sliding_flush_counts_as_touching():
+    """Boxes whose sides lie on one line, one sliding along: they touch when the ends meet."""
+    for turn in (0.0, 0.4, 1.3):
+        start = placed([(0.0, 0.0), (5.0, 1.0)], (0, 0, turn))
+        xi = collision_time(BOX, (*start[0], turn), (1, 0), BOX, (*start[1], turn), (0, 0))
+        assert xi == pytest.approx(3.2, abs=1e-9) or xi == math.inf  # a graze may count either way
+        # Clearly apart, clearly overlapping by a hair more than the tolerance.
+        for gap, expected in ((1e-8, math.inf), (-1e-8, 3.2)):
+            at = placed([(5.0, 1.0 + gap)], (0, 0, turn))[0]
+            xi = collision_time(BOX, (*start[0], turn), (1, 0), BOX, (*at, turn), (0, 0))
+            assert xi == pytest.approx(expected, abs=1e-9)
+
+
+def test_horizon_only_cuts():
+    a, b = (BOX, (0, 0, 0), (1, 0.4)), (BOX, (4, 2, 0), (0, 0.7))
+    xi = collision_time(*a, *b, 50.0)
+    assert 0.5 < xi < 10.0
+    assert collision_time(*a, *b, xi + 1e-9) == xi
+    assert collision_time(*a, *b, xi - 1e-6) == math.inf
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 2**32 - 1), st.floats(-4.0, 4.0))
+def test_moving_the_world_changes_nothing(seed, turn):
+    rng = np.random.default_rng(seed)
+    bodies, _, poses = random_scene(rng, 2, spread=3.0)
+    twists = [(float(rng.uniform(0.2, 1.5)), float(rng.choice(OMEGAS))) for _ in range(2)]
+    before = collision_time(bodies[0], poses[0], twists[0], bodies[1], poses[1], twists[1])
+    moved = [[*placed([p[:2]], (1000.0, -700.0, turn))[0], p[2] + turn] for p in poses]
+    after = collision_time(bodies[0], moved[0], twists[0], bodies[1], moved[1], twists[1])
+    if math.isinf(before) or math.isinf(after):
+        a, b = ((bodies[k], poses[k], twists[k]) for k in (0, 1))
+        assert before == after or distance_at(*a, *b, min(before, after)) > -1.0
+    else:
+        a, b = ((bodies[k], poses[k], twists[k]) for k in (0, 1))
+        assert distance_at(*a, *b, after) <= CONTACT + 1e-11
+
+
+@settings(max_examples=50)
+@given(st.integers(0, 2**32 - 1))
+def test_two_derivations_agree_in_translation(seed):
+    """Closed form against the advancement, which knows nothing of it."""
+    rng = np.random.default_rng(seed)
+    P, Q = random_convex(rng), random_convex(rng)
+    pose_a, pose_b = (np.array([*rng.uniform(-3, 3, 2), rng.uniform(-4, 4)]) for _ in range(2))
+    a = arc_course(pose_a, rng.uniform(-1, 1), 0.0, 3.0)
+    b = arc_course(pose_b, rng.uniform(-1, 1), 0.0, 3.0)
+    closed = kernels.part_time(P, 0, len(P), a, Q, 0, len(Q), b, HORIZON)
+    marched, d, _ = advancement_time(P, 0, len(P), a, Q, 0, len(Q), b, HORIZON)
+    if math.isinf(closed) or math.isinf(marched):
+        assert closed == marched
+    else:
+        assert d <= CONTACT
+        assert abs(closed - marched) * math.hypot(b.vx - a.vx, b.vy - a.vy) < 1e-6
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_bound_holds_over_the_whole_advance(seed):
+    """A turning part never reaches beyond `turning_reach`, sampled over time."""
+    rng = np.random.default_rng(seed)
+    P = random_convex(rng)
+    n = rng.normal(size=2)
+    n /= np.hypot(*n)
+    spin = float(rng.uniform(-2, 2))
+    top = float((P @ n).max())
+    for t in np.linspace(0.0, 4.0, 60):
+        reached = (placed(P, (0, 0, spin * t)) @ n).max() - top
+        bound = turning_reach(P, 0, len(P), n[0], n[1], spin, top, t)
+        assert reached <= bound + 1e-12
+
+
+def test_early_outs_never_change_a_value():
+    rng = np.random.default_rng(11)
+    met = 0
+    for _ in range(300):
+        _, shapes, poses = random_scene(rng, 2, spread=5.0)
+        a, b = (
+            arc_course(p, rng.uniform(-1, 1), rng.choice(OMEGAS), r)
+            for p, r in zip(poses, shapes.radius, strict=True)
+        )
+        if kernels.never_meet(a, b, HORIZON):
+            V, start = shapes.vertices, shapes.part_start
+            for p in range(shapes.body_start[1]):
+                for q in range(shapes.body_start[1], shapes.body_start[2]):
+                    part = (V, start[p], start[p + 1], a, V, start[q], start[q + 1], b, HORIZON)
+                    assert kernels.part_time(*part) == math.inf
+        else:
+            met += 1
+    assert 30 < met < 270
+
+
+def test_walls_early_out_never_changes_a_value():
+    rng = np.random.default_rng(12)
+    walls = corridor_walls()
+    still, ids = still_course(), np.arange(len(walls.part_start) - 1)
+    W, start = walls.vertices, walls.part_start
+    for _ in range(60):
+        P = random_convex(rng)
+        shapes = pack_shapes([[P]])
+        pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
+        twist = (float(rng.uniform(-1.5, 1.5)), float(rng.choice(OMEGAS)))
+        a = arc_course(pose, *twist, shapes.radius[0])
+        plain = min(
+            kernels.part_time(W, start[k], start[k + 1], still, P, 0, len(P), a, HORIZON)
+            for k in ids
+        )
+        found = kernels.collision_time_walls(shapes, 0, pose, twist, walls, ids, HORIZON)
+        assert found == plain
+
+
+def test_compiled_equals_plain():
+    rng = np.random.default_rng(7)
+    P, Q = random_convex(rng), random_convex(rng)
+    times = (-np.inf, np.inf, -np.inf, np.inf)
+    args = (times, P, 0, len(P), Q, 0, len(Q), 0.6, 0.8, 5.0, 1.0, -1.0, -0.2, 1e-12)
+    assert clip_normals.py_func(*args) == clip_normals(*args)
+    args = (P, 0, len(P), Q, 0, len(Q), 0.6, 0.8, 5.0, 1.0, -1.0, -0.2, HORIZON)
+    assert translation_time.py_func(*args) == translation_time(*args)
+    a = arc_course(np.array([0.0, 0.0, 0.3]), 1.0, 0.2, 2.0)
+    b = arc_course(np.array([4.0, 1.0, 2.3]), 0.5, -0.4, 2.0)
+    args = (P, 0, len(P), a, Q, 0, len(Q), b, HORIZON)
+    assert advancement_time.py_func(*args) == advancement_time(*args)
+    assert turning_reach.py_func(P, 0, len(P), 0.6, 0.8, 1.0, 1.0, 0.5) == turning_reach(
+        P, 0, len(P), 0.6, 0.8, 1.0, 1.0, 0.5
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"pose_a": (0, 0)}, "pose_a.*x, y, heading"),
+        ({"pose_b": (0, 0, math.nan)}, "pose_b.*finite"),
+        ({"twist_a": (1, 0, 0, 0)}, "twist_a.*v, omega or vx, vy, omega"),
+        ({"twist_b": "fast"}, "twist_b"),
+        ({"horizon": -1.0}, "horizon"),
+        ({"horizon": math.nan}, "horizon"),
+        ({"footprint_b": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "footprint_b.*crosses"),
+    ],
+)
+def test_bad_input_is_refused(change, words):
+    good = {
+        "footprint_a": BOX,
+        "pose_a": (0, 0, 0),
+        "twist_a": (1, 0),
+        "footprint_b": BOX,
+        "pose_b": (5, 0, 0),
+        "twist_b": (0, 0),
+    }
+    with pytest.raises(PhysimError, match=words):
+        collision_time(**{**good, **change})
+
+
+def engine_shape(shape):
+    if "circle" in shape:
+        x, y, r = shape["circle"]
+        return disc(r, 2048) + [x, y], 1e-5
+    return shape.get("polygon") or shape["segment"], 0.0
+
+
+def test_engine_times_of_impact():
+    cases = published("engine_unit_tests.json")["time_of_impact"]
+    used = 0
+    for case in (c for c in cases if c.get("usable", True)):
+        used += 1
+        (a, near_a), (b, near_b) = engine_shape(case["a"]), engine_shape(case["b"])
+        still = (0.0, 0.0, 0.0)
+        xi = collision_time(
+            a, still, (*case["va"], 0.0), b, still, (*case["vb"], 0.0), case.get("horizon", 100.0)
+        )
+        speed = math.hypot(*np.subtract(case["va"], case["vb"]))
+        tolerance = case["tol"] + (near_a + near_b) / max(speed, 1e-3)
+        exact = math.inf if case["toi"] is None else case["toi"]
+        assert xi == pytest.approx(exact, abs=tolerance), case["id"]
+    assert used >= 12
+
+
+def test_published_point_and_segment():
+    cases = published("ccd_planar_point_segment.json")["cases"]
+    used = 0
+    for case in cases:
+        if not (case["robust"] and case["rigid_translation"]):
+            continue
+        used += 1
+        point, segment = np.array(case["point_t0"]), np.array(case["seg_t0"])
+        move_point = np.array(case["point_t1"]) - point
+        move_segment = (np.array(case["seg_t1"]) - segment)[0]
+        xi = collision_time(
+            point[None], (0, 0, 0), (*move_point, 0.0),
+            segment, (0, 0, 0), (*move_segment, 0.0), 1.0,
+        )  # fmt: skip
+        assert (xi < math.inf) == case["hit"], case["id"]
+        if case["hit"]:
+            assert xi == pytest.approx(case["first_contact_fraction"], abs=1e-9), case["id"]
+    assert used > 50

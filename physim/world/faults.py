@@ -15,6 +15,9 @@ from physim.world.describe import TAGS, field_at, model_at
 MOST_SHOWN = 40
 """Characters of a given value that a message repeats."""
 
+MOST_TRANSLATED = 500
+"""Mistakes of one world that are put into words."""
+
 LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
 
 
@@ -59,7 +62,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     faults: list[Fault] = []
     mended: set[Location] = set()
     missing: list[Fault] = []
-    for details in error.errors(include_url=False):
+    for details in error.errors(include_url=False)[:MOST_TRANSLATED]:
         raw: Location = details["loc"]
         location = plain_location(raw)
         if details["type"] == "extra_forbidden":

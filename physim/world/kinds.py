@@ -15,6 +15,8 @@ LARGEST_COORDINATE = 1.0e6
 """[m] Beyond this a double resolves less than the contact tolerance allows."""
 MOST_POINTS = 100_000
 """Points of one polyline."""
+MANY = 100
+"""Entries of a list that may each be told as a fault."""
 MOST_CORNERS = 2_000
 """Corners of one footprint or obstacle."""
 MOST_NAME = 100
@@ -32,6 +34,26 @@ def _sequence(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return value
     raise PydanticCustomError("sequence", "must be a list")
+
+
+def _points(value: Any) -> Any:
+    """A long list with many entries that are no points is told once, not for each of them."""
+    value = _sequence(value)
+    if len(value) > MOST_POINTS:
+        lengths = {"max_length": MOST_POINTS, "actual_length": len(value)}
+        raise PydanticCustomError("too_long", "too long", lengths)
+    if len(value) > MANY and sum(map(_is_point, value)) < len(value) - MANY:
+        raise PydanticCustomError("points", "must be points [x, y] of two numbers each")
+    return value
+
+
+def _is_point(value: Any) -> bool:
+    return (
+        isinstance(value, list | tuple)
+        and len(value) == 2
+        and isinstance(value[0], int | float)
+        and isinstance(value[1], int | float)
+    )
 
 
 def _printable(text: str) -> str:
@@ -72,14 +94,27 @@ Point = tuple[float, float]
 Pose = Annotated[tuple[Coordinate, Coordinate, Heading], BeforeValidator(_sequence)]
 Polyline = Annotated[
     tuple[tuple[Coordinate, Coordinate], ...],
-    BeforeValidator(_sequence),
+    BeforeValidator(_points),
     Field(min_length=2, max_length=MOST_POINTS),
 ]
 Polygon = Annotated[
     tuple[tuple[Coordinate, Coordinate], ...],
-    BeforeValidator(_sequence),
+    BeforeValidator(_points),
     Field(min_length=3, max_length=MOST_CORNERS),
     AfterValidator(_open_ring),
 ]
 Sequence = BeforeValidator(_sequence)
 """Put on a tuple field: takes lists, tuples and arrays, and nothing else."""
+
+
+def at_most(most: int) -> BeforeValidator:
+    """Like `Sequence`, and refuses a longer list before looking at its entries."""
+
+    def check(value: Any) -> Any:
+        value = _sequence(value)
+        if len(value) > most:
+            lengths = {"max_length": most, "actual_length": len(value)}
+            raise PydanticCustomError("too_long", "too long", lengths)
+        return value
+
+    return BeforeValidator(check)

@@ -37,6 +37,7 @@ from physim.world.kinds import (
     Sequence,
     Text,
     Whole,
+    at_most,
     plain,
 )
 
@@ -46,7 +47,7 @@ MOST_SEED = 10**15
 
 Length = Annotated[Number, Field(gt=0.0, le=1.0e6)]
 Distance = Annotated[Number, Field(ge=0.0, le=1.0e6)]
-Speeds = Annotated[tuple[Number, ...], Sequence, Field(min_length=1, max_length=1000)]
+Speeds = Annotated[tuple[Number, ...], at_most(1000), Field(min_length=1)]
 
 
 class Time(Model):
@@ -72,9 +73,7 @@ class Corridor(Model):
     centreline: Polyline = Field(description="[m] middle of the corridor, points [x, y]")
     width: Annotated[
         Annotated[Length, Tag("<value>")]
-        | Annotated[
-            tuple[Length, ...], Sequence, Field(min_length=2, max_length=100_000), Tag("<list>")
-        ],
+        | Annotated[tuple[Length, ...], at_most(100_000), Field(min_length=2), Tag("<list>")],
         Discriminator(
             lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"
         ),
@@ -187,8 +186,7 @@ class Formation(Model):
         Annotated[Literal["initial"], Tag("<word>")]
         | Annotated[
             tuple[Annotated[Number, Field(ge=-1.0e6, le=1.0e6)], ...],
-            Sequence,
-            Field(max_length=MOST_ROBOTS),
+            at_most(MOST_ROBOTS),
             Tag("<list>"),
         ],
         Discriminator(_word_or_list),
@@ -205,8 +203,7 @@ class Formation(Model):
         Annotated[Literal["range", "all"], Tag("<word>")]
         | Annotated[
             tuple[Annotated[tuple[Label, Label], Sequence], ...],
-            Sequence,
-            Field(max_length=1_000_000),
+            at_most(100_000),
             Tag("<list>"),
         ],
         Discriminator(_word_or_list),
@@ -227,7 +224,7 @@ class ControllerChoice(Model):
         FrozenMapping,
         BeforeValidator(lambda value: _settings(value)),
         WithJsonSchema({"type": "object"}),
-    ] = Field(default=FrozenMapping(), description="settings of that controller")
+    ] = Field(default_factory=FrozenMapping, description="settings of that controller")
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
 
@@ -296,14 +293,14 @@ class World(Model):
     corridor: Corridor | None = Field(
         default=None, description="a road by centreline and width (or give boundaries)"
     )
-    boundaries: (
-        Annotated[tuple[Polyline, ...], Sequence, Field(min_length=1, max_length=MOST_WALLS)] | None
-    ) = Field(default=None, description="[m] polylines as drawn (or give a corridor)")
+    boundaries: Annotated[tuple[Polyline, ...], at_most(MOST_WALLS), Field(min_length=1)] | None = (
+        Field(default=None, description="[m] polylines as drawn (or give a corridor)")
+    )
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
     )
-    robots: Annotated[tuple[Robot, ...], Sequence, Field(min_length=1, max_length=MOST_ROBOTS)] = (
-        Field(description="list of robots, in the order of their ids")
+    robots: Annotated[tuple[Robot, ...], at_most(MOST_ROBOTS), Field(min_length=1)] = Field(
+        description="list of robots, in the order of their ids"
     )
     formation: Formation | None = Field(
         default=None, description="formation control; without it every robot goes at 1 m/s"
@@ -311,7 +308,7 @@ class World(Model):
     controller: Annotated[ControllerChoice, BeforeValidator(_nested_choice)] = Field(
         default=ControllerChoice(), description="who decides, and its settings"
     )
-    obstacles: Annotated[tuple[Polygon, ...], Sequence, Field(max_length=MOST_WALLS)] = Field(
+    obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS)] = Field(
         default=(), description="[m] closed, solid polygons"
     )
     expect: Expectation | None = Field(default=None, description="what the run must show")

@@ -123,14 +123,13 @@ def _flow(value: Any) -> str:
 
 
 def _float(value: float) -> str:
-    """Shortest text that reads back equal, with the dot and the sign that YAML 1.1 wants."""
+    """Shortest text that reads back equal, with the dot that YAML 1.1 wants (repr has the sign)."""
     text = float.__repr__(value)
     mantissa, e, exponent = text.partition("e")
     if not e:
         return text
     dot = "" if "." in mantissa else ".0"
-    sign = "" if exponent[0] in "+-" else "+"
-    return f"{mantissa}{dot}e{sign}{exponent}"
+    return f"{mantissa}{dot}e{exponent}"
 
 
 def _text(text: str) -> str:

@@ -111,8 +111,7 @@ def _is_void(location: Location, document: Document) -> bool:
 def _capped(faults: list[Fault]) -> list[Fault]:
     if len(faults) <= MOST_FAULTS:
         return faults
-    more = len(faults) - MOST_FAULTS + 1
-    return [*faults[: MOST_FAULTS - 1], Fault((), f"{more} more faults")]
+    return [*faults[: MOST_FAULTS - 1], Fault((), "more faults follow; mend these first")]
 
 
 def _with_controller(document: Document, name: str) -> Document:

@@ -16,7 +16,11 @@ from physim.world_file.scalars import RefusedScalarError, scalar
 
 MOST_BYTES = 5_000_000
 MOST_DEPTH = 50
-MOST_VALUES = 1_000_000
+MOST_VALUES = 500_000
+MOST_KEYS = 1_000
+"""Keys of one mapping."""
+MOST_FAULTS = 200
+"""Faults after which reading stops."""
 MOST_KEY = 100
 """Characters of a key."""
 
@@ -140,6 +144,8 @@ class _Reader:
     def _fault(self, fault: Fault, line: int, column: int) -> None:
         self.faults.append(fault)
         self.positions.append(Position(self.source, line, column))
+        if len(self.faults) >= MOST_FAULTS:
+            raise WorldError(self.faults, self.positions)
 
     def _here(self) -> Location:
         """Location of the value that comes next."""
@@ -195,6 +201,8 @@ class _Reader:
         top = self.stack[-1]
         top.waits_for_value, top.is_usable, top.key = True, True, None
         given = top.node.members or {}
+        if len(given) >= MOST_KEYS:
+            raise refused(self.source, line, column, f"more than {MOST_KEYS} keys in one mapping")
         if not text.isprintable() or not 0 < len(text) <= MOST_KEY:
             message = f"{shown(text)} cannot be a key; keys are short words"
             self._fault(Fault(top.location, message), line, column)

@@ -86,10 +86,12 @@ def test_missing_keys_are_told_where_they_should_stand():
 
 
 def test_many_faults_are_counted():
-    text = changed("path: {offset: -1.0}", f"path: [{', '.join(['1'] * 500)}]")
+    junk = f"path: [{', '.join(['1'] * 60)}]"
+    text = changed("path: {offset: -1.0}", junk)
+    text = text.replace("path: [[0.0, 1.0], [30.0, 1.0]]", junk)
     lines = message(text).splitlines()
     assert len(lines) == 100
-    assert lines[-1].endswith("401 more faults")
+    assert lines[-1].endswith("more faults follow; mend these first")
 
 
 def test_controller_settings_are_those_of_the_controller():
@@ -128,3 +130,11 @@ def test_later_faults_find_their_place(tmp_path):
     error = located([Fault(("robots", 1, "pose"), "is outside")], document)
     assert str(error) == f"{path}:13:11: robots[1].pose: is outside"
     assert str(located([Fault((), "is bad")], None)) == "is bad"
+
+
+def test_a_long_list_of_no_points_is_one_fault():
+    text = changed("path: {offset: -1.0}", f"path: [{', '.join(['a'] * 500)}]")
+    assert message(text).splitlines() == [
+        "w.yaml:14:11: robots[1].path: must be points [x, y] of two numbers each; "
+        "given a list of 500"
+    ]

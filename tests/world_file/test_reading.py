@@ -107,7 +107,7 @@ def test_billion_laughs_are_refused_at_once():
     lines = ["a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
     for old, new in zip("abcdefgh", "bcdefghi", strict=True):
         lines.append(f"{new}: &{new} [{', '.join(['*' + old] * 9)}]")
-    assert "more than 1000000 values" in refusal("\n".join(lines))
+    assert "more than 500000 values" in refusal("\n".join(lines))
 
 
 def test_aliases_cannot_nest_deeper_than_brackets_may():
@@ -115,6 +115,14 @@ def test_aliases_cannot_nest_deeper_than_brackets_may():
     for k in range(1, 6):
         text += f"a{k}: &a{k} [[[[[[[[[[*a{k - 1}]]]]]]]]]]\n"
     assert "nested deeper than 50" in refusal(text)
+
+
+def test_floods_of_keys_and_faults_end_early():
+    flood = "\n".join(f"k{i}: 1" for i in range(5000))
+    assert "w.yaml:1001:1: more than 1000 keys in one mapping" in refusal(flood)
+    with pytest.raises(WorldError) as caught:
+        parse_world("seed: [" + "yes, " * 5000 + "]")
+    assert len(caught.value.faults) == reading.MOST_FAULTS
 
 
 def test_merge_keys_are_refused():

@@ -59,8 +59,7 @@ def episodes(record: Record) -> Episodes:
         if phase[row] == Phase.BEGAN:
             first.append(row)
             end[row] = int(step[row]) + 1 if kind[row] == Kind.SWEPT else last + 1
-            if kind[row] != Kind.SWEPT:
-                open_rows[pair] = row
+            open_rows[pair] = row
         elif pair in open_rows:
             end[open_rows.pop(pair)] = int(step[row])
     rows = np.array(sorted(first, key=lambda row: (step[row], row)), dtype=np.int64)

@@ -76,7 +76,7 @@ class Story:
 
     def decision(self, robot: int, time: Any) -> Any:
         """Return the row of ``robot``'s last decision at or before ``time``, -1 for none."""
-        count = np.searchsorted(self._decided[robot], np.asarray(time) + 1e-9, side="right")
+        count = np.searchsorted(self._decided[robot], np.asarray(time) + 1e-9)
         rows = np.concatenate(([-1], self._rows[robot]))
         return rows[count]
 

@@ -23,7 +23,10 @@ def _face() -> Any:
 
 
 def clean(text: str) -> str:
-    """Return ``text`` on one line: control characters and unpaired surrogates become spaces."""
+    """Return ``text`` on one line: control characters and unpaired surrogates become spaces.
+
+    An unpaired surrogate (half a character) would crash OpenCV.
+    """
     bad = {"Cc", "Cs", "Zl", "Zp"}
     spaced = "".join(" " if unicodedata.category(c) in bad else c for c in text)
     return " ".join(spaced.split())

@@ -9,7 +9,9 @@ import pytest
 
 from physim.errors import PhysimError
 from physim.video import frame_at, theme
+from physim.video.closest import closest_pair
 from physim.video.painter import Painter
+from physim.video.robots import Fleet
 from tests.records import make_record
 
 VIEW = (slice(0, theme.HEIGHT - theme.STRIP_HEIGHT), slice(0, theme.WIDTH - theme.PANEL_WIDTH))
@@ -53,11 +55,18 @@ def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., A
 
 
 def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:
-    record = made(3)
-    assert pixels(frame_at(record, 1.2 + 1.8, speed=4.0), theme.CONTACT) > 30
-    assert pixels(frame_at(record, 1.2 + 1.8, speed=1.0), theme.CONTACT) < pixels(
-        frame_at(record, 1.2 + 1.8, speed=4.0), theme.CONTACT
-    )
+    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=4.0), theme.CONTACT) > 30
+    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=1.0), theme.CONTACT) == 0
+
+
+def test_the_closest_pair_is_joined_by_a_line(made: Callable[..., Any]) -> None:
+    painter = Painter(made(3), 1.0, 25.0)
+    picture, pose = painter.frame(2.0), painter.story.pose(2.0)
+    fleet = Fleet(made(3).footprints)
+    pair = closest_pair(fleet.split(fleet.placed(pose)), pose, fleet.reach)
+    assert pair is not None
+    x, y = np.rint(painter._camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
+    assert picture[y - 1 : y + 2, x - 1 : x + 2].min() < 60
 
 
 def test_robots_have_the_colour_of_their_mode(

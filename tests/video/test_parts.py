@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import FloatArray
@@ -103,6 +103,15 @@ def test_a_small_world_is_shown_whole_and_a_long_one_followed(made: Callable[...
         assert (places < np.array([box.width, box.height]) - 20.0).all()
 
 
+def test_the_camera_goes_with_the_robot(made: Callable[..., Any]) -> None:
+    story, box = Story(made(1, 20.0)), arrange(False).view
+    camera = Camera(story, (np.array([-2.0, -5.0]), np.array([200.0, 80.0])), box, 1.0)
+    for time in (0.0, 5.0, 12.0, 20.0):
+        place = camera.lens(time).pixels(story.pose(time)[0, :2])
+        assert (place > 20.0).all()
+        assert (place < np.array([box.width, box.height]) - 20.0).all()
+
+
 def test_one_camera_movement_however_asked(made: Callable[..., Any]) -> None:
     story, box = Story(made(3)), arrange(True).view
     large = (np.array([-2.0, -5.0]), np.array([200.0, 80.0]))
@@ -119,9 +128,12 @@ poses = st.lists(
 
 
 @given(poses)
+@example([(0.0, 0.0, 0.0), (0.0, 1.7, 0.0), (2.45, 0.0, 0.0)])
 def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]]) -> None:
     pose = np.array(rows)
-    footprints: list[tuple[FloatArray, ...]] = [ELL if i % 2 else (BOX,) for i in range(len(pose))]
+    footprints: list[tuple[FloatArray, ...]] = [
+        ELL if i % 4 == 3 else (BOX,) for i in range(len(pose))
+    ]
     fleet = Fleet(footprints)
     pair = closest_pair(fleet.split(fleet.placed(pose)), pose, fleet.reach)
     assert pair is not None
@@ -152,9 +164,9 @@ def test_a_robot_of_several_parts_has_one_outline_and_a_mark_inside() -> None:
 
 def test_labels_of_robots_side_by_side_do_not_overlap() -> None:
     boxes = np.array([[x, 200.0, x + 40.0, 230.0] for x in (100.0, 145.0, 190.0, 235.0)])
-    tags = [Tag(i, (b[0] + 20.0, 215.0), 21.0, (34.0, 20.0)) for i, b in enumerate(boxes)]
+    tags = [Tag(i, (b[0] + 20.0, 215.0), 21.0, (60.0, 24.0)) for i, b in enumerate(boxes)]
     middles = Labels().place(tags, boxes, (600, 400))
-    rects = [shapely.box(x - 15, y - 8, x + 15, y + 8) for x, y in middles]
+    rects = [shapely.box(x - 30, y - 12, x + 30, y + 12) for x, y in middles]
     rects += [shapely.box(*box) for box in boxes]
     overlaps = [a.intersection(b).area for k, a in enumerate(rects) for b in rects[:k]]
     assert max(overlaps) == 0.0

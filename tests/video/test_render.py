@@ -20,6 +20,7 @@ def decoded(path: Path) -> list[Any]:
         assert stream.codec_context.name == "h264"
         assert (stream.width, stream.height) == (1280, 720)
         assert stream.codec_context.pix_fmt == "yuv420p"
+        assert (stream.codec_context.colorspace, stream.codec_context.color_range) == (5, 1)
         return list(file.decode(video=0))
 
 

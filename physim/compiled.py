@@ -38,7 +38,7 @@ def compiled(function: F) -> F:
 
     The plain function stays at hand as ``kernel.py_func``.
     """
-    kernel = numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)
+    kernel = numba.njit(cache=True, error_model="numpy")(function)
     _stamp_cache(kernel)
     return cast(F, kernel)
 

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from physim._version import VERSION as __version__  # noqa: N811
+    from physim.contacts import Kind, Phase
     from physim.control import Controller, Decision, Mode, Observation, Report
     from physim.errors import ControllerError, Fault, PhysimError, RecordError, WorldError
     from physim.record import Record
@@ -36,8 +37,10 @@ _WHERE = {
     "ControllerError": "physim.errors",
     "Decision": "physim.control",
     "Fault": "physim.errors",
+    "Kind": "physim.contacts",
     "Mode": "physim.control",
     "Observation": "physim.control",
+    "Phase": "physim.contacts",
     "PhysimError": "physim.errors",
     "Record": "physim.record",
     "RecordError": "physim.errors",
@@ -58,8 +61,10 @@ __all__ = [
     "ControllerError",
     "Decision",
     "Fault",
+    "Kind",
     "Mode",
     "Observation",
+    "Phase",
     "PhysimError",
     "Record",
     "RecordError",

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from physim.errors import PhysimError
 from physim.geometry import collision as kernels
 from physim.geometry import collision_time
-from physim.geometry.advancement import advancement_time, turning_reach
-from physim.geometry.motion import arc_course, still_course
+from physim.geometry.advancement import advancement_time, travel, turning_reach
+from physim.geometry.motion import Course, along_course, arc_course, still_course
 from physim.geometry.shapes import pack_shapes
 from physim.geometry.translation import clip_normals, translation_time
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME
@@ -224,6 +224,36 @@ def test_the_bound_holds_over_the_whole_advance(seed):
         reached = (placed(P, (0, 0, spin * t)) @ n).max() - top
         bound = turning_reach(P, 0, len(P), n[0], n[1], spin, top, t)
         assert reached <= bound + 1e-12
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_bound_on_travel_holds_over_the_whole_advance(seed):
+    """A point on an arc never travels farther along an axis than `travel` says."""
+    rng = np.random.default_rng(seed)
+    n = rng.normal(size=2)
+    n /= np.hypot(*n)
+    v = rng.uniform(-2, 2, 2)
+    turn = float(rng.uniform(-2, 2))
+    bound = travel(n[0], n[1], v[0], v[1], turn)
+    course = Course(0.0, 0.0, 1.0, 0.0, v[0], v[1], turn, turn, float(np.hypot(*v)), 1.0)
+    for t in np.linspace(0.0, 4.0, 60):
+        x, y = along_course(course, t)[:2]
+        most = ((bound.third * t + bound.second) * t + bound.first) * t
+        assert n @ [x, y] <= most + 1e-12
+
+
+def test_segments_and_points_on_one_line():
+    """Their normals alone would say that they touch all the time."""
+    still, line = (0.0, 0.0, 0.0), np.array([[0.0, 0.0], [0.3, 0.1]])
+    for other in (line, line[:1]):
+        for sign, expected in ((-1.0, 8.0), (1.0, math.inf)):
+            move = (sign * 0.3, sign * 0.1, 0.0)
+            xi = collision_time(line, still, still, other, (2.7, 0.9, 0.0), move)
+            assert xi == pytest.approx(expected, abs=1e-12)
+    xi = collision_time([[1.0, 2.0]], still, (1.0, 0.0, 0.0), [[4.0, 2.0]], still, still)
+    assert xi == pytest.approx(3.0, abs=1e-12)
+    xi = collision_time([[1.0, 2.0]], still, (1.0, 0.0, 0.0), [[4.0, 2.1]], still, still)
+    assert xi == math.inf
 
 
 def test_early_outs_never_change_a_value():

@@ -1,7 +1,6 @@
 """A world as its author writes it: the keys of the world file, with units, bounds and defaults.
 
-Attribute names are the keys of the file. Every description begins with its unit, where it has one,
-so that a schema, a hover text and the comments of a saved world come from here alone.
+Schema, hover text and comments of a saved world come from the descriptions; these begin with units.
 """
 
 from __future__ import annotations

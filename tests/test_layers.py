@@ -1,0 +1,286 @@
+"""The order of the house: who may import whom, no module-level state, no file too long.
+
+Reads the sources with `ast`, imports inside functions included. What stands under
+``if TYPE_CHECKING:`` is exempt: it is never executed, so it ties no module to another, and types
+may be named upward (``control.Batched`` speaks of a `Scene`).
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+
+from physim.registry import GROUP, controller_names
+from physim.world_file.shipped import shipped_folder, shipped_worlds
+
+ROOT = Path(__file__).parents[1]
+LONGEST_FILE = 350
+
+LAYERS = {
+    "physim.errors": (0, 0),
+    "physim.tolerances": (0, 0),
+    "physim.compiled": (0, 0),
+    "physim.randomness": (0, 0),
+    "physim._version": (0, 0),
+    "physim.worlds": (0, 0),
+    "physim.geometry": (0, 1),
+    "physim.contacts": (1, 0),
+    "physim.world": (1, 0),
+    "physim.scene": (1, 1),
+    "physim.control": (1, 2),
+    "physim.registry": (2, 0),
+    "physim.world_file": (2, 1),
+    "physim.scene_builder": (2, 2),
+    "physim.controllers": (2, 3),
+    "physim.physics": (3, 0),
+    "physim.record": (3, 0),
+    "physim.perception": (3, 0),
+    "physim.control_loop": (4, 0),
+    "physim.simulation": (4, 1),
+    "physim.recording": (4, 2),
+    "physim.warm_up": (4, 2),
+    "physim.metrics": (5, 0),
+    "physim.expectations": (5, 1),
+    "physim.summary": (5, 2),
+    "physim.video": (6, 0),
+    "physim.cli": (7, 0),
+    "physim": (8, 0),
+    "physim.__main__": (8, 0),
+}
+"""Layer of every module and package, and its place among those of the same layer. An import goes
+to a lower layer, to a lower place in the same one, or stays within its package."""
+
+FROM_THE_RECORD_ALONE = ("physim.metrics", "physim.expectations", "physim.summary", "physim.video")
+NOT_FROM_THE_RECORD = (
+    "physim.physics", "physim.perception", "physim.control_loop", "physim.simulation",
+    "physim.recording", "physim.warm_up", "physim.scene_builder", "physim.registry",
+)  # fmt: skip
+
+SOURCES = sorted(
+    file for folder in ("physim", "controllers", "worlds") for file in (ROOT / folder).rglob("*.py")
+)
+
+
+def module_of(file: Path) -> str:
+    parts = list(file.relative_to(ROOT).with_suffix("").parts)
+    if parts[0] in ("controllers", "worlds"):
+        parts.insert(0, "physim")
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_of(file): file for file in SOURCES}
+
+
+@functools.cache
+def tree_of(module: str) -> ast.Module:
+    return ast.parse(MODULES[module].read_text(encoding="utf-8"))
+
+
+def is_type_checking(node: ast.AST) -> bool:
+    return isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """All nodes below ``node`` that are ever executed."""
+    for child in ast.iter_child_nodes(node):
+        if is_type_checking(child):
+            for other in getattr(child, "orelse", []):
+                yield other
+                yield from statements(other)
+            continue
+        yield child
+        yield from statements(child)
+
+
+TEXT_IMPORTERS = ("import_module", "find_spec", "files", "__import__", "_lazy")
+
+
+@functools.cache
+def imports(module: str) -> list[tuple[int, str]]:
+    """Line and absolute name of everything that a module imports, by statement or by text."""
+    found = []
+    is_package = MODULES[module].name == "__init__.py"
+    package = module if is_package else module.rpartition(".")[0]
+    for node in statements(tree_of(module)):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                above = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*above, *([base] if base else [])])
+            for alias in node.names:
+                name = f"{base}.{alias.name}"
+                found.append((node.lineno, name if name in MODULES else base))
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            text = node.args[0].value
+            if isinstance(text, str) and ast.unparse(node.func).split(".")[-1] in TEXT_IMPORTERS:
+                found.append((node.lineno, text))
+    return found
+
+
+def room_of(module: str) -> str:
+    """The entry of `LAYERS` that a module belongs to; '' if none."""
+    parts = module.split(".")
+    if len(parts) == 1:
+        return module if module in LAYERS else ""
+    return next((".".join(parts[:n]) for n in (3, 2) if ".".join(parts[:n]) in LAYERS), "")
+
+
+every_module = pytest.mark.parametrize("module", MODULES)
+
+
+def test_every_module_has_its_layer() -> None:
+    assert [module for module in MODULES if not room_of(module)] == []
+    assert [room for room in LAYERS if room not in {room_of(m) for m in MODULES}] == []
+
+
+@every_module
+def test_imports_go_downward(module: str) -> None:
+    room = room_of(module)
+    wrong = []
+    for line, name in imports(module):
+        if not name.startswith("physim"):
+            continue
+        other = room_of(name)
+        assert other, f"{module}:{line} imports {name}, which has no layer"
+        if (room, other) == ("physim.compiled", "physim.controllers"):
+            continue  # where their sources lie, for the stamp of the cache; nothing is imported
+        if other != room and LAYERS[other] >= LAYERS[room]:
+            wrong.append(f"{module}:{line} imports {name}")
+    assert wrong == []
+
+
+@every_module
+def test_third_parties_stay_where_they_belong(module: str) -> None:
+    allowed = {
+        "pymunk": ("physim.physics",),
+        "h5py": ("physim.record",),
+        "cv2": ("physim.video",),
+        "av": ("physim.video",),
+        "imageio": ("physim.video",),
+        "rich": ("physim.cli",),
+        "numba": ("physim.compiled",),
+        "argparse": ("physim.cli",),
+    }
+    for line, name in imports(module):
+        rooms = allowed.get(name.split(".")[0])
+        assert rooms is None or room_of(module) in rooms, f"{module}:{line} imports {name}"
+
+
+@pytest.mark.parametrize("module", [m for m in MODULES if m.startswith("physim.controllers")])
+def test_controllers_see_layers_0_and_1_and_each_other(module: str) -> None:
+    for line, name in imports(module):
+        top = name.split(".")[0]
+        where = f"{module}:{line} imports {name}"
+        if top != "physim":
+            assert top in ("numpy", "pydantic") or top in sys.stdlib_module_names, where
+        elif not name.startswith("physim.controllers"):
+            assert LAYERS[room_of(name)][0] <= 1, where
+    written = [
+        node.module
+        for node in ast.walk(tree_of(module))
+        if isinstance(node, ast.ImportFrom) and not node.level
+    ]
+    assert [name for name in written if (name or "").startswith("physim.controllers")] == []
+
+
+@pytest.mark.parametrize("module", [m for m in MODULES if not m.startswith("physim.controllers")])
+def test_physim_reaches_controllers_through_the_registry_alone(module: str) -> None:
+    named = [name for _, name in imports(module) if name.startswith("physim.controllers")]
+    if module == "physim.compiled":  # its stamp covers their sources, found without import
+        named.remove("physim.controllers")
+    assert named == []
+
+
+@pytest.mark.parametrize("module", [m for m in MODULES if m.startswith(FROM_THE_RECORD_ALONE)])
+def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
+    for line, name in imports(module):
+        assert room_of(name) not in NOT_FROM_THE_RECORD, f"{module}:{line} imports {name}"
+
+
+def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
+    script = (
+        "import sys, physim.record, physim.summary, physim.video\n"
+        "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation', "
+        "'physim.physics', 'physim.controllers'))])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout.strip() == "[]", done.stderr
+
+
+def mutable(node: ast.expr | None) -> bool:
+    """Whether a value is a list, dict or set display, comprehension or constructor."""
+    displays = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
+    if isinstance(node, ast.Call):
+        name = ast.unparse(node.func).split(".")[-1]
+        return name in ("list", "dict", "set", "defaultdict", "deque", "OrderedDict", "Counter")
+    return isinstance(node, displays)
+
+
+@every_module
+def test_no_state_at_module_level(module: str) -> None:
+    """Tables in capitals may stand there as long as nothing in the module writes to them."""
+    tree = tree_of(module)
+    tables = set()
+    for node in tree.body:
+        if isinstance(node, ast.Assign | ast.AnnAssign) and mutable(node.value):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            names = {ast.unparse(target) for target in targets} - {"__all__"}
+            assert all(name.isupper() for name in names), f"{module}:{node.lineno} {names}"
+            tables |= names
+    for node in ast.walk(tree):
+        assert not isinstance(node, ast.Global), f"{module}:{node.lineno} global"
+        assert written_name(node) not in tables, f"{module}: writes to {written_name(node)}"
+
+
+WRITERS = (
+    "add", "append", "clear", "discard", "extend", "insert", "pop", "popitem", "remove",
+    "setdefault", "sort", "update",
+)  # fmt: skip
+
+
+def written_name(node: ast.AST) -> str:
+    """Name of the collection that a statement changes in place; '' if it changes none."""
+    if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
+        return ast.unparse(node.value)
+    if isinstance(node, ast.AugAssign):
+        return ast.unparse(node.target)
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+        return ast.unparse(node.func.value) if node.func.attr in WRITERS else ""
+    return ""
+
+
+@every_module
+def test_no_file_is_too_long(module: str) -> None:
+    assert len(MODULES[module].read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
+
+
+def test_every_world_on_disk_is_under_contract() -> None:
+    """The contract tests run over `shipped_worlds`; nothing on disk may be missing there."""
+    on_disk = {file.stem for file in (ROOT / "worlds").rglob("*.y*ml")}
+    assert shipped_folder() == ROOT / "worlds"
+    assert set(shipped_worlds()) == on_disk
+    assert on_disk
+
+
+def test_every_controller_on_disk_is_under_contract() -> None:
+    """The contract tests run over the registered ones; every class that decides is registered."""
+    deciding = set()
+    for module in MODULES:
+        if not module.startswith("physim.controllers."):
+            continue
+        for node in tree_of(module).body:
+            methods = {m.name for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)}
+            if isinstance(node, ast.ClassDef) and "decide" in methods:
+                deciding.add(f"{module}:{node.name}")
+    registered = {entry.value for entry in entry_points(group=GROUP)}
+    assert deciding == {value for value in registered if value.startswith("physim.controllers.")}
+    assert set(controller_names()) >= {"mode_switching", "path_following"}

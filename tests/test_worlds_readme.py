@@ -1,0 +1,24 @@
+"""worlds/README.md says what the models say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from physim.world_file.shipped import shipped_worlds
+
+from .worlds_readme import key_tables
+
+README = Path(__file__).parents[1] / "worlds" / "README.md"
+
+
+def test_every_key_stands_in_the_readme_with_its_unit_and_default() -> None:
+    text = README.read_text(encoding="utf-8")
+    given = text.split("<!-- keys -->\n")[1].split("<!-- end of keys -->")[0]
+    assert given == key_tables()
+
+
+def test_every_shipped_world_stands_in_the_readme() -> None:
+    text = README.read_text(encoding="utf-8")
+    for name, description in shipped_worlds().items():
+        assert f"| `{name}` |" in text
+        assert description

@@ -1,0 +1,70 @@
+"""The tables of keys in worlds/README.md, made from the models that check a world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from physim.controllers.settings import ModeSwitchingSettings
+from physim.world import (
+    Box,
+    Corridor,
+    Expectation,
+    Formation,
+    Limits,
+    Physics,
+    Robot,
+    Time,
+    World,
+)
+
+SECTIONS: list[tuple[str, str, type[BaseModel]]] = [
+    ("The world", "", World),
+    ("`time`", "", Time),
+    ("`corridor`", "", Corridor),
+    ("Each of `robots`", "", Robot),
+    ("`footprint` of a robot, as a box", "", Box),
+    ("`limits` of a robot", "", Limits),
+    ("`formation`", "", Formation),
+    ("`controller`, for `type: mode_switching`", "", ModeSwitchingSettings),
+    ("`expect`", "", Expectation),
+    ("`physics`", "", Physics),
+]
+
+
+def key_tables() -> str:
+    """Markdown: one table a model, one row a key with its default and meaning."""
+    text = ""
+    for title, note, model in SECTIONS:
+        text += f"\n### {title}\n{note}\n| key | default | meaning |\n|---|---|---|\n"
+        for key, field in model.model_fields.items():
+            default = "required" if field.is_required() else _shown(field.get_default())
+            text += f"| `{key}` | {default} | {field.description} |\n"
+    return text + "\n"
+
+
+def _shown(value: Any) -> str:
+    if value is None or value in ("", ()):
+        return "none"
+    if isinstance(value, BaseModel):
+        return "as below"
+    if isinstance(value, list | tuple):
+        return "`[" + ", ".join(f"{v:.5g}" for v in value) + "]`"
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    return f"`{value}`"
+
+
+def main() -> None:
+    """Write the tables into worlds/README.md."""
+    readme = Path(__file__).parents[1] / "worlds" / "README.md"
+    text = readme.read_text(encoding="utf-8")
+    before, rest = text.split("<!-- keys -->\n")
+    after = rest.split("<!-- end of keys -->")[1]
+    readme.write_text(f"{before}<!-- keys -->\n{key_tables()}<!-- end of keys -->{after}", "utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -72,7 +72,10 @@ class Neighbour:
 
 @dataclass(frozen=True)
 class Observation:
-    """All that Robot i may know when it decides. Arrays are read-only; world frame, SI units."""
+    """All that Robot i may know when it decides. World frame, SI units.
+
+    Arrays are read-only, or copies of its own (the path).
+    """
 
     time: float
     """[s]"""

@@ -102,7 +102,7 @@ class Perception:
             omega=float(snapshot.command[i, 1]),
             footprint=self._footprint(i),
             limits=(float(scene.limits[i, 0]), float(scene.limits[i, 1])),
-            path=Path(scene.paths.points[first:end], scene.outside[i]),
+            path=Path(scene.paths.points[first:end], scene.outside[i].copy()),
             station=float(snapshot.station[i]),
             stop_station=float(scene.stop_station[i]),
             reference_station=float(snapshot.reference_station[i]),

@@ -7,6 +7,7 @@ all hold their commands over the step, and the physics moves them as far as cont
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -39,26 +40,21 @@ class Filter(Protocol):
         ...
 
 
+@dataclass(slots=True)
 class Update:
     """Decisions of one step with what the robots knew then: rows of the update table."""
 
-    __slots__ = ("decisions", "deviation", "formation_error", "given", "next_step", "snapshot")
-
-    def __init__(
-        self,
-        snapshot: Snapshot,
-        decisions: Decisions,
-        given: FloatArray,
-        next_step: IntArray,
-        formation_error: FloatArray,
-        deviation: FloatArray,
-    ) -> None:
-        self.snapshot = snapshot
-        self.decisions = decisions
-        self.given = given
-        self.next_step = next_step
-        self.formation_error = formation_error
-        self.deviation = deviation
+    snapshot: Snapshot
+    """as it was, stations of the deciding robots only"""
+    decisions: Decisions
+    given: FloatArray
+    """(M, 2) commands after the filters"""
+    next_step: IntArray
+    """(M,) when each decides again"""
+    formation_error: FloatArray
+    """(M,) [m]"""
+    deviation: FloatArray
+    """(M,) [m] left positive"""
 
 
 class Simulation:
@@ -77,10 +73,14 @@ class Simulation:
     ) -> None:
         """Set up sample 0. Raises WorldError or ControllerError where it cannot be run.
 
-        ``controller`` is an object, a registered name or ``module:Class``; without it the world's
-        own is made. Without ``seed`` the world's own is used.
+        ``controller`` is an object, or a registered name or ``module:Class`` that takes the place
+        of the world's own. Without ``seed`` the world's own is used; a Scene has its seed.
         """
-        self.scene = scene = world if isinstance(world, Scene) else build_scene(world, seed)
+        if isinstance(world, World):
+            if isinstance(controller, str):
+                world = world.changed(controller={"type": controller})
+            world = build_scene(world, seed)
+        self.scene = scene = world
         self.controller = _controller(scene.world, controller)
         self.physics = Physics(
             scene.shapes,
@@ -145,9 +145,7 @@ class Simulation:
             wanted = self.command
             if len(due):
                 wanted, update = self._decide(snapshot, due)
-        given = wanted
-        for rule in self.filters:
-            given = rule(self.scene, snapshot, given)
+        given = self._filtered(snapshot, wanted) if self.filters else wanted
         if update is not None:
             update.given = given[update.decisions.robot]
         self.update = update
@@ -156,6 +154,14 @@ class Simulation:
         self.pose = self.physics.pose
         self.step_number += 1
         self.perception.track(self.pose)
+
+    def _filtered(self, snapshot: Snapshot, wanted: FloatArray) -> FloatArray:
+        """Given commands (N, 2): the wanted ones through every filter in turn."""
+        given = wanted
+        for rule in self.filters:
+            given = rule(self.scene, snapshot, given)
+        check_commands(self.scene, self.time, np.arange(self.scene.robots), given)
+        return given
 
     def _decide(self, snapshot: Snapshot, due: IntArray) -> tuple[FloatArray, Update]:
         """Ask the robots that are due; commands (N, 2) of all robots from now on, and who said."""

@@ -1,0 +1,431 @@
+"""What every registered controller keeps to, on every shipped world.
+
+Finite commands within the limits, valid modes and holds, equal runs bit for bit, sight no further
+than the range; and a batch form that decides exactly as the plain one.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.control import Batched, Controller, Decision, Decisions, Mode, Observation, Snapshot
+from physim.control_loop import PlainBatch
+from physim.controllers.mode_switching import ModeSwitching
+from physim.geometry.nearby import build_nearby
+from physim.geometry.shapes import Shapes, pack_shapes
+from physim.registry import controller_names, make_controller
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.simulation import Simulation
+from physim.world import World
+from physim.world_file import load_world, parse_world
+from physim.world_file.shipped import find_world, shipped_worlds
+
+WORLDS = tuple(shipped_worlds())
+CONTROLLERS = tuple(controller_names())
+SECONDS = 3.0
+
+every_pair = pytest.mark.parametrize(
+    ("name", "world_name"), [(name, world) for name in CONTROLLERS for world in WORLDS]
+)
+
+
+class Plain:
+    """The plain form of a controller: `batch` is out of sight."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.controller = controller
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return self.controller.decide(observation, memory)
+
+
+def shipped(name: str, *overrides: str) -> World:
+    text = find_world(name).read_text(encoding="utf-8")
+    return parse_world(text, name, overrides=overrides)
+
+
+def run(simulation: Simulation, seconds: float = SECONDS) -> Iterator[Decisions]:
+    """Step through a simulation; the decisions of every step that has some."""
+    for _ in range(round(seconds / simulation.scene.dt)):
+        simulation.step()
+        if simulation.update is not None:
+            yield simulation.update.decisions
+
+
+def made(name: str, world: World) -> Controller:
+    settings = world.controller.settings if world.controller.type == name else {}
+    controller: Controller = make_controller(name, settings)
+    return controller
+
+
+@every_pair
+def test_commands_are_finite_within_limits_and_repeat_bit_for_bit(
+    name: str, world_name: str
+) -> None:
+    world = load_world(find_world(world_name))
+    scene = build_scene(world)
+    first = Simulation(scene, controller=made(name, world))
+    second = Simulation(scene, controller=made(name, world))
+    asked = set()
+    for a, b in zip(run(first), run(second), strict=True):
+        assert a.command.shape == (len(a.robot), 2)
+        assert np.isfinite(a.command).all()
+        assert (np.abs(a.command) <= scene.limits[a.robot]).all()
+        assert np.isfinite(a.hold).all()
+        assert (a.hold >= 0.0).all()
+        assert set(a.mode.tolist()) <= {int(mode) for mode in Mode}
+        assert a.report.shape == (len(a.robot), 7)
+        assert (a.report[:, 5:] >= 0.0).all()
+        assert same(a, b)
+        asked |= set(a.robot.tolist())
+    assert asked == set(range(scene.robots))
+    assert np.array_equal(first.pose, second.pose)
+
+
+def same(a: Decisions, b: Decisions) -> bool:
+    """Equal to the last bit, NaN equal to NaN."""
+    return all(
+        x.dtype == y.dtype and np.array_equal(x, y, equal_nan=x.dtype.kind == "f")
+        for x, y in zip(a, b, strict=True)
+    )
+
+
+# What a controller sees
+
+
+@every_pair
+def test_an_observation_holds_what_is_in_range_and_nothing_else(name: str, world_name: str) -> None:
+    world = load_world(find_world(world_name))
+    scene = build_scene(world)
+    simulation = Simulation(scene, controller=made(name, world))
+    walls = wall_geometry(scene.walls)
+    plan = scene.formation
+    hidden = 0
+    for _ in run(simulation, 1.0):
+        for i in range(scene.robots):
+            seen = simulation.observe(i)
+            gap = np.hypot(*(simulation.pose[:, :2] - simulation.pose[i, :2]).T)
+            near = [j for j in range(scene.robots) if j != i and gap[j] <= plan.range]
+            assert [other.index for other in seen.others] == near
+            for other in seen.others:
+                assert np.array_equal(other.pose, simulation.pose[other.index])
+                assert (other.v, other.omega) == tuple(simulation.command[other.index])
+                assert other.time == seen.time == simulation.time
+            here = shapely.Point(simulation.pose[i, :2])
+            distance = shapely.distance(walls, here)
+            clear = np.abs(distance - plan.range) > 1e-9
+            parts = [p for p in range(len(walls)) if distance[p] <= plan.range]
+            if clear.all():
+                assert len(seen.walls) == len(parts)
+                for corners, p in zip(seen.walls, parts, strict=True):
+                    assert np.array_equal(corners, part_of(scene.walls, p))
+            hidden += len(walls) - len(parts) + scene.robots - 1 - len(near)
+            stations = simulation.perception.reference_station
+            mates = {n.index for n in seen.neighbours}
+            assert mates == (neighbours(scene, stations, i) if plan.active else set())
+            assert all(n.station == stations[n.index] for n in seen.neighbours)
+            assert seen.dt == scene.dt
+    assert hidden > 0
+
+
+def neighbours(scene: Scene, stations: np.ndarray, i: int) -> set[int]:
+    """N_i in plain words: those listed, or those within range along the reference path."""
+    others = set(range(scene.robots)) - {i}
+    if len(scene.formation.adjacency):
+        return {j for j in others if scene.formation.adjacency[i, j]}
+    return {j for j in others if abs(stations[j] - stations[i]) <= scene.formation.range}
+
+
+def part_of(shapes: Shapes, p: int) -> np.ndarray:
+    return shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]]
+
+
+def wall_geometry(walls: Shapes) -> np.ndarray:
+    parts = [part_of(walls, p) for p in range(len(walls.part_start) - 1)]
+    return np.array(
+        [shapely.LineString(part) if len(part) == 2 else shapely.Polygon(part) for part in parts]
+    )
+
+
+def arrays_of(value: Any, seen: set[int]) -> Iterator[np.ndarray]:
+    """Every array that can be reached from an observation."""
+    if id(value) in seen:
+        return
+    seen.add(id(value))
+    if isinstance(value, np.ndarray):
+        yield value
+    elif isinstance(value, tuple | list):
+        for item in value:
+            yield from arrays_of(item, seen)
+    elif isinstance(value, dict):
+        for item in value.values():
+            yield from arrays_of(item, seen)
+    elif hasattr(value, "__dict__"):
+        yield from arrays_of(vars(value), seen)
+
+
+@pytest.mark.parametrize("world_name", WORLDS)
+def test_a_controller_that_writes_to_what_it_sees_changes_nothing(world_name: str) -> None:
+    """Poses, footprints and walls refuse to be written; the path is the controller's own copy."""
+
+    class Vandal:
+        def decide(self, observation: Observation, memory: Any) -> Decision:
+            o = observation
+            with pytest.raises(dataclasses.FrozenInstanceError):
+                o.index = 0  # type: ignore[misc]
+            for array in (o.pose, *o.footprint, *o.walls, *(s.pose for s in o.others)):
+                with pytest.raises(ValueError, match="read-only"):
+                    array[...] = 7.0
+            for array in arrays_of(o, set()):
+                if array.flags.writeable:
+                    array[...] = 7.0
+            return Decision(0.5, 0.1, 0.0)
+
+    class Quiet:
+        def decide(self, observation: Observation, memory: Any) -> Decision:
+            return Decision(0.5, 0.1, 0.0)
+
+    world = load_world(find_world(world_name))
+    outside = np.array([[1.0, 2.0]])
+    scenes = [build_scene(world) for _ in range(2)]
+    scenes = [dataclasses.replace(s, outside=(outside.copy(),) * s.robots) for s in scenes]
+    bad, good = (
+        Simulation(scene, controller=controller)
+        for scene, controller in zip(scenes, (Vandal(), Quiet()), strict=True)
+    )
+    for _ in range(3):
+        bad.step()
+        good.step()
+        assert np.array_equal(bad.pose, good.pose)
+        assert np.array_equal(bad.perception.station, good.perception.station)
+    kept = [
+        (s.start, s.limits, s.walls, s.shapes, s.paths, s.reference, s.outside, s.stop_station)
+        for s in scenes
+    ]
+    for a, b in zip(arrays_of(kept[0], set()), arrays_of(kept[1], set()), strict=True):
+        assert np.array_equal(a, b)
+
+
+@pytest.mark.parametrize("plain", [False, True], ids=["batch", "plain"])
+@pytest.mark.parametrize("world_name", WORLDS)
+def test_nothing_beyond_the_range_changes_a_decision(world_name: str, plain: bool) -> None:
+    """Robots out of range go elsewhere and turn, walls out of range vanish: equal to the bit."""
+    rng = np.random.default_rng(5)
+    has_formation = load_world(find_world(world_name)).formation is not None
+    shorter = ("formation.range=6.0",) if has_formation else ()
+    simulation = later(build_scene(shipped(world_name, *shorter)))
+    scene, snapshot = simulation.scene, simulation.snapshot()
+    altered = 0
+    for i in range(scene.robots):
+        changed, moved = beyond(snapshot, scene, i, rng)
+        walls = wall_geometry(scene.walls)
+        gaps = shapely.distance(walls, shapely.Point(snapshot.pose[i, :2]))
+        kept = [p for p in range(len(walls)) if gaps[p] <= scene.formation.range + 1e-6]
+        kept = kept or [int(gaps.argmin())]
+        bare = pack_shapes([[part_of(scene.walls, p)] for p in kept])
+        narrow = dataclasses.replace(
+            scene, walls=bare, nearby=build_nearby(bare, scene.formation.range, 2.0)
+        )
+        altered += moved + len(walls) - len(kept)
+        due = np.array([i])
+        a = decide(scene, snapshot, due, plain)
+        b = decide(narrow, changed, due, plain)
+        assert same(a, b)
+    assert altered > 0
+
+
+def beyond(
+    snapshot: Snapshot, scene: Scene, i: int, rng: np.random.Generator
+) -> tuple[Snapshot, int]:
+    """Snapshot with other poses and commands of all out of Robot i's range; how many they are.
+
+    Stations of formation neighbours are broadcast, however far they are: they stay.
+    """
+    pose, command = snapshot.pose.copy(), snapshot.command.copy()
+    reference = snapshot.reference_station.copy()
+    reach = scene.formation.range
+    far = np.hypot(*(pose[:, :2] - pose[i, :2]).T) > reach
+    for j in np.flatnonzero(far):
+        bearing = rng.uniform(-np.pi, np.pi)
+        away = (reach + rng.uniform(0.1, 50.0)) * np.array([np.cos(bearing), np.sin(bearing)])
+        pose[j] = [*(pose[i, :2] + away), rng.uniform(-3.0, 3.0)]
+        command[j] = rng.uniform(-1.0, 1.0, 2)
+        if abs(reference[j] - reference[i]) > reach and not len(scene.formation.adjacency):
+            reference[j] = reference[i] + reach + rng.uniform(0.1, 50.0)
+    station = rng.uniform(0.0, 50.0, scene.robots)  # others' progress on their own paths
+    station[i] = snapshot.station[i]
+    return snapshot._replace(
+        pose=pose, command=command, station=station, reference_station=reference
+    ), int(far.sum())
+
+
+def decide(scene: Scene, snapshot: Snapshot, due: np.ndarray, plain: bool) -> Decisions:
+    """First decisions of robots ``due`` from a snapshot, by either form."""
+    controller = made("mode_switching", scene.world)
+    if not plain:
+        assert isinstance(controller, Batched)
+        return controller.batch(scene).decide_due(snapshot, due)
+    simulation = Simulation(scene, controller=controller)
+    known = simulation.perception
+    known.station, known.reference_station = snapshot.station, snapshot.reference_station
+    asked = PlainBatch(controller, scene, lambda i: known.observe(i, snapshot))
+    return asked.decide_due(snapshot, due)
+
+
+def later(scene: Scene, seconds: float = 25.0) -> Simulation:
+    simulation = Simulation(scene)
+    for _ in range(round(seconds / scene.dt)):
+        simulation.step()
+    return simulation
+
+
+# The batch form and the plain one
+
+VARIANTS = {
+    "as shipped": (),
+    "two dwell times": ("controller.dwell_times=[0.05, 0.05]",),
+    "three dwell times, not ahead": (
+        "controller.dwell_times=[0.02, 0.03, 0.05]", "controller.omegas=[-1.0, 0.0, 1.0]",
+        "controller.speeds=[0.0, 1.0]", "controller.judge_ahead=0.0",
+    ),
+    "reverse in safe mode": ("controller.reverse_in_safe_mode=true",),
+    "two dwell times, reverse": (
+        "controller.reverse_in_safe_mode=true", "controller.dwell_times=[0.04, 0.06]",
+    ),
+    "translation": ("controller.collision_motion=translation",),
+    "easily alarmed": (
+        "controller.distance_low=3.0", "controller.distance_high=4.0",
+        "controller.time_low=4.0", "controller.time_high=6.0", "controller.beta=0.05",
+        "controller.safe_distance=2.0",
+    ),
+    "own speeds and omegas": (
+        "robots.0.speeds=[-0.5, 0.0, 0.5, 1.0]", "robots.0.omegas=[-0.3, 0.0, 0.3]",
+    ),
+    "slow robot": ("robots.0.limits.v=0.9",),
+    "large steps": ("time.step=0.025", "time.duration=8.0"),
+}  # fmt: skip
+OF_THE_FORMATION = {
+    "all are neighbours": ("formation.neighbours=all",),
+    "short range": ("formation.range=4.0",),
+    "listed neighbours": ("formation.neighbours=[[{0}, {1}]]",),
+    "wanted leads": ("formation.gain=0.3", "formation.limits=[0.0, 1.4]"),
+}
+
+
+def variants() -> Iterator[tuple[str, str]]:
+    for world_name in WORLDS:
+        with_formation = load_world(find_world(world_name)).formation is not None
+        for variant in VARIANTS | (OF_THE_FORMATION if with_formation else {}):
+            yield world_name, variant
+
+
+@pytest.mark.parametrize(("world_name", "variant"), list(variants()))
+def test_batch_decides_as_the_plain_form(world_name: str, variant: str) -> None:
+    plain = load_world(find_world(world_name))
+    names = [robot.name for robot in plain.robots[-2:]]
+    overrides = [text.format(*names) for text in (VARIANTS | OF_THE_FORMATION)[variant]]
+    seconds = 20.0 if (world_name, variant) == ("ten_robots", "as shipped") else SECONDS
+    check_alike(build_scene(shipped(world_name, *overrides)), seconds)
+
+
+def check_alike(scene: Scene, seconds: float) -> set[int]:
+    """Run both forms side by side; every decision must be equal to the bit. The modes seen."""
+    settings = scene.world.controller.settings
+    batch = Simulation(scene, controller=make_controller("mode_switching", settings))
+    plain = Simulation(scene, controller=Plain(make_controller("mode_switching", settings)))
+    assert not isinstance(plain.controller, Batched)
+    modes: set[int] = set()
+    for a, b in zip(run(batch, seconds), run(plain, seconds), strict=True):
+        assert same(a, b), (batch.time, a, b)
+        assert np.array_equal(batch.pose, plain.pose)
+        assert np.array_equal(batch.next_decision, plain.next_decision)
+        modes |= set(a.mode.tolist())
+    assert modes
+    return modes
+
+
+@pytest.mark.parametrize("world_name", WORLDS)
+def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) -> None:
+    """From poses of a whole run at which most robots were in danger, and from its end."""
+    scene = build_scene(load_world(find_world(world_name)))
+    simulation = Simulation(scene)
+    alarms: list[tuple[float, np.ndarray]] = []
+    pose = simulation.pose
+    while not simulation.finished and simulation.step_number < scene.steps:
+        if simulation.step_number % 50 == 0:
+            pose = simulation.pose
+        simulation.step()
+        if simulation.update is not None:
+            mode = simulation.mode
+            weight = (mode == 1).sum() + 2.0 * (mode == 2).sum()
+            if simulation.step_number % 50 == 1:
+                alarms.append((float(weight), pose))
+    worst = sorted(range(len(alarms)), key=lambda k: -alarms[k][0])[:2]
+    modes: set[int] = set()
+    for start in (*(alarms[k][1] for k in worst), alarms[-2][1]):
+        modes |= check_alike(dataclasses.replace(scene, start=start), 1.5)
+    assert int(Mode.ARRIVED) in modes
+    if alarms[worst[0]][0] > 0:
+        assert modes & {int(Mode.DISTANCE), int(Mode.TIME)}
+
+
+# Order
+
+
+@pytest.mark.parametrize("plain", [False, True], ids=["batch", "plain"])
+@pytest.mark.parametrize("world_name", WORLDS)
+def test_order_in_which_robots_are_asked_does_not_matter(world_name: str, plain: bool) -> None:
+    scene = build_scene(shipped(world_name, "controller.dwell_times=[0.05, 0.05]"))
+    controller: Controller = made("mode_switching", scene.world)
+    simulation = Simulation(scene, controller=Plain(controller) if plain else controller)
+    for _ in run(simulation, 2.03):
+        pass
+    snapshot = simulation.snapshot()
+    everyone = np.arange(scene.robots)
+    rng = np.random.default_rng(1)
+    orders = [[everyone], [everyone[::-1]], [rng.permutation(everyone)]]
+    orders += [[everyone[: k + 1], everyone[k + 1 :]] for k in range(scene.robots - 1)]
+    orders += [[everyone[1::2], everyone[::2]]] if scene.robots > 1 else []
+    outcomes = []
+    for order in orders:
+        asked = fork(simulation)
+        rows = [asked.decide_due(snapshot, due) for due in order]
+        robot = np.concatenate([r.robot for r in rows])
+        assert sorted(robot) == everyone.tolist()
+        by_robot = np.argsort(robot)
+        merged = [np.concatenate(column)[by_robot] for column in zip(*rows, strict=True)]
+        outcomes.append((Decisions(*merged), memories(asked)))
+    for decisions, memory in outcomes[1:]:
+        assert same(decisions, outcomes[0][0])
+        assert all(np.array_equal(a, b) for a, b in zip(memory, outcomes[0][1], strict=True))
+
+
+def fork(simulation: Simulation) -> Any:
+    """The simulation's batch with memories of its own."""
+    batch = simulation._batch
+    twin = copy.copy(batch)
+    if isinstance(batch, PlainBatch):
+        twin.memory = list(batch.memory)
+    else:
+        twin.memories = copy.deepcopy(batch.memories)
+    return twin
+
+
+def memories(batch: Any) -> list[np.ndarray]:
+    """Memories of all robots: mode, plan and number of the next dwell time."""
+    if isinstance(batch, PlainBatch):
+        columns = zip(*batch.memory, strict=True)
+        return [np.array(column) for column in columns]
+    return list(batch.memories)
+
+
+def test_the_shipped_controller_has_a_batch_form() -> None:
+    assert isinstance(ModeSwitching(), Batched)

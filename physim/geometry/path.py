@@ -74,7 +74,7 @@ def project(
         gap = hypot(dx - along * tx, dy - along * ty)
         if gap < best:
             best = gap
-            station = min(s0 + along, end)
+            station = min(max(s0 + along, low), high)  # rounding must not leave the stretch
             deviation = gap if tx * dy - ty * dx >= 0.0 else -gap
         a += 1
     return station, deviation

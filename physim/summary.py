@@ -143,13 +143,14 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     end = f"{s.ended} after {s.simulated_s:.2f} s"
     arrived = f"yes, at {s.time_to_finish_s:.2f} s" if s.time_to_finish_s is not None else "no"
     factor = s.real_time_factor
+    no_time = "none" if s.collision_time_evaluations else "n/a (the controller works none out)"
     robots = "1 robot" if s.robots == 1 else f"{s.robots} robots"
     return [
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
         ("contacts", _contacts_text(s.contacts)),
         ("shortest distance", _extreme_text(s.shortest_distance_m, "m", 4)),
         ("shortest boundary distance", _extreme_text(s.shortest_boundary_distance_m, "m", 4)),
-        ("shortest collision time", _extreme_text(s.shortest_collision_time_s, "s", 3, "none")),
+        ("shortest collision time", _extreme_text(s.shortest_collision_time_s, "s", 3, no_time)),
         ("farthest pair", _extreme_text(s.farthest_pair_m, "m", 2)),
         ("formation error, peak", _extreme_text(s.formation_error_peak_m, "m", 2)),
         ("formation error, final", _extreme_text(s.formation_error_final_m, "m", 2)),

@@ -53,11 +53,17 @@ def physim(*arguments: object, capture: pytest.CaptureFixture[str]) -> Done:
     return Done(code, *capture.readouterr())
 
 
-def shell(*arguments: object, folder: Path, **environment: str) -> Done:
+def environment(**more: str) -> dict[str, str]:
+    """The environment of an ordinary shell: output to a pipe is buffered."""
+    kept = {key: value for key, value in os.environ.items() if key != "PYTHONUNBUFFERED"}
+    return {**kept, **more}
+
+
+def shell(*arguments: object, folder: Path, **more: str) -> Done:
     """Run ``python -m physim`` in a folder, its output in pipes."""
     done = subprocess.run(
         command(arguments), cwd=folder, capture_output=True, text=True, timeout=300,
-        env={**os.environ, **environment},
+        env=environment(**more),
     )  # fmt: skip
     return Done(done.returncode, done.stdout, done.stderr)
 
@@ -65,8 +71,9 @@ def shell(*arguments: object, folder: Path, **environment: str) -> Done:
 def started(*arguments: object, folder: Path) -> subprocess.Popen[str]:
     """Start ``python -m physim`` in a folder and go on."""
     return subprocess.Popen(
-        command(arguments), cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
+        command(arguments), cwd=folder, text=True, env=environment(),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
 
 
 def command(arguments: Sequence[object]) -> list[str]:

@@ -31,8 +31,12 @@ robots:
 formation: {range: 8.0}
 expect: {contacts: 0}
 """
-LONG = SMALL.replace("[20, 0]", "[60000, 0]").replace("duration: 2.0", "duration: 50000.0")
-"""A run of 2.5 million steps: never over before a test has seen enough of it."""
+LONG = (
+    SMALL.replace("[20, 0]", "[60000, 0]")
+    .replace("step: 0.02", "step: 0.0005")
+    .replace("duration: 2.0", "duration: 5000.0")
+)
+"""A run of ten million steps: never over before a test has seen enough, and short to look at."""
 
 
 class Done(NamedTuple):

@@ -112,11 +112,18 @@ class Painter:
             draw_robot(view, outline, int(mode), bool(touches))
         if pair is not None:
             marks.draw_closest(view, lens, pair)
-        lasts = marks.mark_lasts(self._speed)
-        for row in story.contacts.recent(time, lasts):
-            age = time - float(story.contacts.began[row])
-            marks.draw_contact(view, lens, story.contacts.place[row], age, self._speed)
+        self._mark_contacts(view, lens, time)
         self._write_labels(view, lens, outlines, pair, lens.pixels(targets))
+
+    def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
+        """A flash where a contact begins; a cross that goes with it for as long as it lasts."""
+        contacts = self.story.contacts
+        recent = contacts.recent(time, marks.mark_lasts(self._speed))
+        for row in recent:
+            age = time - float(contacts.began[row])
+            marks.draw_flash(view, lens, contacts.place[row], age, self._speed)
+        for row in np.union1d(recent, contacts.present(time)):
+            marks.draw_contact(view, lens, contacts.place_at(int(row), time))
 
     def _trails(self, time: float, pose: FloatArray) -> FloatArray:
         """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""

@@ -1,4 +1,7 @@
-"""Formation error of each robot over the whole run, drawn up to the present time."""
+"""Formation error of each robot over the whole run, drawn up to the present time.
+
+A cross on the time axis says when a contact began.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import cv2
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.video import theme
+from physim.video import marks, theme
 from physim.video.camera import fixed
 from physim.video.layout import Box
 from physim.video.story import Story
@@ -18,6 +21,8 @@ LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
 """[px] margins of the plot; NAMES is the room for names beside the last values"""
 SPACING = 13
 """[px] between two names"""
+ARM = 4
+"""[px] half the size of the cross on the time axis where a contact began"""
 
 
 class Strip:
@@ -40,6 +45,9 @@ class Strip:
         self._blank = self._axes()
         self._full = self._blank.copy()
         self._draw_lines(times, values)
+        self._began = np.unique(np.rint(self._x(story.contacts.began)).astype(int))
+        for x in self._began:
+            self._draw_contact(self._full, int(x))
 
     def _x(self, time: FloatArray | float) -> FloatArray:
         return LEFT + np.asarray(time) / max(self._story.duration, 1e-9) * self._wide
@@ -81,12 +89,17 @@ class Strip:
                 if shown[0] and len(piece) > 1:
                     cv2.polylines(self._full, [piece], False, colour, 2, cv2.LINE_AA, SHIFT)
 
+    def _draw_contact(self, image: Image, x: int) -> None:
+        marks.draw_cross(image, np.array([x, TOP + self._high], dtype=np.float64), ARM, 2)
+
     def paint(self, image: Image, time: float, rows: IntArray) -> None:
         """Draw the strip as it is at ``time`` [s]; ``rows``: the robots' last decisions."""
         cursor = int(np.rint(self._x(time)))
         image[:] = self._blank
         image[:, : cursor + 1] = self._full[:, : cursor + 1]
         cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), theme.QUIET, 1)
+        for x in self._began[(self._began <= cursor) & (self._began > cursor - 2 * ARM)]:
+            self._draw_contact(image, int(x))  # whole, though half of it is still covered
         self._write_names(image, cursor, self._story.errors(rows))
 
     def _write_names(self, image: Image, cursor: int, values: FloatArray) -> None:

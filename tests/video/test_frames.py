@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.video import frame_at, theme
 from physim.video.closest import closest_pair
@@ -52,6 +53,34 @@ def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., A
     assert counts[1] > 150, "flash, mark and outlines"
     assert counts[2] > 30, "the mark stays for a second"
     assert counts[3] == 0
+
+
+def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    steps = np.arange(20, 151)  # 0.4 to 3.0 s
+    contacts = np.zeros(len(steps), record.contacts.dtype)
+    contacts["step"], contacts["b"], contacts["phase"] = steps, 1, Phase.STAYS
+    contacts["phase"][0], contacts["phase"][-1] = Phase.BEGAN, Phase.ENDED
+    contacts["x"], contacts["y"] = np.linspace(4.0, 12.0, len(steps)), 2.5
+    painter = Painter(changed(record, contacts=contacts), 1.0, 25.0)
+    for time, marked in ((0.3, False), (0.4, True), (1.6, True), (2.9, True), (3.1, False)):
+        x = np.interp(time, [0.4, 3.0], [4.0, 12.0])
+        at = painter._camera.lens(time).pixels(np.array([x, 2.5]))
+        column, row = np.rint(at).astype(int).tolist()
+        around = (slice(row - 8, row + 9), slice(column - 8, column + 9))
+        found = pixels(painter.frame(time), theme.CONTACT, around)
+        assert (found > 40) == marked, f"at {time} s: {found} px"
+
+
+def test_the_time_axis_keeps_when_contacts_began(made: Callable[..., Any]) -> None:
+    painter = Painter(made(3), 1.0, 25.0)
+    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT, None), VIEW[1])
+    shown = [pixels(painter.frame(t), theme.CONTACT, below) for t in (1.1, 1.2, 2.3, 2.4, 4.0)]
+    one = shown[1]
+    assert shown == [0, one, one, 2 * one, 2 * one]
+    assert one > 10
 
 
 def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:

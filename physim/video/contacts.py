@@ -54,7 +54,8 @@ class Episodes:
         first = int(self.first_row[episode])
         times = self.row_time[first : first + int(self.rows[episode])]
         last = max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
-        return self.row_place[first + last]
+        place: FloatArray = self.row_place[first + last]
+        return place
 
     def touching(self, time: float, robots: int) -> NDArray[np.bool_]:
         """Return for each robot (N,) whether it touches anything at ``time``."""
@@ -85,7 +86,7 @@ def episodes(record: Record) -> Episodes:
         else:
             ends[index] = step[ended[0]] if len(ended) else last_step + 1
     place = np.column_stack((table["x"], table["y"])).astype(np.float64)
-    time = step * record.dt
+    time = np.asarray(step * record.dt, dtype=np.float64)
     return Episodes(
         time[first], ends * record.dt, bodies[first], place[first], first, rows, time, place
     )

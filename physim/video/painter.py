@@ -42,7 +42,8 @@ class Painter:
     def __init__(self, record: Record, speed: float, fps: float) -> None:
         self.story = Story(record)
         self._speed = speed
-        self._layout = arrange(self.story.in_formation)
+        curves = self.story.curves
+        self._layout = arrange(curves is not None)
         world = ground(record)
         view = self._layout.view
         self._camera = Camera(self.story, world.extent, view, speed)
@@ -51,7 +52,7 @@ class Painter:
         self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed)
         self._overview = None if self._camera.whole else Overview(world, self._panel.free)
         strip = self._layout.strip
-        self._strip = None if strip is None else Strip(self.story, strip)
+        self._strip = Strip(self.story, curves, strip) if curves and strip else None
         self._labels = Labels()
         self._names = [shorten(name, theme.TEXT, 110) for name in record.names]
         period = max(speed / fps, theme.TRAIL / TRAIL_STEPS)

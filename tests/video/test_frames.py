@@ -13,6 +13,7 @@ from physim.video import frame_at, theme
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
 from physim.video.robots import Fleet
+from physim.video.story import Story
 from tests.records import make_record
 
 VIEW = (slice(0, theme.HEIGHT - theme.STRIP_HEIGHT), slice(0, theme.WIDTH - theme.PANEL_WIDTH))
@@ -111,20 +112,46 @@ def test_robots_have_the_colour_of_their_mode(
         assert not any(pixels(picture, c) for c in others)
 
 
-def test_one_robot_has_no_strip_and_several_have(made: Callable[..., Any]) -> None:
-    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
-    assert pixels(frame_at(made(1), 2.0), theme.WHITE, below) < 2000
-    assert pixels(frame_at(made(3), 2.0), theme.WHITE, below) > 100000
+BELOW = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
 
 
-def test_without_formation_there_is_no_strip(
+def test_one_robot_has_a_strip_of_its_deviation(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    assert "deviation" in Story(made(1)).curves.title
+    picture = frame_at(made(1), 3.9)
+    assert pixels(picture, theme.WHITE, BELOW) > 100000
+    assert pixels(picture, theme.robot_colour(0), BELOW) > 500
+    updates = made(1).updates.copy()
+    updates["deviation"] *= -1.0
+    turned = frame_at(changed(made(1), updates=updates), 3.9)
+    assert not np.array_equal(picture[BELOW], turned[BELOW]), "the sign is shown"
+
+
+def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    record = made(3)
+    rows = np.arange(3)
+    formation = Story(record).curves
+    assert formation.title == "formation error [m]"
+    assert formation.values(rows).tolist() == record.updates["formation_error"][:3].tolist()
+    updates = record.updates.copy()
+    updates["formation_error"] = np.nan
+    for text in ("name: x", "name: x\nformation: null"):
+        assert "deviation" in Story(changed(record, world_text=text)).curves.title
+    without = Story(changed(record, updates=updates))
+    assert without.curves.title == "deviation from the path, left positive [m]"
+    assert without.curves.values(rows).tolist() == updates["deviation"][:3].tolist()
+    updates["deviation"] = np.nan
+    assert Story(changed(record, updates=updates)).curves is None
+
+
+def test_without_anything_to_show_there_is_no_strip(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     updates = made(3).updates.copy()
-    updates["formation_error"] = np.nan
-    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
+    updates["formation_error"] = updates["deviation"] = np.nan
     picture = frame_at(changed(made(3), updates=updates), 2.0)
-    assert pixels(picture, theme.WHITE, below) < 5000
+    assert pixels(picture, theme.WHITE, BELOW) < 5000
 
 
 def test_a_record_without_decisions_or_areas(

@@ -43,6 +43,7 @@ LAYERS = {
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
     "physim.control_loop": (4, 0),
+    "physim.control_decisions": (4, 0),
     "physim.simulation": (4, 1),
     "physim.recording": (4, 2),
     "physim.warm_up": (4, 2),

@@ -106,6 +106,15 @@ def build_parser() -> argparse.ArgumentParser:
     summary.add_argument("--json", action="store_true", help="print JSON instead of a table")
     summary.set_defaults(action=_lazy("physim.cli.summary", "summary"))
 
+    validate = commands.add_parser(
+        "validate",
+        help="judge a run: analytic checks against physical contacts",
+        description="Judge a run: analytic checks against physical contacts.",
+        formatter_class=raw,
+    )
+    validate.add_argument("given", metavar="WORLD|RECORD")
+    validate.set_defaults(action=_lazy("physim.cli.validate", "validate_command"))
+
     listing = commands.add_parser(
         "list",
         help="list shipped worlds and controllers",

@@ -1,0 +1,211 @@
+"""Contacts in words: what went wrong, where, and who was responsible."""
+
+from __future__ import annotations
+
+import math
+
+from physim.control import Mode
+from physim.validation.contact_report import ContactReport, Side
+from physim.validation.numbers import joined, length, names_of, short
+from physim.validation.validation import Validation
+
+SHOWN = 8
+"""Contacts told in full"""
+
+MODES = {
+    int(Mode.SAFE): "safe mode",
+    int(Mode.DISTANCE): "danger mode (by distance)",
+    int(Mode.TIME): "danger mode (by collision time)",
+    int(Mode.ARRIVED): "arrived, standing",
+}
+
+
+def opening(validation: Validation) -> list[str]:
+    """What happened, in two or three sentences."""
+    run, names = validation.run, names_of(validation)
+    if not validation.contacts:
+        least = validation.near_misses.distances
+        close = (
+            f"; the nearest was {length(least[0].value)} ({names[least[0].a]} and "
+            f"{names[least[0].b]} at {least[0].time:.2f} s)"
+            if least
+            else f"; nothing came nearer than {validation.near_misses.reach:.2f} m"
+        )
+        return [f"  No contact in {run.seconds:.2f} s{close}."]
+    first = validation.contacts[0]
+    robots = sum(one.b < run.robots for one in validation.contacts)
+    lines = [
+        f"  {robots} between robots, {len(validation.contacts) - robots} with boundaries or "
+        f"obstacles, in {run.seconds:.2f} s.",
+        f"  First at {first.time:.2f} s: {_who(first, names)}. {_charge(first, names)}",
+    ]
+    if len(validation.contacts) > 1:
+        shares = [
+            f"{names[i]} {sum(i in one.responsible for one in validation.contacts)}"
+            for i in sorted({i for one in validation.contacts for i in one.responsible})
+        ]
+        lines.append(f"  Responsible, by number of contacts: {', '.join(shares)}.")
+    return lines
+
+
+def table_lines(validation: Validation) -> list[str]:
+    """One line for each pair that touched."""
+    names = names_of(validation)
+    pairs: dict[tuple[int, int], list[ContactReport]] = {}
+    for one in validation.contacts:
+        pairs.setdefault((one.a, one.b), []).append(one)
+    width = max(len(f"{names[a]} and {names[b]}") for a, b in pairs)
+    head = f"{'pair':<{width}}  contacts  first at  in contact  deepest  impulse     responsible"
+    lines = [f"  {head}"]
+    for (a, b), some in pairs.items():
+        who = sorted({i for one in some for i in one.responsible})
+        lines.append(
+            f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}  {some[0].time:>6.2f} s"
+            f"  {sum(one.duration for one in some):>8.2f} s"
+            f"  {length(max(one.depth for one in some)):>7}"
+            f"  {sum(one.impulse for one in some):>7.1f} N s  {joined([names[i] for i in who])}"
+        )
+    return lines
+
+
+def contact_lines(validation: Validation) -> list[str]:
+    """The first contacts in full; of the others how many they are."""
+    lines = []
+    for one in validation.contacts[:SHOWN]:
+        lines += ["", *_contact(validation, one)]
+    left = len(validation.contacts) - SHOWN
+    if left > 0:
+        lines += ["", f"  and {left} more contacts (--json FILE has all)"]
+    return lines
+
+
+def _contact(validation: Validation, one: ContactReport) -> list[str]:
+    names = names_of(validation)
+    end = "still touching at the end" if one.lasting else f"for {one.duration:.2f} s"
+    motion = f"closing at {one.closing:.3f} m/s, sliding at {one.sliding:.3f} m/s"
+    if one.time == 0.0:
+        motion = "in contact from the start"
+    before = _before(validation, one)
+    lines = [
+        f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
+        _item("what", f"{_who(one, names)}; {motion}"),
+        _item(
+            "where",
+            f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
+            f"{one.station:.2f} m along the reference path",
+        ),
+        _item(
+            "contact",
+            f"{end}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
+            f"first, {one.impulse:.1f} N s in all",
+        ),
+        _item("responsible", _charge(one, names)),
+    ]
+    lines += [_item(names[side.body], _decision(side, one)) for side in one.sides]
+    lines.append(_item("finding", _finding(one, names)))
+    return lines + ([_item("note", before)] if before else [])
+
+
+def _item(label: str, text: str) -> str:
+    return f"    {label:<12}{text}"
+
+
+def _who(one: ContactReport, names: list[str]) -> str:
+    """``front of r2 against rear left of r1``, the one that ran into the other first."""
+    sides = sorted(one.sides, key=lambda side: not side.responsible)
+    words = [f"{side.part} of {names[side.body]}" for side in sides]
+    if len(sides) == 1:
+        words.append(names[one.b])
+    return " against ".join(words)
+
+
+def _charge(one: ContactReport, names: list[str]) -> str:
+    charged = [side for side in one.sides if side.responsible]
+    who = joined([names[side.body] for side in charged])
+    if one.sides[0].behind is None:
+        return f"{who}: a robot has to keep clear of boundaries and obstacles."
+    if len(charged) > 1:
+        return f"{who}: each was behind the other at its own last decision."
+    side = charged[0]
+    other = names[one.a + one.b - side.body]
+    behind = side.behind or 0.0
+    if behind > 0.0:
+        return (
+            f"{who}: it was {length(behind)} behind {other} along the reference path, "
+            f"so it had to consider {other}."
+        )
+    if behind == 0.0:
+        return f"{who}: level with {other}, which has the lower number and so priority."
+    return f"{who}: it was behind {other} when they touched; the two changed places just before."
+
+
+def _decision(side: Side, one: ContactReport) -> str:
+    if side.decided is None:
+        return "made no decision before the contact"
+    mode = MODES.get(-1 if side.mode is None else side.mode, f"mode {side.mode}")
+    ago = one.prediction.touched - side.decided
+    return (
+        f"decided {short(ago)} before: {mode}, v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
+        f"it {_saw(side)}"
+    )
+
+
+def _saw(side: Side) -> str:
+    """What its controller reported to have looked at."""
+    if math.isnan(side.reported_time) and math.isnan(side.reported_distance):
+        return "reported no distance and no collision time"
+    words = [f"considered {side.considered} robot{'s' if side.considered != 1 else ''}"]
+    if not math.isnan(side.reported_distance):
+        near = "none" if math.isinf(side.reported_distance) else length(side.reported_distance)
+        words.append(f"nearest of them {near}")
+    if not math.isnan(side.reported_boundary):
+        words.append(f"nearest boundary {length(side.reported_boundary)}")
+    if math.isnan(side.reported_time):
+        words.append("no collision time")
+    else:
+        seen = "none" if math.isinf(side.reported_time) else f"{side.reported_time:.3f} s"
+        words.append(f"collision time {seen}")
+    return ", ".join(words)
+
+
+def _finding(one: ContactReport, names: list[str]) -> str:
+    """Why it was not avoided, as far as the record shows."""
+    charged = [side for side in one.sides if side.responsible]
+    side = charged[0]
+    name, other = names[side.body], names[one.a + one.b - side.body]
+    ahead = ""
+    if one.warning is not None:
+        ahead = (
+            f"contact lay ahead for the last {short(one.warning)} at every decision. "
+            if one.warning > 0.0
+            else "contact did not lay ahead at the last decision. "
+        )
+    if side.decided is None:
+        return f"{ahead}{name} had made no decision yet."
+    due = one.prediction.predicted
+    if due is not None and math.isinf(due):
+        return f"{ahead}No contact was due under the commands of the last decision."
+    blind = math.isnan(side.reported_time) and math.isnan(side.reported_distance)
+    if blind:
+        return f"{ahead}Nothing in the record shows that {name} looked at {other} at all."
+    if one.b < 10**9 and len(one.sides) == 2 and side.considered == 0:
+        return f"{ahead}{name} considered no robot, though it had to consider {other}."
+    if side.mode == Mode.SAFE:
+        return f"{ahead}{name} was in safe mode: it did not see the danger."
+    return f"{ahead}{name} was avoiding, but found no command that kept clear of {other}."
+
+
+def _before(validation: Validation, one: ContactReport) -> str:
+    """What led up to this contact, when an earlier one did."""
+    names = names_of(validation)
+    notes = []
+    if one.also_touching:
+        notes.append(f"already touching {joined([names[i] for i in one.also_touching])}")
+    earlier = [
+        other for other in validation.contacts[: one.number - 1]
+        if (other.a, other.b) == (one.a, one.b)
+    ]  # fmt: skip
+    if earlier:
+        gap = one.time - earlier[-1].time - earlier[-1].duration
+        notes.append(f"{short(gap)} after contact {earlier[-1].number} of the same pair")
+    return "; ".join(notes)

@@ -11,10 +11,9 @@ import math
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.collision import bodies_time, walls_time
-from physim.geometry.motion import Course, straight_course
 from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT
 
 FULL = -1
@@ -22,18 +21,10 @@ FULL = -1
 
 
 @compiled
-def line_course(start: FloatArray, end: FloatArray, radius: float, dt: float) -> Course:
-    """Course of a body whose position and angle go linearly from one sample to the next."""
-    return straight_course(
-        start, (end[0] - start[0]) / dt, (end[1] - start[1]) / dt, (end[2] - start[2]) / dt, radius
-    )
-
-
-@compiled
 def travel_bound(start: FloatArray, end: FloatArray, radius: float) -> float:
     """Upper bound [m] on how far any point of a body moves in one step."""
     way = math.hypot(end[0] - start[0], end[1] - start[1])
-    return way + radius * abs(end[2] - start[2])
+    return float(way + radius * abs(end[2] - start[2]))
 
 
 @compiled
@@ -101,10 +92,9 @@ def scan_robots(
                     if d <= CONTACT or d <= moved:
                         before = body_distance(shapes, a, old[a], shapes, b, old[b])
                         if touch_in_step(before, d, moved):
-                            values[count, 1] = bodies_time(
-                                shapes, a, line_course(old[a], now[a], ra, dt),
-                                shapes, b, line_course(old[b], now[b], rb, dt), dt,
-                            )  # fmt: skip
+                            values[count, 1] = swept_pair(
+                                shapes, a, old[a], now[a], b, old[b], now[b], dt
+                            )
                 count += 1
     return count
 
@@ -161,7 +151,8 @@ def scan_walls(
                     if d <= CONTACT or d <= moved:
                         before = wall_distance(shapes, i, start, walls, parts)
                         if touch_in_step(before, d, moved):
-                            course = line_course(start, end, radius, dt)
-                            values[count, 1] = walls_time(shapes, i, course, walls, parts, dt)
+                            values[count, 1] = swept_walls(shapes, i, start, end, walls, parts, dt)[
+                                0
+                            ]
                 count += 1
     return count

@@ -78,8 +78,10 @@ class Validation:
         return CONTACTS if self.contacts else FREE
 
 
-def validate(record: Record, *, resimulated: bool = False) -> Validation:
+def validate(record: Record, *, source: str | None = None, resimulated: bool = False) -> Validation:
     """Validate a record that holds the poses of every step.
+
+    ``source`` says in the report where it came from: its file, when absent.
 
     Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
     interrupted or killed is judged as far as it is recorded.
@@ -89,7 +91,9 @@ def validate(record: Record, *, resimulated: bool = False) -> Validation:
     table = DecisionTable(record)
     comparison = compare(record, ledger)
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
-    return Validation(_run(record), comparison, contacts, near_misses(record, ledger), resimulated)
+    return Validation(
+        _run(record, source), comparison, contacts, near_misses(record, ledger), resimulated
+    )
 
 
 def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
@@ -128,9 +132,9 @@ def check_complete(record: Record) -> None:
         )
 
 
-def _run(record: Record) -> Run:
+def _run(record: Record, source: str | None) -> Run:
     return Run(
-        record.name, str(record.path or "in memory"), record.seed, _controller(record),
+        record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
         record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
         record.steps_planned * record.dt, record.ended, record.versions,
     )  # fmt: skip

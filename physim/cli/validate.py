@@ -52,9 +52,9 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
         rerun.check_origin(record, world, options.world)
     if options.seeds is not None:
         return _validate_world(*rerun.world_inside(options, record), options)
-    if options.world is None and (options.overrides or options.controller):
-        if not is_coarse(record):
-            raise PhysimError("--set and --controller go with a world, or with --world")
+    changes = bool(options.overrides or options.controller)
+    if changes and options.world is None and not is_coarse(record):
+        raise PhysimError("--set and --controller go with a world, or with --world")
     if options.seed is not None:
         raise PhysimError("--seed goes with a world: a record has its own seed")
     if not is_coarse(record):

@@ -22,6 +22,7 @@ from physim.contacts import Kind, Phase
 from physim.errors import RecordError
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import IntArray
+from physim.geometry.swept import least_gap_pair, least_gap_walls
 from physim.record import Record
 from physim.tolerances import CONTACT
 from physim.validation.ledger import Ledger, robot_shapes
@@ -60,7 +61,7 @@ class Disagreement:
     time: float
     """[s] of the first sample; of a graze, of its first touch"""
     distance: float
-    """[m] signed, at the first sample, from the poses"""
+    """[m] signed, at the first sample, from the poses; of a graze the least between its samples"""
     cause: str
     what: str
     """what each of the two says"""
@@ -187,7 +188,7 @@ def _at_samples(
                     at[0],
                     TOLERANCE if close else UNEXPLAINED,
                     claim,
-                )  # fmt: skip
+                )
             )
     return found
 
@@ -209,19 +210,22 @@ def _stretches(keys: IntArray, bodies: int) -> list[tuple[int, int, int, int]]:
 
 
 def _grazes(record: Record, ledger: Ledger) -> list[Disagreement]:
-    return [
-        Disagreement(
-            int(row["a"]),
-            int(row["b"]),
-            int(row["step"]),
-            1,
-            float((row["step"] - 1) * record.dt + row["entry"]),
-            float(row["distance"]),
-            GRAZE,
-            "touching between two samples, apart at both",
-        )  # fmt: skip
-        for row in ledger.grazes
-    ]
+    shapes = robot_shapes(record)
+    found = []
+    for row in ledger.grazes:
+        a, b, step = int(row["a"]), int(row["b"]), int(row["step"])
+        old, new = record.read("/steps/pose", step - 1, step + 1)
+        if b < record.robots:
+            least = least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0]
+        else:
+            walls = record.walls
+            first, last = walls.body_start[b - record.robots : b - record.robots + 2]
+            parts = np.arange(first, last)
+            least = least_gap_walls(shapes, a, old[a], new[a], walls, parts, record.dt)[0]
+        time = float((step - 1) * record.dt + row["entry"])
+        what = "touching between two samples, apart at both"
+        found.append(Disagreement(a, b, step, 1, time, float(least), GRAZE, what))
+    return found
 
 
 def _lost_entries(record: Record, ledger: Ledger) -> list[Disagreement]:
@@ -237,7 +241,7 @@ def _lost_entries(record: Record, ledger: Ledger) -> list[Disagreement]:
             float(row["distance"]),
             TOLERANCE if abs(row["distance"]) <= CONTACT + ROUNDING else UNEXPLAINED,
             "touching at the sample, but no contact in the step that led to it",
-        )  # fmt: skip
+        )
         for row in rows
     ]
 

@@ -6,7 +6,7 @@ import math
 
 from physim.control import Mode
 from physim.validation.contact_report import ContactReport, Side
-from physim.validation.numbers import joined, length, names_of, short
+from physim.validation.numbers import joined, length, names_of, short, wrapped
 from physim.validation.validation import Validation
 
 SHOWN = 8
@@ -22,30 +22,35 @@ MODES = {
 
 def opening(validation: Validation) -> list[str]:
     """What happened, in two or three sentences."""
-    run, names = validation.run, names_of(validation)
+    return [
+        line for text in _sentences(validation) for line in wrapped(text, "  ", "  ")
+    ]  # fmt: skip
+
+
+def _sentences(validation: Validation) -> list[str]:
+    run, names, near = validation.run, names_of(validation), validation.near_misses
     if not validation.contacts:
-        least = validation.near_misses.distances
-        close = (
-            f"; the nearest was {length(least[0].value)} ({names[least[0].a]} and "
-            f"{names[least[0].b]} at {least[0].time:.2f} s)"
-            if least
-            else f"; nothing came nearer than {validation.near_misses.reach:.2f} m"
-        )
-        return [f"  No contact in {run.seconds:.2f} s{close}."]
+        told = [
+            f"{names[one.a]} and {names[one.b]} came within {length(one.value)} at {one.time:.2f} s"
+            for one in (near.smallest_robots, near.smallest_boundary)
+            if one is not None
+        ]
+        return [f"No contact in {run.seconds:.2f} s. Nearest: {'; '.join(told) or 'nothing'}."]
     first = validation.contacts[0]
     robots = sum(one.b < run.robots for one in validation.contacts)
-    lines = [
-        f"  {robots} between robots, {len(validation.contacts) - robots} with boundaries or "
+    said = [
+        f"{robots} between robots, {len(validation.contacts) - robots} with boundaries or "
         f"obstacles, in {run.seconds:.2f} s.",
-        f"  First at {first.time:.2f} s: {_who(first, names)}. {_charge(first, names)}",
+        f"First at {first.time:.2f} s: {_who(first, names)}. "
+        f"Responsible is {_charge(first, names)} {_finding(first, names)}",
     ]
     if len(validation.contacts) > 1:
         shares = [
             f"{names[i]} {sum(i in one.responsible for one in validation.contacts)}"
             for i in sorted({i for one in validation.contacts for i in one.responsible})
         ]
-        lines.append(f"  Responsible, by number of contacts: {', '.join(shares)}.")
-    return lines
+        said.append(f"Responsible, by number of contacts: {', '.join(shares)}.")
+    return said
 
 
 def table_lines(validation: Validation) -> list[str]:
@@ -86,28 +91,30 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
     if one.time == 0.0:
         motion = "in contact from the start"
     before = _before(validation, one)
+    push = f", pushing with {one.impulse / one.duration:.0f} N on average"
     lines = [
         f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
-        _item("what", f"{_who(one, names)}; {motion}"),
-        _item(
+        *_item("what", f"{_who(one, names)}; {motion}"),
+        *_item(
             "where",
             f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
             f"{one.station:.2f} m along the reference path",
         ),
-        _item(
+        *_item(
             "contact",
-            f"{end}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
+            f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
             f"first, {one.impulse:.1f} N s in all",
         ),
-        _item("responsible", _charge(one, names)),
+        *_item("responsible", _charge(one, names)),
     ]
-    lines += [_item(names[side.body], _decision(side, one)) for side in one.sides]
-    lines.append(_item("finding", _finding(one, names)))
-    return lines + ([_item("note", before)] if before else [])
+    for side in one.sides:
+        lines += _item(names[side.body], _decision(side, one))
+    lines += _item("finding", _finding(one, names))
+    return lines + (_item("note", before) if before else [])
 
 
-def _item(label: str, text: str) -> str:
-    return f"    {label:<12}{text}"
+def _item(label: str, text: str) -> list[str]:
+    return wrapped(text, f"    {label:<11} ", 16 * " ")
 
 
 def _who(one: ContactReport, names: list[str]) -> str:
@@ -170,29 +177,31 @@ def _saw(side: Side) -> str:
 
 def _finding(one: ContactReport, names: list[str]) -> str:
     """Why it was not avoided, as far as the record shows."""
-    charged = [side for side in one.sides if side.responsible]
-    side = charged[0]
+    side = next(side for side in one.sides if side.responsible)
     name, other = names[side.body], names[one.a + one.b - side.body]
-    ahead = ""
-    if one.warning is not None:
-        ahead = (
-            f"contact lay ahead for the last {short(one.warning)} at every decision. "
-            if one.warning > 0.0
-            else "contact did not lay ahead at the last decision. "
-        )
     if side.decided is None:
-        return f"{ahead}{name} had made no decision yet."
-    due = one.prediction.predicted
-    if due is not None and math.isinf(due):
-        return f"{ahead}No contact was due under the commands of the last decision."
-    blind = math.isnan(side.reported_time) and math.isnan(side.reported_distance)
-    if blind:
-        return f"{ahead}Nothing in the record shows that {name} looked at {other} at all."
-    if one.b < 10**9 and len(one.sides) == 2 and side.considered == 0:
-        return f"{ahead}{name} considered no robot, though it had to consider {other}."
-    if side.mode == Mode.SAFE:
-        return f"{ahead}{name} was in safe mode: it did not see the danger."
-    return f"{ahead}{name} was avoiding, but found no command that kept clear of {other}."
+        return f"{name} had made no decision yet."
+    said = []
+    if one.warning is not None:
+        said.append(
+            f"Contact lay ahead at every decision of the last {short(one.warning)}."
+            if one.warning > 0.0
+            else "Contact did not lay ahead at the last decision."
+        )
+    wall = len(one.sides) == 1
+    looked = not math.isnan(side.reported_time)
+    looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)
+    if not looked:
+        said.append(f"{name} reported no look at {other}: no distance and no collision time.")
+    elif not wall and side.considered == 0:
+        said.append(f"{name} considered no robot, though it had to consider {other}.")
+    elif side.mode == Mode.SAFE:
+        said.append(f"{name} was in safe mode: it did not take {other} for a danger.")
+    elif side.mode == Mode.ARRIVED:
+        said.append(f"{name} had arrived and stood still.")
+    else:
+        said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
+    return " ".join(said)
 
 
 def _before(validation: Validation, one: ContactReport) -> str:

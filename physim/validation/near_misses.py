@@ -9,7 +9,7 @@ contacts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,16 @@ from numpy.typing import NDArray
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.metrics import Episode, contact_episodes
+from physim.metrics import (
+    Episode,
+    Moment,
+    contact_episodes,
+    shortest_boundary_distance,
+    shortest_distance,
+)
 from physim.record import Record
 from physim.tolerances import CONTACT
+from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger, blocks, robot_shapes
 from physim.validation.scan import FULL, walls_about
 
@@ -41,6 +48,8 @@ class NearMiss:
     """[s]"""
     value: float
     """[m] or [s]"""
+    behind: int | None = None
+    """robot that was behind along s*, and so had to consider the other; None for a boundary"""
 
 
 @dataclass(frozen=True)
@@ -53,16 +62,40 @@ class NearMisses:
     """[s]"""
     reach: float
     """[m] distances listed are below this"""
+    smallest_robots: NearMiss | None
+    """smallest distance of two robots in the whole run, whatever it is"""
+    smallest_boundary: NearMiss | None
+    """smallest distance of a robot and a boundary or obstacle"""
 
 
-def near_misses(record: Record, ledger: Ledger) -> NearMisses:
+def near_misses(record: Record, ledger: Ledger, table: DecisionTable) -> NearMisses:
     """Find the near misses of a record with the poses of every step."""
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
         for near in ledger.approaches
         if near.distance > CONTACT
     ]
-    return NearMisses(tuple(distances[:SHOWN]), _times(record)[:SHOWN], ledger.reach)
+    return NearMisses(
+        tuple(_with_order(table, one) for one in distances[:SHOWN]),
+        tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
+        ledger.reach,
+        _least(shortest_distance(record)),
+        _least(shortest_boundary_distance(record)),
+    )
+
+
+def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
+    """Say which of two robots was behind; equal stations: the higher index."""
+    if one.b >= table.record.robots:
+        return one
+    ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
+    return replace(one, behind=one.b if ahead else one.a)
+
+
+def _least(moment: Moment | None) -> NearMiss | None:
+    if moment is None or moment.b is None:
+        return None
+    return NearMiss(moment.a, moment.b, moment.step, moment.time, moment.value)
 
 
 @compiled

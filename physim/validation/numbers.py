@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 from physim.validation.validation import Validation
+
+COLUMNS = 100
 
 
 def names_of(validation: Validation) -> list[str]:
@@ -36,10 +39,19 @@ def length(metres: float) -> str:
 
 
 def short(seconds: float) -> str:
-    """A time span with four significant figures at most."""
+    """A time span: seconds, or ms, us where it is small; below a nanosecond 0."""
     size = abs(seconds)
-    if size == 0.0 or size >= 0.1:
+    if size < 1e-9:
+        return "0 s"
+    if size >= 0.1:
         return f"{seconds:.3f} s"
     if size >= 1e-4:
-        return f"{1e3 * seconds:.2f} ms"
-    return f"{1e6 * seconds:.2g} us"
+        return f"{1e3 * seconds:.1f} ms"
+    return f"{1e6 * seconds:.3g} us"
+
+
+def wrapped(text: str, indent: str, hanging: str) -> list[str]:
+    """Lines of at most `COLUMNS` columns, the first indented by ``indent``."""
+    return textwrap.wrap(
+        text, COLUMNS, initial_indent=indent, subsequent_indent=hanging, break_on_hyphens=False
+    )

@@ -36,6 +36,7 @@ AS_COMMANDED = 1e-7
 AGREES = "same step"
 DISAGREES = "another step"
 NOT_AS_COMMANDED = "a robot did not move as commanded"
+STILL_TOUCHING = "they still touched at the last decision"
 NO_DECISION = "no decision before it"
 
 
@@ -140,7 +141,9 @@ class Predictor:
         verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
         if verdict == DISAGREES and self._touches_then(a, b, step, predicted, gap):
             verdict = AGREES
-        if not all(self._as_commanded(i, made, step) for i in robots):
+        if predicted == made * dt and verdict == DISAGREES:
+            verdict = STILL_TOUCHING
+        elif not all(self._as_commanded(i, made, step) for i in robots):
             verdict = NOT_AS_COMMANDED
         early = self._earlier(a, b, robots, step, touched) if earlier else ()
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)

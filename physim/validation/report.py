@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from physim.validation.contact_text import contact_lines, opening, table_lines
-from physim.validation.numbers import listed, names_of
+from physim.validation.near_misses import LOOK, NearMiss
+from physim.validation.numbers import listed, names_of, wrapped
+from physim.validation.prediction_text import prediction_lines
 from physim.validation.validation import Validation, confusions
 
 SHOWN_DISAGREEMENTS = 20
@@ -17,7 +19,7 @@ def report(validation: Validation) -> str:
         _contacts(validation),
         _checks(validation),
         _disagreements(validation),
-        _predictions(validation),
+        prediction_lines(validation),
         _near_misses(validation),
         [f"verdict: {validation.verdict}"],
     ]
@@ -39,7 +41,7 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller}",
+        f"  controller  {run.controller} (as named in the world of the record)",
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]
@@ -57,10 +59,11 @@ def _contacts(validation: Validation) -> list[str]:
 
 def _checks(validation: Validation) -> list[str]:
     comparison, run = validation.comparison, validation.run
+    pad = 34 * " "
     lines = [
         "CHECKS: physical contacts against exact distances, every pair at every step",
-        f"  {'':<34}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
-        f"  {'':<34}{'contact':>10}{'only':>10}{'only':>10}{'':>14}",
+        f"  {pad}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
+        f"  {pad}{'contact':>10}{'only':>10}{'only':>10}",
     ]
     for label, row in confusions(validation):
         cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
@@ -86,42 +89,41 @@ def _disagreements(validation: Validation) -> list[str]:
     for one in shown:
         who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
         long = f" for {one.steps} samples" if one.steps > 1 else ""
-        lines.append(
-            f"  {one.time:9.4f} s  {who}, signed distance {one.distance:.3g} m{long}: "
-            f"{one.cause} ({one.what})"
-        )
+        lines += wrapped(
+            f"{one.time:9.4f} s  {who}, signed distance {one.distance:.3g} m{long}: "
+            f"{one.cause} ({one.what})", "  ", 15 * " ",
+        )  # fmt: skip
     for contact in validation.mispredicted[:SHOWN_DISAGREEMENTS]:
         p = contact.prediction
         due = "none" if p.predicted is None or p.predicted > 1e9 else f"{p.predicted:.4f} s"
-        lines.append(
-            f"  {p.found:9.4f} s  {names[p.a]} and {names[p.b]}: unexplained (contact first touched "
-            f"at {p.touched:.4f} s; predicted at {p.made:.2f} s: {due})"
-        )
+        lines += wrapped(
+            f"{p.found:9.4f} s  {names[p.a]} and {names[p.b]}: unexplained (first touch at "
+            f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})", "  ", 15 * " ",
+        )  # fmt: skip
     left = count - len(shown) - len(validation.mispredicted[:SHOWN_DISAGREEMENTS])
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 
-def _predictions(validation: Validation) -> list[str]:
-    from physim.validation.prediction_text import prediction_lines
-
-    return prediction_lines(validation)
-
-
 def _near_misses(validation: Validation) -> list[str]:
-    near, names = validation.near_misses, names_of(validation)
-    lines = ["NEAR MISSES (approaches that did not end in contact)"]
-    lines.append(f"  smallest distances, of approaches nearer than {near.reach:.2f} m")
-    for one in near.distances:
+    near = validation.near_misses
+    return [
+        "NEAR MISSES (approaches that did not end in contact)",
+        f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
+        *_near_rows(validation, near.distances, "m", 4),
+        f"  smallest collision times under the commands of the moment, below {LOOK:g} s",
+        *_near_rows(validation, near.times, "s", 3),
+    ]
+
+
+def _near_rows(
+    validation: Validation, some: tuple[NearMiss, ...], unit: str, digits: int
+) -> list[str]:
+    names = names_of(validation)
+    lines = []
+    for one in some:
+        duty = "" if one.behind is None else f" ({names[one.behind]} had to give way)"
         lines.append(
-            f"    {one.value:8.4f} m  at {one.time:8.2f} s  {names[one.a]} and {names[one.b]}"
+            f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
+            f"{names[one.a]} and {names[one.b]}{duty}"
         )
-    if not near.distances:
-        lines.append("    none")
-    lines.append("  smallest collision times under the commands of the moment, below 3 s")
-    for one in near.times:
-        lines.append(
-            f"    {one.value:8.3f} s  at {one.time:8.2f} s  {names[one.a]} and {names[one.b]}"
-        )
-    if not near.times:
-        lines.append("    none")
-    return lines
+    return lines or ["    none"]

@@ -92,7 +92,7 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     comparison = compare(record, ledger)
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
     return Validation(
-        _run(record, source), comparison, contacts, near_misses(record, ledger), resimulated
+        _run(record, source), comparison, contacts, near_misses(record, ledger, table), resimulated
     )
 
 

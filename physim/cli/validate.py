@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from physim.cli import rerun
@@ -10,7 +11,7 @@ from physim.cli.output import write_text
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.scene_builder import is_random
-from physim.validation import Validation, report, validate
+from physim.validation import Validation, is_warm, report, validate
 from physim.validation.as_json import json_of_seeds, json_of_validation
 from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
 from physim.validation.validation import check_complete, is_coarse
@@ -58,7 +59,7 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
     if options.seed is not None:
         raise PhysimError("--seed goes with a world: a record has its own seed")
     if not is_coarse(record):
-        return _told(validate(record), options)
+        return _told(_judged(record, str(record.path), options), options)
     if record.ended == "error":
         raise PhysimError(f"{record.path}: the run broke off with an error; run it again")
     world, document = rerun.world_inside(options, record)
@@ -103,7 +104,14 @@ def _run_and_validate(
 ) -> Validation:
     with rerun.run_again(world, document, seed, options) as record:
         check_complete(record)
-        return validate(record, source=f"simulated just now from {document.source}")
+        return _judged(record, f"simulated just now from {document.source}", options)
+
+
+def _judged(record: Record, source: str, options: argparse.Namespace) -> Validation:
+    if not is_warm() and not options.quiet:
+        text = "compiling the kernels, once after an installation or an edit ..."
+        print(text, file=sys.stderr, flush=True)
+    return validate(record, source=source)
 
 
 def _told(found: Validation, options: argparse.Namespace) -> int:

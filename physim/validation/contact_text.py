@@ -10,7 +10,7 @@ from physim.validation.numbers import joined, length, names_of, short, wrapped
 from physim.validation.validation import Validation
 
 SHOWN = 8
-"""Contacts told in full"""
+"""Pairs whose first contact is told in full"""
 
 MODES = {
     int(Mode.SAFE): "safe mode",
@@ -60,7 +60,9 @@ def table_lines(validation: Validation) -> list[str]:
     for one in validation.contacts:
         pairs.setdefault((one.a, one.b), []).append(one)
     width = max(len(f"{names[a]} and {names[b]}") for a, b in pairs)
-    head = f"{'pair':<{width}}  contacts  first at  in contact  deepest  impulse     responsible"
+    head = (
+        f"{'pair':<{width}}  contacts  first at  in contact  deepest        impulse   responsible"
+    )
     lines = [f"  {head}"]
     for (a, b), some in pairs.items():
         who = sorted({i for one in some for i in one.responsible})
@@ -68,20 +70,29 @@ def table_lines(validation: Validation) -> list[str]:
             f"  {f'{names[a]} and {names[b]}':<{width}}  {len(some):>8}  {some[0].time:>6.2f} s"
             f"  {sum(one.duration for one in some):>8.2f} s"
             f"  {length(max(one.depth for one in some)):>7}"
-            f"  {sum(one.impulse for one in some):>7.1f} N s  {joined([names[i] for i in who])}"
+            f"  {sum(one.impulse for one in some):>9,.0f} N s   {joined([names[i] for i in who])}"
         )
     return lines
 
 
 def contact_lines(validation: Validation) -> list[str]:
-    """The first contacts in full; of the others how many they are."""
+    """The first contact of each pair in full, `SHOWN` pairs at most."""
     lines = []
-    for one in validation.contacts[:SHOWN]:
+    shown = first_of_pairs(validation)[:SHOWN]
+    for one in shown:
         lines += ["", *_contact(validation, one)]
-    left = len(validation.contacts) - SHOWN
-    if left > 0:
-        lines += ["", f"  and {left} more contacts (--json FILE has all)"]
+    left = len(validation.contacts) - len(shown)
+    if left:
+        lines += ["", f"  and {left} more (--json FILE has all)"]
     return lines
+
+
+def first_of_pairs(validation: Validation) -> list[ContactReport]:
+    """First contact of each pair, in the order of time."""
+    seen = {}
+    for one in validation.contacts:
+        seen.setdefault((one.a, one.b), one)
+    return list(seen.values())
 
 
 def _contact(validation: Validation, one: ContactReport) -> list[str]:
@@ -91,7 +102,7 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
     if one.time == 0.0:
         motion = "in contact from the start"
     before = _before(validation, one)
-    push = f", pushing with {one.impulse / one.duration:.0f} N on average"
+    push = f", pushing with {one.impulse / one.duration:,.0f} N on average"
     lines = [
         f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
         *_item("what", f"{_who(one, names)}; {motion}"),
@@ -103,7 +114,7 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
         *_item(
             "contact",
             f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
-            f"first, {one.impulse:.1f} N s in all",
+            f"first, {one.impulse:,.1f} N s in all",
         ),
         *_item("responsible", _charge(one, names)),
     ]
@@ -205,16 +216,18 @@ def _finding(one: ContactReport, names: list[str]) -> str:
 
 
 def _before(validation: Validation, one: ContactReport) -> str:
-    """What led up to this contact, when an earlier one did."""
+    """What led up to this contact, and what followed between the two."""
     names = names_of(validation)
     notes = []
     if one.also_touching:
         notes.append(f"already touching {joined([names[i] for i in one.also_touching])}")
-    earlier = [
-        other for other in validation.contacts[: one.number - 1]
-        if (other.a, other.b) == (one.a, one.b)
-    ]  # fmt: skip
-    if earlier:
-        gap = one.time - earlier[-1].time - earlier[-1].duration
-        notes.append(f"{short(gap)} after contact {earlier[-1].number} of the same pair")
+    pair = [other for other in validation.contacts if (other.a, other.b) == (one.a, one.b)]
+    after = pair[pair.index(one) + 1 :]
+    if after:
+        gap = after[0].time - one.time - one.duration
+        times = "once more" if len(after) == 1 else f"{len(after)} times more"
+        notes.append(
+            f"they parted and touched {times}, first {short(gap)} later, "
+            f"last at {after[-1].time:.2f} s"
+        )
     return "; ".join(notes)

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from physim.validation.contact_text import SHOWN, first_of_pairs
 from physim.validation.numbers import names_of, short
 from physim.validation.prediction import AGREES, DISAGREES, Early
 from physim.validation.validation import Validation
 
-SHOWN = 8
 LEADS = (0.0, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0)
 """[s] edges of the table of lead times"""
 
@@ -33,7 +33,7 @@ def _table(validation: Validation) -> list[str]:
         f"  {'':<4}{'predicted at':>13}{'contact due':>14}{'touched':>14}{'seen at':>10}"
         f"{'error':>12}   pair"
     ]
-    for one in validation.contacts[:SHOWN]:
+    for one in first_of_pairs(validation)[:SHOWN]:
         p = one.prediction
         made = "-" if p.made is None else f"{p.made:.2f} s"
         due = "-" if p.predicted is None else "none"
@@ -56,16 +56,20 @@ def _errors(validation: Validation) -> list[str]:
         return ["  At the last decision: none of them can be compared."]
     same = sum(p.verdict == AGREES for p in judged)
     errors = np.array([p.error for p in judged if p.error is not None and math.isfinite(p.error)])
-    text = f"  At the last decision before contact: {same} of {len(judged)} in the predicted step"
+    lines = [
+        f"  Predicted by the last decision before contact: {same} of {len(judged)} in that step."
+    ]
     if len(errors):
         size = np.abs(errors)
-        text += (
-            f"; error median {short(float(np.median(size)))}, largest {short(float(size.max()))}"
+        lines.append(
+            f"  Error: median {short(float(np.median(size)))}, "
+            f"largest {short(float(size.max()))}; between samples robots move on chords."
         )
-    lines = [text + "."]
     left = len(all_of) - len(judged)
     if left:
-        lines.append(f"  {left} cannot be compared: a robot in contact does not move as commanded.")
+        lines.append(
+            f"  {left} more cannot be compared: a robot in contact does not move as commanded."
+        )
     return lines
 
 

@@ -9,7 +9,7 @@ from physim.validation.validation import Validation, validate
 
 
 def is_warm() -> bool:
-    """Whether the kernels of a validation lie compiled on disk; the one used last stands for all."""
+    """Whether the kernels of a validation lie compiled on disk; the last one stands for all."""
     return is_cached(decision_times)
 
 

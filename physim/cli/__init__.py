@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
@@ -11,20 +12,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 fine, 1 ran but an expectation failed, 2 bad input, 130 interrupted.
     """
-    from physim.cli.parser import build_parser
-    from physim.errors import PhysimError
+    try:
+        try:
+            return _main(arguments)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader has gone; say nothing more
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
 
-    parser = build_parser()
-    options = parser.parse_args(arguments)
+
+def _main(arguments: Sequence[str] | None) -> int:
+    from physim.cli.parser import build_parser
+    from physim.errors import PhysimError, WorldError
+
+    options = build_parser().parse_args(arguments)
     try:
         code: int = options.action(options)
     except PhysimError as error:
-        print(f"physim: {error}", file=sys.stderr)
+        placed = isinstance(error, WorldError) and bool(error.positions)
+        print(error if placed else f"physim: {error}", file=sys.stderr)  # file:line:column first
         return 2
     except KeyboardInterrupt:
         print("physim: interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader has gone; say nothing more
-        return 0
     return code

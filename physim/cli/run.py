@@ -22,7 +22,6 @@ from physim.warm_up import is_warm, warm_up
 from physim.world import World
 from physim.world_file import located, read_world
 from physim.world_file.nodes import Document
-from physim.world_file.shipped import find_world
 
 FAILED, INTERRUPTED = 1, 130
 
@@ -57,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
 def _set_up(options: argparse.Namespace) -> Simulation:
     """Read and check the world; every fault with its place in the file."""
     world, document = read_world(
-        find_world(options.world), overrides=options.overrides, controller=options.controller
+        options.world, overrides=options.overrides, controller=options.controller
     )
     return ready(world, document, options.seed, options)
 

@@ -60,10 +60,8 @@ def table_lines(validation: Validation) -> list[str]:
     for one in validation.contacts:
         pairs.setdefault((one.a, one.b), []).append(one)
     width = max(len(f"{names[a]} and {names[b]}") for a, b in pairs)
-    head = (
-        f"{'pair':<{width}}  contacts  first at  in contact  deepest        impulse   responsible"
-    )
-    lines = [f"  {head}"]
+    head = "contacts  first at  in contact  deepest        impulse   responsible"
+    lines = [f"  {'pair':<{width}}  {head}"]
     for (a, b), some in pairs.items():
         who = sorted({i for one in some for i in one.responsible})
         lines.append(
@@ -89,7 +87,7 @@ def contact_lines(validation: Validation) -> list[str]:
 
 def first_of_pairs(validation: Validation) -> list[ContactReport]:
     """First contact of each pair, in the order of time."""
-    seen = {}
+    seen: dict[tuple[int, int], ContactReport] = {}
     for one in validation.contacts:
         seen.setdefault((one.a, one.b), one)
     return list(seen.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -27,12 +28,12 @@ def shipped_worlds() -> dict[str, str]:
     return found
 
 
-def find_world(given: str) -> Path:
+def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, or as the name of a shipped one; a file goes first.
 
     Raises PhysimError when there is neither, with the nearest names.
     """
-    path = Path(given)
+    path, given = Path(given), str(given)
     if path.exists() or path.suffix in SUFFIXES or len(path.parts) != 1:
         return path  # reading says what is wrong with it
     shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]

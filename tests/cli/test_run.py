@@ -1,0 +1,258 @@
+"""``physim run``, ``summary``, ``video`` and ``list`` as they are meant to be used."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from physim.record import Record
+from physim.registry import controller_names
+from physim.world_file import load_world
+from physim.world_file.shipped import shipped_worlds
+from tests.cli.commands import SMALL, environment, frames, physim, shell, tree
+
+FILES = {"record.h5", "video.mp4", "summary.json"}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working directory with one small world."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SMALL)
+    return tmp_path
+
+
+def test_a_run_writes_record_video_and_summary(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim("run", "small.yaml", capture=capsys)
+    assert done.code == 0
+    folder = here / "runs" / "small-1"
+    assert {file.name for file in folder.iterdir()} == FILES
+    assert {file.name for file in here.iterdir()} == {"runs", "small.yaml"}
+    with Record.load(folder / "record.h5") as record:
+        assert record.ended == "duration"
+        assert record.samples == 101
+        assert record.world == load_world("small.yaml")
+    assert frames(folder / "video.mp4") > 10
+
+    assert "contacts" in done.out
+    assert "runs/small-1" in done.out
+    told = physim("summary", folder / "record.h5", capture=capsys)
+    assert (told.code, told.err) == (0, "")
+    assert done.out.startswith(told.out)
+    as_json = physim("summary", folder / "record.h5", "--json", capture=capsys)
+    assert as_json.out == (folder / "summary.json").read_text()
+    figures = json.loads(as_json.out)
+    assert figures["simulated_s"] == 2.0
+    assert figures["contacts"]["count"] == 0
+    assert [one["key"] for one in figures["expectations"]] == ["contacts"]
+
+    before = (folder / "video.mp4").read_bytes()
+    again = physim("video", folder / "record.h5", "-o", "again.mp4", capture=capsys)
+    assert again == (0, "again.mp4\n", "")
+    assert (here / "again.mp4").read_bytes() == before
+    refused = physim("video", folder / "record.h5", capture=capsys)
+    assert refused.code == 2
+    assert refused.err.startswith(f"physim: {folder}/video.mp4: exists; use --force")
+    assert (folder / "video.mp4").read_bytes() == before
+
+
+def test_in_a_pipe_there_is_no_progress_bar_and_quiet_is_silent(here: Path) -> None:
+    loud = shell("run", "small.yaml", "-o", "loud", "--no-video", folder=here)
+    assert (loud.code, loud.err) == (0, "")
+    assert loud.out.startswith("run ")
+    quiet = shell("run", "small.yaml", "-o", "quiet", "--quiet", folder=here)
+    assert quiet == (0, "", "")
+    assert {file.name for file in (here / "quiet").iterdir()} == FILES
+    assert {file.name for file in (here / "loud").iterdir()} == FILES - {"video.mp4"}
+
+    figures = [json.loads((here / run / "summary.json").read_text()) for run in ("loud", "quiet")]
+    for one in figures:
+        one.pop("wall_clock")
+    assert figures[0] == figures[1]
+    with Record.load(here / "loud/record.h5") as a, Record.load(here / "quiet/record.h5") as b:
+        assert a.digest() == b.digest()
+
+
+def test_a_failed_expectation_gives_1_and_all_files(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim(
+        "run", "small.yaml", "--set", "expect.finished=true", "--no-video", capture=capsys
+    )
+    assert done.code == 1
+    assert "NOT HELD" in done.out
+    assert (here / "runs/small-1/summary.json").exists()
+    held = physim(
+        "run", "small.yaml", "--set", "expect.finished=false", "--no-video", "--force",
+        capture=capsys,
+    )  # fmt: skip
+    assert held.code == 0
+
+
+def test_the_record_holds_the_world_as_it_was_run(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim(
+        "run", "small.yaml", "-o", "out", "--no-video", "--seed", 5,
+        "--set", "time.duration=1.0", "--set", "robots.1.pose=[3.0, -1.0, random]",
+        "--set", "controller.beta=0.25", "--set", "name=other", capture=capsys,
+    )  # fmt: skip
+    assert done.code == 0
+    with Record.load(here / "out/record.h5") as record:
+        world = record.world
+        assert record.seed == world.seed == 5
+        assert record.name == world.name == "other"
+        assert record.steps_run == 50
+        assert world.controller.settings["beta"] == 0.25
+        assert world.robots[1].pose == (3.0, -1.0, "random")
+        assert world.robots[0] == load_world("small.yaml").robots[0]
+        (here / "again.yaml").write_text(record.world_text)
+        digest = record.digest()
+    assert physim("run", "again.yaml", "-o", "2", "--no-video", capture=capsys).code == 0
+    with Record.load(here / "2/record.h5") as record:
+        assert record.digest() == digest
+
+
+OWN = """
+from physim import Decision
+
+class Half:
+    '''Half speed ahead.'''
+
+    def decide(self, observation, memory):
+        return Decision(v=0.5, omega=0.0, hold=0.1)
+"""
+
+
+def test_a_controller_of_ones_own_from_the_working_directory(here: Path) -> None:
+    (here / "mine.py").write_text(OWN)
+    done = shell(
+        "run", "small.yaml", "--controller", "mine:Half", "-o", "out", "--no-video", folder=here
+    )
+    assert (done.code, done.err) == (0, "")
+    with Record.load(here / "out/record.h5") as record:
+        assert set(record.updates["given_v"]) == {0.5}
+        assert "mine:Half" in record.world_text
+        assert record.pose[-1, 0] == pytest.approx([7.0, 1.0, 0.0], abs=1e-12)
+    told = shell("summary", "out/record.h5", folder=here)
+    assert (told.code, told.err) == (0, "")
+
+
+def test_a_registered_controller_in_place_of_the_worlds(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim(
+        "run", "small.yaml", "--controller", "path_following", "-o", "out", "--no-video",
+        "--set", "time.duration=0.5", capture=capsys,
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    with Record.load(here / "out/record.h5") as record:
+        assert record.world.controller.type == "path_following"
+        assert (record.updates["considered"] == 0).all()
+
+
+def test_force_removes_its_own_files_and_no_others(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = here / "out"
+    (out / "kept").mkdir(parents=True)
+    (out / "kept/record.h5").write_text("mine")
+    (out / "notes.txt").write_text("mine")
+    (here / "elsewhere.mp4").write_text("mine")
+    (out / "video.mp4").symlink_to(here / "elsewhere.mp4")
+    before = tree(here)
+    refused = physim("run", "small.yaml", "-o", "out", "--no-video", capture=capsys)
+    assert refused.code == 2
+    assert refused.err == (
+        "physim: out: holds an earlier run (video.mp4); use --force to write over it, "
+        "or -o for another folder\n"
+    )
+    assert tree(here) == before
+    done = physim("run", "small.yaml", "-o", "out", "--no-video", "--force", capture=capsys)
+    assert done.code == 0
+    after = tree(here)
+    for name in ("out/kept/record.h5", "out/notes.txt", "elsewhere.mp4"):
+        assert after[name] == b"mine"
+    assert set(after) - set(before) == {"out/record.h5", "out/summary.json"}
+    assert set(before) - set(after) == {"out/video.mp4"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "two words",
+        'it\'s "quoted"',
+        "../../up",
+        "/etc/passwd",
+        "..",
+        ".",
+        "a/b",
+        "-rf",
+        "*",
+        "ü\\n",
+    ],
+)
+def test_no_name_of_a_world_leaves_the_output_folder(
+    name: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    inner = here / "deep" / "inner"
+    inner.mkdir(parents=True)
+    os.chdir(inner)
+    quoted = json.dumps(name, ensure_ascii=False)
+    (inner / "w.yaml").write_text(SMALL.replace("name: small", f"name: {quoted}", 1))
+    before = set(tree(here))
+    done = physim("run", "w.yaml", "--no-video", "--set", "time.duration=0.1", capture=capsys)
+    assert done.code == 0, done.err
+    made = set(tree(here)) - before
+    (folder,) = (inner / "runs").iterdir()
+    inside = f"deep/inner/runs/{folder.name}"
+    assert made == {
+        "deep/inner/runs", inside, f"{inside}/record.h5", f"{inside}/summary.json"
+    }  # fmt: skip
+    assert folder.name.endswith("-1")
+    with Record.load(folder / "record.h5") as record:
+        assert record.name == name
+
+
+def test_list_names_every_world_and_controller(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    done = physim("list", "--json", capture=capsys)
+    assert done.code == 0
+    assert json.loads(done.out) == {"worlds": shipped_worlds(), "controllers": controller_names()}
+    shown = physim("list", capture=capsys).out
+    for name, line in {**shipped_worlds(), **controller_names()}.items():
+        assert any(name in row and line in row for row in shown.splitlines())
+
+
+def test_help_and_version_come_without_loading_the_engine(here: Path) -> None:
+    done = shell("--version", folder=here)
+    assert done.code == 0
+    assert done.out.startswith("physim ")
+    for arguments in (["--help"], ["run", "--help"], ["video", "--help"]):
+        loaded = shell(*arguments, folder=here, PYTHONPROFILEIMPORTTIME="1")
+        assert loaded.code == 0
+        assert loaded.out.startswith("usage: physim")
+        assert " argparse\n" in loaded.err
+        for heavy in ("numpy", "numba", "pymunk", "h5py", "pydantic", "av", "cv2", "shapely"):
+            assert f" {heavy}\n" not in loaded.err
+
+
+@pytest.mark.parametrize("command", ["list", "--help"])
+def test_a_reader_that_has_gone_is_no_fault(command: str, here: Path) -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "physim", command],
+        cwd=here, stdout=writer, stderr=subprocess.PIPE, text=True, env=environment(),
+    )  # fmt: skip
+    os.close(writer)
+    assert done.stderr == ""
+    assert done.returncode == 0

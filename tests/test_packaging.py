@@ -1,0 +1,107 @@
+"""The wheel holds what it must, under ``physim`` alone, and works where the sources are not."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built from a copy of the tracked kinds of files, so that nothing is left in the sources."""
+    folder = tmp_path_factory.mktemp("wheel")
+    source = folder / "source"
+    for path in sorted(ROOT.rglob("*")):
+        name = path.relative_to(ROOT)
+        if name.parts[0] not in KINDS or "__pycache__" in name.parts or not path.is_file():
+            continue
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        (source / name).write_bytes(path.read_bytes())
+    build = [
+        sys.executable, "-c",
+        "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])",
+    ]  # fmt: skip
+    done = subprocess.run(
+        [*build, str(folder)], cwd=source, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    (built,) = folder.glob("*.whl")
+    return built
+
+
+KINDS = (
+    "physim", "controllers", "worlds", "tests", "benchmarks", "media",
+    "pyproject.toml", "README.md", "LICENSE", "MANIFEST.in", "CHANGELOG.md",
+)  # fmt: skip
+
+
+def expected() -> set[str]:
+    """Every file of the sources that belongs into the wheel, by its place there."""
+    found = set()
+    for folder, place in (
+        ("physim", "physim"), ("controllers", "physim/controllers"), ("worlds", "physim/worlds")
+    ):  # fmt: skip
+        for file in (ROOT / folder).rglob("*"):
+            if file.suffix in (".py", ".yaml", ".md", ".typed") and file.is_file():
+                found.add(f"{place}/{file.relative_to(ROOT / folder).as_posix()}")
+    return found
+
+
+def test_wheel_holds_the_sources_and_nothing_beside_physim(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    inside = {name for name in names if ".dist-info/" not in name}
+    assert inside == expected()
+    assert {"physim/py.typed", "physim/controllers/NOTATION.md"} <= inside
+    assert any(name.startswith("physim/worlds/") and name.endswith(".yaml") for name in inside)
+    tops = {name.split("/")[0] for name in names}
+    assert "physim" in tops
+    assert [top for top in tops - {"physim"} if not top.endswith(".dist-info")] == []
+
+
+def test_wheel_says_what_it_offers(wheel: Path) -> None:
+    archive = zipfile.ZipFile(wheel)
+    texts = {
+        Path(name).name: archive.read(name).decode()
+        for name in archive.namelist()
+        if ".dist-info/" in name
+    }
+    assert "physim = physim.cli:main" in texts["entry_points.txt"]
+    assert (
+        "mode_switching = physim.controllers.mode_switching:ModeSwitching"
+        in (texts["entry_points.txt"])
+    )
+    assert "Requires-Python: >=3.11" in texts["METADATA"]
+    assert "LICENSE" in texts
+
+
+def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
+    """Unpacked beside the libraries: finds its own worlds and controllers, writes a record."""
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    script = (
+        "import json, physim, physim.controllers, physim.worlds\n"
+        "from physim.registry import find_controller\n"
+        "from physim.world_file.shipped import shipped_worlds, find_world\n"
+        "import sys\n"
+        "world = physim.load_world(find_world('straight'))\n"
+        "print(json.dumps([[m.__file__ for m in (physim, physim.controllers, physim.worlds)],\n"
+        "    sorted(shipped_worlds()), find_controller('mode_switching').__module__,\n"
+        "    world.name]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True,
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    files, worlds, module, name = json.loads(done.stdout)
+    assert all(Path(file).is_relative_to(tmp_path / "site") for file in files)
+    assert worlds == sorted(file.stem for file in (ROOT / "worlds").glob("*.yaml"))
+    assert module == "physim.controllers.mode_switching"
+    assert name == "straight"

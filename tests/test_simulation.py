@@ -1,0 +1,498 @@
+"""The loop as a whole: decisions in, motion and record out."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.control import Decision, Mode, Observation, Snapshot
+from physim.controllers.formation import formation_energy, formation_energy_rate
+from physim.errors import ControllerError
+from physim.geometry.motion import arcs
+from physim.metrics import contact_episodes
+from physim.randomness import stream
+from physim.record import Record
+from physim.recording import record_run, simulate
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.simulation import Simulation
+from physim.world_file import load_world
+from physim.world_file.shipped import find_world
+from tests.roads import road
+
+THREE = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
+
+
+class Says:
+    """A controller made of a function of the observation."""
+
+    def __init__(self, decide: Callable[[Observation], Any]) -> None:
+        self.answer = decide
+        self.asked: list[tuple[int, int]] = []
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        self.asked.append((observation.index, round(observation.time / observation.dt)))
+        answer: Decision = self.answer(observation)
+        return answer
+
+
+# Motion
+
+
+def plain_update(pose: np.ndarray, command: np.ndarray, dt: float) -> np.ndarray:
+    """Equation (1) over one step, written out: the chord of the arc."""
+    after = pose.copy()
+    for i, ((_, _, heading), (v, omega)) in enumerate(zip(pose, command, strict=True)):
+        h = 0.5 * omega * dt
+        speed = v * (math.sin(h) / h if h else 1.0)
+        after[i, 0] += speed * math.cos(heading + h) * dt
+        after[i, 1] += speed * math.sin(heading + h) * dt
+        after[i, 2] += omega * dt
+    return after
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.05])
+def test_free_motion_is_the_plain_update_to_the_bit(dt: float) -> None:
+    rng = np.random.default_rng(3)
+
+    def wander(o: Observation) -> Decision:
+        return Decision(*rng.uniform(-1.0, 1.0, 2), hold=rng.uniform(0.0, 0.3))
+
+    simulation = Simulation(road(THREE, step=dt, duration=20.0), controller=Says(wander))
+    pose = simulation.pose.copy()
+    exact = pose.copy()
+    for _ in range(round(20.0 / dt)):
+        simulation.step()
+        pose = plain_update(pose, simulation.command, dt)
+        exact = arcs(exact, simulation.command, dt)
+        assert np.array_equal(simulation.pose, pose)
+    assert np.abs(simulation.pose - exact).max() < 1e-12
+    assert len(simulation.contacts) == 0
+    assert simulation.time == pytest.approx(20.0)
+
+
+def test_commands_may_be_given_step_by_step() -> None:
+    silent = Says(lambda o: pytest.fail("no controller may be asked"))
+    simulation = Simulation(road(THREE), controller=silent)
+    before, pose = simulation.pose, simulation.pose.copy()
+    command = np.array([[1.0, 0.5], [-1.0, 0.0], [0.0, -0.5]])
+    for k in range(5):
+        simulation.step(commands=command * k / 4)
+        pose = plain_update(pose, command * k / 4, 0.01)
+        assert np.array_equal(simulation.pose, pose)
+        assert simulation.update is None
+    assert np.array_equal(simulation.command, command)
+    assert np.array_equal(before, build_scene(road(THREE)).start)  # an old pose stays as it was
+    command[:] = 0.0
+    assert simulation.command[0, 0] == 1.0
+
+
+def test_robots_that_were_steered_by_hand_are_asked_afterwards() -> None:
+    says = Says(lambda o: Decision(o.v / 2.0, 0.0, hold=1.0))
+    simulation = Simulation(road(THREE), controller=says)
+    simulation.step(np.full((3, 2), 0.5))
+    simulation.step()
+    assert says.asked == [(0, 1), (1, 1), (2, 1)]
+    assert np.array_equal(simulation.command[:, 0], [0.25, 0.25, 0.25])
+
+
+# Commands and controllers that are refused
+
+
+@pytest.mark.parametrize(
+    ("commands", "told"),
+    [
+        ([[0.0, 0.0], [math.nan, 0.0], [0.0, 0.0]], "r2 at 0.02 s: command v = nan m/s"),
+        ([[0.0, 0.0], [0.0, 0.0], [0.0, math.inf]], "r3 at 0.02 s: command omega = inf rad/s"),
+        ([[1.51, 0.0], [0.0, 0.0], [0.0, 0.0]], "v = 1.51 m/s; its limit is 1.5 m/s"),
+        ([[0.0, -1.7], [0.0, 0.0], [0.0, 0.0]], "omega = -1.7 rad/s; its limit is 1.6 rad/s"),
+        ([[0.0, 0.0]], r"at 0.02 s have the shape \(1, 2\); it must be \(3, 2\)"),
+        ([0.0, 0.0, 0.0], r"shape \(3,\)"),
+    ],
+)
+def test_bad_commands_are_refused_with_robot_and_time(commands: Any, told: str) -> None:
+    simulation = Simulation(road(THREE))
+    simulation.step()
+    simulation.step()
+    pose = simulation.pose.copy()
+    with pytest.raises(ControllerError, match=told):
+        simulation.step(np.array(commands))
+    assert simulation.step_number == 2
+    assert np.array_equal(simulation.pose, pose)
+
+
+def test_a_command_at_the_limit_is_fine() -> None:
+    simulation = Simulation(
+        road(THREE, limits={"v": 0.3, "omega": 0.1}), controller=Says(lambda o: None)
+    )
+    simulation.step(np.array([[0.1 * 3, 0.1], [-0.3, -0.1], [0.0, 0.0]]))
+    with pytest.raises(ControllerError):
+        simulation.step(np.array([[0.3 * (1 + 1e-6), 0.0], [0.0, 0.0], [0.0, 0.0]]))
+
+
+def raises(o: Observation) -> Decision:
+    raise KeyError("lost")
+
+
+@pytest.mark.parametrize(
+    ("decide", "told"),
+    [
+        (lambda o: Decision(math.nan, 0.0, 0.1), "command v = nan"),
+        (lambda o: Decision(0.0, 2.0, 0.1), "command omega = 2 rad/s; its limit is 1.6"),
+        (lambda o: Decision(0.0, 0.0, math.nan), "hold = nan s"),
+        (lambda o: Decision(0.0, 0.0, -0.1), "hold = -0.1 s"),
+        (raises, "KeyError: 'lost'"),
+        (lambda o: None, "decide returned NoneType; it must return a Decision"),
+        (lambda o: (1.0, 0.0), "decide returned tuple"),
+    ],
+)
+def test_a_faulty_controller_stops_the_run_with_robot_and_time(
+    decide: Callable[[Observation], Any], told: str, tmp_path: Path
+) -> None:
+    def later(o: Observation) -> Decision:
+        faulty = o.index == 1 and o.time > 0.045
+        return decide(o) if faulty else Decision(1.0, 0.0, hold=0.01)
+
+    with pytest.raises(ControllerError, match=told) as caught:
+        simulate(road(THREE), controller=Says(later), path=tmp_path / "r.h5")
+    assert "r2" in str(caught.value)
+    assert "0.05 s" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    with Record.load(tmp_path / "r.h5") as record:
+        assert record.ended == "error"
+        assert record.steps_run == 5
+        assert record.steps.tolist() == list(range(6))
+        assert record.updates["step"].max() == 4
+
+
+# When decisions are due
+
+
+@pytest.mark.parametrize(
+    ("dt", "hold", "steps"),
+    [
+        (0.01, 0.1, 10),
+        (0.02, 0.1, 5),
+        (0.05, 0.1, 2),
+        (0.03, 0.1, 3),
+        (0.01, 0.3, 30),
+        (0.01, 0.0299, 2),
+        (0.01, 0.005, 1),
+        (0.01, 0.0, 1),
+        (0.01, 1e300, 10**9),
+        (0.01, math.inf, 10**9),
+    ],
+)
+def test_a_hold_is_rounded_down_to_steps_one_at_least(dt: float, hold: float, steps: int) -> None:
+    says = Says(lambda o: Decision(0.0, 0.0, hold))
+    simulation = Simulation(road(THREE[:1], step=dt, duration=30 * dt), controller=says)
+    for _ in range(30):
+        simulation.step()
+    assert [step for _, step in says.asked] == list(range(0, 30, steps))
+    assert simulation.next_decision[0] == says.asked[-1][1] + steps
+
+
+def test_every_robot_decides_when_its_own_time_has_come() -> None:
+    holds = {0: [0.03, 0.0, 0.1], 1: [0.025], 2: [math.inf]}
+
+    def decide(o: Observation) -> Decision:
+        times = [step for robot, step in says.asked if robot == o.index]
+        mine = holds[o.index]
+        return Decision(0.1 * len(times), 0.0, hold=mine[(len(times) - 1) % len(mine)])
+
+    says = Says(decide)
+    record = simulate(road(THREE, duration=0.2), controller=says)
+    steps = {0: [0, 3, 4, 14, 17, 18], 1: list(range(0, 20, 2)), 2: [0]}
+    for robot, due in steps.items():
+        assert [step for i, step in says.asked if i == robot] == due
+        rows = record.updates[record.updates["robot"] == robot]
+        assert rows["step"].tolist() == due
+        assert rows["next_step"][:-1].tolist() == due[1:]
+        assert rows["wanted_v"] == pytest.approx(0.1 * (1 + np.arange(len(due))))
+    order = list(
+        zip(record.updates["step"].tolist(), record.updates["robot"].tolist(), strict=True)
+    )
+    assert order == sorted(order)
+
+
+def test_all_decide_from_the_commands_held_before() -> None:
+    seen: list[tuple[int, int, float]] = []
+
+    def decide(o: Observation) -> Decision:
+        seen.extend((o.index, other.index, other.v) for other in o.others)
+        assert o.v == (0.1 * o.index + 0.2 if o.time else 0.0)
+        return Decision(0.1 * o.index + 0.2, 0.0, hold=0.01)
+
+    near = [[20.0, -3.0, 0.0], [20.0, 0.0, 0.0], [20.0, 3.0, 0.0]]
+    simulation = Simulation(road(near), controller=Says(decide))
+    simulation.step()
+    assert {v for _, _, v in seen} == {0.0}
+    assert len(seen) == 6
+    seen.clear()
+    simulation.step()
+    assert all(v == 0.1 * j + 0.2 for _, j, v in seen)
+
+
+# Filters
+
+
+def test_filters_stand_between_wanted_and_given_and_both_are_recorded() -> None:
+    calls: list[int] = []
+
+    def halve(scene: Scene, snapshot: Snapshot, wanted: np.ndarray) -> np.ndarray:
+        calls.append(snapshot.step)
+        return wanted * np.array([0.5, 1.0])
+
+    def no_turn(scene: Scene, snapshot: Snapshot, wanted: np.ndarray) -> np.ndarray:
+        assert wanted[0, 0] == 0.5
+        return wanted * np.array([1.0, 0.0])
+
+    held = []
+
+    def decide(o: Observation) -> Decision:
+        held.append(o.v)
+        return Decision(1.0, 0.4, hold=0.05)
+
+    world = road(THREE[2:], duration=0.2)
+    simulation = Simulation(world, controller=Says(decide), filters=[halve, no_turn])
+    record = record_run(simulation)
+    assert calls == list(range(20))
+    rows = record.updates
+    assert rows["step"].tolist() == [0, 5, 10, 15]
+    assert set(rows["wanted_v"]) == {1.0}
+    assert set(rows["wanted_omega"]) == {0.4}
+    assert set(rows["given_v"]) == {0.5}
+    assert set(rows["given_omega"]) == {0.0}
+    assert held == [0.0, 1.0, 1.0, 1.0]
+    assert record.pose[-1, 0] == pytest.approx([40.1, 10.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("factor", [math.nan, 2.0])
+def test_what_a_filter_gives_is_checked_like_what_a_controller_wants(factor: float) -> None:
+    simulation = Simulation(
+        road(THREE),
+        controller=Says(lambda o: Decision(1.0, 0.0, 0.1)),
+        filters=[lambda scene, snapshot, wanted: wanted * factor],
+    )
+    with pytest.raises(ControllerError, match=r"r1 at 0 s: command v = (nan|2) m/s"):
+        simulation.step()
+
+
+# Formation
+
+
+@pytest.mark.parametrize("neighbours", ["all", "range", [["r1", "r2"], ["r2", "r3"]]])
+def test_energy_falls_by_equation_10_in_a_real_run(neighbours: Any) -> None:
+    """Straight road, headings along it, no saturation, every robot deciding at every step."""
+    gain, dt = 0.04, 0.01
+    world = road(
+        [[20.0, -10.0, 0.0], [27.0, 0.0, 0.0], [23.0, 10.0, 0.0]],
+        duration=4.0,
+        reference_path=[[0.0, 0.0], [200.0, 0.0]],
+        formation={
+            "gain": gain, "speed": 1.0, "limits": [0.0, 1.49], "spacing": [0.0, 3.0, 5.0],
+            "range": 50.0, "neighbours": neighbours,
+        },
+        controller={"type": "mode_switching", "update_period": dt, "dwell_times": [dt]},
+    )  # fmt: skip
+    record = simulate(world)
+    scene = build_scene(world)
+    near = scene.formation.adjacency if len(scene.formation.adjacency) else 1 - np.eye(3, dtype=int)
+    station = record.updates["reference_station"].reshape(-1, 3)
+    assert len(station) == 400
+    speed = record.updates["given_v"].reshape(-1, 3)
+    assert (np.abs(speed - 1.0) < 0.49).all()
+    assert (record.updates["mode"] == int(Mode.SAFE)).all()
+    energy = np.array([formation_energy(s, scene.formation.lead, near) for s in station])
+    rate = np.array([formation_energy_rate(s, scene.formation.lead, near, gain) for s in station])
+    spread = speed[:, None, :] - speed[:, :, None]
+    remainder = 0.5 * (near * spread**2).sum(axis=(1, 2)) * dt * dt  # exact for a step of length dt
+    assert energy[0] > 10.0
+    assert (np.diff(energy) < 0.0).all()
+    assert np.diff(energy) == pytest.approx((rate * dt + remainder)[:-1], abs=1e-11)
+
+
+def test_robots_arrive_in_formation_and_stand_still() -> None:
+    world = load_world(find_world("three_robots"))
+    simulation = Simulation(world)
+    while not simulation.finished:
+        simulation.step()
+        assert simulation.step_number < simulation.scene.steps
+    scene = simulation.scene
+    own, lead = simulation.perception.station, scene.formation.lead
+    settings = simulation.controller.settings  # type: ignore[union-attr]
+    most = settings.update_period * scene.formation.v_max
+    assert (own >= scene.stop_station - settings.arrival_tolerance).all()
+    assert (own <= scene.stop_station + most).all()
+    ends = scene.paths.station[scene.paths.start[1:] - 1]
+    assert ends - scene.stop_station == pytest.approx(lead.max() - lead)
+    assert np.ptp(simulation.perception.reference_station - lead) < 0.5
+    pose = simulation.pose.copy()
+    for _ in range(30):
+        simulation.step()
+    assert np.array_equal(simulation.pose, pose)
+    assert (simulation.command == 0.0).all()
+
+
+# Randomness
+
+
+def test_headings_depend_on_seed_purpose_and_robot_alone() -> None:
+    free = [[20.0, -10.0, "random"], [30.0, 0.0, "random"], [40.0, 10.0, "random"]]
+    heading = build_scene(road(free, seed=5)).start[:, 2]
+    assert len(set(heading)) == 3
+    assert (np.abs(heading) <= math.pi).all()
+    more = [*free, [60.0, 0.0, "random"]]
+    assert np.array_equal(build_scene(road(more, seed=5)).start[:3, 2], heading)
+    fixed = [free[0], [30.0, 0.0, 1.0], free[2]]
+    assert np.array_equal(build_scene(road(fixed, seed=5)).start[[0, 2], 2], heading[[0, 2]])
+    other = build_scene(road(free, seed=6)).start[:, 2]
+    assert not set(other) & set(heading)
+    assert np.array_equal(build_scene(road(free), 5).start[:, 2], heading)
+
+
+def test_streams_differ_by_each_part_of_their_key_and_stay_what_they_are() -> None:
+    keys = [(s, p, i) for s in (0, 1, 2**63) for p in ("heading", "noise") for i in (0, 1)]
+    assert len({stream(*key).random() for key in keys}) == len(keys)
+    assert stream(7, "heading", 2).random() == GOLDEN
+
+
+GOLDEN = 0.11372706497649021
+
+
+# The record of a run
+
+
+@pytest.fixture(scope="module")
+def wild() -> Any:
+    """Robots that cross, meet and touch walls now and then: 6.11 s, two thirds of a block over."""
+    return road(
+        [[20.0, -2.0, 1.2], [20.0, 2.0, -1.2], [30.0, 17.0, 0.8]],
+        duration=6.11,
+    )  # fmt: skip
+
+
+def drift(o: Observation) -> Decision:
+    return Decision(1.0, 0.1 * math.sin(3.0 * o.time), hold=0.07)
+
+
+def test_extremes_are_over_all_steps_however_few_are_recorded(wild: Any) -> None:
+    every = simulate(wild, controller=Says(drift))
+    time = type(wild.time)(step=0.01, duration=6.11, record_every=7)
+    seventh = simulate(wild.changed(time=time), controller=Says(drift))
+    assert every.steps.tolist() == list(range(612))
+    assert seventh.steps.tolist() == [*range(0, 612, 7), 611]
+    assert np.array_equal(seventh.pose, every.pose[seventh.steps])
+    assert np.array_equal(seventh.extremes, every.extremes)
+    assert seventh.updates.tobytes() == every.updates.tobytes()
+    assert seventh.contacts.tobytes() == every.contacts.tobytes()
+    assert len(contact_episodes(every)) >= 2
+    for name in ("clearance", "boundary_clearance"):
+        full, thin = getattr(every, name), getattr(seventh, name)
+        assert np.array_equal(thin[0], full[0])
+        for k in range(1, len(thin)):
+            window = full[seventh.steps[k - 1] + 1 : seventh.steps[k] + 1]
+            assert np.array_equal(thin[k], window.min(axis=0))
+        assert np.array_equal(every.extremes[name], full.min(axis=0))
+
+
+def test_clearances_of_the_record_are_those_of_the_poses(wild: Any) -> None:
+    record = simulate(wild, controller=Says(drift))
+    corners = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
+    for k in range(0, 612, 47):
+        boxes = []
+        for x, y, heading in record.pose[k]:
+            c, s = math.cos(heading), math.sin(heading)
+            boxes.append(shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y)))
+        for i in range(3):
+            apart = min(boxes[i].distance(boxes[j]) for j in range(3) if j != i)
+            if apart > 0.0:
+                assert record.clearance[k, i] == pytest.approx(apart, abs=1e-9)
+            else:
+                assert record.clearance[k, i] <= 1e-9
+
+
+def test_file_and_memory_hold_the_same_run(wild: Any, tmp_path: Path) -> None:
+    memory = simulate(wild, controller=Says(drift))
+    with simulate(wild, controller=Says(drift), path=tmp_path / "r.h5") as file:
+        assert file.digest() == memory.digest()
+    with Record.load(tmp_path / "r.h5") as loaded:
+        assert loaded.digest() == memory.digest()
+        assert loaded.seed == 0
+        assert loaded.world == wild
+    slower = simulate(wild, controller=Says(lambda o: Decision(0.999, 0.0, hold=0.1)))
+    assert slower.digest() != memory.digest()
+
+
+def test_blocks_of_any_length_give_the_same_record(
+    wild: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """How often a block goes to the record hangs on the wall clock; what is in it must not."""
+    for every in (1, 4):
+        time = type(wild.time)(step=0.01, duration=2.99, record_every=every)
+        world = wild.changed(time=time)
+        whole = simulate(world, controller=Says(drift))
+        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", -1.0)  # every step
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", 1e9)
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.setattr("physim.recording.BLOCK_STEPS", 13)
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.undo()
+
+
+@pytest.mark.parametrize("hash_seed", ["1", "2"])
+def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
+    script = (
+        "import physim\n"
+        "from physim.world_file.shipped import find_world\n"
+        "world = physim.load_world(find_world('three_robots'), overrides=['time.duration=8.0'])\n"
+        "print(physim.simulate(world, seed=12).digest())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": hash_seed},
+    )  # fmt: skip
+    world = load_world(find_world("three_robots"), overrides=["time.duration=8.0"])
+    assert done.stdout.strip() == simulate(world, seed=12).digest(), done.stderr
+
+
+def test_a_run_says_how_it_ended() -> None:
+    def until(o: Observation) -> Decision:
+        done = o.time > 0.1 * (1 + o.index) - 1e-6
+        return Decision(0.0, 0.0, hold=0.05, mode=Mode.ARRIVED if done else Mode.SAFE)
+
+    world = road(THREE, duration=1.0)
+    record = simulate(world, controller=Says(until))
+    assert (record.ended, record.steps_run) == ("finished", 31)
+    record = simulate(road(THREE, duration=0.25), controller=Says(until))
+    assert (record.ended, record.steps_run, record.steps_planned) == ("duration", 25, 25)
+
+    seen = []
+    simulation = Simulation(world, controller=Says(until))
+    record = record_run(
+        simulation,
+        progress=lambda now, factor: seen.append(now.step_number),
+        stop=lambda: simulation.step_number == 17,
+    )
+    assert (record.ended, record.steps_run, record.samples) == ("interrupted", 17, 18)
+    assert seen == list(range(1, 18))
+
+
+def test_a_run_that_touches_a_wall_tells_of_it() -> None:
+    record = simulate(
+        road([[198.004, 0.0, 0.0]], duration=5.0),
+        controller=Says(lambda o: Decision(1.0, 0.0, hold=0.1)),
+    )
+    (episode,) = contact_episodes(record)
+    assert episode.time == pytest.approx(4.1, abs=0.011)  # 203 m - 0.9 m - 198.004 m at 1 m/s
+    assert record.boundary_clearance.min() < 0.0

@@ -17,7 +17,6 @@ from physim.world_file import read_world
 from physim.world_file.loading import world_of
 from physim.world_file.nodes import Document
 from physim.world_file.reading import read_document
-from physim.world_file.shipped import find_world
 
 EVERY_STEP = "time.record_every=1"
 
@@ -28,7 +27,7 @@ SAME = 1e-9
 def world_given(options: argparse.Namespace, given: str) -> tuple[World, Document]:
     """World of a file or a shipped one, with the changes of the command line."""
     overrides = [*options.overrides, EVERY_STEP]
-    return read_world(find_world(given), overrides=overrides, controller=options.controller)
+    return read_world(given, overrides=overrides, controller=options.controller)
 
 
 def world_inside(options: argparse.Namespace, record: Record) -> tuple[World, Document]:

@@ -50,6 +50,7 @@ LAYERS = {
     "physim.metrics": (5, 0),
     "physim.expectations": (5, 1),
     "physim.summary": (5, 2),
+    "physim.validation": (5, 3),
     "physim.video": (6, 0),
     "physim.cli": (7, 0),
     "physim": (8, 0),
@@ -58,7 +59,9 @@ LAYERS = {
 """Layer of every module and package, and its place among those of the same layer. An import goes
 to a lower layer, to a lower place in the same one, or stays within its package."""
 
-FROM_THE_RECORD_ALONE = ("physim.metrics", "physim.expectations", "physim.summary", "physim.video")
+FROM_THE_RECORD_ALONE = (
+    "physim.metrics", "physim.expectations", "physim.summary", "physim.validation", "physim.video",
+)  # fmt: skip
 NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.control_loop", "physim.simulation",
     "physim.recording", "physim.warm_up", "physim.scene_builder", "physim.registry",
@@ -209,7 +212,7 @@ def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
 
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
     script = (
-        "import sys, physim.record, physim.summary, physim.video\n"
+        "import sys, physim.record, physim.summary, physim.validation, physim.video\n"
         "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation', "
         "'physim.physics', 'physim.controllers'))])"
     )

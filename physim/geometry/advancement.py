@@ -196,6 +196,59 @@ def lengthen(
     return low
 
 
+class Look(NamedTuple):
+    """How two parts lie to each other at one time, and what is needed to go on from there."""
+
+    distance: float
+    """[m] signed"""
+    gap: float
+    """[m] along the axis; never more than the distance but by rounding"""
+    nx: float
+    """axis from P to Q, in P's frame"""
+    ny: float
+    ux: float
+    """the same in Q's frame"""
+    uy: float
+    closing: Closing
+
+
+@compiled
+def look_at(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    t: float,
+) -> Look:
+    """Distance of part P on course a and part Q on course b at time t [s], and the best axis."""
+    ax, ay, ac, az, avx, avy = along_course(a, t)
+    bx, by, bc, bz, bvx, bvy = along_course(b, t)
+    c = ac * bc + az * bz
+    s = ac * bz - az * bc
+    tx = ac * (bx - ax) + az * (by - ay)
+    ty = ac * (by - ay) - az * (bx - ax)
+    d, outline, of_q, edge, gap = part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf)
+    nx, ny = face_normal(P, p0, p1, Q, q0, q1, c, s, of_q, edge)
+    if outline and d > 0.0:
+        _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
+        size = math.sqrt(ox * ox + oy * oy)
+        ox /= size
+        oy /= size
+        wide = support_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, ox, oy)
+        # Rounding can spoil the direction between two close points: then keep the normal.
+        if wide > gap:
+            nx, ny, gap = ox, oy, wide
+    # Velocities in P's frame.
+    one = travel(nx, ny, ac * avx + az * avy, ac * avy - az * avx, a.turn)
+    two = travel(-nx, -ny, ac * bvx + az * bvy, ac * bvy - az * bvx, b.turn)
+    closing = Closing(one.first + two.first, one.second + two.second, one.third + two.third)
+    return Look(d, gap, nx, ny, c * nx + s * ny, c * ny - s * nx, closing)
+
+
 @compiled
 def advancement_time(
     P: FloatArray,
@@ -214,40 +267,48 @@ def advancement_time(
     apart; at xi they are within CONTACT, unless the advances are MOST_STEPS: then xi is a lower
     bound and the distance says how far they still are.
     """
-    t = 0.0
+    return fall_time(P, p0, p1, a, Q, q0, q1, b, 0.0, CONTACT, 0.0, horizon)
+
+
+@compiled
+def fall_time(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    level: float,
+    slack: float,
+    start: float,
+    horizon: float,
+) -> tuple[float, float, int]:
+    """Return (t [s], signed distance then [m], advances): when the distance falls to ``level``.
+
+    From ``start`` to t the signed distance is above ``level`` [m], which may be negative; at t it
+    is at most level + slack, unless the advances are MOST_STEPS: then t is a lower bound. t is inf
+    when this does not happen up to ``horizon``.
+
+    The signed distance is the largest gap over all axes, also where the parts overlap, so that the
+    gap along any one of them is a lower bound.
+    """
+    t = start
     d = np.inf
     for step in range(MOST_STEPS):
-        ax, ay, ac, az, avx, avy = along_course(a, t)
-        bx, by, bc, bz, bvx, bvy = along_course(b, t)
-        c = ac * bc + az * bz
-        s = ac * bz - az * bc
-        tx = ac * (bx - ax) + az * (by - ay)
-        ty = ac * (by - ay) - az * (bx - ax)
-        d, outline, of_q, edge, gap = part_feature(
-            P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf
-        )
-        if d <= CONTACT:
+        look = look_at(P, p0, p1, a, Q, q0, q1, b, t)
+        d = look.distance
+        if d <= level + slack:
             return t, d, step
-        nx, ny = face_normal(P, p0, p1, Q, q0, q1, c, s, of_q, edge)
-        if outline:
-            _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
-            size = math.sqrt(ox * ox + oy * oy)
-            ox /= size
-            oy /= size
-            wide = support_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, ox, oy)
-            # Rounding can spoil the direction between two close points: then keep the normal.
-            if wide > gap:
-                nx, ny, gap = ox, oy, wide
-        gap -= MARGIN * min(gap, CONTACT)
-        if not gap > 0.0:
+        room = look.gap - level
+        room -= MARGIN * min(room, slack)
+        if not room > 0.0:
             return t, d, MOST_STEPS
-        # Velocities in P's frame.
-        one = travel(nx, ny, ac * avx + az * avy, ac * avy - az * avx, a.turn)
-        two = travel(-nx, -ny, ac * bvx + az * bvy, ac * bvy - az * bvx, b.turn)
-        closing = Closing(one.first + two.first, one.second + two.second, one.third + two.third)
-        ux = c * nx + s * ny
-        uy = c * ny - s * nx
-        t += certified_step(P, p0, p1, a, Q, q0, q1, b, closing, nx, ny, ux, uy, gap, horizon - t)
+        t += certified_step(
+            P, p0, p1, a, Q, q0, q1, b, look.closing,
+            look.nx, look.ny, look.ux, look.uy, room, horizon - t,
+        )  # fmt: skip
         if not t <= horizon:
             return np.inf, d, step + 1
     return t, d, MOST_STEPS

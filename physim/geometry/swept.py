@@ -1,0 +1,255 @@
+"""What happens between two samples: earliest contact and least signed distance, in kernels.
+
+From one sample to the next, position and angle go linearly, as the physics moves its bodies. The
+angle turns by end - start as given: headings must be unwrapped. Poses are (3,) x, y [m],
+heading [rad], world frame; ``dt`` > 0 is the time between the samples [s].
+
+- Earliest contact: the first time at which the signed distance is at most CONTACT (1e-9 m), so
+  that a graze within CONTACT counts, as does touching at either sample. Never late: at every
+  earlier instant of the step the shapes are more than CONTACT apart. Never without cause: at the
+  time returned they are within CONTACT + SLACK. A miss (inf) is certain, but for MOST_STEPS.
+- Least signed distance: a value that the step attains, and a bound below all its values. They are
+  CONTACT apart, or farther when the advancement reached its cap.
+
+The exact arc of a robot lies within `tolerances.chord` of this motion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.compiled import compiled
+from physim.geometry.advancement import MOST_STEPS, fall_time, look_at
+from physim.geometry.collision import clear_of_part, never_meet
+from physim.geometry.motion import Course, still_course, straight_course
+from physim.geometry.separation import point_gap
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.tolerances import CONTACT
+
+SLACK = 0.25 * CONTACT
+"""[m] An earliest contact may be by so much farther apart than CONTACT, so that the search ends."""
+
+GOLDEN = 0.6180339887498949
+HALVINGS = 45
+"""Cuts of the search for a lowest value: 0.618^45 = 4e-10 of the step remains."""
+
+Least = tuple[float, float, float]
+"""least signed distance found [m], bound below all values [m], time of the former [s]"""
+
+
+@compiled
+def step_course(start: FloatArray, end: FloatArray, dt: float, radius: float) -> Course:
+    """Course of a body from one sample to the next: straight, while turning evenly."""
+    return straight_course(
+        start,
+        (end[0] - start[0]) / dt,
+        (end[1] - start[1]) / dt,
+        (end[2] - start[2]) / dt,
+        radius,
+    )
+
+
+@compiled
+def swept_pair(
+    shapes: Shapes,
+    i: int,
+    start_i: FloatArray,
+    end_i: FloatArray,
+    j: int,
+    start_j: FloatArray,
+    end_j: FloatArray,
+    dt: float,
+) -> float:
+    """Earliest contact [s] of robots i and j within [0, dt]; inf when there is none."""
+    a = step_course(start_i, end_i, dt, shapes.radius[i])
+    b = step_course(start_j, end_j, dt, shapes.radius[j])
+    t = np.inf
+    if never_meet(a, b, dt):
+        return t
+    V, start = shapes.vertices, shapes.part_start
+    for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+        for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
+            found, _, _ = fall_time(
+                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b,
+                CONTACT, SLACK, 0.0, min(t, dt),
+            )  # fmt: skip
+            t = min(t, found)
+    return t
+
+
+@compiled
+def swept_walls(
+    shapes: Shapes,
+    i: int,
+    start: FloatArray,
+    end: FloatArray,
+    walls: Shapes,
+    part_ids: IntArray,
+    dt: float,
+) -> tuple[float, int]:
+    """Earliest contact [s] of robot i with the given parts of ``walls`` in [0, dt], and that part.
+
+    (inf, -1) when there is none. Of parts touched at the same time the first given wins.
+    """
+    a = step_course(start, end, dt, shapes.radius[i])
+    still = still_course()
+    t = np.inf
+    touched = -1
+    W, w_start = walls.vertices, walls.part_start
+    V, v_start = shapes.vertices, shapes.part_start
+    for part in part_ids:
+        w0, w1 = w_start[part], w_start[part + 1]
+        if clear_of_part(a, W, w0, w1, dt):
+            continue
+        for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
+            found, _, _ = fall_time(
+                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, CONTACT, SLACK, 0.0, min(t, dt)
+            )
+            if found < t:
+                t = found
+                touched = part
+    return t, touched
+
+
+@compiled
+def lowest(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    start: float,
+    end: float,
+) -> tuple[float, float]:
+    """Return a low signed distance of two parts between two times, and when: golden section."""
+    low = start
+    high = end
+    t = high - GOLDEN * (high - low)
+    u = low + GOLDEN * (high - low)
+    at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
+    at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+    for _ in range(HALVINGS):
+        if at_t <= at_u:
+            high = u
+            u = t
+            at_u = at_t
+            t = high - GOLDEN * (high - low)
+            at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
+        else:
+            low = t
+            t = u
+            at_t = at_u
+            u = low + GOLDEN * (high - low)
+            at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+    if at_t <= at_u:
+        return at_t, t
+    return at_u, u
+
+
+@compiled
+def least_part(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    dt: float,
+    best: Least,
+) -> Least:
+    """Lower ``best`` to the least signed distance of two parts in [0, dt], where it is less."""
+    least, bound, at = best
+    for end in (0.0, dt):
+        d = look_at(P, p0, p1, a, Q, q0, q1, b, end).distance
+        if d < least:
+            least = d
+            at = end
+    t = 0.0
+    steps = 0
+    while True:
+        # Either nothing comes below the level any more, or a lower value is found.
+        level = least - CONTACT
+        t, d, used = fall_time(P, p0, p1, a, Q, q0, q1, b, level, SLACK, t, dt)
+        if t == np.inf:
+            return least, min(bound, level), at
+        steps += used
+        if steps >= MOST_STEPS:
+            speed = a.speed + b.speed + abs(a.spin) * a.radius + abs(b.spin) * b.radius
+            return least, min(bound, level, d - speed * (dt - t)), at
+        if d < least:
+            least = d
+            at = t
+        d, u = lowest(P, p0, p1, a, Q, q0, q1, b, t, dt)
+        if d < least:
+            least = d
+            at = u
+
+
+@compiled
+def least_gap_pair(
+    shapes: Shapes,
+    i: int,
+    start_i: FloatArray,
+    end_i: FloatArray,
+    j: int,
+    start_j: FloatArray,
+    end_j: FloatArray,
+    dt: float,
+) -> Least:
+    """Return (least, bound, t): the smallest signed distance [m] of robots i and j in [0, dt].
+
+    ``least`` is attained at t [s]; no value of the step is below ``bound``, which is least - 1e-9,
+    or lower should the advancement reach its cap.
+    """
+    a = step_course(start_i, end_i, dt, shapes.radius[i])
+    b = step_course(start_j, end_j, dt, shapes.radius[j])
+    best = (np.inf, np.inf, 0.0)
+    V, start = shapes.vertices, shapes.part_start
+    for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
+        for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
+            best = least_part(
+                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b, dt, best
+            )  # fmt: skip
+    return best[0], min(best[1], best[0] - CONTACT), best[2]
+
+
+@compiled
+def least_gap_walls(
+    shapes: Shapes,
+    i: int,
+    start: FloatArray,
+    end: FloatArray,
+    walls: Shapes,
+    part_ids: IntArray,
+    dt: float,
+) -> tuple[float, float, float, int]:
+    """Return (least, bound, t, part): `least_gap_pair` of robot i and the given parts of ``walls``.
+
+    (inf, inf, 0, -1) when no part is given.
+    """
+    a = step_course(start, end, dt, shapes.radius[i])
+    still = still_course()
+    best = (np.inf, np.inf, 0.0)
+    nearest = -1
+    middle_x = a.x + 0.5 * dt * a.vx
+    middle_y = a.y + 0.5 * dt * a.vy
+    reach = a.radius + 0.5 * dt * a.speed + CONTACT
+    W, w_start = walls.vertices, walls.part_start
+    V, v_start = shapes.vertices, shapes.part_start
+    for part in part_ids:
+        w0, w1 = w_start[part], w_start[part + 1]
+        if point_gap(W, w0, w1, middle_x, middle_y) - reach > best[0]:
+            continue
+        for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
+            before = best[0]
+            best = least_part(
+                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, dt, best
+            )  # fmt: skip
+            if best[0] < before:
+                nearest = part
+    return best[0], min(best[1], best[0] - CONTACT), best[2], nearest

@@ -11,6 +11,15 @@ STEPS = 48
 """Steps that a throw lasts."""
 
 
+class Solid(NamedTuple):
+    """An obstacle, world frame [m]."""
+
+    outline: FloatArray
+    """(n, 2)"""
+    parts: tuple[FloatArray, ...]
+    """convex"""
+
+
 class Layout(NamedTuple):
     """What stands and moves, before it is known to be clear at the start."""
 
@@ -22,8 +31,7 @@ class Layout(NamedTuple):
     """(r, 2) v [m/s], omega [rad/s], held"""
     lines: tuple[FloatArray, ...] = ()
     """boundaries as drawn, (n, 2) [m] each, world frame"""
-    solids: tuple[FloatArray, ...] = ()
-    """outlines (n, 2) [m] of solid obstacles, world frame"""
+    solids: tuple[Solid, ...] = ()
 
 
 class Case(NamedTuple):

@@ -10,7 +10,6 @@ from numpy.random import Generator
 from physim.crashtest import hazards, meetings
 from physim.crashtest.case import Case, Layout
 from physim.crashtest.footprints import Store
-from physim.geometry.polygon import convex_parts
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, pack_shapes
 from physim.randomness import stream
@@ -79,16 +78,16 @@ def draw_case(seed: int, number: int, origin: Origin, store: Store) -> Case:
 
 def _walls(layout: Layout) -> tuple[tuple[FloatArray, ...], ...]:
     lines = tuple(tuple(line[k : k + 2] for k in range(len(line) - 1)) for line in layout.lines)
-    return (*lines, *(convex_parts(outline) for outline in layout.solids))
+    return (*lines, *(solid.parts for solid in layout.solids))
 
 
 def _is_clear(layout: Layout, walls: tuple[tuple[FloatArray, ...], ...]) -> bool:
     """Whether nothing touches at the start, as a world must have it."""
-    bodies = pack_shapes([robot.parts for robot in layout.robots])
-    start = layout.start
+    start, robot = layout.start, layout.robots[0].packed
     if len(start) == 2:
-        return bool(body_distance(bodies, 0, start[0], bodies, 1, start[1]) > CLEAR)
+        other = layout.robots[1].packed
+        return bool(body_distance(robot, 0, start[0], other, 0, start[1]) > CLEAR)
     solid, still = pack_shapes(walls), np.zeros(3)
     return all(
-        body_distance(bodies, 0, start[0], solid, k, still) > CLEAR for k in range(len(walls))
+        body_distance(robot, 0, start[0], solid, k, still) > CLEAR for k in range(len(walls))
     )

@@ -21,7 +21,7 @@ from physim.geometry.polygon import (
     signed_area,
     smallest_width,
 )
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, Shapes, pack_shapes
 from physim.randomness import stream
 
 STORED = 200
@@ -46,6 +46,8 @@ class Footprint(NamedTuple):
     """[m] least width of a part"""
     area: float
     """[m^2]"""
+    packed: Shapes
+    """the one body, for kernels"""
 
 
 class Store(NamedTuple):
@@ -66,6 +68,7 @@ def footprint(points: FloatArray) -> Footprint:
         circumscribed_radius(outline),
         smallest_width(parts),
         abs(signed_area(outline)),
+        pack_shapes([parts]),
     )
 
 

@@ -13,6 +13,7 @@ from physim.crashtest.case import STEPS
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_separation, wall_separation
+from physim.geometry.swept import swept_pair, swept_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
 
@@ -25,6 +26,9 @@ class Foresight(NamedTuple):
     """(M,) [m] signed distance at xi; NaN when there is none"""
     closing: FloatArray
     """(M,) [m/s] how fast the shapes close at xi, negative: part; NaN when there is none"""
+    swept: FloatArray
+    """(M,) [s] first contact where poses go linearly from sample to sample, as the engine's do,
+    looked for in the steps about xi; inf when there is none"""
     distance: FloatArray
     """(M, STEPS + 1) [m] signed distance at each sample"""
 
@@ -32,11 +36,11 @@ class Foresight(NamedTuple):
 def foresee(batch: Batch) -> Foresight:
     """Collision time and distances of every case."""
     still = batch.walls if len(batch.walls.part_start) > 1 else batch.shapes
-    time, gap, closing, distance = _foresee(
+    time, gap, closing, swept, distance = _foresee(
         batch.shapes, still, batch.start, batch.command,
         batch.first_robot, batch.first_wall, batch.dt, STEPS,
     )  # fmt: skip
-    return Foresight(time, gap, closing, distance)
+    return Foresight(time, gap, closing, swept, distance)
 
 
 @compiled
@@ -99,6 +103,39 @@ def _state(
 
 
 @compiled
+def _swept(
+    shapes: Shapes,
+    walls: Shapes,
+    parts: IntArray,
+    start: FloatArray,
+    command: FloatArray,
+    first: int,
+    last: int,
+    step: int,
+    dt: float,
+) -> float:
+    """Time of the first contact in a step [s after its first sample], inf when there is none."""
+    before = np.empty((last - first, 3))
+    after = np.empty((last - first, 3))
+    for i in range(first, last):
+        before[i - first] = arc(start[i], command[i, 0], command[i, 1], step * dt)
+        after[i - first] = arc(start[i], command[i, 0], command[i, 1], (step + 1) * dt)
+    found = np.inf
+    for i in range(first, last):
+        one = i - first
+        if len(parts):
+            t, _ = swept_walls(shapes, i, before[one], after[one], walls, parts, dt)
+            found = min(found, t)
+        for j in range(i + 1, last):
+            two = j - first
+            t = swept_pair(
+                shapes, i, before[one], after[one], j, before[two], after[two], dt
+            )
+            found = min(found, t)
+    return found
+
+
+@compiled
 def _foresee(
     shapes: Shapes,
     walls: Shapes,
@@ -108,12 +145,13 @@ def _foresee(
     first_wall: IntArray,
     dt: float,
     steps: int,
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Arrays of a `Foresight`."""
     cases = len(first_robot) - 1
     time = np.full(cases, np.inf)
     gap = np.full(cases, np.nan)
     closing = np.full(cases, np.nan)
+    swept = np.full(cases, np.inf)
     distance = np.empty((cases, steps + 1))
     for k in range(cases):
         first = first_robot[k]
@@ -134,8 +172,14 @@ def _foresee(
             gap[k], closing[k] = _state(
                 shapes, walls, parts, start, command, first, last, time[k]
             )
+            near = int(time[k] / dt)
+            for n in range(max(0, near - 1), min(near + 2, steps)):
+                t = _swept(shapes, walls, parts, start, command, first, last, n, dt)
+                if t < np.inf:
+                    swept[k] = n * dt + t
+                    break
         for n in range(steps + 1):
             distance[k, n], _ = _state(
                 shapes, walls, parts, start, command, first, last, n * dt
             )
-    return time, gap, closing, distance
+    return time, gap, closing, swept, distance

@@ -10,7 +10,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.random import Generator
 
-from physim.crashtest.case import Layout
+from physim.crashtest.case import Layout, Solid
 from physim.crashtest.footprints import Footprint, Store
 from physim.crashtest.meetings import (
     FASTEST,
@@ -24,7 +24,6 @@ from physim.crashtest.meetings import (
     pick,
     velocity,
 )
-from physim.geometry.polygon import counter_clockwise
 from physim.geometry.separation import body_separation
 from physim.geometry.shapes import FloatArray, pack_shapes
 
@@ -70,12 +69,17 @@ def wall_end(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
 def obstacle(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
     """Solid polygon, convex or not."""
     robot, solid = any_robot(rng, store), any_robot(rng, store)
-    bearing, (direction, across) = rng.uniform(-pi, pi), _axes(rng)
+    bearing, (direction, _) = rng.uniform(-pi, pi), _axes(rng)
     reach = rng.uniform(0.0, 1.05) * (robot.radius + solid.radius)
     middle = np.array(origin) + reach * np.array((cos(bearing), sin(bearing)))
-    outline = middle + solid.outline @ np.array((direction, across))
+    x, y = direction
+    turned = [
+        np.stack((x * part[:, 0] - y * part[:, 1], y * part[:, 0] + x * part[:, 1]), axis=1)
+        for part in (solid.outline, *solid.parts)
+    ]
+    outline, *parts = (middle + part for part in turned)
     start, orders = _approach(rng, origin, dt, robot)
-    return Layout((robot,), start, orders, solids=(counter_clockwise(outline),))
+    return Layout((robot,), start, orders, solids=(Solid(outline, tuple(parts)),))
 
 
 def wall_graze(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
@@ -87,8 +91,10 @@ def wall_graze(rng: Generator, origin: Origin, dt: float, store: Store) -> Layou
     if rng.random() < 0.4:
         ends = (rng.uniform(-1.0, 1.0) * robot.radius, 5.0)
     line = np.array(origin) + 2.0 * robot.radius * across + np.outer(ends, direction)
-    body, still = pack_shapes([robot.parts]), np.zeros(3)
-    d, nx, ny, ax, ay, _, _ = body_separation(body, 0, pose, pack_shapes([[line]]), 0, still)
+    still = np.zeros(3)
+    d, nx, ny, ax, ay, _, _ = body_separation(
+        robot.packed, 0, pose, pack_shapes([[line]]), 0, still
+    )
     line = line - (d - hair(rng)) * np.array((nx, ny))
     most, time = advance((robot,), dt), meeting_time(rng, dt)
     v = rng.uniform(0.1, 1.0) * min(FASTEST, most)

@@ -15,7 +15,7 @@ from physim.crashtest.case import STEPS, Layout
 from physim.crashtest.footprints import Footprint, Store
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_separation
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray
 from physim.tolerances import TUNNEL_FRACTION
 
 FASTEST = 3.0
@@ -132,8 +132,7 @@ def graze(rng: Generator, origin: Origin, dt: float, a: Footprint, b: Footprint)
     second = np.array(
         (origin[0] + reach * cos(bearing), origin[1] + reach * sin(bearing), rng.uniform(-pi, pi))
     )
-    shapes = pack_shapes([a.parts, b.parts])
-    d, nx, ny, ax, ay, _, _ = body_separation(shapes, 0, first, shapes, 1, second)
+    d, nx, ny, ax, ay, _, _ = body_separation(a.packed, 0, first, b.packed, 0, second)
     second[:2] -= (d - hair(rng)) * np.array((nx, ny))
     one, two = command(rng, a, most), command(rng, b, most)
     normal, point = np.array((nx, ny)), np.array((ax, ay))

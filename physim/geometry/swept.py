@@ -7,9 +7,9 @@ heading [rad], world frame; ``dt`` > 0 is the time between the samples [s].
 - Earliest contact: the first time at which the signed distance is at most CONTACT (1e-9 m), so
   that a graze within CONTACT counts, as does touching at either sample. Never late: at every
   earlier instant of the step the shapes are more than CONTACT apart. Never without cause: at the
-  time returned they are within CONTACT + SLACK. A miss (inf) is certain, but for MOST_STEPS.
+  time returned they are within CONTACT + SLACK. A miss (inf) is certain.
 - Least signed distance: a value that the step attains, and a bound below all its values. They are
-  CONTACT apart, or farther when the advancement reached its cap.
+  CONTACT apart, or farther when the search reached its cap, MOST_LOOKS.
 
 The exact arc of a robot lies within `tolerances.chord` of this motion.
 """
@@ -30,8 +30,14 @@ SLACK = 0.25 * CONTACT
 """[m] An earliest contact may be by so much farther apart than CONTACT, so that the search ends."""
 
 GOLDEN = 0.6180339887498949
-HALVINGS = 45
-"""Cuts of the search for a lowest value: 0.618^45 = 4e-10 of the step remains."""
+CUTS = 40
+"""Of the search for a least value: 0.618^40 = 4e-9 of the last stride remains."""
+
+FIRST_STRIDE = 1e-4
+"""[-] First stride of the same search, as a share of the time left."""
+
+MOST_LOOKS = 20 * MOST_STEPS
+"""Advances after which a least signed distance gets a lower bound instead of going on."""
 
 Least = tuple[float, float, float]
 """least signed distance found [m], bound below all values [m], time of the former [s]"""
@@ -47,6 +53,35 @@ def step_course(start: FloatArray, end: FloatArray, dt: float, radius: float) ->
         (end[2] - start[2]) / dt,
         radius,
     )
+
+
+@compiled
+def top_speed(a: Course, b: Course) -> float:
+    """Bound [m/s] on how fast the distance of two bodies can change."""
+    return a.speed + b.speed + abs(a.spin) * a.radius + abs(b.spin) * b.radius
+
+
+@compiled
+def touch_time(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    a: Course,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    b: Course,
+    horizon: float,
+) -> float:
+    """Earliest time [s] at which two parts are within CONTACT, without a cap on the advances."""
+    t = 0.0
+    while True:
+        t, d, steps = fall_time(P, p0, p1, a, Q, q0, q1, b, CONTACT, SLACK, t, horizon)
+        if steps < MOST_STEPS or d <= 2.0 * CONTACT:
+            return t
+        t += (d - 2.0 * CONTACT) / top_speed(a, b)
+        if not t <= horizon:
+            return np.inf
 
 
 @compiled
@@ -69,9 +104,8 @@ def swept_pair(
     V, start = shapes.vertices, shapes.part_start
     for p in range(shapes.body_start[i], shapes.body_start[i + 1]):
         for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
-            found, _, _ = fall_time(
-                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b,
-                CONTACT, SLACK, 0.0, min(t, dt),
+            found = touch_time(
+                V, start[p], start[p + 1], a, V, start[q], start[q + 1], b, min(t, dt)
             )  # fmt: skip
             t = min(t, found)
     return t
@@ -102,9 +136,9 @@ def swept_walls(
         if clear_of_part(a, W, w0, w1, dt):
             continue
         for q in range(shapes.body_start[i], shapes.body_start[i + 1]):
-            found, _, _ = fall_time(
-                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, CONTACT, SLACK, 0.0, min(t, dt)
-            )
+            found = touch_time(
+                W, w0, w1, still, V, v_start[q], v_start[q + 1], a, min(t, dt)
+            )  # fmt: skip
             if found < t:
                 t = found
                 touched = part
@@ -112,7 +146,7 @@ def swept_walls(
 
 
 @compiled
-def lowest(
+def valley(
     P: FloatArray,
     p0: int,
     p1: int,
@@ -124,29 +158,45 @@ def lowest(
     start: float,
     end: float,
 ) -> tuple[float, float]:
-    """Return a low signed distance of two parts between two times, and when: golden section."""
+    """Return (signed distance, time) of a local minimum of two parts after ``start``.
+
+    Strides double as long as the distance falls; then the golden section narrows it down.
+    """
     low = start
+    t = start
+    at_t = look_at(P, p0, p1, a, Q, q0, q1, b, start).distance
+    stride = FIRST_STRIDE * (end - start)
     high = end
+    while t < end:
+        u = min(t + stride, end)
+        at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
+        if at_u >= at_t:
+            high = u
+            break
+        low = t
+        t = u
+        at_t = at_u
+        stride *= 2.0
+    best = at_t
+    best_at = t
     t = high - GOLDEN * (high - low)
     u = low + GOLDEN * (high - low)
     at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
     at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
-    for _ in range(HALVINGS):
+    for _ in range(CUTS):
         if at_t <= at_u:
-            high = u
-            u = t
-            at_u = at_t
+            high, u, at_u = u, t, at_t
             t = high - GOLDEN * (high - low)
             at_t = look_at(P, p0, p1, a, Q, q0, q1, b, t).distance
         else:
-            low = t
-            t = u
-            at_t = at_u
+            low, t, at_t = t, u, at_u
             u = low + GOLDEN * (high - low)
             at_u = look_at(P, p0, p1, a, Q, q0, q1, b, u).distance
-    if at_t <= at_u:
+    if at_u < at_t:
+        t, at_t = u, at_u
+    if at_t < best:
         return at_t, t
-    return at_u, u
+    return best, best_at
 
 
 @compiled
@@ -178,13 +228,12 @@ def least_part(
         if t == np.inf:
             return least, min(bound, level), at
         steps += used
-        if steps >= MOST_STEPS:
-            speed = a.speed + b.speed + abs(a.spin) * a.radius + abs(b.spin) * b.radius
-            return least, min(bound, level, d - speed * (dt - t)), at
+        if steps >= MOST_LOOKS:
+            return least, min(bound, level, d - top_speed(a, b) * (dt - t)), at
         if d < least:
             least = d
             at = t
-        d, u = lowest(P, p0, p1, a, Q, q0, q1, b, t, dt)
+        d, u = valley(P, p0, p1, a, Q, q0, q1, b, t, dt)
         if d < least:
             least = d
             at = u
@@ -204,7 +253,7 @@ def least_gap_pair(
     """Return (least, bound, t): the smallest signed distance [m] of robots i and j in [0, dt].
 
     ``least`` is attained at t [s]; no value of the step is below ``bound``, which is least - 1e-9,
-    or lower should the advancement reach its cap.
+    or lower should the search reach its cap.
     """
     a = step_course(start_i, end_i, dt, shapes.radius[i])
     b = step_course(start_j, end_j, dt, shapes.radius[j])

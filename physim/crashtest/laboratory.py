@@ -13,7 +13,7 @@ from physim.crashtest.batch import Batch, pack, place
 from physim.crashtest.case import Case
 from physim.crashtest.drawing import KINDS, TIME_STEPS, draw_case
 from physim.crashtest.footprints import Store, build_store
-from physim.crashtest.foresight import Foresight, foresee
+from physim.crashtest.foresight import Foresight, foresee, sight
 from physim.crashtest.replay import file_name, world_of
 from physim.crashtest.report import Report, Unexplained
 from physim.crashtest.throw import NEVER, Thrown, throw
@@ -72,8 +72,9 @@ def _take(
 ) -> None:
     """Judge the cases of a batch into the report."""
     dt, xi, sample = batch.dt, found.time, thrown.sample
+    seen = sight(batch, xi)  # by the true shapes and arcs, whoever said xi
     judgements = [
-        judge(dt, int(sample[k]), float(xi[k]), float(found.gap[k]), found.distance[k])
+        judge(dt, int(sample[k]), float(xi[k]), float(seen.gap[k]), found.distance[k])
         for k in range(len(batch.cases))
     ]
     verdict = np.array([int(one.verdict) for one in judgements])
@@ -84,10 +85,11 @@ def _take(
     report.rejected += thrown.rejected
     same = verdict == Verdict.SAME_SAMPLE
     report.late.append(sample[same] - xi[same] / dt)
-    report.grazes_swept += int((found.swept[verdict == Verdict.GRAZE] < np.inf).sum())
-    firm = same & (found.closing >= CLOSING_SPEED)
-    bound = TIME + _chords(batch)[firm] / found.closing[firm]
-    report.swept.append(np.stack((found.swept[firm] - xi[firm], bound), axis=1))
+    report.grazes_swept += int((seen.swept[verdict == Verdict.GRAZE] < np.inf).sum())
+    report.renewed += int((found.renewed > 0).sum())
+    firm = same & (seen.closing >= CLOSING_SPEED)
+    bound = TIME + _chords(batch)[firm] / seen.closing[firm]
+    report.swept.append(np.stack((seen.swept[firm] - xi[firm], bound), axis=1))
     for k in np.flatnonzero(verdict == Verdict.UNEXPLAINED):
         report.unexplained.append(
             _unexplained(batch.cases[k], int(sample[k]), float(xi[k]), judgements[k])

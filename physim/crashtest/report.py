@@ -51,6 +51,8 @@ class Report:
     unexplained: list[Unexplained] = field(default_factory=list)
     rejected: int = 0
     """false contacts of the engine that were kept out"""
+    renewed: int = 0
+    """collision times whose search reached its cap and went on from the lower bound"""
     grazes_swept: int = 0
     """grazes between samples that the swept check finds"""
     stopped: bool = False
@@ -112,6 +114,7 @@ def _plain(report: Report) -> dict[str, Any]:
             "beyond_tolerance_and_chord": int((off > swept[:, 1]).sum()),
         },
         "grazes_found_by_swept_check": report.grazes_swept,
+        "searches_taken_up_again": report.renewed,
         "unexplained": [vars(one) for one in report.unexplained],
     }
 
@@ -157,6 +160,7 @@ def _figures(found: dict[str, Any]) -> list[str]:
             f"grazes between samples that the swept check finds: "
             f"{found['grazes_found_by_swept_check']} of {grazes}"
         )
+    lines.append(f"collision times that were lower bounds at first: {found['searches_taken_up_again']}")
     lines.append(f"false contacts of the engine, rejected: {found['rejected_false_contacts']}")
     return lines
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import compiled, is_cached
 from physim.crashtest.batch import Batch
 from physim.crashtest.case import STEPS
 from physim.geometry.collision import collision_time_pair, collision_time_walls
@@ -42,6 +42,8 @@ class Sight(NamedTuple):
     swept: FloatArray
     """(M,) [s] first contact where poses go linearly from sample to sample, as the engine's do,
     looked for in the step of that time and its neighbours; inf when there is none"""
+    swept_gap: FloatArray
+    """(M,) [m] signed distance on the exact arcs at the swept contact; NaN without one"""
 
 
 class Throw(NamedTuple):
@@ -223,12 +225,13 @@ def _sight(
     dt: float,
     steps: int,
     time: FloatArray,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Arrays of a `Sight`."""
     cases = len(time)
     gap = np.full(cases, np.nan)
     closing = np.full(cases, np.nan)
     swept = np.full(cases, np.inf)
+    swept_gap = np.full(cases, np.nan)
     for k in range(cases):
         if not time[k] < np.inf:
             continue
@@ -239,6 +242,12 @@ def _sight(
             t = swept_step(throw, n)
             if t < np.inf:
                 swept[k] = n * dt + t
-                closing[k] = min(speed, state_at(throw, swept[k])[1])
+                swept_gap[k], later = state_at(throw, swept[k])
+                closing[k] = min(speed, later)
                 break
-    return gap, closing, swept
+    return gap, closing, swept, swept_gap
+
+
+def is_warm() -> bool:
+    """Whether the kernels of a crash test lie compiled on disk; `sight` comes last."""
+    return is_cached(_sight)

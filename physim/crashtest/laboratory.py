@@ -19,7 +19,7 @@ from physim.crashtest.report import Report, Unexplained
 from physim.crashtest.throw import NEVER, Thrown, throw
 from physim.crashtest.verdict import Judgement, Verdict, judge
 from physim.errors import PhysimError
-from physim.tolerances import CLOSING_SPEED, TIME, chord
+from physim.tolerances import CLOSING_SPEED, CONTACT, TIME, chord
 
 BLOCK = 2000
 """Cases drawn at a time; each time step among them gets a space of its own."""
@@ -85,11 +85,15 @@ def _take(
     report.rejected += thrown.rejected
     same = verdict == Verdict.SAME_SAMPLE
     report.late.append(sample[same] - xi[same] / dt)
-    report.grazes_swept += int((seen.swept[verdict == Verdict.GRAZE] < np.inf).sum())
     report.renewed += int((found.renewed > 0).sum())
-    firm = same & (seen.closing >= CLOSING_SPEED)
-    bound = TIME + _chords(batch)[firm] / seen.closing[firm]
-    report.swept.append(np.stack((seen.swept[firm] - xi[firm], bound), axis=1))
+    chords = _chords(batch)
+    swept = same & (seen.swept < np.inf)
+    off = np.abs(seen.swept_gap[swept]) - chords[swept]
+    report.swept_beyond += int((off > 2.0 * CONTACT).sum())  # the swept check has a slack, too
+    firm = swept & (seen.closing >= CLOSING_SPEED)
+    report.swept.append(np.stack((np.abs(seen.swept[firm] - xi[firm]), chords[firm]), axis=1))
+    graze = verdict == Verdict.GRAZE
+    report.grazes.append(np.stack((seen.swept < np.inf, chords == 0.0), axis=1)[graze])
     for k in np.flatnonzero(verdict == Verdict.UNEXPLAINED):
         report.unexplained.append(
             _unexplained(batch.cases[k], int(sample[k]), float(xi[k]), judgements[k])

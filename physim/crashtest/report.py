@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.crashtest.drawing import KINDS, TIME_STEPS
 from physim.crashtest.verdict import WORDS, Verdict
@@ -47,14 +48,18 @@ class Report:
     late: list[FloatArray] = field(default_factory=list)
     """share of a step by which the physical contact is later than xi, where in the same sample"""
     swept: list[FloatArray] = field(default_factory=list)
-    """(M, 2) [s] swept contact less xi, and its bound; where shapes close fast enough"""
+    """(M, 2) how far the swept contact is from xi [s], and the chord tolerance [m]; where the
+    shapes close at CLOSING_SPEED or more"""
+    swept_beyond: int = 0
+    """swept contacts at which the shapes, on the exact arcs, are farther from touching than the
+    chord tolerance"""
+    grazes: list[NDArray[np.bool_]] = field(default_factory=list)
+    """(M, 2) of each graze: does the swept check find it, is all motion free of chords"""
     unexplained: list[Unexplained] = field(default_factory=list)
     rejected: int = 0
     """false contacts of the engine that were kept out"""
     renewed: int = 0
     """collision times whose search reached its cap and went on from the lower bound"""
-    grazes_swept: int = 0
-    """grazes between samples that the swept check finds"""
     stopped: bool = False
 
     @property
@@ -92,7 +97,8 @@ def _plain(report: Report) -> dict[str, Any]:
     step = _joined(report.step).astype(int)
     verdict = _joined(report.verdict).astype(int)
     late, swept = _joined(report.late), _joined(report.swept, 2)
-    off = np.abs(swept[:, 0])
+    off, flat = swept[:, 0], swept[:, 1] == 0.0
+    seen, still = _joined(report.grazes, 2).astype(bool).T
     return {
         "seed": report.seed,
         "cases": report.cases,
@@ -109,11 +115,14 @@ def _plain(report: Report) -> dict[str, Any]:
         },
         "swept_contact_against_collision_time": {
             "unit": "s",
-            "contacts": len(swept),
-            "quantiles_of_size": quantiles(off),
-            "beyond_tolerance_and_chord": int((off > swept[:, 1]).sum()),
+            "straight": {"contacts": int(flat.sum()), "quantiles": quantiles(off[flat])},
+            "arcs": {"contacts": int((~flat).sum()), "quantiles": quantiles(off[~flat])},
+            "beyond_chord_tolerance": report.swept_beyond,
         },
-        "grazes_found_by_swept_check": report.grazes_swept,
+        "grazes_found_by_swept_check": {
+            "straight": {"found": int((seen & still).sum()), "of": int(still.sum())},
+            "arcs": {"found": int((seen & ~still).sum()), "of": int((~still).sum())},
+        },
         "searches_taken_up_again": report.renewed,
         "unexplained": [vars(one) for one in report.unexplained],
     }
@@ -147,19 +156,13 @@ def _figures(found: dict[str, Any]) -> list[str]:
         told = ", ".join(f"{name} {value:.3f}" for name, value in late["quantiles"].items())
         lines.append(f"physical contact after collision time, in steps: {told}")
     swept = found["swept_contact_against_collision_time"]
-    if swept["quantiles_of_size"]:
-        told = ", ".join(f"{n} {v:.1e}" for n, v in swept["quantiles_of_size"].items())
-        lines.append(f"swept contact against collision time [s]: {told}")
-        lines.append(
-            f"  beyond 1e-6 s and the chord tolerance: {swept['beyond_tolerance_and_chord']} of "
-            f"{swept['contacts']}"
-        )
-    grazes = found["verdicts"][WORDS[Verdict.GRAZE]]
-    if grazes:
-        lines.append(
-            f"grazes between samples that the swept check finds: "
-            f"{found['grazes_found_by_swept_check']} of {grazes}"
-        )
+    for name in ("straight", "arcs"):
+        if swept[name]["quantiles"]:
+            told = ", ".join(f"{n} {v:.1e}" for n, v in swept[name]["quantiles"].items())
+            lines.append(f"swept contact off collision time, {name} [s]: {told}")
+    lines.append(f"swept contacts beyond the chord tolerance: {swept['beyond_chord_tolerance']}")
+    for name, share in found["grazes_found_by_swept_check"].items():
+        lines.append(f"grazes that the swept check finds, {name}: {share['found']} of {share['of']}")
     lines.append(f"collision times that were lower bounds at first: {found['searches_taken_up_again']}")
     lines.append(f"false contacts of the engine, rejected: {found['rejected_false_contacts']}")
     return lines

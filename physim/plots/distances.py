@@ -18,8 +18,7 @@ MOST_POINTS = 4000
 def distances(record: Record) -> Any:
     """Figure: least distance robot to robot and robot to wall, and least collision time, over time.
 
-    Both axes are in SI units; distances are logarithmic below 1 m so that near misses can be read,
-    linear about 0.
+    Distances below 0 are depths. Both are the least over all robots.
     """
     from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""Many cases of one time step in one space, far apart: arrays for the engine and for the kernels."""
+"""Many cases of one time step in one space, far apart: arrays for engine and kernels."""
 
 from __future__ import annotations
 

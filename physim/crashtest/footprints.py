@@ -76,9 +76,7 @@ def build_store(seed: int) -> Store:
     """Footprints of one seed."""
 
     def sort(name: str, draw: Draw) -> tuple[Footprint, ...]:
-        return tuple(
-            _usable(stream(seed, f"crash test, {name}", k), draw) for k in range(STORED)
-        )
+        return tuple(_usable(stream(seed, f"crash test, {name}", k), draw) for k in range(STORED))
 
     return Store(sort("convex", _convex), sort("boxes", box), sort("nonconvex", _nonconvex))
 

@@ -64,9 +64,7 @@ def back(pose: Pose, order: tuple[float, float], time: float) -> Pose:
     return arc(pose, order[0], order[1], -time)
 
 
-def pair(
-    rng: Generator, origin: Origin, dt: float, a: Footprint, b: Footprint
-) -> Layout:
+def pair(rng: Generator, origin: Origin, dt: float, a: Footprint, b: Footprint) -> Layout:
     """Two robots whose discs overlap at the meeting: most collide, some pass."""
     most, time = advance((a, b), dt), meeting_time(rng, dt)
     reach, bearing = rng.uniform(0.0, 1.05) * (a.radius + b.radius), rng.uniform(-pi, pi)
@@ -141,9 +139,7 @@ def graze(rng: Generator, origin: Origin, dt: float, a: Footprint, b: Footprint)
     ahead = nx * cos(second[2]) + ny * sin(second[2])
     v = closing / ahead if abs(ahead) > 0.05 else two[0]
     orders = _within([one, (v, two[1])], (a, b), most)
-    start = [
-        back(tuple(p), order, time) for p, order in zip((first, second), orders, strict=True)
-    ]
+    start = [back(tuple(p), order, time) for p, order in zip((first, second), orders, strict=True)]
     return Layout((a, b), np.array(start), np.array(orders))
 
 

@@ -162,8 +162,12 @@ def _figures(found: dict[str, Any]) -> list[str]:
             lines.append(f"swept contact off collision time, {name} [s]: {told}")
     lines.append(f"swept contacts beyond the chord tolerance: {swept['beyond_chord_tolerance']}")
     for name, share in found["grazes_found_by_swept_check"].items():
-        lines.append(f"grazes that the swept check finds, {name}: {share['found']} of {share['of']}")
-    lines.append(f"collision times that were lower bounds at first: {found['searches_taken_up_again']}")
+        lines.append(
+            f"grazes that the swept check finds, {name}: {share['found']} of {share['of']}"
+        )
+    lines.append(
+        f"collision times that were lower bounds at first: {found['searches_taken_up_again']}"
+    )
     lines.append(f"false contacts of the engine, rejected: {found['rejected_false_contacts']}")
     return lines
 

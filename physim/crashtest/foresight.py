@@ -17,7 +17,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.tolerances import CONTACT, ROUNDING
 
-MOST_RENEWED = 500
+MOST_RENEWED = 2000
 """How often a search for a collision time that reached its cap is taken up again."""
 
 

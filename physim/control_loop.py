@@ -6,8 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from physim.control import Controller, Decision, Decisions, Observation, Snapshot
+from physim.control_decisions import Row, broken, decision_row
 from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.scene import Scene
@@ -31,30 +33,39 @@ class PlainBatch:
 
     def decide_due(self, snapshot: Snapshot, due: IntArray) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
-        decisions = [self._decide(int(i), snapshot.step * self.scene.dt) for i in due]
-        for i, decision in zip(due, decisions, strict=True):
-            self.memory[i] = decision.memory
+        rows, memories = [], []
+        for i in due.tolist():
+            decision, row = self._decide(i, snapshot.step * self.scene.dt)
+            rows.append(row)
+            memories.append(decision.memory)
+        for i, memory in zip(due, memories, strict=True):
+            self.memory[i] = memory
         return Decisions(
             due,
-            np.array([(d.v, d.omega) for d in decisions], dtype=np.float64),
-            np.array([d.hold for d in decisions], dtype=np.float64),
-            np.array([int(d.mode) for d in decisions], dtype=np.int64),
-            np.array([_report_row(d) for d in decisions]),
+            np.array([row.command for row in rows], dtype=np.float64),
+            np.array([row.hold for row in rows], dtype=np.float64),
+            np.array([row.mode for row in rows], dtype=np.int64),
+            np.array([row.report for row in rows], dtype=np.float64),
         )
 
-    def _decide(self, i: int, time: float) -> Decision:
+    def _decide(self, i: int, time: float) -> tuple[Decision, Row]:
         name = type(self.controller).__name__
         where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
         try:
-            decision: object = self.controller.decide(self.observe(i), self.memory[i])
+            decision = self.controller.decide(self.observe(i), self.memory[i])
         except PhysimError:
             raise
-        except Exception as error:
-            raise ControllerError(f"{where}: {type(error).__name__}: {error}") from error
-        if not isinstance(decision, Decision):
-            given = type(decision).__name__
-            raise ControllerError(f"{where}: decide returned {given}; it must return a Decision")
-        return decision
+        except (Exception, SystemExit) as error:
+            raise broken(error, where) from error
+        return decision, decision_row(decision, where)
+
+
+def as_commands(given: ArrayLike, time: float) -> FloatArray:
+    """Commands as an array of floats, a copy; ControllerError where they are no numbers."""
+    try:
+        return np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ControllerError(f"commands at {time:g} s are no array of numbers (N, 2)") from None
 
 
 def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatArray) -> None:
@@ -71,8 +82,8 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
     quantity, unit = (("v", "m/s"), ("omega", "rad/s"))[column]
     raise ControllerError(
         f"{scene.names[robots[row]]} at {time:g} s: command {quantity} = "
-        f"{command[row, column]:g} {unit}; its limit is {scene.limits[robots[row], column]:g} "
-        f"{unit}"
+        f"{command[row, column]:g} {unit}; it must be finite and within "
+        f"{scene.limits[robots[row], column]:g} {unit} either way"
     )
 
 
@@ -87,15 +98,3 @@ def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) ->
         )
     steps = np.floor(hold / scene.dt + ROUNDING)
     return np.minimum(np.maximum(steps, 1.0), LONGEST_HOLD).astype(np.int64)
-
-
-def _report_row(decision: Decision) -> tuple[float, ...]:
-    r = decision.report
-    return (
-        *r.target,
-        r.distance,
-        r.boundary_distance,
-        r.collision_time,
-        float(r.considered),
-        float(r.evaluations),
-    )

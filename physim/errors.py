@@ -50,7 +50,7 @@ class WorldError(PhysimError):
         self.positions = tuple(positions or ())
         lines = [str(fault) for fault in faults]
         if self.positions:
-            lines = [f"{p}: {line}" for p, line in zip(self.positions, lines, strict=True)]
+            lines = [_placed(p, fault) for p, fault in zip(self.positions, faults, strict=True)]
         super().__init__("\n".join(lines))
 
 
@@ -60,6 +60,13 @@ class RecordError(PhysimError):
 
 class ControllerError(PhysimError):
     """A controller that is unknown, cannot be loaded, or gave a command that cannot be applied."""
+
+
+def _placed(position: Position, fault: Fault) -> str:
+    """Fault after its position; what stood on the command line is not named twice."""
+    place, key = str(position), dotted(fault.location)
+    named = place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+    return f"{place}: {fault.message if named else fault}"
 
 
 def dotted(location: Location) -> str:

@@ -37,8 +37,10 @@ class Episode:
     """number of samples"""
     depth: float
     """[m] greatest depth"""
+    impact: float
+    """[N s] impulse of the first sample: the hit itself"""
     impulse: float
-    """[N s] sum over the samples"""
+    """[N s] sum over the samples: the hit and all pushing after it"""
 
 
 @dataclass(frozen=True)
@@ -195,7 +197,7 @@ def _episode(record: Record, run: Rows) -> Episode:
     a, b, step = int(run["a"][0]), int(run["b"][0]), int(run["step"][0])
     return Episode(
         a, b, b < record.robots, step, step * record.dt, len(run),
-        float(run["depth"].max()), float(run["impulse"].sum()),
+        float(run["depth"].max()), float(run["impulse"][0]), float(run["impulse"].sum()),
     )  # fmt: skip
 
 

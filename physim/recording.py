@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from physim.contacts import CONTACT
 from physim.control import Controller
+from physim.errors import RecordError
 from physim.geometry.clearance import clearances
 from physim.record import Record, RecordWriter
 from physim.record.layout import UPDATE
@@ -137,28 +138,33 @@ def simulate(
     controller: Controller | str | None = None,
     filters: Sequence[Filter] = (),
     path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
     """Run a world until every robot has arrived or its duration is over, and record it.
 
-    The record goes to the file ``path``, or stays in memory. ``progress`` is called after every
+    The record goes to the file ``path``, which must not exist unless ``overwrite`` is set, or
+    stays in memory. ``progress`` is called after every
     step with the simulation and the real-time factor; when ``stop`` says True the run ends
     there, with a complete record. Raises WorldError or ControllerError; a run that breaks off
     leaves its record closed, ended "error".
     """
     simulation = Simulation(world, seed, controller, filters)
-    return record_run(simulation, path=path, progress=progress, stop=stop)
+    return record_run(simulation, path=path, overwrite=overwrite, progress=progress, stop=stop)
 
 
 def record_run(
     simulation: Simulation,
     *,
     path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
     progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
     """Run a simulation from where it stands to its end and record it; see `simulate`."""
+    if path is not None and os.path.lexists(path) and not overwrite:
+        raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     scene = simulation.scene
     area, distance = scene.area, _safe_distance(simulation)
     writer = RecordWriter(

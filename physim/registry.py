@@ -132,9 +132,25 @@ def _first_line(controller: type[Any]) -> str:
 def _load(target: str, name: str) -> type[Any]:
     """Import ``module:Class``; every failure is a `ControllerError` on one line."""
     module_name, _, class_name = target.partition(":")
+    if "/" in module_name or module_name.endswith(".py"):
+        stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
+        raise ControllerError(
+            f"controller {shown(name)} names a file; write the module: {stem}:{class_name}, and "
+            "run in its folder or put that on PYTHONPATH"
+        )
     try:
         module = importlib.import_module(module_name)
-    except Exception as error:
+    except ModuleNotFoundError as error:
+        if error.name != module_name:
+            raise ControllerError(
+                f"controller {shown(name)}: module {shown(module_name)} cannot be imported: "
+                f"{_told(error)}"
+            ) from error
+        raise ControllerError(
+            f"controller {shown(name)}: no module {shown(module_name)} in the current folder or "
+            "on the Python path"
+        ) from error
+    except (Exception, SystemExit) as error:
         raise ControllerError(
             f"controller {shown(name)}: module {shown(module_name)} cannot be imported: "
             f"{_told(error)}"
@@ -164,9 +180,11 @@ def _make_folder_importable() -> None:
         importlib.invalidate_caches()
 
 
-def _told(error: Exception) -> str:
+def _told(error: BaseException) -> str:
     """Type, text and place of an error in somebody else's code, on one line."""
     text = " ".join(str(error).split())[:200]
-    frames = traceback.extract_tb(error.__traceback__)
+    if isinstance(error, SyntaxError):  # its text names file and line
+        return f"{type(error).__name__}: {text}"
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
     place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
     return f"{type(error).__name__}: {text}{place}"

@@ -22,7 +22,8 @@ from physim.control import (
     Observation,
     Snapshot,
 )
-from physim.control_loop import PlainBatch, check_commands, hold_steps
+from physim.control_loop import PlainBatch, as_commands, check_commands, hold_steps
+from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.perception import Perception
 from physim.physics import Physics
@@ -60,8 +61,10 @@ class Update:
 class Simulation:
     """A world in motion, step by step.
 
-    ``pose`` (N, 3), ``command`` (N, 2) as wanted by the controllers, ``mode`` (N,), ``contacts``
-    (rows of this sample) and ``step_number`` say how things stand at the present sample.
+    How things stand at the present sample: ``pose`` (N, 3) x, y [m], heading [rad, unwrapped],
+    read-only; ``command`` (N, 2) v [m/s], omega [rad/s] as wanted by the controllers; ``mode``
+    (N,); ``contacts``, rows of `physim.contacts.CONTACT`; ``step_number``; ``time`` [s]. Stepping
+    may go on beyond the world's duration; `simulate` stops there.
     """
 
     def __init__(
@@ -94,7 +97,7 @@ class Simulation:
         self.perception = Perception(scene)
         self.filters = tuple(filters)
         self.step_number = 0
-        self.pose: FloatArray = self.physics.pose
+        self.pose: FloatArray = read_only(self.physics.pose)
         self.command = np.zeros((scene.robots, 2))
         self.mode = np.zeros(scene.robots, dtype=np.int64)
         self.next_decision = np.zeros(scene.robots, dtype=np.int64)
@@ -126,7 +129,9 @@ class Simulation:
         return Snapshot(self.step_number, self.pose, self.command, p.station, p.reference_station)
 
     def observe(self, i: int) -> Observation:
-        """What Robot i may know now."""
+        """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
+        if not 0 <= i < self.scene.robots:
+            raise PhysimError(f"robot {i}; allowed: 0 to {self.scene.robots - 1}")
         return self.perception.observe(i, self.snapshot())
 
     def step(self, commands: FloatArray | None = None) -> None:
@@ -138,7 +143,7 @@ class Simulation:
         update: Update | None = None
         snapshot = self.snapshot()
         if commands is not None:
-            wanted = np.array(commands, dtype=np.float64)
+            wanted = as_commands(commands, self.time)
             check_commands(self.scene, self.time, np.arange(self.scene.robots), wanted)
         else:
             due = np.flatnonzero(self.next_decision <= self.step_number)
@@ -151,7 +156,7 @@ class Simulation:
         self.update = update
         self.physics.step(given)
         self.command = wanted
-        self.pose = self.physics.pose
+        self.pose = read_only(self.physics.pose)
         self.step_number += 1
         self.perception.track(self.pose)
 
@@ -191,4 +196,12 @@ def _controller(world: World, given: Controller | str | None) -> Controller:
     if isinstance(given, str):
         made: Controller = make_controller(given, {}, trusted=True)
         return made
+    if isinstance(given, type):
+        raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
     return given or make_controller(world.controller.type, world.controller.settings)
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """Return the array itself, so marked that writing to it is an error."""
+    array.flags.writeable = False
+    return array

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from types import MappingProxyType
 from typing import Any
 
 from physim import metrics
@@ -13,6 +15,30 @@ from physim.record import Record
 
 SHOWN_ROBOTS = 12
 """Robots whose own share of danger mode the table shows."""
+SHOWN_CONTACTS = 8
+"""Contacts that the table tells one by one."""
+ENDED = MappingProxyType(
+    {
+        "running": "not closed (killed, or still running)",
+        "duration": "time is up",
+        "error": "broken off by an error",
+    }
+)
+"""How a run ended, in words, where the record's own word does not say it."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact episode: who touched whom, when and how hard."""
+
+    bodies: tuple[str, str]
+    begin_s: float
+    duration_s: float
+    max_depth_m: float
+    impact_ns: float
+    """[N s] impulse of the first sample: the hit"""
+    impulse_ns: float
+    """[N s] over the whole episode: the hit and all pushing after it"""
 
 
 @dataclass(frozen=True)
@@ -24,10 +50,11 @@ class Contacts:
     with_boundaries: int
     first_s: float | None
     """[s] begin of the first one"""
-    depth_m: float | None
-    """[m] greatest depth"""
-    impulse_ns: float | None
-    """[N s] sum of all"""
+    max_depth_m: float | None
+    max_impact_ns: float | None
+    """[N s] largest impulse in the first sample of an episode"""
+    episodes: tuple[Contact, ...]
+    """every one, in the order of their beginning"""
 
 
 @dataclass(frozen=True)
@@ -111,7 +138,7 @@ def summarise(record: Record) -> Summary:
         simulated_s=record.steps_run * record.dt,
         finished=metrics.finished(record),
         time_to_finish_s=metrics.time_to_finish(record),
-        contacts=_contacts(metrics.contact_episodes(record)),
+        contacts=_contacts(metrics.contact_episodes(record), names, record.dt),
         rejected_contacts=record.rejected_contacts,
         shortest_distance_m=named(metrics.shortest_distance(record)),
         shortest_boundary_distance_m=named(metrics.shortest_boundary_distance(record)),
@@ -140,7 +167,7 @@ def table(summary: Summary) -> str:
 def table_rows(summary: Summary) -> list[tuple[str, str]]:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s = summary
-    end = f"{s.ended} after {s.simulated_s:.2f} s"
+    end = f"{ENDED.get(s.ended, s.ended)} after {s.simulated_s:.2f} s"
     arrived = f"yes, at {s.time_to_finish_s:.2f} s" if s.time_to_finish_s is not None else "no"
     factor = s.real_time_factor
     no_time = "none" if s.collision_time_evaluations else "n/a (the controller works none out)"
@@ -148,6 +175,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     return [
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
         ("contacts", _contacts_text(s.contacts)),
+        *_contact_rows(s.contacts),
         ("shortest distance", _extreme_text(s.shortest_distance_m, "m", 4)),
         ("shortest boundary distance", _extreme_text(s.shortest_boundary_distance_m, "m", 4)),
         ("shortest collision time", _extreme_text(s.shortest_collision_time_s, "s", 3, no_time)),
@@ -161,16 +189,35 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     ]
 
 
-def _contacts(episodes: tuple[metrics.Episode, ...]) -> Contacts:
+def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: float) -> Contacts:
     robots = sum(episode.robots for episode in episodes)
+    told = tuple(
+        Contact((names[e.a], names[e.b]), e.time, e.samples * dt, e.depth, e.impact, e.impulse)
+        for e in episodes
+    )
     return Contacts(
         count=len(episodes),
         between_robots=robots,
         with_boundaries=len(episodes) - robots,
         first_s=episodes[0].time if episodes else None,
-        depth_m=max((episode.depth for episode in episodes), default=None),
-        impulse_ns=math.fsum(e.impulse for e in episodes) if episodes else None,
+        max_depth_m=max((episode.depth for episode in episodes), default=None),
+        max_impact_ns=max((episode.impact for episode in episodes), default=None),
+        episodes=told,
     )
+
+
+def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
+    """A line for each of the first contacts, and one that says how many more there are."""
+    rows = [
+        (
+            f"  {c.begin_s:.2f} s",
+            f"{c.bodies[0]} and {c.bodies[1]}, {c.duration_s:.2f} s long, "
+            f"{1e3 * c.max_depth_m:.1f} mm deep, impact {c.impact_ns:.1f} N s",
+        )
+        for c in contacts.episodes[:SHOWN_CONTACTS]
+    ]
+    more = contacts.count - len(rows)
+    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more else [])]
 
 
 def _contacts_text(contacts: Contacts) -> str:

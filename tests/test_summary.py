@@ -20,8 +20,8 @@ def test_figures_and_names() -> None:
     assert (s.name, s.seed, s.robots, s.ended, s.simulated_s) == ("made up", 3, 3, "duration", 10.0)
     assert (s.contacts.count, s.contacts.between_robots, s.contacts.with_boundaries) == (2, 1, 1)
     assert s.contacts.first_s == pytest.approx(3.0)
-    assert s.contacts.depth_m == pytest.approx(0.02)
-    assert s.contacts.impulse_ns == pytest.approx(5.0 * 30)
+    assert s.contacts.max_depth_m == pytest.approx(0.02)
+    assert sum(c.impulse_ns for c in s.contacts.episodes) == pytest.approx(5.0 * 30)
     assert s.shortest_distance_m is not None
     assert s.shortest_distance_m.value == pytest.approx(-0.02)
     assert s.shortest_distance_m.bodies == ("r1", "r2")
@@ -61,7 +61,7 @@ def test_table() -> None:
     lines = table(summarise(make_record())).splitlines()
     found = dict(line.split("  ", 1) for line in lines)
     texts = {label: text.strip() for label, text in found.items()}
-    assert texts["run"] == "made up, seed 3, 3 robots: duration after 10.00 s"
+    assert texts["run"] == "made up, seed 3, 3 robots: time is up after 10.00 s"
     assert texts["contacts"] == "2 (1 between robots, 1 with boundaries), first at 3.00 s"
     assert texts["shortest distance"] == "-0.0200 m (r1 and r2 at 3.19 s)"
     assert texts["expected contacts"] == "held: 2 <= 2"

@@ -24,13 +24,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     from physim.cli.parser import build_parser
-    from physim.errors import PhysimError
+    from physim.errors import PhysimError, WorldError
 
     options = build_parser().parse_args(arguments)
     try:
         code: int = options.action(options)
     except PhysimError as error:
-        print(f"physim: {error}", file=sys.stderr)
+        placed = isinstance(error, WorldError) and bool(error.positions)
+        print(error if placed else f"physim: {error}", file=sys.stderr)  # file:line:column first
         return 2
     except KeyboardInterrupt:
         print("physim: interrupted", file=sys.stderr)

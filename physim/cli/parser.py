@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -43,12 +44,19 @@ examples:
 """
 
 
+LARGEST_NUMBER = 10**15
+
+
 class Parser(argparse.ArgumentParser):
     """Argument parser whose errors are one line, with the way to the help."""
 
     def error(self, message: str) -> NoReturn:
-        """Print one line and exit with 2."""
-        print(f"{self.prog}: {message} (see {self.prog} --help)", file=sys.stderr)
+        """Print one line, with the nearest option or command, and exit with 2."""
+        from physim.errors import nearest
+
+        unknown = re.match(r"unrecognized arguments: (-\S+)|.*invalid choice: '(\w+)'", message)
+        close = nearest(unknown[1] or unknown[2], sorted(_words(self))) if unknown else ""
+        print(f"{self.prog}: {message}{close} (see {self.prog} --help)", file=sys.stderr)
         sys.exit(2)
 
 
@@ -184,10 +192,20 @@ def _lazy(module: str, name: str) -> Any:
     return action
 
 
+def _words(parser: argparse.ArgumentParser) -> set[str]:
+    """Every option and command of a parser and of its commands."""
+    words = {option for action in parser._actions for option in action.option_strings}
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                words |= {name} | _words(command)
+    return words
+
+
 def _whole(text: str) -> int:
     value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
-    if value < 0:
-        raise argparse.ArgumentTypeError(f'"{text}" is not a whole number of at least 0')
+    if not 0 <= value <= LARGEST_NUMBER:
+        raise argparse.ArgumentTypeError(f'"{text}" is not a whole number from 0 to 10^15')
     return value
 
 

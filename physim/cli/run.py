@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from physim.cli.output import output_folder, write_text
+from physim.cli.output import FILES, output_folder, write_text
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.video import write_video
 from physim.control import Controller
@@ -20,7 +20,6 @@ from physim.simulation import Simulation
 from physim.summary import Summary, summarise, table
 from physim.warm_up import is_warm, warm_up
 from physim.world_file import located, read_world
-from physim.world_file.shipped import find_world
 
 FAILED, INTERRUPTED = 1, 130
 
@@ -40,22 +39,24 @@ def run(options: argparse.Namespace) -> int:
             _say(f"interrupted at {simulation.time:g} s of simulated time", options)
         if not options.no_video:
             if stopped:
-                _say("writing the video so far (Ctrl-C again ends it sooner)", options)
+                _say("writing the video so far (Ctrl-C again cuts it short)", options)
             already = interrupt.count
             write_video(
                 record, folder / "video.mp4", options.quiet, lambda: interrupt.count > already
             )
+            if interrupt.count > already:
+                _say(f"the video was cut short; {_again(folder)} makes it whole", options)
         stopped = stopped or bool(interrupt.count)
     if not options.quiet:
         print(table(summary), end="")
-        print(f"{'files':<26}  {folder}/")
+        print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
     return _code(summary, stopped)
 
 
 def _set_up(options: argparse.Namespace) -> Simulation:
     """Read and check the world; every fault with its place in the file."""
     world, document = read_world(
-        find_world(options.world), overrides=options.overrides, controller=options.controller
+        options.world, overrides=options.overrides, controller=options.controller
     )
     try:
         scene = build_scene(world, options.seed)
@@ -98,6 +99,10 @@ def _simulate(simulation: Simulation, folder: Path, quiet: bool, interrupt: Inte
 def _say(text: str, options: argparse.Namespace) -> None:
     if not options.quiet:
         print(text, file=sys.stderr, flush=True)
+
+
+def _again(folder: Path) -> str:
+    return f"physim video {folder}/record.h5 --force"
 
 
 def _code(summary: Summary, stopped: bool) -> int:

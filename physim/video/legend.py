@@ -87,7 +87,7 @@ def _closest(image: Image, left: float, y: float) -> None:
 
 
 def _contact(image: Image, left: float, y: float) -> None:
-    marks.draw_contact(image, Lens(1.0, left + 11.0, y), np.zeros(2), np.inf, 1.0)
+    marks.draw_contact(image, Lens(1.0, left + 11.0, y), np.zeros(2))
 
 
 _CLOSEST = "closest pair"

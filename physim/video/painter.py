@@ -42,7 +42,8 @@ class Painter:
     def __init__(self, record: Record, speed: float, fps: float) -> None:
         self.story = Story(record)
         self._speed = speed
-        self._layout = arrange(self.story.in_formation)
+        curves = self.story.curves
+        self._layout = arrange(curves is not None)
         world = ground(record)
         view = self._layout.view
         self._camera = Camera(self.story, world.extent, view, speed)
@@ -51,7 +52,7 @@ class Painter:
         self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed)
         self._overview = None if self._camera.whole else Overview(world, self._panel.free)
         strip = self._layout.strip
-        self._strip = None if strip is None else Strip(self.story, strip)
+        self._strip = Strip(self.story, curves, strip) if curves and strip else None
         self._labels = Labels()
         self._names = [shorten(name, theme.TEXT, 110) for name in record.names]
         period = max(speed / fps, theme.TRAIL / TRAIL_STEPS)
@@ -112,11 +113,18 @@ class Painter:
             draw_robot(view, outline, int(mode), bool(touches))
         if pair is not None:
             marks.draw_closest(view, lens, pair)
-        lasts = marks.mark_lasts(self._speed)
-        for row in story.contacts.recent(time, lasts):
-            age = time - float(story.contacts.began[row])
-            marks.draw_contact(view, lens, story.contacts.place[row], age, self._speed)
+        self._mark_contacts(view, lens, time)
         self._write_labels(view, lens, outlines, pair, lens.pixels(targets))
+
+    def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
+        """A flash where a contact begins; a cross that goes with it for as long as it lasts."""
+        contacts = self.story.contacts
+        recent = contacts.recent(time, marks.mark_lasts(self._speed))
+        for row in recent:
+            age = time - float(contacts.began[row])
+            marks.draw_flash(view, lens, contacts.place[row], age, self._speed)
+        for row in np.union1d(recent, contacts.present(time)):
+            marks.draw_contact(view, lens, contacts.place_at(int(row), time))
 
     def _trails(self, time: float, pose: FloatArray) -> FloatArray:
         """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import yaml
 
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
@@ -35,6 +37,13 @@ def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
     last = int(np.ceil(duration * fps / speed - 1e-6))
     times: FloatArray = np.minimum(np.arange(last + 1) * (speed / fps), duration)
     return times
+
+
+class Curves(NamedTuple):
+    """One figure a robot over time: its name with the unit, and its values (n,) of decisions."""
+
+    title: str
+    values: Callable[[IntArray], FloatArray]
 
 
 class Story:
@@ -105,9 +114,13 @@ class Story:
         return found
 
     @property
-    def in_formation(self) -> bool:
-        """Whether there is a formation error to show."""
-        return self.robots > 1 and bool(np.isfinite(self._error).any())
+    def curves(self) -> Curves | None:
+        """What to show over time: formation errors, else deviations; None where there are none."""
+        if self.robots > 1 and np.isfinite(self._error).any() and _has_formation(self.record):
+            return Curves("formation error [m]", self.errors)
+        if np.isfinite(self._deviation).any():
+            return Curves("deviation from the path, left positive [m]", self.deviations)
+        return None
 
     @staticmethod
     def _of(values: Any, rows: IntArray, missing: float) -> Any:
@@ -115,3 +128,12 @@ class Story:
         known = rows >= 0
         result[known] = values[rows[known]]
         return result
+
+
+def _has_formation(record: Record) -> bool:
+    """Whether the record's world keeps a formation; errors are recorded without one, too."""
+    try:
+        world = yaml.safe_load(record.world_text)
+    except yaml.YAMLError:
+        return True  # the video shows what there is
+    return isinstance(world, Mapping) and world.get("formation") is not None

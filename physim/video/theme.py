@@ -71,7 +71,7 @@ TRAIL = 10.0
 FLASH = 0.5
 """[s of video] length of the flash at a contact"""
 MARK = 1.0
-"""[s] simulated time that the mark of a contact stays, and at least FLASH of video"""
+"""[s] least simulated time that the mark of a contact stays, and at least FLASH of video"""
 
 SHIFT = 4
 """Fractional bits of the pixel coordinates given to OpenCV (1/16 px)."""

@@ -329,8 +329,8 @@ class World(Model):
 
     @property
     def stem(self) -> str:
-        """The name as part of a file name: letters, digits, ``_`` and ``-`` only."""
-        return re.sub(r"[^A-Za-z0-9_-]+", "_", self.name).strip("_") or "world"
+        """The name as part of a file name: letters of any script, digits, ``_`` and ``-`` only."""
+        return re.sub(r"[^\w-]+", "_", self.name).strip("_") or "world"
 
     def changed(self, **changes: Any) -> World:
         """Return this world with some values replaced; checked like a new one (WorldError)."""

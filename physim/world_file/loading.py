@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from pathlib import Path
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
 from physim.registry import checked_settings, find_controller
@@ -14,6 +13,7 @@ from physim.world_file.file_text import file_text
 from physim.world_file.nodes import Document, Member, Node
 from physim.world_file.overrides import apply_overrides
 from physim.world_file.reading import read_document, refused
+from physim.world_file.shipped import find_world
 
 MOST_FAULTS = 100
 """Faults of one world that are told one by one."""
@@ -25,7 +25,9 @@ def load_world(
     overrides: Sequence[str] = (),
     controller: str | None = None,
 ) -> World:
-    """Read a world file; ``overrides`` and ``controller`` as the command line gives them.
+    """Read a world file, or a shipped world by its name (`straight`).
+
+    ``overrides`` (``["time.step=0.02"]``) and ``controller`` are as the command line gives them.
 
     Raises `WorldError` with every fault found, each with its line and column.
     """
@@ -39,7 +41,8 @@ def read_world(
     controller: str | None = None,
 ) -> tuple[World, Document]:
     """As `load_world`, with the document, by which later faults find their place (`located`)."""
-    document = read_document(file_text(Path(path)), str(path))
+    found = find_world(path)
+    document = read_document(file_text(found), str(found))
     return world_of(document, overrides=overrides, controller=controller)
 
 
@@ -122,7 +125,7 @@ def _with_controller(document: Document, name: str) -> Document:
     settings = old.node.members if old is not None and old.node.members is not None else {}
     chosen = settings["type"].node.value if "type" in settings else "mode_switching"
     kept = dict(settings) if chosen == name else {}
-    kept["type"] = Member(1, 1, Node(1, 1, name, override=f"controller.type={name}"))
+    kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))
     line, column = (old.line, old.column) if old is not None else (root.line, root.column)
     members["controller"] = Member(line, column, Node(line, column, members=kept))
     return Document(

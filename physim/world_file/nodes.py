@@ -19,8 +19,8 @@ class OverridePosition(Position):
     key: str = ""
 
     def __str__(self) -> str:
-        """``--set key``."""
-        return f"--set {self.key}"
+        """``--set key``, or the option itself where it is another one."""
+        return self.key if self.key.startswith("--") else f"--set {self.key}"
 
 
 class Void:

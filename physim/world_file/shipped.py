@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from importlib.resources import as_file, files
 from pathlib import Path
 
 import yaml
 
-from physim.errors import PhysimError, nearest
+from physim.errors import Fault, WorldError, nearest
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -27,18 +28,20 @@ def shipped_worlds() -> dict[str, str]:
     return found
 
 
-def find_world(given: str) -> Path:
+def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, or as the name of a shipped one; a file goes first.
 
-    Raises PhysimError when there is neither, with the nearest names.
+    Raises WorldError when there is neither, with the nearest names.
     """
-    path = Path(given)
-    if path.exists() or path.suffix in SUFFIXES or len(path.parts) != 1:
+    path, given = Path(given), str(given)
+    plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
+    if not plain or path.exists():
         return path  # reading says what is wrong with it
     shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
     if given in shipped:
         return shipped_folder() / f"{given}.yaml"
-    raise PhysimError(
+    message = (
         f'{given}: no such file, and no shipped world is called "{given}"; '
         f"shipped: {', '.join(shipped)}{nearest(given, shipped)}"
     )
+    raise WorldError([Fault((), message)])

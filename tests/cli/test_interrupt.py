@@ -121,7 +121,7 @@ def test_a_killed_run_can_be_summarised_and_shown(
         assert (record.extremes["clearance"] <= record.clearance.min(axis=0)).all()
     done = physim("summary", path, capture=capsys)
     assert (done.code, done.err) == (0, "")
-    assert "running after" in done.out
+    assert "not closed (killed, or still running) after" in done.out
     done = physim("video", path, capture=capsys)
     assert (done.code, done.err) == (0, "")
     assert frames(here / "out/video.mp4") > 10

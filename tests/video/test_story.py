@@ -56,3 +56,7 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     assert found.touching(3.0, 3).tolist() == [True, True, True]
     assert found.touching(3.1, 3).tolist() == [True, True, False], "a swept contact is over at once"
     assert found.recent(2.0, 0.95).tolist() == [1, 2]
+    assert [found.present(t).tolist() for t in (0.9, 1.0, 1.15, 1.2)] == [[], [0], [0, 1], [1]]
+    places = [found.place_at(0, t)[0] for t in (0.5, 1.0, 1.09, 1.1, 9.0)]
+    assert places == [0.0, 0.0, 0.0, 1.0, 1.0], "the last row before it ended"
+    assert found.place_at(2, 2.5)[0] == 4.0, "the next episode of the same pair"

@@ -328,10 +328,10 @@ def fall_time(
         rest = horizon - t
         stride = 0.0
         if look.face == 1 and a.spin != 0.0:
-            stride = face_step(P, p0, p1, look.edge, Q, q0, q1, look.seen, room, rest)
+            stride = face_step(P, p0, p1, look.edge, Q, q0, q1, look.seen, room)
         elif look.face == 2 and b.spin != 0.0:
             seen = turned(look.seen, a.radius)
-            stride = face_step(Q, q0, q1, look.edge, P, p0, p1, seen, room, rest)
+            stride = face_step(Q, q0, q1, look.edge, P, p0, p1, seen, room)
         if stride <= rest:
             fixed = certified_step(
                 P, p0, p1, a, Q, q0, q1, b, look.closing,

@@ -98,12 +98,11 @@ def face_step(
     q1: int,
     r: Relative,
     spare: float,
-    rest: float,
 ) -> float:
     """Return a time [s] for which the gap along the normal of an edge of P, which turns, lasts.
 
-    The edge ends at vertex m. The gap stays above what it is now less ``spare`` [m]. Inf: for
-    longer than ``rest`` [s].
+    The edge ends at vertex m. The gap stays above what it is now less ``spare`` [m]. Half a turn
+    of P is the most it looks ahead.
     """
     k = m - 1 if m > p0 else p1 - 1
     ex = P[m, 0] - P[k, 0]
@@ -114,18 +113,16 @@ def face_step(
     low = np.inf
     for j in range(q0, q1):
         low = min(low, above(P, m, nx, ny, Q, j, r)[0])
-    # First with the reach of all the time left, then with that of the time found.
+    # First with the reach of the longest time, then with that of the time found.
     now = math.sqrt(r.x * r.x + r.y * r.y)
     best = 0.0
-    most = rest
+    most = math.pi / abs(r.spin)
     for _ in range(2):
         bound = bend(r, now + r.speed * most)
-        found = np.inf
+        found = most
         for j in range(q0, q1):
             h, rate = above(P, m, nx, ny, Q, j, r)
             found = min(found, lasting(h - low + spare, rate, bound))
-        if most == rest and found > rest:
-            return np.inf
-        best = max(best, min(found, most))
-        most = min(rest, 3.0 * best)
+        best = max(best, found)
+        most = min(most, 3.0 * best)
     return best

@@ -60,9 +60,11 @@ def test_the_gap_lasts_as_long_as_promised(seed):
     P, Q = random_convex(rng), random_convex(rng)
     a, b = (random_course(rng, float(np.hypot(*part.T).max())) for part in (P, Q))
     look = look_at(P, 0, len(P), a, Q, 0, len(Q), b, 0.0)
-    spare, rest = float(rng.uniform(1e-3, 0.5)), 3.0
+    if a.spin == 0.0:
+        return
+    spare = float(rng.uniform(1e-3, 0.5))
     m = int(rng.integers(len(P)))
-    long = min(face_step(P, 0, len(P), m, Q, 0, len(Q), look.seen, spare, rest), rest)
+    long = face_step(P, 0, len(P), m, Q, 0, len(Q), look.seen, spare)
     assert long > 0.0
     edge = P[m] - P[m - 1]
     n = np.array([edge[1], -edge[0]]) / np.hypot(*edge)

@@ -5,11 +5,12 @@ edge itself does at the vertex before it. So where the best axis is the normal o
 that turns, the axis turns along. In the frame of that body a vertex q of the other part lies at
 ``h`` above the edge, with ``h'`` known exactly, and ``|h''|`` is bounded by
 
-    |pull| + 2 |spin| speed + spin^2 reach + (other spin - spin)^2 radius
+    pull + 2 |spin| speed + spin^2 reach + (other spin - spin)^2 radius
 
 (pull: accelerations of both reference points; speed: of these to each other; reach: how far apart
-they may come; radius: of the other body), so that ``h + h' t -+ bend t^2 / 2`` are bounds for all
-times.
+they may come; radius: of the other body), so that ``h + h' t -+ bend t^2 / 2`` are bounds. When
+the other body does not turn, the last term goes and the reach is that of the vertex itself: walls
+have vertices in the world frame and no radius.
 """
 
 from __future__ import annotations
@@ -56,24 +57,35 @@ def turned(r: Relative, radius: float) -> Relative:
 
 
 @compiled
-def bend(r: Relative, reach: float) -> float:
-    """Bound on |h''| [m/s^2] as long as the reference points are at most ``reach`` apart."""
-    twist = r.other_spin - r.spin
-    return r.pull + 2.0 * abs(r.spin) * r.speed + r.spin * r.spin * reach + twist * twist * r.radius
-
-
-@compiled
 def above(
     P: FloatArray, m: int, nx: float, ny: float, Q: FloatArray, j: int, r: Relative
-) -> tuple[float, float]:
-    """Height [m] of vertex j of Q above vertex m of P along (nx, ny), all seen from P; its rate."""
+) -> tuple[float, float, float]:
+    """Height [m] of vertex j of Q above vertex m of P along (nx, ny), its rate, and its reach.
+
+    All is seen from P; the reach [m] goes into `bend`.
+    """
     ox = r.c * Q[j, 0] - r.s * Q[j, 1]
     oy = r.s * Q[j, 0] + r.c * Q[j, 1]
     x = ox + r.x
     y = oy + r.y
     vx = r.vx - r.other_spin * oy + r.spin * y
     vy = r.vy + r.other_spin * ox - r.spin * x
-    return nx * (ox + (r.x - P[m, 0])) + ny * (oy + (r.y - P[m, 1])), nx * vx + ny * vy
+    if r.other_spin == 0.0:
+        reach = math.sqrt(x * x + y * y)
+    else:
+        reach = math.sqrt(r.x * r.x + r.y * r.y)
+    h = nx * (ox + (r.x - P[m, 0])) + ny * (oy + (r.y - P[m, 1]))
+    return h, nx * vx + ny * vy, reach
+
+
+@compiled
+def bend(r: Relative, reach: float, most: float) -> float:
+    """Bound on |h''| [m/s^2] over a time ``most`` [s] of a vertex of that reach."""
+    turning = r.spin * r.spin * (reach + r.speed * most) + 2.0 * abs(r.spin) * r.speed
+    if r.other_spin == 0.0:
+        return r.pull + turning
+    twist = r.other_spin - r.spin
+    return r.pull + turning + twist * twist * r.radius
 
 
 @compiled
@@ -113,16 +125,14 @@ def face_step(
     low = np.inf
     for j in range(q0, q1):
         low = min(low, above(P, m, nx, ny, Q, j, r)[0])
-    # First with the reach of the longest time, then with that of the time found.
-    now = math.sqrt(r.x * r.x + r.y * r.y)
+    # First for the longest time, then for that of the time found.
     best = 0.0
     most = math.pi / abs(r.spin)
     for _ in range(2):
-        bound = bend(r, now + r.speed * most)
         found = most
         for j in range(q0, q1):
-            h, rate = above(P, m, nx, ny, Q, j, r)
-            found = min(found, lasting(h - low + spare, rate, bound))
+            h, rate, reach = above(P, m, nx, ny, Q, j, r)
+            found = min(found, lasting(h - low + spare, rate, bend(r, reach, most)))
         best = max(best, found)
         most = min(most, 3.0 * best)
     return best

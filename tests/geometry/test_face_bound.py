@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from physim.geometry.advancement import fall_time, look_at
 from physim.geometry.face_bound import above, bend, face_step, lasting, turned
-from physim.geometry.motion import along_course, arc_course, straight_course
+from physim.geometry.motion import along_course, arc_course, still_course, straight_course
 from physim.tolerances import CONTACT
 from tests.geometry.cases import random_convex
 
@@ -46,11 +46,26 @@ def test_height_and_its_bound_hold(seed):
     assert turned(seen, a.radius) == pytest.approx(back, abs=1e-12)
     n = rng.normal(size=2)
     n /= np.hypot(*n)
-    h, rate = above(P, 0, n[0], n[1], Q, 0, seen)
+    h, rate, reach = above(P, 0, n[0], n[1], Q, 0, seen)
     for t in np.linspace(0.0, 2.0, 40):
-        reach = math.hypot(seen.x, seen.y) + seen.speed * t
         true = n @ (in_frame(a, start + t, b, Q[0]) - P[0])
-        assert abs(true - (h + rate * t)) <= 0.5 * bend(seen, reach) * t * t + 1e-12
+        assert abs(true - (h + rate * t)) <= 0.5 * bend(seen, reach, t) * t * t + 1e-12
+
+
+@settings(max_examples=80)
+@given(seeds)
+def test_bound_holds_for_a_wall_far_from_the_origin_of_the_world(seed):
+    rng = np.random.default_rng(seed)
+    P = random_convex(rng)
+    wall = rng.uniform(-30, 30, (2, 2))
+    a = random_course(rng, float(np.hypot(*P.T).max()))
+    seen = look_at(P, 0, len(P), a, wall, 0, 2, still_course(), 0.0).seen
+    n = rng.normal(size=2)
+    n /= np.hypot(*n)
+    h, rate, reach = above(P, 0, n[0], n[1], wall, 0, seen)
+    for t in np.linspace(0.0, 2.0, 40):
+        true = n @ (in_frame(a, t, still_course(), wall[0]) - P[0])
+        assert abs(true - (h + rate * t)) <= 0.5 * bend(seen, reach, t) * t * t + 1e-12
 
 
 @settings(max_examples=80)

@@ -134,7 +134,7 @@ def _nonconvex(rng: Generator) -> FloatArray:
 
 
 def _shift(rng: Generator) -> FloatArray:
-    return rng.uniform(-0.3, 0.3, 2) if rng.random() < 0.5 else np.zeros(2)
+    return np.asarray(rng.uniform(-0.3, 0.3, 2) if rng.random() < 0.5 else np.zeros(2))
 
 
 def _turned(points: FloatArray, angle: float) -> FloatArray:

@@ -111,7 +111,7 @@ def point_speed(
     omega = command[1]
     vx = v * math.cos(pose[2]) - omega * (y - pose[1])
     vy = v * math.sin(pose[2]) + omega * (x - pose[0])
-    return vx * nx + vy * ny
+    return float(vx * nx + vy * ny)
 
 
 @compiled

@@ -137,7 +137,7 @@ def graze(rng: Generator, origin: Origin, dt: float, a: Footprint, b: Footprint)
     # The second robot's speed makes the relative velocity of the touching points tangential.
     closing = normal @ (velocity(first, one, point) - velocity(second, (0.0, two[1]), point))
     ahead = nx * cos(second[2]) + ny * sin(second[2])
-    v = closing / ahead if abs(ahead) > 0.05 else two[0]
+    v = float(closing / ahead) if abs(ahead) > 0.05 else two[0]
     orders = _within([one, (v, two[1])], (a, b), most)
     start = [back(tuple(p), order, time) for p, order in zip((first, second), orders, strict=True)]
     return Layout((a, b), np.array(start), np.array(orders))

@@ -32,7 +32,7 @@ def styled() -> Iterator[None]:
     """Settings of matplotlib for one picture; restored afterwards."""
     import matplotlib
 
-    settings: dict[str, Any] = {
+    settings: Any = {
         "font.family": "DejaVu Sans",
         "font.size": 9.0,
         "axes.titlesize": 9.5,

@@ -14,6 +14,12 @@ from tests.crashtest.sabotage import two_steps_late
 from tests.records import make_record
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _warm() -> None:
+    """Kernels are compiled before any command runs, so that none says that it compiles."""
+    crash_test(11)
+
+
 def test_agreement_ends_with_0_and_writes_nothing_but_the_json(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -60,7 +60,10 @@ LAYERS = {
 to a lower layer, to a lower place in the same one, or stays within its package."""
 
 FROM_THE_RECORD_ALONE = (
-    "physim.metrics", "physim.expectations", "physim.summary", "physim.video",
+    "physim.metrics",
+    "physim.expectations",
+    "physim.summary",
+    "physim.video",
     "physim.plots",
 )
 NOT_FROM_THE_RECORD = (

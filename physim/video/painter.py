@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.video import marks, theme
+from physim.video import legend, marks, theme
 from physim.video.background import Background
 from physim.video.camera import Camera, Lens
 from physim.video.closest import Pair, closest_pair
@@ -49,7 +49,8 @@ class Painter:
         self._camera = Camera(self.story, world.extent, view, speed)
         self._background = Background(world, self._camera.scale)
         self._fleet = Fleet(record.footprints)
-        self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed)
+        shown = legend.signs(self.story, world)
+        self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed, shown)
         self._overview = None if self._camera.whole else Overview(world, self._panel.free)
         strip = self._layout.strip
         self._strip = Strip(self.story, curves, strip) if curves and strip else None

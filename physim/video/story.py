@@ -114,6 +114,11 @@ class Story:
         return found
 
     @property
+    def has_targets(self) -> bool:
+        """Whether any decision has a target to show."""
+        return bool(np.isfinite(self._target).all(axis=1).any())
+
+    @property
     def curves(self) -> Curves | None:
         """What to show over time: formation errors, else deviations; None where there are none."""
         if self.robots > 1 and np.isfinite(self._error).any() and _has_formation(self.record):

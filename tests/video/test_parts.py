@@ -10,13 +10,14 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
+from physim.video import frame_at, theme
 from physim.video.background import Background, draw_ground
 from physim.video.camera import Camera, Lens
 from physim.video.closest import closest_pair
 from physim.video.ground import ground
 from physim.video.labels import Labels, Tag
 from physim.video.layout import arrange
+from physim.video.legend import signs
 from physim.video.panel import metres
 from physim.video.robots import Fleet
 from physim.video.story import Story
@@ -160,6 +161,41 @@ def test_a_robot_of_several_parts_has_one_outline_and_a_mark_inside() -> None:
     assert shapely.Polygon(shape.rings[0]).area == pytest.approx(area, rel=1e-4)
     assert shapely.Polygon(shape.rings[0]).contains(shapely.Polygon(shape.mark))
     assert shape.mark[0, 0] > shape.mark[1:, 0].max(), "it points forward"
+
+
+def test_the_legend_lists_what_can_appear(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    def listed(record: Any) -> list[str]:
+        return signs(Story(record), ground(record))
+
+    low = np.array([[0.0, -4.0], [80.0, -4.0], [80.0, 3.0], [0.0, 3.0]])  # it bends out of it
+    record = changed(made(3), safe=[low])
+    full = ["contact", "closest pair", "target", "trail, last 10 s"]
+    areas = ["safe area", "danger area"]
+    assert listed(record) == [*full, "path, dashed in danger area", "reference path", "boundary",
+                              *areas]  # fmt: skip
+    for bare in ({"safe": ()}, {"safe_distance": 0.0}):
+        found = listed(changed(record, **bare))
+        assert found == [*full, "path", "reference path", "boundary", "accessible area"]
+    assert "closest pair" not in listed(made(1))
+    updates = record.updates.copy()
+    updates["target_x"] = np.nan
+    assert "target" not in listed(changed(record, updates=updates))
+    wide = [100.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])]
+    found = listed(changed(record, safe=wide))
+    assert "path" in found
+    assert "path, dashed in danger area" not in found
+    assert set(areas) < set(found)
+
+
+def test_without_safe_areas_nothing_is_drawn_as_danger(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    picture = frame_at(changed(made(1), safe=()), 2.0)
+    for colour in (theme.DANGER_AREA, theme.SAFE_AREA):
+        assert (picture == colour).all(axis=2).sum() < 10, "single pixels of trails may be alike"
+    assert (picture == theme.FLOOR).all(axis=2).sum() > 100_000
 
 
 def test_labels_of_robots_side_by_side_do_not_overlap() -> None:

@@ -112,6 +112,9 @@ class Painter:
         outlines = self._fleet.split(lens.fixed(vertices))
         for outline, mode, touches in zip(outlines, modes, touching, strict=True):
             draw_robot(view, outline, int(mode), bool(touches))
+        for place, figure in zip(pose[:, :2], self._fleet.figures, strict=True):
+            if figure.eccentric:
+                marks.draw_reference_point(view, lens, place)
         if pair is not None:
             marks.draw_closest(view, lens, pair)
         self._mark_contacts(view, lens, time)

@@ -18,6 +18,7 @@ from physim.video.ground import ground
 from physim.video.labels import Labels, Tag
 from physim.video.layout import arrange
 from physim.video.legend import signs
+from physim.video.marks import draw_reference_point
 from physim.video.panel import metres
 from physim.video.robots import Fleet
 from physim.video.story import Story
@@ -196,6 +197,15 @@ def test_without_safe_areas_nothing_is_drawn_as_danger(
     for colour in (theme.DANGER_AREA, theme.SAFE_AREA):
         assert (picture == colour).all(axis=2).sum() < 10, "single pixels of trails may be alike"
     assert (picture == theme.FLOOR).all(axis=2).sum() > 100_000
+
+
+def test_a_reference_point_far_from_the_centroid_is_shown() -> None:
+    aside = ELL[0] + np.array([0.9, 0.5])
+    assert [f.eccentric for f in Fleet([[BOX], [aside]]).figures] == [False, True]
+    view = np.zeros((21, 21, 3), np.uint8)
+    draw_reference_point(view, Lens(10.0, 0.0, 0.0), np.array([1.0, -1.0]))
+    assert tuple(view[10, 10]) == theme.TARGET
+    assert tuple(view[0, 0]) == (0, 0, 0)
 
 
 def test_labels_of_robots_side_by_side_do_not_overlap() -> None:

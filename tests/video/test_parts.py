@@ -15,7 +15,7 @@ from physim.video.background import Background, draw_ground
 from physim.video.camera import Camera, Lens
 from physim.video.closest import closest_pair
 from physim.video.ground import ground
-from physim.video.labels import Labels, Tag
+from physim.video.labels import Labels, Tag, leader
 from physim.video.layout import arrange
 from physim.video.legend import signs
 from physim.video.marks import draw_reference_point
@@ -216,6 +216,31 @@ def test_labels_of_robots_side_by_side_do_not_overlap() -> None:
     rects += [shapely.box(*box) for box in boxes]
     overlaps = [a.intersection(b).area for k, a in enumerate(rects) for b in rects[:k]]
     assert max(overlaps) == 0.0
+
+
+def test_a_label_is_near_its_own_robot_and_on_no_wall() -> None:
+    shape = np.array([[-30.0, -12.0], [30.0, -12.0], [30.0, 12.0], [-30.0, 12.0]])
+    tag = Tag(0, (300.0, 200.0), 30.0, (40.0, 20.0), shape)
+    boxes = np.array([[270.0, 188.0, 330.0, 212.0], [280.0, 130.0, 320.0, 165.0]])
+    (x, y) = Labels().place([tag], boxes[:1], (600, 400))[0]
+    assert (x, y) == pytest.approx((300.0, 176.0)), "2 px above the body, not above a disc"
+    (x, y) = Labels().place([tag], boxes, (600, 400))[0]
+    label = shapely.box(x - 20, y - 10, x + 20, y + 10)
+    own, other = (label.distance(shapely.box(*box)) for box in boxes)
+    assert own < 15.0
+    assert other > own + 5.0
+    wall = np.array([[[0.0, 176.0], [600.0, 176.0]]])
+    (x, y) = Labels().place([tag], boxes[:1], (600, 400), None, wall)[0]
+    assert not shapely.box(x - 20, y - 10, x + 20, y + 10).intersects(shapely.LineString(wall[0]))
+
+
+def test_a_label_far_from_its_robot_has_a_leader() -> None:
+    shape = np.array([[-9.0, -5.0], [9.0, -5.0], [9.0, 5.0], [-9.0, 5.0]])
+    tag = Tag(0, (100.0, 100.0), 10.0, (40.0, 20.0), shape)
+    assert leader(tag, np.array([100.0, 82.0])) is None
+    line = leader(tag, np.array([100.0, 50.0]))
+    assert line is not None
+    assert line.tolist() == [[100.0, 95.0], [100.0, 60.0]]
 
 
 def test_a_label_stays_in_the_view() -> None:

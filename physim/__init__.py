@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from physim.scene_builder import build_scene
     from physim.simulation import Simulation
     from physim.summary import summarise
+    from physim.validation import validate
     from physim.video import render
     from physim.world import World
     from physim.world_file import load_world, parse_world
@@ -54,6 +55,7 @@ _WHERE = {
     "render": "physim.video",
     "simulate": "physim.recording",
     "summarise": "physim.summary",
+    "validate": "physim.validation",
 }
 
 __all__ = [
@@ -79,6 +81,7 @@ __all__ = [
     "render",
     "simulate",
     "summarise",
+    "validate",
 ]
 
 

@@ -1,4 +1,4 @@
-"""The command line: ``physim run``, ``video``, ``summary``, ``list``."""
+"""The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``list``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from collections.abc import Sequence
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0 fine, 1 ran but an expectation failed, 2 bad input, 130 interrupted.
+    0 fine, 1 ran but an expectation failed or there was contact, 2 bad input, 3 checks disagree,
+    130 interrupted.
     """
     try:
         try:

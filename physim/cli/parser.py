@@ -15,6 +15,7 @@ Run corridor worlds of polygon robots on real rigid-body physics, and see what h
   physim list                     shipped worlds and controllers
   physim run ten_robots           run one: record, video and summary in runs/
   physim run my_world.yaml        run your own
+  physim validate ten_robots      judge its safety: contacts, exact checks, who was responsible
 """
 
 RUN_EPILOG = """\
@@ -43,8 +44,21 @@ examples:
   physim crashtest --cases 100000 --seed 1 --json crashtest.json
 """
 
-
 LARGEST_NUMBER = 10**15
+
+VALIDATE_EPILOG = """\
+exit codes:
+  0    contact-free, and physics and geometry agree at every step
+  1    contacts
+  2    bad input: one message says what and where
+  3    the checks disagree: something is wrong with physics, geometry or the record
+  130  interrupted (Ctrl-C)
+
+examples:
+  physim validate runs/ten_robots-7/record.h5
+  physim validate three_robots --controller path_following
+  physim validate my_world.yaml --seeds 1:100 --json seeds.json
+"""
 
 
 class Parser(argparse.ArgumentParser):
@@ -126,6 +140,7 @@ def build_parser() -> argparse.ArgumentParser:
     summary.add_argument("--json", action="store_true", help="print JSON instead of a table")
     summary.set_defaults(action=_lazy("physim.cli.summary", "summary"))
 
+    _add_validate(commands)
     _add_crashtest(commands)
     _add_plot(commands)
 
@@ -137,6 +152,40 @@ def build_parser() -> argparse.ArgumentParser:
     listing.add_argument("--json", action="store_true", help="print JSON instead of a table")
     listing.set_defaults(action=_lazy("physim.cli.listing", "listing"))
     return parser
+
+
+def _add_validate(commands: Any) -> None:
+    """Arguments of ``physim validate``."""
+    validate = commands.add_parser(
+        "validate",
+        help="judge a run: physical contacts, exact checks, who was responsible",
+        description="Hold the physical contacts of a run against exact distances and collision "
+        "times, and report every contact: who, where, and who was responsible.",
+        epilog=VALIDATE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    validate.add_argument(
+        "given", metavar="WORLD|RECORD", help="a record.h5, or a world to run and judge"
+    )
+    validate.add_argument("--json", type=Path, metavar="FILE", help="write everything as JSON")
+    validate.add_argument(
+        "--seeds", type=_range, metavar="A:B", help="repeat over seeds A to B, both included"
+    )
+    validate.add_argument("--world", metavar="W", help="check that the record was made from W")
+    validate.add_argument("--seed", type=_whole, metavar="N", help="seed of a world")
+    validate.add_argument(
+        "--controller", metavar="NAME", help="controller of a world, as in physim run"
+    )
+    validate.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change one value of a world, as in physim run (may be repeated)",
+    )
+    validate.add_argument("--quiet", action="store_true", help="print the verdict alone")
+    validate.set_defaults(action=_lazy("physim.cli.validate", "validate_command"))
 
 
 def _add_crashtest(commands: Any) -> None:
@@ -207,6 +256,16 @@ def _whole(text: str) -> int:
     if not 0 <= value <= LARGEST_NUMBER:
         raise argparse.ArgumentTypeError(f'"{text}" is not a whole number from 0 to 10^15')
     return value
+
+
+def _range(text: str) -> tuple[int, int]:
+    first, colon, last = text.partition(":")
+    if not colon or not first or not last:
+        raise argparse.ArgumentTypeError(f'"{text}" is not A:B, two whole numbers')
+    ends = (_whole(first), _whole(last))
+    if ends[1] < ends[0]:
+        raise argparse.ArgumentTypeError(f'"{text}" ends before it begins')
+    return ends
 
 
 def _positive(text: str) -> float:

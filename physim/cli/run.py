@@ -19,7 +19,9 @@ from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from physim.summary import Summary, summarise, table
 from physim.warm_up import is_warm, warm_up
+from physim.world import World
 from physim.world_file import located, read_world
+from physim.world_file.nodes import Document
 
 FAILED, INTERRUPTED = 1, 130
 
@@ -58,8 +60,15 @@ def _set_up(options: argparse.Namespace) -> Simulation:
     world, document = read_world(
         options.world, overrides=options.overrides, controller=options.controller
     )
+    return ready(world, document, options.seed, options)
+
+
+def ready(
+    world: World, document: Document, seed: int | None, options: argparse.Namespace
+) -> Simulation:
+    """Simulation of a world that was read, with the kernels loaded or compiled."""
     try:
-        scene = build_scene(world, options.seed)
+        scene = build_scene(world, seed)
     except WorldError as error:
         raise located(error.faults, document) from None
 

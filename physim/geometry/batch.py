@@ -86,11 +86,12 @@ def fill_distances(
 
 
 @compiled
-def any_course(pose: FloatArray, twist: FloatArray, radius: float) -> Course:
-    """Course of a twist (2,) or (3,)."""
-    if len(twist) == 2:
-        return arc_course(pose, twist[0], twist[1], radius)
-    return straight_course(pose, twist[0], twist[1], twist[2], radius)
+def course_at(pose: FloatArray, twist: FloatArray, k: int, radius: float) -> Course:
+    """Course of row k; twists (M, 2) or (M, 3). Rows as tuples: quicker than slices of arrays."""
+    start = (pose[k, 0], pose[k, 1], pose[k, 2])
+    if twist.shape[1] == 2:
+        return arc_course(start, twist[k, 0], twist[k, 1], radius)
+    return straight_course(start, twist[k, 0], twist[k, 1], twist[k, 2], radius)
 
 
 @compiled
@@ -110,8 +111,8 @@ def fill_times(
     for k in range(len(out)):
         i = index_a[k]
         j = index_b[k]
-        a = any_course(pose_a[k], twist_a[k], shapes_a.radius[i])
-        b = any_course(pose_b[k], twist_b[k], shapes_b.radius[j])
+        a = course_at(pose_a, twist_a, k, shapes_a.radius[i])
+        b = course_at(pose_b, twist_b, k, shapes_b.radius[j])
         out[k] = bodies_time(shapes_a, i, a, shapes_b, j, b, horizon)
 
 
@@ -152,7 +153,7 @@ def _indices(values: Any, what: str, shapes: Shapes, count: int) -> IntArray:
 
 
 def _rows(values: Any, what: str, widths: tuple[int, ...], count: int) -> FloatArray:
-    rows = array_of(values, what)
+    rows = array_of(values, what, copy=None)
     if rows.ndim == 1 and len(rows) in widths:
         rows = np.broadcast_to(rows, (count, len(rows)))
     if rows.ndim != 2 or len(rows) != count or rows.shape[1] not in widths:

@@ -36,10 +36,10 @@ def numbers(values: ArrayLike, what: str, lengths: tuple[int, ...], names: str) 
     return array
 
 
-def array_of(values: Any, what: str) -> FloatArray:
-    """Copy as an array of floats."""
+def array_of(values: Any, what: str, copy: bool | None = True) -> FloatArray:
+    """Values as an array of floats; a copy, unless ``copy`` is None (only where needed)."""
     try:
-        return np.array(values, dtype=np.float64)
+        return np.array(values, dtype=np.float64, copy=copy)
     except (TypeError, ValueError):
         raise PhysimError(f"{what}: not an array of numbers") from None
 

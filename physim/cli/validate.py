@@ -1,0 +1,121 @@
+"""``physim validate``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from physim.cli import rerun
+from physim.cli.output import write_text
+from physim.errors import PhysimError
+from physim.record import Record
+from physim.scene_builder import is_random
+from physim.validation import Validation, is_warm, report, validate
+from physim.validation.as_json import json_of_seeds, json_of_validation
+from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
+from physim.validation.validation import check_complete, is_coarse
+from physim.world import World
+from physim.world_file.nodes import Document
+from physim.world_file.shipped import SUFFIXES
+
+
+def validate_command(options: argparse.Namespace) -> int:
+    """Validate a world or a record; returns the exit code."""
+    if options.json is not None and not options.json.absolute().parent.is_dir():
+        raise PhysimError(f"{options.json}: there is no such folder")
+    if not is_record(options.given):
+        if options.world is not None:
+            raise PhysimError("--world goes with a record: it checks where the record came from")
+        world, document = rerun.world_given(options, options.given)
+        return _validate_world(world, document, options)
+    with Record.load(Path(options.given)) as record:
+        return _validate_record(record, options)
+
+
+def is_record(given: str) -> bool:
+    """Whether an argument names a record rather than a world."""
+    path = Path(given)
+    if path.suffix in SUFFIXES:
+        return False
+    if path.is_file():
+        try:
+            with path.open("rb") as stream:
+                return stream.read(4) == b"\x89HDF" or path.suffix in (".h5", ".hdf5")
+        except OSError:
+            return True  # opening it says why not
+    return path.suffix in (".h5", ".hdf5") or path.is_dir()
+
+
+def _validate_record(record: Record, options: argparse.Namespace) -> int:
+    if options.world is not None:
+        world, _ = rerun.world_given(options, options.world)
+        rerun.check_origin(record, world, options.world)
+    if options.seeds is not None:
+        return _validate_world(*rerun.world_inside(options, record), options)
+    changes = bool(options.overrides or options.controller)
+    if changes and options.world is None and not is_coarse(record):
+        raise PhysimError("--set and --controller go with a world, or with --world")
+    if options.seed is not None:
+        raise PhysimError("--seed goes with a world: a record has its own seed")
+    if not is_coarse(record):
+        return _told(_judged(record, str(record.path), options), options)
+    if record.ended == "error":
+        raise PhysimError(f"{record.path}: the run broke off with an error; run it again")
+    world, document = rerun.world_inside(options, record)
+    with rerun.run_again(world, document, record.seed, options) as full:
+        rerun.check_samples(record, full)
+        return _told(validate(full, source=str(record.path), resimulated=True), options)
+
+
+def _validate_world(world: World, document: Document, options: argparse.Namespace) -> int:
+    if options.seeds is None:
+        return _told(_run_and_validate(world, document, options.seed, options), options)
+    if options.seed is not None:
+        raise PhysimError("--seed and --seeds do not go together")
+    if not is_random(world):
+        found = _run_and_validate(world, document, None, options)
+        print(
+            "Nothing in this world is random: every seed gives the same run, so there is one run "
+            "and no rate.\n"
+        )
+        return _told(found, options)
+    first, last = options.seeds
+    results: list[SeedResult] = []
+    worst: Validation | None = None
+    for seed in range(first, last + 1):
+        found = _run_and_validate(world, document, seed, options)
+        results.append(SeedResult.of(seed, found))
+        if worst is None or found.code > worst.code:
+            worst = found
+        if not options.quiet:
+            print(seed_line(results[-1]), flush=True)
+    study = SeedStudy(world.name, tuple(results))
+    if worst is not None and worst.code:
+        print("\n" + report(worst), end="")
+    print("\n" + seeds_text(study), end="")
+    if options.json is not None:
+        write_text(options.json, json_of_seeds(study))
+    return study.code
+
+
+def _run_and_validate(
+    world: World, document: Document, seed: int | None, options: argparse.Namespace
+) -> Validation:
+    with rerun.run_again(world, document, seed, options) as record:
+        check_complete(record)
+        return _judged(record, f"simulated just now from {document.source}", options)
+
+
+def _judged(record: Record, source: str, options: argparse.Namespace) -> Validation:
+    if not is_warm() and not options.quiet:
+        text = "compiling the kernels, once after an installation or an edit ..."
+        print(text, file=sys.stderr, flush=True)
+    return validate(record, source=source)
+
+
+def _told(found: Validation, options: argparse.Namespace) -> int:
+    if options.json is not None:
+        write_text(options.json, json_of_validation(found))
+    print(f"verdict: {found.verdict}\n" if options.quiet else report(found), end="")
+    return found.code

@@ -1,0 +1,69 @@
+"""A validation as JSON text. Units: m, s, m/s, rad/s, N s; bodies by id, named in run.bodies."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from physim.validation.seeds import SeedStudy
+from physim.validation.validation import Validation
+
+UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
+
+
+def json_of_validation(validation: Validation) -> str:
+    """JSON of one run. Infinite values are the text "inf"; what was not looked at is null."""
+    return _text(
+        {
+            "format": "physim-validation",
+            "version": 1,
+            "units": UNITS,
+            "verdict": validation.verdict,
+            "exit_code": validation.code,
+            "unexplained": validation.unexplained,
+            **plain(validation),
+        }
+    )
+
+
+def json_of_seeds(study: SeedStudy) -> str:
+    """JSON of a study over seeds."""
+    low, high = study.interval
+    return _text(
+        {
+            "format": "physim-validation-seeds",
+            "version": 1,
+            "world": study.world,
+            "runs": len(study.results),
+            "contact_free": study.free,
+            "rate": study.rate,
+            "interval_95": [low, high],
+            "exit_code": study.code,
+            "seeds": plain(study.results),
+        }
+    )
+
+
+def plain(value: Any) -> Any:
+    """Value in types that JSON knows."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        if math.isnan(value):
+            return None
+        if math.isinf(value):
+            return "inf" if value > 0 else "-inf"
+        return float(value)
+    return value
+
+
+def _text(value: dict[str, Any]) -> str:
+    return json.dumps(value, indent=2, ensure_ascii=False, allow_nan=False) + "\n"

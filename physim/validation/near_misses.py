@@ -1,0 +1,196 @@
+"""Near misses: the smallest distances and collision times that did not end in contact.
+
+Distances are over all samples, one for each approach: a stretch of time over which a pair is
+nearer than the ledger's reach. Collision times are those of the deciding robot with every other
+body at every decision, under the commands that all hold from then on, worked out here; one for
+each stretch of decisions of a pair. Approaches that end in contact are left out: they are
+contacts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.compiled import compiled
+from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.metrics import (
+    Episode,
+    Moment,
+    contact_episodes,
+    shortest_boundary_distance,
+    shortest_distance,
+)
+from physim.record import Record
+from physim.tolerances import CONTACT
+from physim.validation.decisions import DecisionTable
+from physim.validation.ledger import Ledger, blocks, robot_shapes
+from physim.validation.scan import FULL, walls_about
+
+SHOWN = 10
+LOOK = 3.0
+"""[s] Collision times beyond this are no near miss."""
+APART = 1.0
+"""[s] Decisions of a pair farther apart in time belong to two near misses."""
+
+
+@dataclass(frozen=True)
+class NearMiss:
+    """A smallest value, when and of whom."""
+
+    a: int
+    b: int
+    step: int
+    time: float
+    """[s]"""
+    value: float
+    """[m] or [s]"""
+    behind: int | None = None
+    """robot that was behind along s*, and so had to consider the other; None for a boundary"""
+
+
+@dataclass(frozen=True)
+class NearMisses:
+    """The smallest first, at most `SHOWN` of each."""
+
+    distances: tuple[NearMiss, ...]
+    """[m]"""
+    times: tuple[NearMiss, ...]
+    """[s]"""
+    reach: float
+    """[m] distances listed are below this"""
+    smallest_robots: NearMiss | None
+    """smallest distance of two robots in the whole run, whatever it is"""
+    smallest_boundary: NearMiss | None
+    """smallest distance of a robot and a boundary or obstacle"""
+
+
+def near_misses(record: Record, ledger: Ledger, table: DecisionTable) -> NearMisses:
+    """Find the near misses of a record with the poses of every step."""
+    distances = [
+        NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
+        for near in ledger.approaches
+        if near.distance > CONTACT
+    ]
+    return NearMisses(
+        tuple(_with_order(table, one) for one in distances[:SHOWN]),
+        tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
+        ledger.reach,
+        _least(shortest_distance(record)),
+        _least(shortest_boundary_distance(record)),
+    )
+
+
+def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
+    """Say which of two robots was behind; equal stations: the higher index."""
+    if one.b >= table.record.robots:
+        return one
+    ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
+    return replace(one, behind=one.b if ahead else one.a)
+
+
+def _least(moment: Moment | None) -> NearMiss | None:
+    if moment is None or moment.b is None:
+        return None
+    return NearMiss(moment.a, moment.b, moment.step, moment.time, moment.value)
+
+
+@compiled
+def decision_times(
+    rows: NDArray[np.void],
+    poses: FloatArray,
+    start: int,
+    command: FloatArray,
+    shapes: Shapes,
+    walls: Shapes,
+    horizon: float,
+    who: IntArray,
+    values: FloatArray,
+) -> int:
+    """Write step, robot, other body and collision time [s] of every pair that meets in time.
+
+    ``rows`` are update rows in the order of steps, ``poses`` (B, N, 3) those from step ``start``
+    on. ``command`` (N, 2) is brought up to date in place. Returns how many, or FULL.
+    """
+    robots = poses.shape[1]
+    count = 0
+    for k in range(len(rows)):
+        if k == 0 or rows[k].step != rows[k - 1].step:
+            m = k
+            while m < len(rows) and rows[m].step == rows[k].step:
+                command[rows[m].robot, 0] = rows[m].given_v
+                command[rows[m].robot, 1] = rows[m].given_omega
+                m += 1
+        pose = poses[rows[k].step - start]
+        i = rows[k].robot
+        mine = (command[i, 0], command[i, 1])
+        for j in range(robots + len(walls.body_start) - 1):
+            if j == i:
+                continue
+            if j < robots:
+                theirs = (command[j, 0], command[j, 1])
+                xi = collision_time_pair(shapes, i, pose[i], mine, j, pose[j], theirs, horizon)
+            else:
+                w = j - robots
+                span = abs(mine[0]) * horizon + 1e-6
+                here = poses[rows[k].step - start : rows[k].step - start + 1]
+                about = walls_about(here, i, shapes.radius[i], walls, span)
+                parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
+                xi = collision_time_walls(shapes, i, pose[i], mine, walls, parts, horizon)
+            if xi <= horizon:
+                if count == len(who):
+                    return FULL
+                who[count, 0] = rows[k].step
+                who[count, 1] = min(i, j)
+                who[count, 2] = max(i, j)
+                values[count] = xi
+                count += 1
+    return count
+
+
+def _times(record: Record) -> tuple[NearMiss, ...]:
+    shapes, walls = robot_shapes(record), record.walls
+    command = np.zeros((record.robots, 2))
+    updates = record.updates
+    who, values = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)]
+    for poses, start in blocks(record):
+        first, last = np.searchsorted(updates["step"], [start, start + len(poses) - 1])
+        rows = updates[first:last].copy()
+        room = 256
+        while True:
+            some, xi, now = np.empty((room, 3), dtype=np.int64), np.empty(room), command.copy()
+            count = decision_times(rows, poses, start, now, shapes, walls, LOOK, some, xi)
+            if count != FULL:
+                break
+            room *= 4
+        command = now
+        who.append(some[:count])
+        values.append(xi[:count])
+    return _smallest(record, np.concatenate(who), np.concatenate(values))
+
+
+def _smallest(record: Record, who: IntArray, xi: FloatArray) -> tuple[NearMiss, ...]:
+    """Smallest value of each stretch of decisions of a pair, but for those that end in contact."""
+    order = np.lexsort((who[:, 0], who[:, 2], who[:, 1]))
+    who, xi = who[order], xi[order]
+    if not len(who):
+        return ()
+    gap = np.diff(who[:, 0]) * record.dt > APART
+    cut = np.flatnonzero(gap | (np.diff(who[:, 1]) != 0) | (np.diff(who[:, 2]) != 0)) + 1
+    episodes: dict[tuple[int, int], list[Episode]] = {}
+    for episode in contact_episodes(record):
+        episodes.setdefault((episode.a, episode.b), []).append(episode)
+    found = []
+    for run in np.split(np.arange(len(who)), cut):
+        least = run[int(np.argmin(xi[run]))]
+        step, a, b = (int(v) for v in who[least])
+        first, last = int(who[run[0], 0]), int(who[run[-1], 0]) + round(APART / record.dt)
+        contact = any(
+            e.step <= last and e.step + e.samples >= first for e in episodes.get((a, b), ())
+        )
+        if not contact:
+            found.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
+    return tuple(sorted(found, key=lambda one: (one.value, one.step, one.a, one.b)))

@@ -1,0 +1,149 @@
+"""Validate a record: the ledgers, their comparison, the contacts, and the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import yaml
+
+from physim.errors import RecordError
+from physim.record import Record
+from physim.scene import Body
+from physim.validation.comparison import Comparison, Confusion, compare
+from physim.validation.contact_report import ContactReport, contact_reports
+from physim.validation.decisions import DecisionTable
+from physim.validation.ledger import Ledger, work_out
+from physim.validation.near_misses import NearMisses, near_misses
+from physim.validation.prediction import DISAGREES, Predictor
+
+FREE, CONTACTS, DISAGREE = 0, 1, 3
+"""Exit codes of the verdict."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What was validated."""
+
+    name: str
+    source: str
+    """file of the record, or what was run"""
+    seed: int
+    controller: str
+    bodies: tuple[Body, ...]
+    robots: int
+    dt: float
+    """[s]"""
+    samples: int
+    seconds: float
+    """[s] simulated"""
+    planned: float
+    """[s]"""
+    ended: str
+    versions: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Everything that `validate` finds out about one run."""
+
+    run: Run
+    comparison: Comparison
+    contacts: tuple[ContactReport, ...]
+    near_misses: NearMisses
+    resimulated: bool = False
+    """the record was coarse: the run was simulated again, and its samples agreed"""
+
+    @property
+    def mispredicted(self) -> tuple[ContactReport, ...]:
+        """Contacts that came in another step than the last decision before them foretold."""
+        return tuple(one for one in self.contacts if one.prediction.verdict == DISAGREES)
+
+    @property
+    def unexplained(self) -> int:
+        """Disagreements of the checks without a cause."""
+        return self.comparison.unexplained + len(self.mispredicted)
+
+    @property
+    def verdict(self) -> str:
+        """``contact-free``, ``contacts: N`` or ``checks disagree: N unexplained``."""
+        if self.unexplained:
+            return f"checks disagree: {self.unexplained} unexplained"
+        return f"contacts: {len(self.contacts)}" if self.contacts else "contact-free"
+
+    @property
+    def code(self) -> int:
+        """Exit code: 0 contact-free, 1 contacts, 3 checks disagree."""
+        if self.unexplained:
+            return DISAGREE
+        return CONTACTS if self.contacts else FREE
+
+
+def validate(record: Record, *, source: str | None = None, resimulated: bool = False) -> Validation:
+    """Validate a record that holds the poses of every step.
+
+    ``source`` says in the report where it came from: its file, when absent.
+
+    Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
+    interrupted or killed is judged as far as it is recorded.
+    """
+    check_complete(record)
+    ledger: Ledger = work_out(record)
+    table = DecisionTable(record)
+    comparison = compare(record, ledger)
+    contacts = contact_reports(record, ledger, table, Predictor(record, table))
+    return Validation(
+        _run(record, source), comparison, contacts, near_misses(record, ledger, table), resimulated
+    )
+
+
+def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
+    """Rows of the confusion table with their labels; kinds of pairs that do not exist left out."""
+    comparison = validation.comparison
+    rows = []
+    for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
+        for when, tables in (
+            ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
+        ):  # fmt: skip
+            if sum(tables[kind]):
+                rows.append((f"{label}, {when}", tables[kind]))
+    return rows
+
+
+def is_coarse(record: Record) -> bool:
+    """Whether a record leaves steps out, so that its run has to be simulated again."""
+    return record.record_every > 1
+
+
+def check_complete(record: Record) -> None:
+    """Raise RecordError unless the poses of every step up to the end of the run are there."""
+    where = record.path or "record in memory"
+    if is_coarse(record):
+        raise RecordError(
+            f"{where}: poses of every {record.record_every}. step only; every step is needed "
+            "(physim validate simulates such a run again)"
+        )
+    steps = record.steps
+    if not len(steps):
+        raise RecordError(f"{where}: truncated: no samples; make the record again")
+    if len(steps) != record.steps_run + 1 or steps[0] != 0 or steps[-1] != record.steps_run:
+        raise RecordError(
+            f"{where}: truncated: {len(steps)} samples for {record.steps_run} steps; "
+            f"{record.steps_run + 1} are needed; make the record again"
+        )
+
+
+def _run(record: Record, source: str | None) -> Run:
+    return Run(
+        record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
+        record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
+        record.steps_planned * record.dt, record.ended, record.versions,
+    )  # fmt: skip
+
+
+def _controller(record: Record) -> str:
+    """Name of the controller, as far as the world's text tells."""
+    try:
+        world = yaml.safe_load(record.world_text)
+        return str(world["controller"]["type"])
+    except (yaml.YAMLError, KeyError, TypeError):
+        return "not named in the record"

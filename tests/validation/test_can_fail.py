@@ -1,0 +1,105 @@
+"""Each part is broken on purpose, and the validator must say so."""
+
+from __future__ import annotations
+
+import pytest
+
+from physim.contacts import Phase
+from physim.geometry.collision import collision_time_pair
+from physim.geometry.shapes import pack_shapes
+from physim.validation import ledger, prediction, report, validate
+from tests.validation.runs import edited, side_by_side
+
+FALSE_CONTACTS = (13, 22, 48)
+"""seeds at which the engine without its guard reports contacts of robots that are 0.2 m apart"""
+
+
+def said(found):
+    return " ".join(report(found).split())
+
+
+def shrunk(record):
+    """Footprints drawn in by 1 cm on every side, about."""
+    return pack_shapes(
+        [[part - 0.01 * part / abs(part).max() for part in parts] for parts in record.footprints]
+    )
+
+
+def test_footprints_shrunk_in_the_analytic_check(monkeypatch, rear_end, apart):
+    assert validate(rear_end).code == 1
+    assert validate(apart).code == 0
+    monkeypatch.setattr(ledger, "robot_shapes", shrunk)
+    found = validate(rear_end)
+    assert found.code == 3
+    assert found.verdict.startswith("checks disagree: ")
+    assert "by the shapes" in said(found)
+    # and without any contact, by the distances noted during the run
+    assert validate(apart).code == 3
+
+
+def test_contacts_dropped(tmp_path, rear_end):
+    with edited(rear_end, tmp_path / "record.h5", lambda rows: rows[:0]) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert "no contact in the record, shapes overlap" in said(found)
+
+
+def test_one_contact_row_dropped(tmp_path, rear_end):
+    def without_first(rows):
+        return rows[1:]
+
+    with edited(rear_end, tmp_path / "record.h5", without_first) as record:
+        assert validate(record).code == 3
+
+
+@pytest.mark.parametrize("steps", [-2, 1, 2])
+def test_contact_time_shifted(tmp_path, rear_end, steps):
+    def later(rows):
+        rows["step"] += steps
+        return rows[rows["step"] < rear_end.samples]
+
+    with edited(rear_end, tmp_path / "record.h5", later) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert any(one.steps >= abs(steps) for one in found.comparison.disagreements)
+
+
+def test_depths_changed(tmp_path, rear_end):
+    def deeper(rows):
+        rows["depth"][rows["phase"] != Phase.ENDED] += 1e-6
+        return rows
+
+    with edited(rear_end, tmp_path / "record.h5", deeper) as record:
+        assert validate(record).code == 3
+
+
+def test_guard_switched_off():
+    """False contacts between separated shapes come through and are found out."""
+    caught = rejected = 0
+    for seed in (0, *FALSE_CONTACTS):
+        with side_by_side(seed, guarded=True) as record:
+            assert validate(record).code == 0
+            rejected += record.rejected_contacts
+        with side_by_side(seed, guarded=False) as record:
+            found = validate(record)
+            if seed in FALSE_CONTACTS:
+                assert found.code == 3
+                assert "contact in the record, shapes apart" in said(found)
+                caught += 1
+            else:
+                assert found.code == 0
+    assert caught == len(FALSE_CONTACTS)
+    assert rejected > 0
+
+
+def test_collision_time_that_ignores_rotation(monkeypatch, rear_end):
+    def straight(shapes, i, pose_i, twist_i, j, pose_j, twist_j, horizon):
+        return collision_time_pair(
+            shapes, i, pose_i, (twist_i[0], 0.0), j, pose_j, (twist_j[0], 0.0), horizon
+        )
+
+    monkeypatch.setattr(prediction, "collision_time_pair", straight)
+    found = validate(rear_end)
+    assert found.code == 3
+    assert found.mispredicted
+    assert "but contact predicted" in said(found)

@@ -44,8 +44,8 @@ examples:
   physim crashtest --cases 100000 --seed 1 --json crashtest.json
 """
 
-
 LARGEST_NUMBER = 10**15
+
 VALIDATE_EPILOG = """\
 exit codes:
   0    contact-free, and physics and geometry agree at every step

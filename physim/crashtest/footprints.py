@@ -130,7 +130,7 @@ def _nonconvex(rng: Generator) -> FloatArray:
         points = list(zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
     made = np.array(points, dtype=np.float64)
     middle = 0.5 * (made.min(axis=0) + made.max(axis=0))
-    return made - middle + _shift(rng)
+    return np.asarray(made - middle + _shift(rng))
 
 
 def _shift(rng: Generator) -> FloatArray:

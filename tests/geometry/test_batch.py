@@ -14,9 +14,11 @@ from physim.geometry import (
     pack_shapes,
     shortest_distances,
 )
+from physim.geometry.inputs import parts_of
 from physim.geometry.separation import body_distance
-from tests.geometry.cases import BOX, random_scene
+from tests.geometry.cases import BOX, published, random_scene
 from tests.geometry.test_collision_time import OMEGAS
+from tests.geometry.test_separation import shape_of
 
 
 def scene(seed=3, count=40):
@@ -56,6 +58,18 @@ def test_times_equal_the_plain_form(width):
     ]  # fmt: skip
     assert found.tolist() == plain
     assert 5 < np.isfinite(found).sum() < 40
+
+
+def test_published_distances():
+    cases = published("distance_cases.json")["cases"]
+    pairs = [(shape_of(case["a"]), shape_of(case["b"]), case) for case in cases]
+    pairs = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
+    one, two = (pack_shapes([parts_of(pair[k], "shape") for pair in pairs]) for k in (0, 1))
+    index, still = np.arange(len(pairs)), np.zeros(3)
+    found = shortest_distances(one, index, still, two, index, still)
+    assert len(pairs) > 150
+    for d, (_, _, case) in zip(found, pairs, strict=True):
+        assert d == pytest.approx(case["distance"], abs=case["tol"]), case["id"]
 
 
 def test_one_serves_for_all_and_twists_may_differ_in_kind():

@@ -19,7 +19,15 @@ from physim.geometry.swept import (
     swept_walls,
 )
 from physim.tolerances import CONTACT
-from tests.geometry.cases import BOX, corridor_walls, depth_of, placed, random_convex, random_scene
+from tests.geometry.cases import (
+    BOX,
+    corridor_walls,
+    depth_of,
+    placed,
+    published,
+    random_convex,
+    random_scene,
+)
 from tests.oracles.collision_time import distance_at, marched_time
 
 DT = 0.1
@@ -226,6 +234,27 @@ def test_time_step_only_scales_time(seed):
         assert math.isinf(short) == math.isinf(long)
     back = least_gap_pair(shapes, 0, end[0], start[0], 1, end[1], start[1], DT)[0]
     assert back == pytest.approx(least, abs=2e-9)
+
+
+def test_published_point_and_segment():
+    used = 0
+    for case in published("ccd_planar_point_segment.json")["cases"]:
+        if not (case["robust"] and case["rigid_translation"]):
+            continue
+        used += 1
+        point, segment = np.array(case["point_t0"]), np.array(case["seg_t0"])
+        shapes = pack_shapes([[np.zeros((1, 2))], [segment - segment[0]]])
+        move = np.array(case["point_t1"]), np.array(case["seg_t1"])[0]
+        start = [np.array([*at, 0.0]) for at in (point, segment[0])]
+        end = [np.array([*at, 0.0]) for at in move]
+        t = swept_pair(shapes, 0, start[0], end[0], 1, start[1], end[1], 1.0)
+        assert (t < math.inf) == case["hit"], case["id"]
+        if case["hit"]:
+            speed = np.hypot(*(move[0] - point - move[1] + segment[0]))
+            exact = case["first_contact_fraction"]
+            assert t <= exact + 1e-12, case["id"]
+            assert t == pytest.approx(exact, abs=1e-7 + 1e-8 / speed), case["id"]
+    assert used > 50
 
 
 def test_compiled_equals_plain():

@@ -1,4 +1,4 @@
-"""Pairs per second of the geometry kernels on one core: ``python benchmarks/geometry.py``.
+"""Pairs per second of the batch forms on one core: ``python benchmarks/geometry.py``.
 
 Boxes of 1.8 x 1.0 m at random poses in 12 x 12 m; the smallest processor time of several rounds.
 """
@@ -9,38 +9,16 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numba
 import numpy as np
 
+from physim.geometry import collision_times, shortest_distances
 from physim.geometry.clearance import clearances
-from physim.geometry.collision import collision_time_pair
 from physim.geometry.nearby import build_nearby
-from physim.geometry.separation import body_distance
 from physim.geometry.shapes import Shapes, pack_shapes
 
 ROBOTS = 300
 ROUNDS = 5
 BOX = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
-
-
-@numba.njit  # type: ignore[untyped-decorator]
-def all_distances(shapes: Shapes, pose: Any) -> float:
-    total = 0.0
-    for i in range(len(pose)):
-        for j in range(i):
-            total += body_distance(shapes, i, pose[i], shapes, j, pose[j])
-    return total
-
-
-@numba.njit  # type: ignore[untyped-decorator]
-def all_times(shapes: Shapes, pose: Any, omega: Any) -> int:
-    hits = 0
-    for i in range(len(pose)):
-        for j in range(i):
-            one, other = (1.0, omega[i]), (1.0, omega[j])
-            xi = collision_time_pair(shapes, i, pose[i], one, j, pose[j], other, 10.0)
-            hits += xi < np.inf
-    return hits
 
 
 def best_time(work: Callable[..., Any], *args: Any) -> float:
@@ -67,13 +45,19 @@ def main() -> None:
     rng = np.random.default_rng(1)
     shapes = pack_shapes([[BOX]] * ROBOTS)
     pose = np.c_[rng.uniform(-6.0, 6.0, (ROBOTS, 2)), rng.uniform(-7.0, 7.0, ROBOTS)]
-    pairs = ROBOTS * (ROBOTS - 1) / 2
-    arcs = rng.choice([-1.57, -0.785, 0.785, 1.57], ROBOTS)
-    distance = pairs / best_time(all_distances, shapes, pose) / 1e6
-    straight = pairs / best_time(all_times, shapes, pose, np.zeros(ROBOTS)) / 1e6
-    turning = pairs / best_time(all_times, shapes, pose, arcs) / 1e6
+    a, b = np.tril_indices(ROBOTS, -1)
+    straight = np.c_[np.ones(ROBOTS), np.zeros(ROBOTS)]
+    arcs = np.c_[np.ones(ROBOTS), rng.choice([-1.57, -0.785, 0.785, 1.57], ROBOTS)]
+
+    def rate(work: Callable[..., Any], *rows: Any) -> float:
+        one, other = ([row[index] for row in rows] for index in (a, b))
+        return len(a) / best_time(work, shapes, a, *one, shapes, b, *other) / 1e6
+
+    distance = rate(shortest_distances, pose)
+    translation = rate(collision_times, pose, straight)
+    turning = rate(collision_times, pose, arcs)
     print(f"distance          {distance:6.2f} M pairs/s")
-    print(f"translation time  {straight:6.2f} M pairs/s")
+    print(f"translation time  {translation:6.2f} M pairs/s")
     print(f"arc time          {turning:6.2f} M pairs/s")
 
     samples, robots, walls = 4000, 10, corridor()

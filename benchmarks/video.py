@@ -40,7 +40,7 @@ def made_up(folder: Path) -> Any:
     cut = [a + (b - a) * share for a, b in ends]
     parts = [np.stack((line[:-1], line[1:]), axis=1) for line in cut]
     fields = "time dt steps pose clearance boundary_clearance updates contacts names footprints"
-    fields += " paths reference accessible safe name seed robots"
+    fields += " paths reference accessible safe safe_distance name seed robots world_text"
     same = {field: getattr(record, field) for field in fields.split()}
     return SimpleNamespace(**same, walls=pack_shapes([list(part) for part in parts]))
 

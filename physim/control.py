@@ -128,14 +128,18 @@ class FormationView:
 
 @dataclass(frozen=True)
 class Decision:
-    """A command and how long it holds; ``report`` may name further values for the record."""
+    """A command and how long it holds.
+
+    ``v`` [m/s] along the heading, ``omega`` [rad/s] counter-clockwise: finite and within the
+    robot's limits, or the run stops. ``hold`` [s] until the next decision, rounded down to physics
+    steps, at least one (0: every step; inf: never again). ``mode`` goes to the record and the
+    video; a run is finished when every robot's is `Mode.ARRIVED`. ``memory`` comes back at the
+    next decision. ``report`` names further values for the record.
+    """
 
     v: float
-    """[m/s]"""
     omega: float
-    """[rad/s]"""
     hold: float
-    """[s] until the next decision"""
     mode: Mode = Mode.SAFE
     memory: Any = None
     report: Report = field(default_factory=lambda: Report())

@@ -42,6 +42,10 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     reference = np.array(world.reference)
     obstacles = [np.array(ring) for ring in world.obstacles]
     area = _area(list(drawn.values()), obstacles, reference)
+    outside = area.outside_stretches(reference)
+    if len(outside):
+        key = "reference_path" if world.reference_path is not None else "corridor"
+        raise WorldError([Fault((key,), _leaves(outside))])
     footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
     paths = [_path(world, i, reference) for i in range(len(world.robots))]
     start = _start(world, seed)
@@ -115,6 +119,14 @@ def _area(drawn: list[FloatArray], obstacles: list[FloatArray], reference: Float
     except ValueError as error:
         message = f"{error}; boundaries must close a face around the reference path"
         raise WorldError([Fault(("boundaries",), message)]) from None
+
+
+def _leaves(outside: FloatArray) -> str:
+    first, last = outside[0]
+    return (
+        f"the reference path leaves the accessible area from {first:.2f} m to {last:.2f} m along "
+        "it; it must lie between the boundaries and beside the obstacles"
+    )
 
 
 def _path(world: World, i: int, reference: FloatArray) -> FloatArray:

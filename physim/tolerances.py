@@ -10,6 +10,10 @@ TIME = 1e-6
 CLOSING_SPEED = 1e-3
 """[m/s] Slowest closing speed at which ``TIME`` is asserted: CONTACT / CLOSING_SPEED = TIME."""
 
+ROUNDING = 1e-10
+"""[m] How far a distance at the engine's poses may be from that on the exact arcs, by rounding:
+some tens of steps within a kilometre of the origin add up to 1e-12 m."""
+
 LENGTH = 1e-9
 """[m] Points closer than this are one point (duplicate neighbours, closed rings)."""
 

@@ -24,7 +24,7 @@ ELL = (
     np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.0], [-0.9, 0.0]]),
     np.array([[-0.9, 0.0], [-0.3, 0.0], [-0.3, 0.7], [-0.9, 0.7]]),
 )
-WORLD = "name: made up\nseed: 3\nexpect: {contacts: 2, finished: false}\n"
+WORLD = "name: made up\nseed: 3\nformation: {gain: 0.05}\nexpect: {contacts: 2, finished: false}\n"
 
 
 def make_scene(robots: int = 3, seconds: float = 10.0, dt: float = 0.01) -> SimpleNamespace:

@@ -42,15 +42,18 @@ LAYERS = {
     "physim.physics": (3, 0),
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
-    "physim.control_loop": (4, 0),
-    "physim.simulation": (4, 1),
-    "physim.recording": (4, 2),
-    "physim.warm_up": (4, 2),
+    "physim.control_decisions": (4, 0),
+    "physim.control_loop": (4, 1),
+    "physim.simulation": (4, 2),
+    "physim.recording": (4, 3),
+    "physim.warm_up": (4, 3),
+    "physim.crashtest": (4, 0),
     "physim.metrics": (5, 0),
     "physim.expectations": (5, 1),
     "physim.summary": (5, 2),
     "physim.validation": (5, 3),
     "physim.video": (6, 0),
+    "physim.plots": (6, 0),
     "physim.cli": (7, 0),
     "physim": (8, 0),
     "physim.__main__": (8, 0),
@@ -59,8 +62,13 @@ LAYERS = {
 to a lower layer, to a lower place in the same one, or stays within its package."""
 
 FROM_THE_RECORD_ALONE = (
-    "physim.metrics", "physim.expectations", "physim.summary", "physim.validation", "physim.video",
-)  # fmt: skip
+    "physim.metrics",
+    "physim.expectations",
+    "physim.summary",
+    "physim.validation",
+    "physim.video",
+    "physim.plots",
+)
 NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.control_loop", "physim.simulation",
     "physim.recording", "physim.warm_up", "physim.scene_builder", "physim.registry",
@@ -168,6 +176,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "h5py": ("physim.record",),
         "cv2": ("physim.video",),
         "av": ("physim.video",),
+        "matplotlib": ("physim.plots",),
         "imageio": ("physim.video",),
         "rich": ("physim.cli",),
         "numba": ("physim.compiled",),
@@ -212,6 +221,7 @@ def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
     script = (
         "import sys, physim.record, physim.summary, physim.validation, physim.video\n"
+        "import sys, physim.record, physim.summary, physim.video, physim.plots\n"
         "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation', "
         "'physim.physics', 'physim.controllers'))])"
     )

@@ -8,8 +8,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 ROOT = Path(__file__).parents[1]
 MARKED = ("main job", "tests")
 """Blocks that set up an environment of their own; run by whoever checks a fresh clone."""
@@ -24,34 +22,30 @@ def blocks() -> list[Block]:
     return re.findall(pattern, text, flags=re.DOTALL)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Work folder in which the README's blocks follow one another."""
-    return tmp_path_factory.mktemp("readme")
-
-
 def test_the_two_marked_blocks_are_there() -> None:
     marks = [mark for mark, language, _ in blocks() if mark]
     assert sorted(marks) == sorted(MARKED)
 
 
-@pytest.mark.parametrize("number", range(len([b for b in blocks() if not b[0]])))
-def test_block(number: int, folder: Path) -> None:
-    _, language, text = [block for block in blocks() if not block[0]][number]
-    named = re.match(r"# (\w+\.(?:py|yaml))\n", text)
-    if named:
-        (folder / named[1]).write_text(text, encoding="utf-8")
-        return
-    if language not in ("sh", "python"):
-        return
-    command = ["bash", "-euo", "pipefail", "-c", text] if language == "sh" else [
-        sys.executable, "-c", text
-    ]  # fmt: skip
+def test_every_block_does_what_it_says(tmp_path: Path) -> None:
+    """They follow one another in one folder, as a reader would try them."""
+    for mark, language, text in blocks():
+        named = re.match(r"# (\w+\.(?:py|yaml))\n", text)
+        if named:
+            (tmp_path / named[1]).write_text(text, encoding="utf-8")
+        elif not mark and language in ("sh", "python"):
+            check_block(language, text, tmp_path)
+
+
+def check_block(language: str, text: str, folder: Path) -> None:
+    """Run a block and look at what it says."""
+    shell = ["bash", "-euo", "pipefail", "-c", text]
+    command = shell if language == "sh" else [sys.executable, "-c", text]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         command, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, f"{text}\n{done.stdout}\n{done.stderr}"
     assert "Traceback" not in done.stderr
     if "path_following" in text:
         assert "exit code 1" in done.stdout

@@ -113,8 +113,14 @@ def test_robots_that_were_steered_by_hand_are_asked_afterwards() -> None:
     [
         ([[0.0, 0.0], [math.nan, 0.0], [0.0, 0.0]], "r2 at 0.02 s: command v = nan m/s"),
         ([[0.0, 0.0], [0.0, 0.0], [0.0, math.inf]], "r3 at 0.02 s: command omega = inf rad/s"),
-        ([[1.51, 0.0], [0.0, 0.0], [0.0, 0.0]], "v = 1.51 m/s; its limit is 1.5 m/s"),
-        ([[0.0, -1.7], [0.0, 0.0], [0.0, 0.0]], "omega = -1.7 rad/s; its limit is 1.6 rad/s"),
+        (
+            [[1.51, 0.0], [0.0, 0.0], [0.0, 0.0]],
+            "v = 1.51 m/s; it must be finite and within 1.5 m/s",
+        ),
+        (
+            [[0.0, -1.7], [0.0, 0.0], [0.0, 0.0]],
+            "omega = -1.7 rad/s; it must be finite and within 1.6 rad/s",
+        ),
         ([[0.0, 0.0]], r"at 0.02 s have the shape \(1, 2\); it must be \(3, 2\)"),
         ([0.0, 0.0, 0.0], r"shape \(3,\)"),
     ],
@@ -147,7 +153,10 @@ def raises(o: Observation) -> Decision:
     ("decide", "told"),
     [
         (lambda o: Decision(math.nan, 0.0, 0.1), "command v = nan"),
-        (lambda o: Decision(0.0, 2.0, 0.1), "command omega = 2 rad/s; its limit is 1.6"),
+        (
+            lambda o: Decision(0.0, 2.0, 0.1),
+            "command omega = 2 rad/s; it must be finite and within 1.6",
+        ),
         (lambda o: Decision(0.0, 0.0, math.nan), "hold = nan s"),
         (lambda o: Decision(0.0, 0.0, -0.1), "hold = -0.1 s"),
         (raises, "KeyError: 'lost'"),

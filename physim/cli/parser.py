@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -31,7 +32,20 @@ examples:
   physim run my_world.yaml --controller my_module:MyController
 """
 
+CRASHTEST_EPILOG = """\
+exit codes:
+  0    no case is unexplained
+  2    bad input
+  3    engine and analysis disagree: every unexplained case is told and written as a world
+  130  interrupted (Ctrl-C): the cases so far are told
 
+examples:
+  physim crashtest
+  physim crashtest --cases 100000 --seed 1 --json crashtest.json
+"""
+
+
+LARGEST_NUMBER = 10**15
 VALIDATE_EPILOG = """\
 exit codes:
   0    contact-free, and physics and geometry agree at every step
@@ -51,8 +65,12 @@ class Parser(argparse.ArgumentParser):
     """Argument parser whose errors are one line, with the way to the help."""
 
     def error(self, message: str) -> NoReturn:
-        """Print one line and exit with 2."""
-        print(f"{self.prog}: {message} (see {self.prog} --help)", file=sys.stderr)
+        """Print one line, with the nearest option or command, and exit with 2."""
+        from physim.errors import nearest
+
+        unknown = re.match(r"unrecognized arguments: (-\S+)|.*invalid choice: '(\w+)'", message)
+        close = nearest(unknown[1] or unknown[2], sorted(_words(self))) if unknown else ""
+        print(f"{self.prog}: {message}{close} (see {self.prog} --help)", file=sys.stderr)
         sys.exit(2)
 
 
@@ -123,6 +141,8 @@ def build_parser() -> argparse.ArgumentParser:
     summary.set_defaults(action=_lazy("physim.cli.summary", "summary"))
 
     _add_validate(commands)
+    _add_crashtest(commands)
+    _add_plot(commands)
 
     listing = commands.add_parser(
         "list",
@@ -168,6 +188,49 @@ def _add_validate(commands: Any) -> None:
     validate.set_defaults(action=_lazy("physim.cli.validate", "validate_command"))
 
 
+def _add_crashtest(commands: Any) -> None:
+    crash = commands.add_parser(
+        "crashtest",
+        help="throw random shapes at each other: engine against analysis",
+        description="Throw random footprints at each other and at walls, at constant (v, omega), "
+        "and compare the first physical contact of each throw with its collision time. Every case "
+        "on which they differ for no known reason is written as a world that physim run replays.",
+        epilog=CRASHTEST_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    crash.add_argument(
+        "--cases", type=_whole, default=10_000, metavar="N", help="number of throws (10000)"
+    )
+    crash.add_argument("--seed", type=_whole, default=0, metavar="S", help="of the throws (0)")
+    crash.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON")
+    crash.add_argument(
+        "-o", "--output", type=Path, metavar="DIR",
+        help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
+    )  # fmt: skip
+    crash.add_argument("--quiet", action="store_true", help="no progress bar and no table")
+    crash.set_defaults(action=_lazy("physim.cli.crashtest", "crashtest"))
+
+
+def _add_plot(commands: Any) -> None:
+    plot = commands.add_parser(
+        "plot",
+        help="draw pictures of a record",
+        description="Draw distances and collision times over time, and predicted against actual "
+        "times to contact, from a record.",
+    )
+    plot.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+    plot.add_argument(
+        "--only", metavar="NAMES",
+        help="pictures to draw, with commas between: distances, prediction (default: all)",
+    )  # fmt: skip
+    plot.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="default: the folder of the record"
+    )
+    plot.add_argument("--format", choices=("png", "svg", "pdf"), default="png", help="(png)")
+    plot.add_argument("--force", action="store_true", help="write over existing pictures")
+    plot.set_defaults(action=_lazy("physim.cli.plot", "plot"))
+
+
 def _lazy(module: str, name: str) -> Any:
     """Import the command's module only when it is asked for: ``--help`` stays fast."""
 
@@ -178,10 +241,20 @@ def _lazy(module: str, name: str) -> Any:
     return action
 
 
+def _words(parser: argparse.ArgumentParser) -> set[str]:
+    """Every option and command of a parser and of its commands."""
+    words = {option for action in parser._actions for option in action.option_strings}
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                words |= {name} | _words(command)
+    return words
+
+
 def _whole(text: str) -> int:
     value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
-    if value < 0:
-        raise argparse.ArgumentTypeError(f'"{text}" is not a whole number of at least 0')
+    if not 0 <= value <= LARGEST_NUMBER:
+        raise argparse.ArgumentTypeError(f'"{text}" is not a whole number from 0 to 10^15')
     return value
 
 

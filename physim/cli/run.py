@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from physim.cli.output import output_folder, write_text
+from physim.cli.output import FILES, output_folder, write_text
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.video import write_video
 from physim.control import Controller
@@ -41,15 +41,17 @@ def run(options: argparse.Namespace) -> int:
             _say(f"interrupted at {simulation.time:g} s of simulated time", options)
         if not options.no_video:
             if stopped:
-                _say("writing the video so far (Ctrl-C again ends it sooner)", options)
+                _say("writing the video so far (Ctrl-C again cuts it short)", options)
             already = interrupt.count
             write_video(
                 record, folder / "video.mp4", options.quiet, lambda: interrupt.count > already
             )
+            if interrupt.count > already:
+                _say(f"the video was cut short; {_again(folder)} makes it whole", options)
         stopped = stopped or bool(interrupt.count)
     if not options.quiet:
         print(table(summary), end="")
-        print(f"{'files':<26}  {folder}/")
+        print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
     return _code(summary, stopped)
 
 
@@ -106,6 +108,10 @@ def _simulate(simulation: Simulation, folder: Path, quiet: bool, interrupt: Inte
 def _say(text: str, options: argparse.Namespace) -> None:
     if not options.quiet:
         print(text, file=sys.stderr, flush=True)
+
+
+def _again(folder: Path) -> str:
+    return f"physim video {folder}/record.h5 --force"
 
 
 def _code(summary: Summary, stopped: bool) -> int:

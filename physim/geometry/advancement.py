@@ -11,6 +11,7 @@ With sin y <= y, sin y >= y - y^3/6, 1 - y^2/2 <= cos y <= 1 these are below pol
 coefficients >= 0 from the second power on, so their sum and the maximum over the vertices,
 closing(t), are convex. closing(0) <= 0, hence closing(T) <= gap bounds all times up to T. The
 first power is exact, so that steps shrink no faster than the gap closes (Newton-like near contact).
+Where the axis is the normal of an edge of a body that turns, see also `face_bound`.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.convex import face_normal, part_feature, support_gap
+from physim.geometry.face_bound import Relative, face_step, turned
 from physim.geometry.motion import Course, along_course
 from physim.geometry.shapes import FloatArray
 from physim.geometry.witness import outline_witness
@@ -210,6 +212,12 @@ class Look(NamedTuple):
     """the same in Q's frame"""
     uy: float
     closing: Closing
+    face: int
+    """1: the axis is the normal of an edge of P, 2: of Q, 0: of neither"""
+    edge: int
+    """that edge, by its last vertex"""
+    seen: Relative
+    """Q seen from P"""
 
 
 @compiled
@@ -233,6 +241,9 @@ def look_at(
     ty = ac * (by - ay) - az * (bx - ax)
     d, outline, of_q, edge, gap = part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf)
     nx, ny = face_normal(P, p0, p1, Q, q0, q1, c, s, of_q, edge)
+    face = 2 if of_q else 1
+    if edge < 0:
+        face = 0
     if outline and d > 0.0:
         _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
         size = math.sqrt(ox * ox + oy * oy)
@@ -242,11 +253,20 @@ def look_at(
         # Rounding can spoil the direction between two close points: then keep the normal.
         if wide > gap:
             nx, ny, gap = ox, oy, wide
+            face = 0
     # Velocities in P's frame.
-    one = travel(nx, ny, ac * avx + az * avy, ac * avy - az * avx, a.turn)
-    two = travel(-nx, -ny, ac * bvx + az * bvy, ac * bvy - az * bvx, b.turn)
+    avx, avy = ac * avx + az * avy, ac * avy - az * avx
+    bvx, bvy = ac * bvx + az * bvy, ac * bvy - az * bvx
+    one = travel(nx, ny, avx, avy, a.turn)
+    two = travel(-nx, -ny, bvx, bvy, b.turn)
     closing = Closing(one.first + two.first, one.second + two.second, one.third + two.third)
-    return Look(d, gap, nx, ny, c * nx + s * ny, c * ny - s * nx, closing)
+    pull = a.speed * abs(a.turn) + b.speed * abs(b.turn)
+    seen = Relative(
+        c, s, tx, ty, bvx - avx, bvy - avy, a.spin, b.spin, pull, a.speed + b.speed, b.radius
+    )
+    return Look(
+        d, gap, nx, ny, c * nx + s * ny, c * ny - s * nx, closing, face, edge, seen
+    )  # fmt: skip
 
 
 @compiled
@@ -305,10 +325,20 @@ def fall_time(
         room -= MARGIN * min(room, slack)
         if not room > 0.0:
             return t, d, MOST_STEPS
-        t += certified_step(
-            P, p0, p1, a, Q, q0, q1, b, look.closing,
-            look.nx, look.ny, look.ux, look.uy, room, horizon - t,
-        )  # fmt: skip
+        rest = horizon - t
+        stride = 0.0
+        if look.face == 1 and a.spin != 0.0:
+            stride = face_step(P, p0, p1, look.edge, Q, q0, q1, look.seen, room)
+        elif look.face == 2 and b.spin != 0.0:
+            seen = turned(look.seen, a.radius)
+            stride = face_step(Q, q0, q1, look.edge, P, p0, p1, seen, room)
+        if stride <= rest:
+            fixed = certified_step(
+                P, p0, p1, a, Q, q0, q1, b, look.closing,
+                look.nx, look.ny, look.ux, look.uy, room, rest,
+            )  # fmt: skip
+            stride = max(stride, fixed)
+        t += stride
         if not t <= horizon:
             return np.inf, d, step + 1
     return t, d, MOST_STEPS

@@ -15,6 +15,7 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
 """Segments a quarter circle of the drawn safe area: it errs by at most 0.0012 L, to the inside."""
@@ -44,7 +45,7 @@ class Area:
             ends.update(line.project(shapely.Point(p)) for p in shapely.get_coordinates(piece))
         stations = np.array(sorted(ends))
         middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
-        outside = ~shapely.covers(self.polygon, middle)
+        outside = ~shapely.covers(self.polygon, middle) & (np.diff(stations) > LENGTH)
         return np.stack([stations[:-1][outside], stations[1:][outside]], axis=1)
 
 

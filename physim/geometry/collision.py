@@ -29,6 +29,10 @@ from physim.geometry.translation import translation_time
 BOUND_MARGIN = 1e-8
 """[m] An early out must leave this much: ten times CONTACT, and far above rounding."""
 
+LARGEST_CIRCLE = 1e6
+"""[m] Radius of a turning circle up to which discs are trusted: its middle is known to 1e-16 of
+that, which must stay far below BOUND_MARGIN."""
+
 Twist = tuple[float, float]
 
 
@@ -43,7 +47,13 @@ def swept_disc(a: Course) -> tuple[float, float, float]:
 @compiled
 def stays(a: Course) -> bool:
     """Whether a body is confined to its `swept_disc`: it goes round, or stands still."""
-    return a.turn != 0.0 or a.speed == 0.0
+    return a.speed == 0.0 or (a.turn != 0.0 and a.speed <= LARGEST_CIRCLE * abs(a.turn))
+
+
+@compiled
+def nearly_straight(a: Course) -> bool:
+    """Whether a body turns so slowly that neither a disc nor a straight line says where it goes."""
+    return a.turn != 0.0 and not stays(a)
 
 
 @compiled
@@ -68,6 +78,8 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
         return True
     if a.turn == 0.0 and b.turn == 0.0:
         return nearest_pass(x, y, b.vx - a.vx, b.vy - a.vy, horizon) > room
+    if nearly_straight(a) or nearly_straight(b):
+        return False
     ax, ay, ra = swept_disc(a)
     bx, by, rb = swept_disc(b)
     room = ra + rb + BOUND_MARGIN
@@ -133,6 +145,8 @@ def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) ->
     if stays(a):
         x, y, radius = swept_disc(a)
         return point_gap(W, p0, p1, x, y) > radius + BOUND_MARGIN
+    if a.turn != 0.0:
+        return False
     # Straight ahead: all vertices to the left, to the right, behind or beyond.
     ux = a.vx / a.speed
     uy = a.vy / a.speed

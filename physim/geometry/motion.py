@@ -15,6 +15,9 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray
 
+Pose = FloatArray | tuple[float, float, float]
+"""(3,) x, y [m], heading [rad], world frame"""
+
 
 @compiled
 def chord_factor(h: float) -> float:
@@ -25,9 +28,7 @@ def chord_factor(h: float) -> float:
 
 
 @compiled
-def arc(
-    pose: FloatArray | tuple[float, float, float], v: float, omega: float, t: float
-) -> tuple[float, float, float]:
+def arc(pose: Pose, v: float, omega: float, t: float) -> tuple[float, float, float]:
     """Return (x, y, heading) [m, m, rad] after time t [s] at constant (v, omega), equation (1).
 
     ``pose`` is (3,), world frame; the heading is not wrapped; t may be negative.
@@ -95,7 +96,7 @@ class Course(NamedTuple):
 
 
 @compiled
-def arc_course(pose: FloatArray, v: float, omega: float, radius: float) -> Course:
+def arc_course(pose: Pose, v: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (v, omega) in its own frame: an arc."""
     c = math.cos(pose[2])
     s = math.sin(pose[2])
@@ -103,7 +104,7 @@ def arc_course(pose: FloatArray, v: float, omega: float, radius: float) -> Cours
 
 
 @compiled
-def straight_course(pose: FloatArray, vx: float, vy: float, omega: float, radius: float) -> Course:
+def straight_course(pose: Pose, vx: float, vy: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (vx, vy, omega) in the world frame: a straight line."""
     c = math.cos(pose[2])
     s = math.sin(pose[2])

@@ -115,6 +115,42 @@ def clip_directions(
 
 
 @compiled
+def translation_times(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    c: float,
+    s: float,
+    tx: float,
+    ty: float,
+    wx: float,
+    wy: float,
+    horizon: float,
+) -> Times:
+    """When P and Q overlap on all axes, Q at R(c, s) q + t + w time in the frame of P.
+
+    Of times that do not come within [0, horizon] only that is sure: they do not.
+    """
+    least = PARALLEL * math.sqrt(wx * wx + wy * wy)
+    times = (-np.inf, np.inf, -np.inf, np.inf)
+    times = clip_normals(times, P, p0, p1, Q, q0, q1, c, s, tx, ty, wx, wy, least)
+    if times[3] < 0.0 or times[2] > min(times[3], horizon):
+        return times
+    ux = -(c * wx + s * wy)
+    uy = -(c * wy - s * wx)
+    # The frame of P seen from Q: R' = (c, -s), t' = -R' t.
+    ox = -(c * tx + s * ty)
+    oy = -(c * ty - s * tx)
+    times = clip_normals(times, Q, q0, q1, P, p0, p1, c, -s, ox, oy, ux, uy, least)
+    if p1 - p0 <= 2 and q1 - q0 <= 2:
+        times = clip_directions(times, P, p0, p1, Q, q0, q1, c, s, tx, ty, wx, wy, least)
+    return times
+
+
+@compiled
 def translation_time(
     P: FloatArray,
     p0: int,
@@ -134,20 +170,9 @@ def translation_time(
 
     0 when they are within CONTACT now. Where they graze within CONTACT it may say either.
     """
-    least = PARALLEL * math.sqrt(wx * wx + wy * wy)
-    times = (-np.inf, np.inf, -np.inf, np.inf)
-    times = clip_normals(times, P, p0, p1, Q, q0, q1, c, s, tx, ty, wx, wy, least)
-    if times[3] < 0.0 or times[2] > min(times[3], horizon):
-        return np.inf
-    ux = -(c * wx + s * wy)
-    uy = -(c * wy - s * wx)
-    # The frame of P seen from Q: R' = (c, -s), t' = -R' t.
-    ox = -(c * tx + s * ty)
-    oy = -(c * ty - s * tx)
-    times = clip_normals(times, Q, q0, q1, P, p0, p1, c, -s, ox, oy, ux, uy, least)
-    if p1 - p0 <= 2 and q1 - q0 <= 2:
-        times = clip_directions(times, P, p0, p1, Q, q0, q1, c, s, tx, ty, wx, wy, least)
-    first, last, near_first, near_last = times
+    first, last, near_first, near_last = translation_times(
+        P, p0, p1, Q, q0, q1, c, s, tx, ty, wx, wy, horizon
+    )  # fmt: skip
     if near_last < 0.0 or near_first > min(near_last, horizon):
         return np.inf
     if near_first <= 0.0 and (

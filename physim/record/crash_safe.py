@@ -20,6 +20,8 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +34,15 @@ _TREE = b"TREE"
 class CrashSafeFile(io.RawIOBase):
     """File object for ``h5py.File(file, "w", libver="earliest")``; created anew, for writing.
 
-    Set ``holding`` while the library flushes or closes, then call `commit`. Raises OSError.
+    Set ``holding`` while the library flushes or closes, then call `commit`, which raises OSError
+    when anything since the last one could not be written; the file then stays as it was.
     """
 
     def __init__(self, path: Path) -> None:
         """Begin a new file that takes the place of ``path`` at the first commit."""
         super().__init__()
         self.holding = False
+        self._failure: OSError | None = None
         self._path = path
         self._draft: Path | None = path.with_name(path.name + ".part")
         self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
@@ -52,8 +56,12 @@ class CrashSafeFile(io.RawIOBase):
     def commit(self) -> None:
         """Make the last flush of the library what a reader finds."""
         self.holding = False
-        for address, block in sorted(self._held.items(), key=self._rank):
-            _write_last_page_first(self._fd, block, address)
+        if self._failure is None:
+            with self._noting_failure():
+                for address, block in sorted(self._held.items(), key=self._rank):
+                    _write_last_page_first(self._fd, block, address)
+        if self._failure is not None:
+            raise self._failure
         self._index.update(self._held)
         self._held.clear()
         if os.fstat(self._fd).st_size != self._length:
@@ -102,7 +110,8 @@ class CrashSafeFile(io.RawIOBase):
             before = self._held.get(address, b"")
             self._held[address] = bytes(data) + before[size:]
         else:
-            _write_all(self._fd, memoryview(data), address)
+            with self._noting_failure():
+                _write_all(self._fd, memoryview(data), address)
             if self.holding:
                 self._index.add(address)
         self._position += size
@@ -126,8 +135,17 @@ class CrashSafeFile(io.RawIOBase):
         """Set the length [bytes]: longer at once, shorter with the next commit."""
         self._length = self._position if size is None else size
         if self._length > os.fstat(self._fd).st_size:
-            os.ftruncate(self._fd, self._length)
+            with self._noting_failure():
+                os.ftruncate(self._fd, self._length)
         return self._length
+
+    @contextmanager
+    def _noting_failure(self) -> Iterator[None]:
+        """Keep a failure of the disk for `commit`: the library would be left half-way by it."""
+        try:
+            yield
+        except OSError as error:
+            self._failure = self._failure or error
 
     def _rank(self, item: tuple[int, bytes]) -> tuple[int, int, int]:
         """Order of the held blocks, see the module's text; byte 5 of a tree node is its level."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -60,6 +61,7 @@ class RecordWriter:
         self.robots = len(scene.start)
         self._flush_every_s = flush_every_s
         self._disk: CrashSafeFile | None = None
+        self._failure: RecordError | None = None
         self._file = self._open()
         try:
             write_attributes(
@@ -81,8 +83,10 @@ class RecordWriter:
                 for path, (shape, row) in layout.steps_rows(self.robots).items()
             }
             self.flush()
-        except BaseException:
+        except BaseException as error:
             self._abandon()
+            if isinstance(error, OSError):
+                raise self._told(error) from error
             raise
 
     def append_steps(
@@ -93,10 +97,11 @@ class RecordWriter:
         Goes to the file when the time has come; append the decisions and contacts of the samples
         before, then a killed run's tables end with its samples.
         """
-        for buffer, rows in zip(
-            self._steps.values(), (step, pose, clearance, boundary_clearance), strict=True
-        ):
-            buffer.append(rows)
+        with self._writing():
+            for buffer, rows in zip(
+                self._steps.values(), (step, pose, clearance, boundary_clearance), strict=True
+            ):
+                buffer.append(rows)
         if time.monotonic() >= self._due:
             self.flush()
 
@@ -120,7 +125,7 @@ class RecordWriter:
 
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
-        try:
+        with self._writing():
             for buffer in (*self._tables.values(), *self._steps.values()):
                 buffer.flush()
             self._file[layout.EXTREMES][:] = self.extremes.rows
@@ -130,8 +135,6 @@ class RecordWriter:
             self._file.flush()
             if self._disk is not None:
                 self._disk.commit()
-        except OSError as error:
-            raise RecordError(f"{self.path}: cannot write the record: {error}") from error
         self._due = time.monotonic() + self._flush_every_s
 
     def close(
@@ -167,7 +170,7 @@ class RecordWriter:
         try:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
-            raise RecordError(f"{self.path}: cannot be written: {error.strerror}") from error
+            raise self._told(error) from error
         self._disk.holding = True
         settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
         file = h5py.File(self._disk, "w", **settings)
@@ -189,20 +192,37 @@ class RecordWriter:
     def _append_table(self, path: str, rows: NDArray[np.void]) -> None:
         if rows.dtype != layout.TABLES[path]:
             raise RecordError(f"{path}: rows of type {rows.dtype}; {layout.TABLES[path]} expected")
-        self._tables[path].append(rows)
+        with self._writing():
+            self._tables[path].append(rows)
 
     def _close_disk(self, disk: CrashSafeFile) -> None:
-        try:
+        with self._writing():
             disk.holding = True
             self._file.close()
             disk.commit()
             disk.close()
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn a failure of the disk into RecordError, the file left as the last flush made it."""
+        if self._failure is not None:
+            raise self._failure
+        try:
+            yield
         except OSError as error:
-            raise RecordError(f"{self.path}: cannot close the record: {error}") from error
+            self._failure = self._told(error)
+            self._abandon()
+            raise self._failure from error
+
+    def _told(self, error: OSError) -> RecordError:
+        return RecordError(f"{self.path}: cannot be written: {error.strerror or error}")
 
     def _abandon(self) -> None:
-        """Leave nothing half-written when the record cannot be begun."""
-        self._file.close()
+        """Close the file as the last flush left it; before the first flush nothing is left."""
+        if self._disk is not None:
+            self._disk.holding = True
+        with suppress(OSError, RuntimeError):
+            self._file.close()
         if self._disk is not None:
             self._disk.close()
 

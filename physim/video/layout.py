@@ -30,7 +30,7 @@ class Layout(NamedTuple):
 
 
 def arrange(with_strip: bool) -> Layout:
-    """Divide the picture; without formation errors the view takes the strip's place."""
+    """Divide the picture; without figures over time the view takes the strip's place."""
     wide = theme.WIDTH - theme.PANEL_WIDTH
     high = theme.HEIGHT - (theme.STRIP_HEIGHT if with_strip else 0)
     strip = Box(0, high, wide, theme.STRIP_HEIGHT) if with_strip else None

@@ -37,6 +37,13 @@ def draw_target(view: Image, lens: Lens, robot: FloatArray, target: FloatArray) 
     cv2.circle(view, ends[1].tolist(), 3 * ONE, theme.TARGET, 1, cv2.LINE_AA, SHIFT)
 
 
+def draw_reference_point(view: Image, lens: Lens, place: FloatArray) -> None:
+    """Draw the reference point (2,) [m] of a robot, where its target line starts."""
+    at = lens.fixed(place).tolist()
+    cv2.circle(view, at, round(3.5 * ONE), theme.WHITE, cv2.FILLED, cv2.LINE_AA, SHIFT)
+    cv2.circle(view, at, round(2.2 * ONE), theme.TARGET, cv2.FILLED, cv2.LINE_AA, SHIFT)
+
+
 def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
     """Join the closest points of the closest pair."""
     ends = lens.fixed(pair.points)
@@ -46,23 +53,32 @@ def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
         cv2.circle(view, end, 3 * ONE, theme.CLOSEST, cv2.FILLED, cv2.LINE_AA, SHIFT)
 
 
-def draw_contact(view: Image, lens: Lens, place: FloatArray, age: float, speed: float) -> None:
-    """Draw a contact that began ``age`` simulated seconds ago: a flash, then a cross that stays."""
-    centre = lens.pixels(place)
-    if not np.isfinite(centre).all():
-        return
-    at = fixed(centre).tolist()
+def draw_flash(view: Image, lens: Lens, place: FloatArray, age: float, speed: float) -> None:
+    """Draw the growing ring round a contact that began ``age`` simulated seconds ago."""
     grown = age / (theme.FLASH * speed)
-    if grown < 1.0:
-        radius = round((9.0 + 25.0 * grown) * ONE)
-        cv2.circle(view, at, radius, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
-        cv2.circle(view, at, radius, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
-    arms = np.array([[[-7.0, -7.0], [7.0, 7.0]], [[-7.0, 7.0], [7.0, -7.0]]])
+    centre = lens.pixels(place)
+    if grown >= 1.0 or not np.isfinite(centre).all():
+        return
+    at, radius = fixed(centre).tolist(), round((9.0 + 25.0 * grown) * ONE)
+    cv2.circle(view, at, radius, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
+    cv2.circle(view, at, radius, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
+
+
+def draw_contact(view: Image, lens: Lens, place: FloatArray) -> None:
+    """Draw the cross of a contact at ``place`` (2,) [m]."""
+    centre = lens.pixels(place)
+    if np.isfinite(centre).all():
+        draw_cross(view, centre, 7.0, 4)
+
+
+def draw_cross(image: Image, centre: FloatArray, arm: float, width: int) -> None:
+    """Draw a cross in the contact colour, ``arm`` [px] to each side, at ``centre`` (2,) [px]."""
+    arms = arm * np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
     cross = list(fixed(centre + arms))
-    cv2.polylines(view, cross, False, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
-    cv2.polylines(view, cross, False, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
+    cv2.polylines(image, cross, False, theme.WHITE, width + 3, cv2.LINE_AA, SHIFT)
+    cv2.polylines(image, cross, False, theme.CONTACT, width, cv2.LINE_AA, SHIFT)
 
 
 def mark_lasts(speed: float) -> float:
-    """Return how long [s, simulated] the mark of a contact stays at a playback speed."""
+    """Return how long [s, simulated] a contact's mark stays at least, at a playback speed."""
     return max(theme.MARK, theme.FLASH * speed)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import yaml
 
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
@@ -17,7 +19,10 @@ SPEEDS = (1, 2, 4, 5, 8)
 """Playback speeds of the first decade; the others are these times a power of ten."""
 
 LONGEST = 80.0
-"""[s] length of a video above which the next playback speed is taken"""
+"""[s] length of a video, without the hold, above which the next playback speed is taken"""
+
+HOLD = 1.5
+"""[s of video] that the last picture stays, so that the end can be read"""
 
 
 def playback_speed(duration: float) -> float:
@@ -31,10 +36,21 @@ def playback_speed(duration: float) -> float:
 
 
 def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
-    """Return the simulated times of all frames (F,) [s]: 0, and on to the end inclusive."""
+    """Return the simulated times of all frames (F,) [s].
+
+    From 0 to the end inclusive; then the end again for `HOLD` seconds of video.
+    """
     last = int(np.ceil(duration * fps / speed - 1e-6))
-    times: FloatArray = np.minimum(np.arange(last + 1) * (speed / fps), duration)
+    shown = last + 1 + round(HOLD * fps)
+    times: FloatArray = np.minimum(np.arange(shown) * (speed / fps), duration)
     return times
+
+
+class Curves(NamedTuple):
+    """One figure a robot over time: its name with the unit, and its values (n,) of decisions."""
+
+    title: str
+    values: Callable[[IntArray], FloatArray]
 
 
 class Story:
@@ -105,9 +121,18 @@ class Story:
         return found
 
     @property
-    def in_formation(self) -> bool:
-        """Whether there is a formation error to show."""
-        return self.robots > 1 and bool(np.isfinite(self._error).any())
+    def has_targets(self) -> bool:
+        """Whether any decision has a target to show."""
+        return bool(np.isfinite(self._target).all(axis=1).any())
+
+    @property
+    def curves(self) -> Curves | None:
+        """What to show over time: formation errors, else deviations; None where there are none."""
+        if self.robots > 1 and np.isfinite(self._error).any() and _has_formation(self.record):
+            return Curves("formation error [m]", self.errors)
+        if np.isfinite(self._deviation).any():
+            return Curves("deviation from the path, left positive [m]", self.deviations)
+        return None
 
     @staticmethod
     def _of(values: Any, rows: IntArray, missing: float) -> Any:
@@ -115,3 +140,12 @@ class Story:
         known = rows >= 0
         result[known] = values[rows[known]]
         return result
+
+
+def _has_formation(record: Record) -> bool:
+    """Whether the record's world keeps a formation; errors are recorded without one, too."""
+    try:
+        world = yaml.safe_load(record.world_text)
+    except yaml.YAMLError:
+        return True  # the video shows what there is
+    return isinstance(world, Mapping) and world.get("formation") is not None

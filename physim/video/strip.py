@@ -1,4 +1,7 @@
-"""Formation error of each robot over the whole run, drawn up to the present time."""
+"""Formation error or deviation of each robot over the run, drawn up to the present time.
+
+A cross on the time axis says when a contact began.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,10 @@ import cv2
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.video import theme
+from physim.video import marks, theme
 from physim.video.camera import fixed
 from physim.video.layout import Box
-from physim.video.story import Story
+from physim.video.story import Curves, Story
 from physim.video.text import BOLD, Image, shorten, write
 from physim.video.theme import SHIFT
 from physim.video.ticks import number, round_step, ticks
@@ -18,19 +21,24 @@ LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
 """[px] margins of the plot; NAMES is the room for names beside the last values"""
 SPACING = 13
 """[px] between two names"""
+LEAST = 0.03
+"""Share of the run from which names are shown: before, they would fan out of one point."""
+ARM = 4
+"""[px] half the size of the cross on the time axis where a contact began"""
 
 
 class Strip:
     """Draws the strip at any time: the full plot is drawn once and uncovered as time goes."""
 
-    def __init__(self, story: Story, box: Box) -> None:
+    def __init__(self, story: Story, curves: Curves, box: Box) -> None:
         self._story = story
+        self._curves = curves
         self._box = box
         self._wide, self._high = box.width - LEFT - NAMES, box.height - TOP - BOTTOM
         columns = 2 * self._wide + 1
         times = np.linspace(0.0, story.duration, columns)
         rows = np.stack([story.decision(i, times) for i in range(story.robots)])
-        values = np.stack([story.errors(row) for row in rows])
+        values = np.stack([curves.values(row) for row in rows])
         finite = values[np.isfinite(values)]
         top = max(float(np.abs(finite).max(initial=0.0)), 0.1) * 1.08
         low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
@@ -40,6 +48,9 @@ class Strip:
         self._blank = self._axes()
         self._full = self._blank.copy()
         self._draw_lines(times, values)
+        self._began = np.unique(np.rint(self._x(story.contacts.began)).astype(int))
+        for x in self._began:
+            self._draw_contact(self._full, int(x))
 
     def _x(self, time: FloatArray | float) -> FloatArray:
         return LEFT + np.asarray(time) / max(self._story.duration, 1e-9) * self._wide
@@ -51,7 +62,7 @@ class Strip:
     def _axes(self) -> Image:
         image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
         cv2.line(image, (0, 0), (self._box.width, 0), theme.RULE, 1)
-        write(image, "formation error [m]", (14, 20), theme.SMALL, weight=BOLD)
+        write(image, self._curves.title, (14, 20), theme.SMALL, weight=BOLD)
         right, bottom = LEFT + self._wide, TOP + self._high
         low, high = self._range
         step = round_step(high - low, 5)
@@ -81,13 +92,19 @@ class Strip:
                 if shown[0] and len(piece) > 1:
                     cv2.polylines(self._full, [piece], False, colour, 2, cv2.LINE_AA, SHIFT)
 
+    def _draw_contact(self, image: Image, x: int) -> None:
+        marks.draw_cross(image, np.array([x, TOP + self._high], dtype=np.float64), ARM, 2)
+
     def paint(self, image: Image, time: float, rows: IntArray) -> None:
         """Draw the strip as it is at ``time`` [s]; ``rows``: the robots' last decisions."""
         cursor = int(np.rint(self._x(time)))
         image[:] = self._blank
         image[:, : cursor + 1] = self._full[:, : cursor + 1]
         cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), theme.QUIET, 1)
-        self._write_names(image, cursor, self._story.errors(rows))
+        for x in self._began[(self._began <= cursor) & (self._began > cursor - 2 * ARM)]:
+            self._draw_contact(image, int(x))  # whole, though half of it is still covered
+        if time >= LEAST * self._story.duration:
+            self._write_names(image, cursor, self._curves.values(rows))
 
     def _write_names(self, image: Image, cursor: int, values: FloatArray) -> None:
         """Names at the line ends, moved apart; of many robots those farthest from 0."""

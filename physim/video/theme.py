@@ -23,6 +23,8 @@ RULE: Colour = (214, 218, 222)
 FAINT: Colour = (236, 238, 240)
 
 OUTSIDE: Colour = (241, 242, 243)
+FLOOR: Colour = (250, 251, 252)
+"""Accessible area of a run that knew no safe and danger areas."""
 DANGER_AREA: Colour = (252, 229, 213)
 SAFE_AREA: Colour = (231, 240, 246)
 WALL: Colour = (38, 42, 48)
@@ -71,7 +73,7 @@ TRAIL = 10.0
 FLASH = 0.5
 """[s of video] length of the flash at a contact"""
 MARK = 1.0
-"""[s] simulated time that the mark of a contact stays, and at least FLASH of video"""
+"""[s] least simulated time that the mark of a contact stays, and at least FLASH of video"""
 
 SHIFT = 4
 """Fractional bits of the pixel coordinates given to OpenCV (1/16 px)."""

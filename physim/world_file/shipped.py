@@ -8,7 +8,7 @@ from pathlib import Path
 
 import yaml
 
-from physim.errors import PhysimError, nearest
+from physim.errors import Fault, WorldError, nearest
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -31,15 +31,17 @@ def shipped_worlds() -> dict[str, str]:
 def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, or as the name of a shipped one; a file goes first.
 
-    Raises PhysimError when there is neither, with the nearest names.
+    Raises WorldError when there is neither, with the nearest names.
     """
     path, given = Path(given), str(given)
-    if path.exists() or path.suffix in SUFFIXES or len(path.parts) != 1:
+    plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
+    if not plain or path.exists():
         return path  # reading says what is wrong with it
     shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
     if given in shipped:
         return shipped_folder() / f"{given}.yaml"
-    raise PhysimError(
+    message = (
         f'{given}: no such file, and no shipped world is called "{given}"; '
         f"shipped: {', '.join(shipped)}{nearest(given, shipped)}"
     )
+    raise WorldError([Fault((), message)])

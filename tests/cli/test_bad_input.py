@@ -190,7 +190,7 @@ ARGUMENTS = {
     ),
     "unknown key to set": (
         ["small.yaml", "--set", "time.stp=0.1"],
-        "--set time.stp: time.stp: unknown key; allowed: step, duration, record_every; did you "
+        "--set time.stp: unknown key; allowed: step, duration, record_every; did you "
         'mean "step"?\n',
     ),
     "no such entry to set": (
@@ -199,7 +199,7 @@ ARGUMENTS = {
     ),
     "wrong value to set": (
         ["small.yaml", "--set", "time.step=abc"],
-        '--set time.step: time.step: must be a number; given "abc"\n',
+        '--set time.step: must be a number; given "abc"\n',
     ),
     "no YAML to set": (
         ["small.yaml", "--set", "time.step=[1"],
@@ -231,7 +231,7 @@ def test_faulty_argument(fault: str, here: Path, capsys: pytest.CaptureFixture[s
     arguments, told = ARGUMENTS[fault]
     before = tree(here)
     done = physim("run", *arguments, capture=capsys)
-    check(done.code, done.out, done.err, told)
+    check(done.code, done.out, done.err, told if told.startswith("--") else f"physim: {told}")
     assert tree(here) == before
 
 

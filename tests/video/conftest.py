@@ -11,7 +11,7 @@ from tests.records import make_record
 
 FIELDS = (
     "time dt steps pose clearance boundary_clearance updates contacts names footprints walls "
-    "paths reference accessible safe name seed robots"
+    "paths reference accessible safe safe_distance name seed robots world_text"
 )
 
 

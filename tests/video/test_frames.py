@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.video import frame_at, theme
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
 from physim.video.robots import Fleet
+from physim.video.story import Story
 from tests.records import make_record
 
 VIEW = (slice(0, theme.HEIGHT - theme.STRIP_HEIGHT), slice(0, theme.WIDTH - theme.PANEL_WIDTH))
@@ -54,6 +56,34 @@ def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., A
     assert counts[3] == 0
 
 
+def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    steps = np.arange(20, 151)  # 0.4 to 3.0 s
+    contacts = np.zeros(len(steps), record.contacts.dtype)
+    contacts["step"], contacts["b"], contacts["phase"] = steps, 1, Phase.STAYS
+    contacts["phase"][0], contacts["phase"][-1] = Phase.BEGAN, Phase.ENDED
+    contacts["x"], contacts["y"] = np.linspace(4.0, 12.0, len(steps)), 2.5
+    painter = Painter(changed(record, contacts=contacts), 1.0, 25.0)
+    for time, marked in ((0.3, False), (0.4, True), (1.6, True), (2.9, True), (3.1, False)):
+        x = np.interp(time, [0.4, 3.0], [4.0, 12.0])
+        at = painter._camera.lens(time).pixels(np.array([x, 2.5]))
+        column, row = np.rint(at).astype(int).tolist()
+        around = (slice(row - 8, row + 9), slice(column - 8, column + 9))
+        found = pixels(painter.frame(time), theme.CONTACT, around)
+        assert (found > 40) == marked, f"at {time} s: {found} px"
+
+
+def test_the_time_axis_keeps_when_contacts_began(made: Callable[..., Any]) -> None:
+    painter = Painter(made(3), 1.0, 25.0)
+    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT, None), VIEW[1])
+    shown = [pixels(painter.frame(t), theme.CONTACT, below) for t in (1.1, 1.2, 2.3, 2.4, 4.0)]
+    one = shown[1]
+    assert shown == [0, one, one, 2 * one, 2 * one]
+    assert one > 10
+
+
 def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:
     assert pixels(frame_at(made(3), 1.2 + 1.1, speed=4.0), theme.CONTACT) > 30
     assert pixels(frame_at(made(3), 1.2 + 1.1, speed=1.0), theme.CONTACT) == 0
@@ -82,20 +112,54 @@ def test_robots_have_the_colour_of_their_mode(
         assert not any(pixels(picture, c) for c in others)
 
 
-def test_one_robot_has_no_strip_and_several_have(made: Callable[..., Any]) -> None:
-    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
-    assert pixels(frame_at(made(1), 2.0), theme.WHITE, below) < 2000
-    assert pixels(frame_at(made(3), 2.0), theme.WHITE, below) > 100000
+BELOW = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
 
 
-def test_without_formation_there_is_no_strip(
+def test_one_robot_has_a_strip_of_its_deviation(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    assert "deviation" in Story(made(1)).curves.title
+    picture = frame_at(made(1), 3.9)
+    assert pixels(picture, theme.WHITE, BELOW) > 100000
+    assert pixels(picture, theme.robot_colour(0), BELOW) > 500
+    updates = made(1).updates.copy()
+    updates["deviation"] *= -1.0
+    turned = frame_at(changed(made(1), updates=updates), 3.9)
+    assert not np.array_equal(picture[BELOW], turned[BELOW]), "the sign is shown"
+
+
+def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
+    record = made(3)
+    rows = np.arange(3)
+    formation = Story(record).curves
+    assert formation.title == "formation error [m]"
+    assert formation.values(rows).tolist() == record.updates["formation_error"][:3].tolist()
+    updates = record.updates.copy()
+    updates["formation_error"] = np.nan
+    for text in ("name: x", "name: x\nformation: null"):
+        assert "deviation" in Story(changed(record, world_text=text)).curves.title
+    without = Story(changed(record, updates=updates))
+    assert without.curves.title == "deviation from the path, left positive [m]"
+    assert without.curves.values(rows).tolist() == updates["deviation"][:3].tolist()
+    updates["deviation"] = np.nan
+    assert Story(changed(record, updates=updates)).curves is None
+
+
+def test_names_come_when_the_curves_have_begun(made: Callable[..., Any]) -> None:
+    beside = (BELOW[0], slice(100, VIEW[1].stop))  # right of the cursor
+    painter = Painter(made(3), 1.0, 25.0)
+    ink = [pixels(painter.frame(t), theme.robot_colour(2), beside) for t in (0.0, 0.08, 0.16)]
+    assert ink[:2] == [0, 0]
+    assert ink[2] > 10
+
+
+def test_without_anything_to_show_there_is_no_strip(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     updates = made(3).updates.copy()
-    updates["formation_error"] = np.nan
-    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
+    updates["formation_error"] = updates["deviation"] = np.nan
     picture = frame_at(changed(made(3), updates=updates), 2.0)
-    assert pixels(picture, theme.WHITE, below) < 5000
+    assert pixels(picture, theme.WHITE, BELOW) < 5000
 
 
 def test_a_record_without_decisions_or_areas(

@@ -120,7 +120,7 @@ def test_the_command_line_may_name_another_controller():
     world = parse_world(STRAIGHT, controller=name, overrides=["controller.look_ahead=3.0"])
     assert world.controller.type == name
     assert world.controller.settings == {"look_ahead": 3.0}
-    assert "--set controller.type=no" in message(STRAIGHT, controller="no")
+    assert "--controller: no controller" in message(STRAIGHT, controller="no")
 
 
 def test_later_faults_find_their_place(tmp_path):

@@ -1,0 +1,253 @@
+"""What the analytic checks say of the cases of a batch, by kernels that never see the engine."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from physim.compiled import compiled, is_cached
+from physim.crashtest.batch import Batch
+from physim.crashtest.case import STEPS
+from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.motion import arc
+from physim.geometry.separation import body_separation, wall_separation
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.swept import swept_pair, swept_walls
+from physim.tolerances import CONTACT, ROUNDING
+
+MOST_RENEWED = 2000
+"""How often a search for a collision time that reached its cap is taken up again."""
+
+
+class Foresight(NamedTuple):
+    """Analysis of M cases; every motion is the exact arc from the start."""
+
+    time: FloatArray
+    """(M,) collision time xi [s] within the throw, inf when there is none"""
+    renewed: IntArray
+    """(M,) how often the search reached its cap and went on from the lower bound it gave"""
+    distance: FloatArray
+    """(M, STEPS + 1) [m] signed distance at each sample"""
+
+
+class Sight(NamedTuple):
+    """How M cases stand at given times."""
+
+    gap: FloatArray
+    """(M,) [m] signed distance then; NaN where there is no time"""
+    closing: FloatArray
+    """(M,) [m/s] least closing speed at that time and at the swept contact; NaN without either"""
+    swept: FloatArray
+    """(M,) [s] first contact where poses go linearly from sample to sample, as the engine's do,
+    looked for in the step of that time and its neighbours; inf when there is none"""
+    swept_gap: FloatArray
+    """(M,) [m] signed distance on the exact arcs at the swept contact; NaN without one"""
+
+
+class Throw(NamedTuple):
+    """One case, for the kernels: robots ``first`` to ``last - 1`` and wall parts."""
+
+    shapes: Shapes
+    walls: Shapes
+    parts: IntArray
+    start: FloatArray
+    command: FloatArray
+    first: int
+    last: int
+    dt: float
+
+
+def foresee(batch: Batch) -> Foresight:
+    """Collision time and distances of every case."""
+    return Foresight(*_foresee(*_arrays(batch), batch.dt, STEPS))
+
+
+def sight(batch: Batch, time: FloatArray) -> Sight:
+    """How every case stands at its time [s] (M,); nothing where that is inf."""
+    return Sight(*_sight(*_arrays(batch), batch.dt, STEPS, time))
+
+
+def _arrays(
+    batch: Batch,
+) -> tuple[Shapes, Shapes, FloatArray, FloatArray, IntArray, IntArray]:
+    return (
+        batch.shapes, batch.walls, batch.start, batch.command,
+        batch.first_robot, batch.first_wall,
+    )  # fmt: skip
+
+
+@compiled
+def _throw(
+    shapes: Shapes,
+    walls: Shapes,
+    start: FloatArray,
+    command: FloatArray,
+    first_robot: IntArray,
+    first_wall: IntArray,
+    dt: float,
+    k: int,
+) -> Throw:
+    parts = np.arange(walls.body_start[first_wall[k]], walls.body_start[first_wall[k + 1]])
+    return Throw(shapes, walls, parts, start, command, first_robot[k], first_robot[k + 1], dt)
+
+
+@compiled
+def poses_at(throw: Throw, t: float) -> FloatArray:
+    """Poses of the robots of a case on their arcs."""
+    pose = np.empty((throw.last - throw.first, 3))
+    for i in range(throw.first, throw.last):
+        pose[i - throw.first] = arc(throw.start[i], throw.command[i, 0], throw.command[i, 1], t)
+    return pose
+
+
+@compiled
+def point_speed(
+    pose: FloatArray, command: FloatArray, x: float, y: float, nx: float, ny: float
+) -> float:
+    """Speed [m/s] along (nx, ny) of the point (x, y) fixed to a robot."""
+    v = command[0]
+    omega = command[1]
+    vx = v * math.cos(pose[2]) - omega * (y - pose[1])
+    vy = v * math.sin(pose[2]) + omega * (x - pose[0])
+    return float(vx * nx + vy * ny)
+
+
+@compiled
+def state_at(throw: Throw, t: float) -> tuple[float, float]:
+    """Signed distance [m] of a case, and closing speed [m/s] of its closest points."""
+    shapes, command, first = throw.shapes, throw.command, throw.first
+    pose = poses_at(throw, t)
+    best = np.inf
+    closing = 0.0
+    for i in range(first, throw.last):
+        one = pose[i - first]
+        if len(throw.parts):
+            d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, one, throw.walls, throw.parts)
+            if d < best:
+                best = d
+                closing = point_speed(one, command[i], ax, ay, nx, ny)
+        for j in range(i + 1, throw.last):
+            two = pose[j - first]
+            d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, one, shapes, j, two)
+            if d < best:
+                best = d
+                closing = point_speed(one, command[i], ax, ay, nx, ny)
+                closing -= point_speed(two, command[j], bx, by, nx, ny)
+    return best, closing
+
+
+@compiled
+def time_from(throw: Throw, since: float, horizon: float) -> float:
+    """Collision time [s] counted from ``since``, up to the horizon."""
+    shapes, command, first = throw.shapes, throw.command, throw.first
+    pose = poses_at(throw, since)
+    found = np.inf
+    for i in range(first, throw.last):
+        one = pose[i - first]
+        twist = (command[i, 0], command[i, 1])
+        if len(throw.parts):
+            xi = collision_time_walls(shapes, i, one, twist, throw.walls, throw.parts, horizon)
+            found = min(found, xi)
+        for j in range(i + 1, throw.last):
+            two = pose[j - first]
+            other = (command[j, 0], command[j, 1])
+            xi = collision_time_pair(shapes, i, one, twist, j, two, other, horizon)
+            found = min(found, xi)
+    return found
+
+
+@compiled
+def collision_time_of(throw: Throw, horizon: float) -> tuple[float, int]:
+    """Collision time [s] of a case, and how often the search went on from a lower bound.
+
+    A search that reaches its cap gives a lower bound, at which the shapes are still apart.
+    """
+    time = 0.0
+    for renewed in range(MOST_RENEWED):
+        time += time_from(throw, time, horizon - time)
+        if time == np.inf or state_at(throw, time)[0] <= CONTACT + ROUNDING:
+            return time, renewed
+    return time, MOST_RENEWED
+
+
+@compiled
+def swept_step(throw: Throw, step: int) -> float:
+    """Time of the first contact in a step [s after its first sample], inf when there is none."""
+    first = throw.first
+    before = poses_at(throw, step * throw.dt)
+    after = poses_at(throw, (step + 1) * throw.dt)
+    found = np.inf
+    for i in range(first, throw.last):
+        a, b = before[i - first], after[i - first]
+        if len(throw.parts):
+            t, _ = swept_walls(throw.shapes, i, a, b, throw.walls, throw.parts, throw.dt)
+            found = min(found, t)
+        for j in range(i + 1, throw.last):
+            c, d = before[j - first], after[j - first]
+            found = min(found, swept_pair(throw.shapes, i, a, b, j, c, d, throw.dt))
+    return found
+
+
+@compiled
+def _foresee(
+    shapes: Shapes,
+    walls: Shapes,
+    start: FloatArray,
+    command: FloatArray,
+    first_robot: IntArray,
+    first_wall: IntArray,
+    dt: float,
+    steps: int,
+) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Arrays of a `Foresight`."""
+    cases = len(first_robot) - 1
+    time = np.empty(cases)
+    renewed = np.empty(cases, np.int64)
+    distance = np.empty((cases, steps + 1))
+    for k in range(cases):
+        throw = _throw(shapes, walls, start, command, first_robot, first_wall, dt, k)
+        time[k], renewed[k] = collision_time_of(throw, steps * dt)
+        for n in range(steps + 1):
+            distance[k, n] = state_at(throw, n * dt)[0]
+    return time, renewed, distance
+
+
+@compiled
+def _sight(
+    shapes: Shapes,
+    walls: Shapes,
+    start: FloatArray,
+    command: FloatArray,
+    first_robot: IntArray,
+    first_wall: IntArray,
+    dt: float,
+    steps: int,
+    time: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Arrays of a `Sight`."""
+    cases = len(time)
+    gap = np.full(cases, np.nan)
+    closing = np.full(cases, np.nan)
+    swept = np.full(cases, np.inf)
+    swept_gap = np.full(cases, np.nan)
+    for k in range(cases):
+        if not time[k] < np.inf:
+            continue
+        throw = _throw(shapes, walls, start, command, first_robot, first_wall, dt, k)
+        gap[k], speed = state_at(throw, time[k])
+        near = int(time[k] / dt)
+        for n in range(max(0, near - 1), min(near + 2, steps)):
+            t = swept_step(throw, n)
+            if t < np.inf:
+                swept[k] = n * dt + t
+                swept_gap[k], later = state_at(throw, swept[k])
+                closing[k] = min(speed, later)
+                break
+    return gap, closing, swept, swept_gap
+
+
+def is_warm() -> bool:
+    """Whether the kernels of a crash test lie compiled on disk; `sight` comes last."""
+    return is_cached(_sight)

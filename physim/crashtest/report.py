@@ -1,0 +1,194 @@
+"""What a crash test found: counts by kind and time step, lateness, every unexplained case."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.crashtest.drawing import KINDS, TIME_STEPS
+from physim.crashtest.verdict import WORDS, Verdict
+from physim.geometry.shapes import FloatArray, IntArray
+
+QUANTILES = {"least": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "most": 1.0}
+BINS = 10
+"""of the histogram of lateness over a step"""
+
+
+@dataclass(frozen=True)
+class Unexplained:
+    """One case on which engine and analysis differ for no known reason."""
+
+    number: int
+    kind: str
+    dt: float
+    """[s]"""
+    physical_sample: int | None
+    """of the first physical contact"""
+    collision_time: float | None
+    """[s]"""
+    expected_sample: int | None
+    """ceil((xi - TIME) / dt)"""
+    reason: str
+    world: str | None = None
+    """file of the world that replays it"""
+
+
+@dataclass
+class Report:
+    """Outcome of a crash test; equal for equal seed and number of cases."""
+
+    seed: int
+    kind: list[IntArray] = field(default_factory=list)
+    step: list[IntArray] = field(default_factory=list)
+    verdict: list[IntArray] = field(default_factory=list)
+    late: list[FloatArray] = field(default_factory=list)
+    """share of a step by which the physical contact is later than xi, where in the same sample"""
+    swept: list[FloatArray] = field(default_factory=list)
+    """(M, 2) how far the swept contact is from xi [s], and the chord tolerance [m]; where the
+    shapes close at CLOSING_SPEED or more"""
+    swept_beyond: int = 0
+    """swept contacts at which the shapes, on the exact arcs, are farther from touching than the
+    chord tolerance"""
+    grazes: list[NDArray[np.bool_]] = field(default_factory=list)
+    """(M, 2) of each graze: does the swept check find it, is all motion free of chords"""
+    unexplained: list[Unexplained] = field(default_factory=list)
+    rejected: int = 0
+    """false contacts of the engine that were kept out"""
+    renewed: int = 0
+    """collision times whose search reached its cap and went on from the lower bound"""
+    stopped: bool = False
+
+    @property
+    def cases(self) -> int:
+        """Cases judged."""
+        return sum(map(len, self.verdict))
+
+    def count(self, verdict: Verdict) -> int:
+        """Cases with a verdict."""
+        return sum(int((rows == verdict).sum()) for rows in self.verdict)
+
+    def to_json(self) -> str:
+        """JSON text: the same for the same seed and number of cases."""
+        return json.dumps(_plain(self), indent=2, ensure_ascii=False) + "\n"
+
+
+def _joined(rows: list[Any], columns: int = 0) -> Any:
+    empty = np.zeros((0, columns) if columns else 0)
+    return np.concatenate(rows) if rows else empty
+
+
+def _counts(verdict: IntArray) -> dict[str, int]:
+    return dict(zip(WORDS, np.bincount(verdict, minlength=len(WORDS)).tolist(), strict=True))
+
+
+def quantiles(values: FloatArray) -> dict[str, float] | None:
+    """Named quantiles; None without values."""
+    if not len(values):
+        return None
+    return {name: float(np.quantile(values, share)) for name, share in QUANTILES.items()}
+
+
+def _plain(report: Report) -> dict[str, Any]:
+    kind = _joined(report.kind).astype(int)
+    step = _joined(report.step).astype(int)
+    verdict = _joined(report.verdict).astype(int)
+    late, swept = _joined(report.late), _joined(report.swept, 2)
+    off, flat = swept[:, 0], swept[:, 1] == 0.0
+    seen, still = _joined(report.grazes, 2).astype(bool).T
+    return {
+        "seed": report.seed,
+        "cases": report.cases,
+        "stopped_early": report.stopped,
+        "verdicts": _counts(verdict),
+        "rejected_false_contacts": report.rejected,
+        "by_kind": {name: _counts(verdict[kind == k]) for k, name in enumerate(KINDS)},
+        "by_time_step": {f"{dt:g}": _counts(verdict[step == k]) for k, dt in enumerate(TIME_STEPS)},
+        "contact_after_collision_time": {
+            "unit": "share of a step",
+            "contacts": len(late),
+            "quantiles": quantiles(late),
+            "histogram": np.histogram(np.clip(late, 0.0, 1.0), BINS, (0.0, 1.0))[0].tolist(),
+        },
+        "swept_contact_against_collision_time": {
+            "unit": "s",
+            "straight": {"contacts": int(flat.sum()), "quantiles": quantiles(off[flat])},
+            "arcs": {"contacts": int((~flat).sum()), "quantiles": quantiles(off[~flat])},
+            "beyond_chord_tolerance": report.swept_beyond,
+        },
+        "grazes_found_by_swept_check": {
+            "straight": {"found": int((seen & still).sum()), "of": int(still.sum())},
+            "arcs": {"found": int((seen & ~still).sum()), "of": int((~still).sum())},
+        },
+        "searches_taken_up_again": report.renewed,
+        "unexplained": [vars(one) for one in report.unexplained],
+    }
+
+
+def text(report: Report) -> str:
+    """Table for people, with the verdict as its last line."""
+    found = _plain(report)
+    heads = ("same sample", "no contact", "graze", "tolerance", "unexplained")
+    rows = [("", "cases", *heads)]
+    for name, counts in [*found["by_kind"].items(), ("all", found["verdicts"])]:
+        rows.append((name, str(sum(counts.values())), *map(str, counts.values())))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        "  ".join(
+            cell.ljust(width) if k == 0 else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+    lines.append("")
+    lines += _figures(found)
+    lines += _told(report)
+    return "\n".join(lines) + "\n"
+
+
+def _figures(found: dict[str, Any]) -> list[str]:
+    lines = []
+    late = found["contact_after_collision_time"]
+    if late["quantiles"]:
+        told = ", ".join(f"{name} {value:.3f}" for name, value in late["quantiles"].items())
+        lines.append(f"physical contact after collision time, in steps: {told}")
+    swept = found["swept_contact_against_collision_time"]
+    for name in ("straight", "arcs"):
+        if swept[name]["quantiles"]:
+            told = ", ".join(f"{n} {v:.1e}" for n, v in swept[name]["quantiles"].items())
+            lines.append(f"swept contact off collision time, {name} [s]: {told}")
+    lines.append(f"swept contacts beyond the chord tolerance: {swept['beyond_chord_tolerance']}")
+    for name, share in found["grazes_found_by_swept_check"].items():
+        lines.append(
+            f"grazes that the swept check finds, {name}: {share['found']} of {share['of']}"
+        )
+    lines.append(
+        f"collision times that were lower bounds at first: {found['searches_taken_up_again']}"
+    )
+    lines.append(f"false contacts of the engine, rejected: {found['rejected_false_contacts']}")
+    return lines
+
+
+MOST_TOLD = 10
+"""Unexplained cases that are told one by one; the JSON has them all."""
+
+
+def _told(report: Report) -> list[str]:
+    missed = report.unexplained
+    lines = [
+        f"  case {one.number} ({one.kind}, step {one.dt:g} s): {one.reason}"
+        + (f" -> {one.world}" if one.world else "")
+        for one in missed[:MOST_TOLD]
+    ]
+    if len(missed) > MOST_TOLD:
+        lines.append(f"  and {len(missed) - MOST_TOLD} more")
+    of = f"of {report.cases} cases (seed {report.seed})"
+    verdict = (
+        f"checks disagree: {len(missed)} {of} unexplained"
+        if missed
+        else f"engine and analysis agree: 0 {of} unexplained"
+    )
+    return [*lines, verdict]

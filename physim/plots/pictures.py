@@ -1,0 +1,69 @@
+"""Draw the named pictures of a record into a folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from physim.errors import PhysimError, nearest
+from physim.plots.distances import distances
+from physim.plots.prediction import prediction
+from physim.plots.style import styled
+from physim.record import Record
+
+FORMATS = ("png", "svg", "pdf")
+PICTURES: dict[str, Callable[[Record], Any]] = {
+    "distances": distances,
+    "prediction": prediction,
+}
+"""Each makes a figure of a record."""
+NAMES = tuple(PICTURES)
+
+
+def draw(
+    record: Record,
+    folder: str | os.PathLike[str],
+    *,
+    only: Sequence[str] = NAMES,
+    format: str = "png",
+    force: bool = False,
+) -> tuple[Path, ...]:
+    """Draw pictures of a record as ``folder/NAME.FORMAT``; returns the files.
+
+    The same record gives the same file. Raises PhysimError for an unknown name or format, for a
+    file that exists unless ``force`` is set, and where the folder cannot be written.
+    """
+    for name in only:
+        if name not in PICTURES:
+            told = f'no picture is called "{name}"; there are {", ".join(NAMES)}'
+            raise PhysimError(told + nearest(name[:100], list(NAMES)))
+    if format not in FORMATS:
+        raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
+    paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
+    for path in paths:
+        if os.path.lexists(path) and not force:
+            raise PhysimError(
+                f"{path}: exists; use --force to write over it, or -o for another folder"
+            )
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        for path in paths:
+            _save(record, path, format)
+    except OSError as error:
+        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
+    return paths
+
+
+def _save(record: Record, path: Path, format: str) -> None:
+    """Write one picture, whole or not at all, without the date that would make files differ."""
+    dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    part = path.with_name(f".{path.name}.part")
+    with styled():
+        figure = PICTURES[path.stem](record)
+        try:
+            figure.savefig(part, format=format, metadata=dates[format])
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)

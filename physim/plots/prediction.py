@@ -1,0 +1,100 @@
+"""Predicted against actual contact: what the collision times at decisions were worth."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from physim.contacts import Phase
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.plots.style import INK, QUIET, WIDTH, robot_mark
+from physim.record import Record
+
+MOST_NAMED = 12
+"""Robots in the legend."""
+
+
+class Predictions(NamedTuple):
+    """Decisions after which their robot came into contact, M of them."""
+
+    robot: IntArray
+    predicted: FloatArray
+    """(M,) [s] collision time at the decision"""
+    actual: FloatArray
+    """(M,) [s] from the decision to the robot's next physical contact"""
+    kept: IntArray
+    """(M,) 1 where the robot held its command until the contact, else 0"""
+
+
+def predictions(record: Record) -> Predictions:
+    """Decisions with a finite collision time, each with the next contact of its robot.
+
+    Decisions that are made in contact are left out, and so are those after the last contact.
+    """
+    rows = record.updates
+    rows = rows[np.isfinite(rows["collision_time"]) & (rows["collision_time"] > 0.0)]
+    found: list[tuple[int, float, float, int]] = []
+    contacts = record.contacts
+    began = contacts[contacts["phase"] == Phase.BEGAN]
+    for robot in range(record.robots):
+        mine = rows[rows["robot"] == robot]
+        hits = np.unique(began["step"][(began["a"] == robot) | (began["b"] == robot)])
+        place = np.searchsorted(hits, mine["step"], side="right")
+        for row, k in zip(mine[place < len(hits)], place[place < len(hits)], strict=True):
+            actual = float((hits[k] - row["step"]) * record.dt)
+            kept = int(row["next_step"] >= hits[k])
+            found.append((robot, float(row["collision_time"]), actual, kept))
+    columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
+    return Predictions(columns[0].astype(np.int64), columns[1], columns[2], columns[3].astype(int))
+
+
+def prediction(record: Record) -> Any:
+    """Figure: predicted against actual time to contact of every decision before a contact."""
+    from matplotlib.figure import Figure
+
+    known = predictions(record)
+    figure = Figure(figsize=(WIDTH * 0.62, WIDTH * 0.62), layout="constrained")
+    axis = figure.subplots()
+    figure.suptitle(
+        f"{record.name}, seed {record.seed}: predicted and actual contact",
+        x=0.01, ha="left", fontsize=10.5, fontweight="bold",
+    )  # fmt: skip
+    axis.set_xlabel("actual time to the next contact [s]")
+    axis.set_ylabel("predicted: collision time at the decision [s]")
+    if not len(known.robot):
+        told = "no contact" if not len(record.contacts) else "no contact was foreseen"
+        axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")
+        axis.set(xticks=[], yticks=[])
+        return figure
+    _scatter(axis, record, known)
+    most = 1.05 * float(known.actual.max())
+    axis.plot((0.0, most), (0.0, most), color=QUIET, linewidth=0.9, label="as predicted")
+    # The contact is seen at the first sample after it: up to one step late.
+    axis.fill_between((0.0, most), (-record.dt, most - record.dt), (0.0, most), color=QUIET,
+                      alpha=0.25, linewidth=0.0, label="within one step")  # fmt: skip
+    axis.set(xlim=(0.0, most), ylim=(0.0, 1.25 * most))
+    axis.set_aspect("auto")
+    axis.legend(loc="upper left")
+    beyond = int((known.predicted > 1.25 * most).sum())
+    if beyond:
+        axis.set_title(f"{beyond} predictions lie above", loc="right", fontsize=8.5, color=QUIET)
+    return figure
+
+
+def _scatter(axis: Any, record: Record, known: Predictions) -> None:
+    """One mark a robot; full where the command was held until the contact."""
+    robots = np.unique(known.robot)
+    for k, robot in enumerate(robots):
+        colour, marker = robot_mark(int(robot))
+        label = record.names[robot] if k < MOST_NAMED else None
+        for kept in (0, 1):
+            rows = (known.robot == robot) & (known.kept == kept)
+            axis.plot(
+                known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
+                markerfacecolor=colour if kept else "none", markeredgewidth=0.8,
+                label=label if kept == int(known.kept[known.robot == robot].any()) else None,
+                clip_on=True,
+            )  # fmt: skip
+    if known.kept.any() and not known.kept.all():
+        axis.plot([], [], "o", color=INK, markersize=4.0, label="command held until contact")

@@ -1,0 +1,70 @@
+"""One style for all pictures: readable in print and under the common kinds of colour blindness.
+
+Colours are those of Okabe and Ito (2008), as in the videos. Figures are objects of their own: no
+state of matplotlib's is read or changed outside `styled`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+INK = "#22262c"
+QUIET = "#62686f"
+RULE = "#d6dade"
+BLUE = "#0072b2"
+GREEN = "#009e73"
+VERMILION = "#d55e00"
+"""contacts, as in the videos"""
+CYCLE = ("#0072b2", "#e69f00", "#009e73", "#cc5aa0", "#56b4e9", "#d55e00", "#22262c", "#b8ad00")
+"""robots, by index"""
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+"""robots, by index: colour is never the only mark"""
+
+WIDTH = 6.9
+"""[in] two columns of a paper"""
+DPI = 200
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Settings of matplotlib for one picture; restored afterwards."""
+    import matplotlib
+
+    settings: Any = {
+        "font.family": "DejaVu Sans",
+        "font.size": 9.0,
+        "axes.titlesize": 9.5,
+        "axes.titlelocation": "left",
+        "axes.labelsize": 9.0,
+        "axes.edgecolor": QUIET,
+        "axes.labelcolor": INK,
+        "axes.linewidth": 0.7,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "grid.color": RULE,
+        "grid.linewidth": 0.6,
+        "xtick.color": QUIET,
+        "ytick.color": QUIET,
+        "xtick.labelcolor": INK,
+        "ytick.labelcolor": INK,
+        "text.color": INK,
+        "lines.linewidth": 1.3,
+        "legend.frameon": False,
+        "legend.fontsize": 8.5,
+        "savefig.dpi": DPI,
+        "svg.hashsalt": "physim",
+        "svg.fonttype": "none",
+        "pdf.fonttype": 42,
+        "path.simplify_threshold": 0.2,
+    }
+    with matplotlib.rc_context(settings):
+        yield
+
+
+def robot_mark(index: int) -> tuple[str, str]:
+    """Colour and marker of a robot; the pair repeats only after 56 robots."""
+    return CYCLE[index % len(CYCLE)], MARKERS[(index + index // len(CYCLE)) % len(MARKERS)]

@@ -1,0 +1,106 @@
+"""``physim crashtest`` and ``physim plot`` as they are meant to be used."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from physim.crashtest import crash_test
+from physim.record import Record
+from tests.cli.commands import physim, shell, tree
+from tests.crashtest.sabotage import two_steps_late
+from tests.records import make_record
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _warm() -> None:
+    """Kernels are compiled before any command runs, so that none says that it compiles."""
+    crash_test(11)
+
+
+def test_agreement_ends_with_0_and_writes_nothing_but_the_json(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = physim("crashtest", "--cases", 60, "--seed", 2, "--json", "found.json", capture=capsys)
+    assert (done.code, done.err) == (0, "")
+    assert done.out.endswith("agree: 0 of 60 cases (seed 2) unexplained\n")
+    assert list(tree(tmp_path)) == ["found.json"]
+    first = (tmp_path / "found.json").read_bytes()
+    assert json.loads(first)["cases"] == 60
+    again = ("crashtest", "--cases", 60, "--seed", 2, "--json", "found.json", "--quiet")
+    assert physim(*again, capture=capsys) == (0, "", "")
+    assert (tmp_path / "found.json").read_bytes() == first
+
+
+def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*arguments: object, **more: object) -> object:
+        return crash_test(*arguments, **more, _foresee=two_steps_late)  # type: ignore[arg-type]
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("physim.cli.crashtest.crash_test", broken)
+    done = physim("crashtest", "--cases", 60, "--json", "found.json", capture=capsys)
+    assert done.code == 3
+    assert "checks disagree" in done.out.splitlines()[-1]
+    found = json.loads((tmp_path / "found.json").read_text())["unexplained"]
+    assert [one["world"] for one in found] == [
+        f"crashtest-0/{file.name}" for file in sorted(Path("crashtest-0").iterdir())
+    ]
+    hit = next(one for one in found if one["physical_sample"] is not None)
+    assert hit["world"] in done.out
+    run = physim("run", hit["world"], "-o", "again", "--no-video", "--quiet", capture=capsys)
+    assert run == (0, "", "")
+    with Record.load("again/record.h5") as record:
+        assert record.contacts["step"].min() == hit["physical_sample"]
+
+
+def test_in_a_pipe_there_is_no_bar(tmp_path: Path) -> None:
+    done = shell("crashtest", "--cases", "20", folder=tmp_path)
+    assert (done.code, done.err) == (0, "")
+    assert done.out.count("\r") == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--cases", "0"), "physim: --cases 0: at least one case is needed\n"),
+        (("--json", "nowhere/x.json"), "physim: nowhere/x.json: its folder does not exist\n"),
+        (("-o", "file"), "physim: file: is a file; -o takes a folder\n"),
+    ],
+)
+def test_bad_arguments_end_with_2(
+    arguments: tuple[str, ...],
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert physim("crashtest", *arguments, capture=capsys) == (2, "", told)
+
+
+def test_plot_draws_beside_the_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    make_record("record.h5").close()
+    done = physim("plot", "record.h5", "--only", "distances", "-o", "pictures", capture=capsys)
+    assert done == (0, "pictures/distances.png\n", "")
+    done = physim("plot", "record.h5", "--format", "svg", capture=capsys)
+    assert done == (0, "distances.svg\nprediction.svg\n", "")
+    refused = physim("plot", "record.h5", "--format", "svg", capture=capsys)
+    assert refused.code == 2
+    assert refused.err.startswith("physim: distances.svg: exists; use --force")
+    unknown = physim("plot", "record.h5", "--only", "distance", capture=capsys)
+    assert unknown.code == 2
+    assert unknown.err == (
+        'physim: no picture is called "distance"; there are distances, prediction; '
+        'did you mean "distances"?\n'
+    )
+    missing = physim("plot", "none.h5", capture=capsys)
+    assert (missing.code, missing.out) == (2, "")

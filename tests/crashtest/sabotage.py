@@ -1,0 +1,46 @@
+"""Analytic checks with something broken on purpose: the crash test must notice each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.crashtest.batch import Batch
+from physim.crashtest.foresight import Foresight, foresee
+
+
+def without_rotation(batch: Batch) -> Foresight:
+    """Collision times as if nobody turned; distances are right."""
+    straight = batch._replace(command=batch.command * (1.0, 0.0))
+    return foresee(batch)._replace(time=foresee(straight).time)
+
+
+def smaller(batch: Batch, by: float = 0.01) -> Foresight:
+    """Every footprint drawn in by about 1 cm on all sides, in all that is analytic."""
+    shapes = batch.shapes
+    vertices = shapes.vertices.copy()
+    for first, last in zip(shapes.part_start[:-1], shapes.part_start[1:], strict=True):
+        part = vertices[first:last]
+        middle = part.mean(axis=0)
+        size = np.hypot(*(part - middle).T)
+        vertices[first:last] = middle + (part - middle) * (1.0 - by / size.max())
+    return foresee(batch._replace(shapes=shapes._replace(vertices=vertices)))
+
+
+def shifted(batch: Batch, steps: float) -> Foresight:
+    """Collision times later by some steps."""
+    found = foresee(batch)
+    return found._replace(time=np.maximum(found.time + steps * batch.dt, 0.0))
+
+
+def two_steps_late(batch: Batch) -> Foresight:
+    return shifted(batch, 2.0)
+
+
+def two_steps_early(batch: Batch) -> Foresight:
+    return shifted(batch, -2.0)
+
+
+def contacts_dropped(batch: Batch) -> Foresight:
+    """No collision is ever foreseen."""
+    found = foresee(batch)
+    return found._replace(time=np.full_like(found.time, np.inf))

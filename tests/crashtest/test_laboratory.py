@@ -1,0 +1,171 @@
+"""The crash test agrees when all is well, and says so when anything is broken."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physim.crashtest import Report, crash_test
+from physim.crashtest.batch import SPACING, place
+from physim.crashtest.drawing import CLEAR, KINDS, TIME_STEPS, draw_case
+from physim.crashtest.footprints import THINNEST, build_store
+from physim.crashtest.report import text
+from physim.crashtest.verdict import Verdict
+from physim.recording import simulate
+from physim.world_file import load_world
+from tests.crashtest import sabotage
+
+CASES = 550
+"""Ten of each kind at each time step."""
+
+
+@pytest.fixture(scope="module")
+def report() -> Report:
+    return crash_test(CASES, 5)
+
+
+def test_engine_and_analysis_agree(report: Report) -> None:
+    assert report.cases == CASES
+    assert report.unexplained == []
+    assert report.count(Verdict.SAME_SAMPLE) > 200
+    assert report.count(Verdict.NO_CONTACT) > 150
+    assert report.count(Verdict.GRAZE) > 10
+    figures = json.loads(report.to_json())
+    assert set(figures["by_kind"]) == set(KINDS)
+    assert all(sum(counts.values()) == CASES // 11 for counts in figures["by_kind"].values())
+    assert all(sum(counts.values()) == CASES // 5 for counts in figures["by_time_step"].values())
+    late = figures["contact_after_collision_time"]["quantiles"]
+    assert late["least"] > -1e-3
+    assert late["most"] < 1.0
+    assert late["median"] == pytest.approx(0.5, abs=0.1)
+    assert text(report).endswith("agree: 0 of 550 cases (seed 5) unexplained\n")
+
+
+def test_swept_contacts_are_where_the_collision_time_says(report: Report) -> None:
+    figures = json.loads(report.to_json())
+    swept = figures["swept_contact_against_collision_time"]
+    assert swept["straight"]["quantiles"]["most"] <= 1e-6
+    assert swept["beyond_chord_tolerance"] == 0
+    grazes = figures["grazes_found_by_swept_check"]["straight"]
+    assert grazes["found"] == grazes["of"]
+
+
+def test_equal_seeds_give_equal_reports(report: Report) -> None:
+    assert crash_test(CASES, 5).to_json() == report.to_json()
+    assert crash_test(CASES, 6).to_json() != report.to_json()
+
+
+def test_a_case_depends_on_seed_and_number_alone(report: Report) -> None:
+    fewer = crash_test(110, 5)
+    of_all = np.concatenate(report.verdict)[np.argsort(order(CASES), kind="stable")]
+    of_few = np.concatenate(fewer.verdict)[np.argsort(order(110), kind="stable")]
+    assert np.array_equal(of_all[:110], of_few)
+
+
+def order(cases: int) -> np.ndarray:
+    """Numbers of the cases in the order in which they are judged: by time step."""
+    step = np.arange(cases) // len(KINDS) % len(TIME_STEPS)
+    return np.argsort(step, kind="stable")
+
+
+def test_a_stopped_test_tells_what_it_has() -> None:
+    told: list[int] = []
+    stopped = crash_test(CASES, 5, progress=told.append, stop=lambda: len(told) == 2)
+    assert stopped.stopped
+    assert told == [110, 220]
+    assert stopped.cases == 220
+
+
+# Broken on purpose
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        sabotage.without_rotation,
+        sabotage.smaller,
+        sabotage.two_steps_late,
+        sabotage.two_steps_early,
+        sabotage.contacts_dropped,
+    ],
+)
+def test_a_broken_check_is_found_out(broken: Callable[..., object], report: Report) -> None:
+    told = crash_test(CASES, 5, _foresee=broken)  # type: ignore[arg-type]
+    hits = report.count(Verdict.SAME_SAMPLE)
+    # Straight throws need no rotation, and 1 cm is often less than the advance of a step.
+    share = 0.3 if broken in (sabotage.without_rotation, sabotage.smaller) else 0.9
+    assert len(told.unexplained) > share * hits
+    assert all(one.reason for one in told.unexplained)
+    assert f"checks disagree: {len(told.unexplained)} of 550 cases" in text(told)
+
+
+def test_without_the_guard_the_engines_false_contacts_are_told() -> None:
+    cases, seed, number = 1100, 12, 685
+    guarded = crash_test(cases, seed)
+    assert guarded.rejected > 0
+    assert guarded.unexplained == []
+    told = crash_test(cases, seed, _guarded=False)
+    (one,) = told.unexplained
+    assert (one.number, one.kind, one.collision_time) == (number, "side by side", None)
+    assert one.reason.endswith("where the shapes are 0.482 m apart")
+
+
+# Worlds of failing cases
+
+
+def test_every_unexplained_case_becomes_a_world_that_replays(tmp_path: Path) -> None:
+    told = crash_test(CASES, 5, folder=tmp_path / "worlds", _foresee=sabotage.two_steps_late)
+    assert len(list((tmp_path / "worlds").iterdir())) == len(told.unexplained) > 100
+    seen = set()
+    for one in told.unexplained:
+        if one.kind in seen:
+            continue
+        seen.add(one.kind)
+        assert one.world is not None
+        world = load_world(one.world)
+        assert one.reason in world.description
+        with simulate(world) as record:
+            assert record.dt == one.dt
+            first = record.contacts["step"].min() if len(record.contacts) else None
+            assert first == one.physical_sample
+    assert seen == set(KINDS)
+
+
+def test_no_world_is_written_where_all_is_explained(tmp_path: Path) -> None:
+    crash_test(110, 5, folder=tmp_path / "worlds")
+    assert not (tmp_path / "worlds").exists()
+
+
+# Drawing
+
+
+def test_cases_are_clear_at_the_start_and_keep_the_tunnelling_rule() -> None:
+    from physim.crashtest.replay import world_of
+    from physim.scene_builder import build_scene
+
+    store = build_store(9)
+    for number in range(110):
+        case = draw_case(9, number, place(number), store)
+        scene = build_scene(world_of(case, 9, "drawn"))  # raises where a world is refused
+        assert np.array_equal(scene.start, case.layout.start)
+        parts = [part for robot in case.layout.robots for part in robot.parts]
+        assert np.array_equal(scene.shapes.vertices, np.concatenate(parts))
+    assert CLEAR > 0.0
+
+
+def test_places_are_apart() -> None:
+    places = np.array([place(k) for k in range(500)])
+    gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+    assert gaps[~np.eye(len(places), dtype=bool)].min() == SPACING
+    assert np.abs(places).max() <= 12 * SPACING
+
+
+def test_footprints_of_the_store() -> None:
+    store = build_store(3)
+    assert all(len(one.parts) == 1 for one in (*store.convex, *store.boxes))
+    assert sum(len(one.parts) > 1 for one in store.nonconvex) > 0.9 * len(store.nonconvex)
+    assert min(one.width for sort in store for one in sort) >= THINNEST

@@ -1,0 +1,295 @@
+"""Bounds of collision times and contact intervals, against closed cases and marching."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim.errors import PhysimError
+from physim.geometry import (
+    collision_time,
+    collision_time_certified,
+    contact_intervals,
+    polyline,
+)
+from physim.geometry.certified import next_encounter
+from physim.geometry.motion import arc_course
+from physim.tolerances import CONTACT, TIME
+from tests.geometry.cases import BOX, placed, published, random_scene
+from tests.geometry.test_collision_time import disc, engine_shape, random_twist
+from tests.oracles.collision_time import distance_at, marched_time
+
+HORIZON = 10.0
+STILL = ((0.0, 0.0, 0.0), (0.0, 0.0))
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_pair(seed, spread=3.0):
+    rng = np.random.default_rng(seed)
+    bodies, _, poses = random_scene(rng, 2, spread=spread)
+    return [(bodies[k], poses[k], random_twist(rng)) for k in (0, 1)]
+
+
+@settings(max_examples=100)
+@given(seeds)
+def test_bounds_hold_the_marched_time(seed):
+    a, b = random_pair(seed)
+    found = collision_time_certified(*a, *b, HORIZON)
+    assert found.time == collision_time(*a, *b, HORIZON)
+    assert found.lower <= found.time <= found.upper
+    marched = marched_time(*a, *b, HORIZON)
+    if marched is None or found.capped:
+        return
+    # The oracle stops within CONTACT, the exact time is no earlier.
+    if math.isinf(marched):
+        assert math.isinf(found.upper) or found.upper > HORIZON - TIME
+    elif math.isfinite(found.lower):
+        before = max(0.0, found.lower - TIME)
+        assert distance_at(*a, *b, before) > 0.0 or found.lower == 0.0
+    if found.lower > 0.0:
+        for t in min(found.lower, HORIZON) * np.linspace(0.0, 1.0, 40, endpoint=False):
+            assert distance_at(*a, *b, t) > 0.0
+    if math.isfinite(found.upper):
+        assert distance_at(*a, *b, found.upper) == 0.0
+
+
+def test_head_on_bounds_are_tight():
+    exact = (5.0 - 1.8) / 1.6
+    for omega in (0.0, 1e-13):
+        found = collision_time_certified(
+            BOX, (0, 0, 0), (1, omega), BOX, (5, 0.1, math.pi), (0.6, 0)
+        )
+        assert found.lower <= exact <= found.upper
+        assert found.upper - found.lower < 2e-9
+        assert not found.capped
+
+
+def test_turning_bounds_hold_the_closed_time():
+    bar = [[-1.0, -0.1], [1.0, -0.1], [1.0, 0.1], [-1.0, 0.1]]
+    wall = polyline([[-5.0, 0.8], [5.0, 0.8]])
+    exact = (math.asin(0.8 / math.hypot(1.0, 0.1)) - math.atan2(0.1, 1.0)) / 0.5
+    found = collision_time_certified(bar, (0, 0, 0), (0, 0.5), wall, *STILL)
+    assert found.lower <= exact <= found.upper
+    assert found.upper - found.lower < TIME
+
+
+def test_overlap_touching_and_grazes():
+    now = collision_time_certified(BOX, (0, 0, 0), (1, 0.2), BOX, (1, 0, 0), (0, 0))
+    assert (now.time, now.lower, now.upper, now.capped) == (0.0, 0.0, 0.0, False)
+    touch = collision_time_certified(BOX, (0, 0, 0), (-1, 0), BOX, (1.8, 0, 0), (0, 0))
+    assert (touch.time, touch.lower, touch.upper) == (0.0, 0.0, math.inf)
+    for gap in (0.0, 0.5e-9):  # sides slide past each other on one line
+        graze = collision_time_certified(BOX, (0, 0, 0), (1, 0), BOX, (5, 1.0 + gap, 0), (0, 0))
+        assert graze.lower == pytest.approx(3.2, abs=1e-8)
+        assert graze.upper == math.inf
+    none = collision_time_certified(BOX, (0, 0, 0), (1, 0), BOX, (5, 1.1, 0), (0, 0))
+    assert (none.time, none.lower, none.upper, none.capped) == (math.inf, math.inf, math.inf, False)
+
+
+def test_cap_is_reported():
+    """A disc on its ring about another for hours: too many advances to tell."""
+    small = disc(0.1, 16)
+    found = collision_time_certified(small, (0, 0, 0), (1, 1), small, (0, 1, 0), (0, 0), 1e5)
+    assert found.capped
+    assert 0.0 < found.lower == found.time < 1e5
+    assert found.upper == math.inf
+    with pytest.raises(PhysimError, match="not settled after"):
+        contact_intervals(small, (0, 0, 0), (1, 1), small, (0, 1, 0), (0, 0), 1e5)
+    short = collision_time_certified(small, (0, 0, 0), (1, 1), small, (0, 1, 0), (0, 0), 20.0)
+    assert (short.time, short.capped) == (math.inf, False)
+
+
+@settings(max_examples=80)
+@given(seeds)
+def test_intervals_against_sampling(seed):
+    """Apart outside, together inside, the first entry is the collision time."""
+    a, b = random_pair(seed, spread=2.5)
+    rows = contact_intervals(*a, *b, HORIZON)
+    xi = collision_time(*a, *b, HORIZON)
+    assert rows.shape == (len(rows), 2)
+    assert (rows[0, 0] if len(rows) else math.inf) == pytest.approx(xi, abs=1e-12)
+    flat = rows.ravel()
+    assert (np.diff(flat) >= 0.0).all()
+    assert (np.diff(flat)[1::2] > 0.0).all()
+    assert ((flat >= 0.0) & (flat <= HORIZON)).all()
+    for t in np.linspace(0.0, HORIZON, 400):
+        d = distance_at(*a, *b, t)
+        inside = any(entry <= t <= leave for entry, leave in rows)
+        if inside:
+            assert d <= 2e-8
+        else:
+            assert d > 0.0
+    for entry, leave in rows:
+        assert distance_at(*a, *b, entry) <= CONTACT * (1.0 + 1e-5)
+        assert distance_at(*a, *b, leave) <= 2e-8
+        if leave < HORIZON:
+            # Apart soon after, but for grazes and slow departures.
+            later = [distance_at(*a, *b, leave + dt) for dt in (1e-6, 1e-4, 1e-3)]
+            assert max(later) > 0.0 or len(rows) > 1
+
+
+@settings(max_examples=40)
+@given(seeds)
+def test_swap_motion_of_the_world_and_vertex_order(seed):
+    a, b = random_pair(seed, spread=2.5)
+    turn = 0.7
+    moved = [
+        (body, [*placed([pose[:2]], (800.0, -600.0, turn))[0], pose[2] + turn], twist)
+        for body, pose, twist in (a, b)
+    ]
+    for k, (_, _, twist) in enumerate(moved):
+        if len(twist) == 3:
+            turned = (*placed([twist[:2]], (0.0, 0.0, turn))[0], twist[2])
+            moved[k] = (*moved[k][:2], turned)
+    reverse = [([np.asarray(part)[::-1] for part in body], *rest) for body, *rest in (a, b)]
+    rows = contact_intervals(*a, *b, HORIZON)
+    found = collision_time_certified(*a, *b, HORIZON)
+    for one, two in ((b, a), tuple(moved), tuple(reverse)):
+        other = collision_time_certified(*one, *two, HORIZON)
+        if len(rows) and math.isfinite(found.upper) and found.upper - found.lower < 1e-7:
+            assert other.time == pytest.approx(found.time, abs=2e-7)
+            assert other.lower <= found.upper
+            assert found.lower <= other.upper
+        again = contact_intervals(*one, *two, HORIZON)
+        long = [row for row in rows if row[1] - row[0] > 1e-3]
+        long_again = [row for row in again if row[1] - row[0] > 1e-3]
+        assert len(long) == len(long_again)
+        for row, row_again in zip(long, long_again, strict=True):
+            for t in (*row, *row_again):
+                assert distance_at(*a, *b, t) <= 2e-8
+
+
+def test_passing_through_head_on():
+    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0), 20.0)
+    assert rows == pytest.approx(np.array([[3.2, 6.8]]), abs=1e-12)
+    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0), 5.0)
+    assert rows == pytest.approx(np.array([[3.2, 5.0]]), abs=1e-12)
+    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), BOX, (1, 0, 0), (0, 0), 20.0)
+    assert rows == pytest.approx(np.array([[0.0, 2.8]]), abs=1e-12)
+
+
+def test_ring_meets_a_wall_twice_a_turn():
+    """A disc on a ring of 1 m dips into a wall once a turn; chords of a fine polygon are near."""
+    wall = polyline([[-5.0, 1.8], [5.0, 1.8]])
+    round_one = disc(0.2, 2048)
+    rows = contact_intervals(round_one, (0, 0, 0), (1, 1), wall, *STILL, 4.0 * math.pi)
+    # The ring is about (0, 1): the centre at height 1 - cos t, contact from 1.6 to 2.0.
+    t = math.acos(-0.6)
+    exact = [[t, 2.0 * math.pi - t], [t + 2.0 * math.pi, 4.0 * math.pi - t]]
+    assert rows == pytest.approx(np.array(exact), abs=1e-5)
+
+
+def test_corners_of_a_turning_box_touch_in_turn():
+    wall = polyline([[-5.0, 0.95], [5.0, 0.95]])
+    rows = contact_intervals(BOX, (0, 0, 0), (0, 1), wall, *STILL, 2.0 * math.pi)
+    reach, at = math.hypot(0.9, 0.5), math.atan2(0.5, 0.9)
+    half = math.acos(0.95 / reach)
+    middles = sorted(angle % (2.0 * math.pi) for angle in np.array([
+        math.pi / 2 - at, math.pi / 2 + at, 3 * math.pi / 2 - at, 3 * math.pi / 2 + at,
+    ]))  # fmt: skip
+    exact = [[m - half, m + half] for m in middles]
+    assert rows == pytest.approx(np.array(exact), abs=TIME)
+
+
+def test_contact_through_parts_is_one_interval():
+    """An L of two parts moves over a post: no seam where the post goes from part to part."""
+    ell = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
+    for omega in (0.0, 1e-6):
+        rows = contact_intervals(ell, (0, 0, 0), (1, 0, omega), [[5.0, 0.5]], *STILL, 20.0)
+        assert rows == pytest.approx(np.array([[3.0, 5.0]]), abs=1e-4)
+
+
+def test_point_and_sliding_contacts():
+    rows = contact_intervals([[0.0, 0.0]], (0, 0, 0), (1, 0), [[5.0, -1.0], [5.0, 1.0]], *STILL)
+    assert rows == pytest.approx(np.array([[5.0, 5.0]]), abs=1e-9)
+    # Deep by more than the tolerance along a wall: in contact as long as there is wall.
+    wall = [[2.0, 0.5 - 1e-6], [6.0, 0.5 - 1e-6]]
+    rows = contact_intervals(BOX, (0, 0, 0), (1, 0), wall, *STILL, 20.0)
+    assert rows == pytest.approx(np.array([[1.1, 6.9]]), abs=1e-9)
+
+
+def test_published_times():
+    used = 0
+    for case in published("engine_unit_tests.json")["time_of_impact"]:
+        if not case.get("usable", True):
+            continue
+        used += 1
+        (a, near_a), (b, near_b) = engine_shape(case["a"]), engine_shape(case["b"])
+        still = (0.0, 0.0, 0.0)
+        motion = (a, still, (*case["va"], 0.0), b, still, (*case["vb"], 0.0))
+        horizon = case.get("horizon", 100.0)
+        found = collision_time_certified(*motion, horizon)
+        rows = contact_intervals(*motion, horizon)
+        if case["toi"] is None:
+            assert len(rows) == 0, case["id"]
+            continue
+        speed = math.hypot(*np.subtract(case["va"], case["vb"]))
+        tolerance = case["tol"] + (near_a + near_b) / max(speed, 1e-3)
+        assert found.lower - tolerance <= case["toi"], case["id"]
+        assert case["toi"] <= found.upper + tolerance, case["id"]
+        assert rows[0, 0] == found.time, case["id"]
+    assert used >= 12
+
+
+def test_published_point_and_segment():
+    used = 0
+    for case in published("ccd_planar_point_segment.json")["cases"]:
+        if not (case["robust"] and case["rigid_translation"]):
+            continue
+        used += 1
+        point, segment = np.array(case["point_t0"]), np.array(case["seg_t0"])
+        move_point = np.array(case["point_t1"]) - point
+        move_segment = (np.array(case["seg_t1"]) - segment)[0]
+        motion = (
+            point[None], (0, 0, 0), (*move_point, 0.0), segment, (0, 0, 0), (*move_segment, 0.0),
+        )  # fmt: skip
+        found = collision_time_certified(*motion, 1.0)
+        rows = contact_intervals(*motion, 1.0)
+        assert (len(rows) == 1) == case["hit"], case["id"]
+        if case["hit"]:
+            exact = case["first_contact_fraction"]
+            assert found.lower <= exact + 1e-12 <= found.upper + 1e-12, case["id"]
+            assert rows[0, 0] == pytest.approx(exact, abs=1e-9), case["id"]
+    assert used > 50
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"pose_a": (0, 0)}, "pose_a.*x, y, heading"),
+        ({"twist_b": "fast"}, "twist_b"),
+        ({"horizon": -1.0}, "horizon"),
+        ({"horizon": math.nan}, "horizon"),
+        ({"footprint_b": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "footprint_b.*crosses"),
+    ],
+)
+def test_bad_input_is_refused(change, words):
+    good = {
+        "footprint_a": BOX,
+        "pose_a": (0, 0, 0),
+        "twist_a": (1, 0),
+        "footprint_b": BOX,
+        "pose_b": (5, 0, 0),
+        "twist_b": (0, 0),
+    }
+    for function in (collision_time_certified, contact_intervals):
+        with pytest.raises(PhysimError, match=words):
+            function(**{**good, **change})
+
+
+def test_endless_horizon():
+    motion = (BOX, (0, 0, 0), (1, 0), BOX, (5, 0, 0), (0, 0))
+    assert collision_time_certified(*motion, math.inf).time == pytest.approx(3.2)
+    with pytest.raises(PhysimError, match="finite"):
+        contact_intervals(*motion, math.inf)
+
+
+def test_compiled_equals_plain():
+    a = arc_course(np.array([0.0, 0.0, 0.3]), 1.0, 0.2, 2.0)
+    b = arc_course(np.array([4.0, 1.0, 2.3]), 0.5, -0.4, 2.0)
+    args = (BOX, 0, 4, a, BOX, 0, 4, b, 0.0, HORIZON)
+    assert next_encounter.py_func(*args) == next_encounter(*args)

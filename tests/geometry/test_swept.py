@@ -1,0 +1,236 @@
+"""Swept checks against marching and dense sampling with shapely, and cases with known answers."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from physim.geometry.separation import body_distance, nearest_wall
+from physim.geometry.shapes import pack_shapes
+from physim.geometry.swept import (
+    SLACK,
+    least_gap_pair,
+    least_gap_walls,
+    swept_pair,
+    swept_walls,
+)
+from physim.tolerances import CONTACT
+from tests.geometry.cases import BOX, corridor_walls, depth_of, placed, random_convex, random_scene
+from tests.oracles.collision_time import distance_at, marched_time
+
+DT = 0.1
+STILL = np.zeros(3)
+seeds = st.integers(0, 2**32 - 1)
+
+
+def random_step(rng, start):
+    """A pose after the step: up to 1 m and 1.2 rad further on."""
+    return start + np.array([*rng.uniform(-0.7, 0.7, 2), rng.choice([0.0, rng.uniform(-1.2, 1.2)])])
+
+
+def random_pair(seed):
+    """Two bodies, their shapes, and the poses at both samples."""
+    rng = np.random.default_rng(seed)
+    bodies, shapes, start = random_scene(rng, 2, spread=2.0)
+    end = np.array([random_step(rng, pose) for pose in start])
+    return bodies, shapes, start, end
+
+
+def as_oracle(parts, start, end):
+    """The same motion for the oracle: parts, pose, twist (vx, vy, omega)."""
+    return parts, start, tuple((end - start) / DT)
+
+
+def pair(shapes, start, end, i=0, j=1):
+    return shapes, i, start[i], end[i], j, start[j], end[j], DT
+
+
+@settings(max_examples=150)
+@given(seeds)
+def test_earliest_contact_against_marching(seed):
+    bodies, shapes, start, end = random_pair(seed)
+    t = swept_pair(*pair(shapes, start, end))
+    bodies = [as_oracle(bodies[k], start[k], end[k]) for k in (0, 1)]
+    marched = marched_time(*bodies[0], *bodies[1], DT)
+    if marched is None:
+        return
+    least, _, _ = least_gap_pair(*pair(shapes, start, end))
+    if abs(least - CONTACT) > 2.0 * SLACK:
+        assert math.isinf(t) == math.isinf(marched) == (least > CONTACT)
+    if t < math.inf:
+        assert distance_at(*bodies[0], *bodies[1], t) <= CONTACT + SLACK + 1e-12
+    if 0.0 < t < math.inf:
+        for u in t * np.linspace(0.0, 1.0, 40, endpoint=False):
+            assert distance_at(*bodies[0], *bodies[1], u) > CONTACT - 1e-12
+
+
+@settings(max_examples=100)
+@given(seeds)
+def test_swap_and_rigid_motion_keep_verdict_and_least(seed):
+    _, shapes, start, end = random_pair(seed)
+    here = pair(shapes, start, end)
+    turn = 0.7
+    moved = [
+        np.c_[placed(poses[:, :2], (1000.0, -700.0, turn)), poses[:, 2] + turn]
+        for poses in (start, end)
+    ]
+    least, bound, _ = least_gap_pair(*here)
+    assert bound == pytest.approx(least - CONTACT, abs=1e-15)
+    for other in (pair(shapes, start, end, 1, 0), pair(shapes, *moved)):
+        assert least_gap_pair(*other)[0] == pytest.approx(least, abs=2e-9)
+        if abs(least - CONTACT) > 4e-9:
+            assert math.isinf(swept_pair(*other)) == math.isinf(swept_pair(*here))
+        t = swept_pair(*other)
+        if t < math.inf:
+            poses = start + (end - start) * t / DT
+            d = body_distance(shapes, 0, poses[0], shapes, 1, poses[1])
+            assert d <= CONTACT + SLACK + 2e-12
+
+
+def signed(a, b, start, end, t):
+    """Signed distance of two convex parts at t: shapely apart, Minkowski difference inside."""
+    d = distance_at(*as_oracle([a], start[0], end[0]), *as_oracle([b], start[1], end[1]), t)
+    if d > 0.0:
+        return d
+    poses = start + (end - start) * t / DT
+    return -depth_of(placed(a, poses[0]), placed(b, poses[1]))
+
+
+@settings(max_examples=60)
+@given(seeds)
+@example(3)
+def test_least_distance_against_dense_sampling(seed):
+    """Apart or overlapping: attained where it says, and nowhere below its bound."""
+    rng = np.random.default_rng(seed)
+    a, b = random_convex(rng), random_convex(rng)
+    start = np.c_[rng.uniform(-1.2, 1.2, (2, 2)), rng.uniform(-4, 4, 2)]
+    end = np.array([random_step(rng, pose) for pose in start])
+    least, bound, at = least_gap_pair(*pair(pack_shapes([[a], [b]]), start, end))
+    assert 0.0 <= at <= DT
+    assert least == pytest.approx(signed(a, b, start, end, at), abs=1e-11)
+    for t in np.linspace(0.0, DT, 120):
+        assert signed(a, b, start, end, t) >= bound - 1e-11
+
+
+@settings(max_examples=60)
+@given(seeds)
+def test_walls_are_the_best_of_their_parts(seed):
+    rng = np.random.default_rng(seed)
+    bodies, shapes, _ = random_scene(rng, 1)
+    walls = corridor_walls()
+    ids = np.arange(len(walls.part_start) - 1)
+    start = np.array([rng.uniform(5, 35), rng.uniform(-3, 3), rng.uniform(-4, 4)])
+    end = random_step(rng, start)
+    t, part = swept_walls(shapes, 0, start, end, walls, ids, DT)
+    least, bound, at, nearest = least_gap_walls(shapes, 0, start, end, walls, ids, DT)
+    parts = [walls.vertices[walls.part_start[k] : walls.part_start[k + 1]] for k in ids]
+    robot = as_oracle(bodies[0], start, end)
+    marched = marched_time(*robot, parts, STILL, (0.0, 0.0, 0.0), DT)
+    if marched is not None and abs(least - CONTACT) > 2.0 * SLACK:
+        assert math.isinf(t) == math.isinf(marched)
+    if t < math.inf:
+        assert distance_at(*robot, [parts[part]], STILL, (0.0, 0.0, 0.0), t) <= 2.0 * CONTACT
+    else:
+        assert part == -1
+    now = start + (end - start) * at / DT
+    assert nearest_wall(shapes, 0, now, walls, ids[nearest : nearest + 1])[0] == pytest.approx(
+        least, abs=1e-12
+    )
+    for u in np.linspace(0.0, 1.0, 60):
+        assert nearest_wall(shapes, 0, start + (end - start) * u, walls, ids)[0] >= bound - 1e-12
+    single = [least_gap_walls(shapes, 0, start, end, walls, ids[k : k + 1], DT)[0] for k in ids]
+    assert min(single) == pytest.approx(least, abs=CONTACT)
+
+
+def bar_and_wall(gap):
+    """A bar that turns through upright in mid-step, its corner then ``gap`` below a wall."""
+    bar = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.01]])
+    wall = pack_shapes([[np.array([[-5.0, 1.0 + gap], [5.0, 1.0 + gap]])]])
+    start, end = (np.array([0.0, 0.0, math.pi / 2 + turn]) for turn in (-0.2, 0.2))
+    return pack_shapes([[bar]]), 0, start, end, wall, np.zeros(1, dtype=np.int64), DT
+
+
+def test_graze_between_samples():
+    """Both samples are 2 cm apart; in mid-step the corner comes to the wall."""
+    for gap, touches in ((-1e-6, True), (0.0, True), (0.9e-9, True), (2e-9, False), (1e-6, False)):
+        case = bar_and_wall(gap)
+        t, part = swept_walls(*case)
+        assert (t < math.inf) == touches == (part == 0)
+        least, bound, at, nearest = least_gap_walls(*case)
+        assert least == pytest.approx(gap, abs=1e-11)
+        assert bound <= gap
+        assert at == pytest.approx(DT / 2, abs=1e-4)
+        assert nearest == 0
+        if touches:
+            # At turn u from upright the corner is at height cos u.
+            assert t == pytest.approx(DT / 2, abs=DT / 0.4 * math.sqrt(2.01 * (CONTACT + 1e-6)))
+
+
+def test_touching_at_either_sample_counts():
+    shapes = pack_shapes([[BOX], [BOX]])
+    away, beside = np.array([2.5, 0.0, 0.0]), np.array([1.8 + 0.9e-9, 0.0, 0.0])
+    assert swept_pair(shapes, 0, STILL, STILL, 1, beside, away, DT) == 0.0
+    assert swept_pair(shapes, 0, STILL, STILL, 1, away, beside, DT) == pytest.approx(DT, abs=1e-9)
+    near = np.array([1.8 + 2e-9, 0.0, 0.0])
+    assert swept_pair(shapes, 0, STILL, STILL, 1, away, near, DT) == math.inf
+    assert swept_pair(shapes, 0, STILL, STILL, 1, near, near, DT) == math.inf
+
+
+def test_head_on_at_a_known_time():
+    shapes = pack_shapes([[BOX], [BOX]])
+    for turn in (0.0, 0.3, 2.0):
+        start = np.c_[placed([(0.0, 0.0), (1.9, 0.1)], (0, 0, turn)), [turn, turn]]
+        end = np.c_[placed([(0.2, 0.0), (1.8, 0.1)], (0, 0, turn)), [turn, turn]]
+        # 0.1 m apart, closing at 3 m/s
+        t = swept_pair(shapes, 0, start[0], end[0], 1, start[1], end[1], DT)
+        assert t == pytest.approx(0.1 / 3.0, abs=1e-9)
+        least, _, at = least_gap_pair(shapes, 0, start[0], end[0], 1, start[1], end[1], DT)
+        assert least == pytest.approx(-0.2, abs=1e-12)
+        assert at == DT
+
+
+def test_angles_count_as_given():
+    """A whole turn within the step sweeps the corners round; none leaves the box where it is."""
+    shapes = pack_shapes([[BOX]])
+    walls = pack_shapes([[np.array([[-2.0, 0.8], [2.0, 0.8]])]])
+    part = np.zeros(1, dtype=np.int64)
+    end = np.array([0.0, 0.0, 2.0 * math.pi])
+    t, _ = swept_walls(shapes, 0, STILL, end, walls, part, DT)
+    exact = math.asin(0.8 / math.hypot(0.9, 0.5)) - math.atan2(0.5, 0.9)
+    assert t == pytest.approx(DT * exact / (2.0 * math.pi), abs=1e-9)
+    assert swept_walls(shapes, 0, STILL, STILL, walls, part, DT) == (math.inf, -1)
+    least, _, _, _ = least_gap_walls(shapes, 0, STILL, end, walls, part, DT)
+    assert least == pytest.approx(0.8 - math.hypot(0.9, 0.5), abs=1e-9)
+
+
+def test_no_parts_no_contact():
+    shapes, walls = pack_shapes([[BOX]]), corridor_walls()
+    none = np.zeros(0, dtype=np.int64)
+    assert swept_walls(shapes, 0, STILL, STILL, walls, none, DT) == (math.inf, -1)
+    least, bound, _, part = least_gap_walls(shapes, 0, STILL, STILL, walls, none, DT)
+    assert (least, bound, part) == (math.inf, math.inf, -1)
+
+
+@settings(max_examples=40)
+@given(seeds)
+def test_time_step_only_scales_time(seed):
+    _, shapes, start, end = random_pair(seed)
+    short = swept_pair(*pair(shapes, start, end))
+    long = swept_pair(shapes, 0, start[0], end[0], 1, start[1], end[1], 8.0 * DT)
+    least = least_gap_pair(*pair(shapes, start, end))[0]
+    if abs(least - CONTACT) > 2.0 * SLACK:
+        assert math.isinf(short) == math.isinf(long)
+    back = least_gap_pair(shapes, 0, end[0], start[0], 1, end[1], start[1], DT)[0]
+    assert back == pytest.approx(least, abs=2e-9)
+
+
+def test_compiled_equals_plain():
+    _, shapes, start, end = random_pair(5)
+    assert swept_pair.py_func(*pair(shapes, start, end)) == swept_pair(*pair(shapes, start, end))
+    assert least_gap_pair.py_func(*pair(shapes, start, end)) == least_gap_pair(
+        *pair(shapes, start, end)
+    )

@@ -1,0 +1,103 @@
+"""Pictures say what the record says, and are the same for the same record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physim.errors import PhysimError
+from physim.metrics import contact_episodes
+from physim.plots import FORMATS, NAMES, draw
+from physim.plots.distances import MOST_POINTS, distances, thinned
+from physim.plots.prediction import prediction, predictions
+from physim.record import Record
+from tests.records import make_record
+
+
+@pytest.fixture
+def record() -> Record:
+    return make_record()
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_same_record_gives_the_same_files(record: Record, tmp_path: Path, format: str) -> None:
+    first = draw(record, tmp_path / "a", format=format)
+    second = draw(record, tmp_path / "b", format=format)
+    assert [path.name for path in first] == [f"{name}.{format}" for name in NAMES]
+    for one, two in zip(first, second, strict=True):
+        assert one.stat().st_size > 2000
+        assert one.read_bytes() == two.read_bytes()
+    assert len(list((tmp_path / "a").iterdir())) == len(NAMES)
+
+
+def test_nothing_is_written_over_without_force(record: Record, tmp_path: Path) -> None:
+    (tmp_path / "distances.png").write_text("mine")
+    with pytest.raises(PhysimError, match="exists"):
+        draw(record, tmp_path, only=("distances",))
+    assert (tmp_path / "distances.png").read_text() == "mine"
+    draw(record, tmp_path, only=("distances",), force=True)
+    assert (tmp_path / "distances.png").read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize(("only", "format"), [(("width",), "png"), (("distances",), "gif")])
+def test_unknown_names_are_refused(
+    record: Record, tmp_path: Path, only: tuple[str, ...], format: str
+) -> None:
+    with pytest.raises(PhysimError):
+        draw(record, tmp_path, only=only, format=format)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_distances_show_the_least_values_and_every_contact(record: Record) -> None:
+    above, below = distances(record).axes
+    lines = {line.get_label(): line for line in above.lines}
+    least = lines["robot to robot"].get_ydata()
+    assert np.array_equal(least, record.clearance.min(axis=1))
+    assert np.array_equal(lines["robot to robot"].get_xdata(), record.time)
+    walls = lines["robot to boundary or obstacle"].get_ydata()
+    assert np.array_equal(walls, record.boundary_clearance.min(axis=1))
+    began = [line.get_xdata()[0] for line in below.lines if len(line.get_xdata()) == 2]
+    assert began == [episode.time for episode in contact_episodes(record)]
+    assert above.get_ylabel().endswith("[m]")
+    assert below.get_xlabel().endswith("[s]")
+
+
+def test_no_dip_is_lost_where_a_curve_is_thinned() -> None:
+    values = np.ones(100_000)
+    values[77_777] = -1.0
+    time, kept = thinned(np.arange(100_000.0), values)
+    assert len(kept) == MOST_POINTS
+    assert kept.min() == -1.0
+    assert time[kept.argmin()] == 77_777.0
+
+
+def test_predictions_are_those_before_a_contact(record: Record) -> None:
+    known = predictions(record)
+    rows = record.updates
+    began = {0: [0.3], 1: [0.3, 0.6]}  # shares of the run at which contacts begin
+    expected = []
+    for robot, shares in began.items():
+        hits = [round(share * record.steps_run) for share in shares]
+        for row in rows[(rows["robot"] == robot) & np.isfinite(rows["collision_time"])]:
+            later = [hit for hit in hits if hit > row["step"]]
+            if later and row["collision_time"] > 0.0:
+                expected.append(
+                    (robot, row["collision_time"], (later[0] - row["step"]) * record.dt)
+                )
+    got = list(zip(known.robot, known.predicted, known.actual, strict=True))
+    assert len(got) == len(expected) > 0
+    assert np.allclose(got, expected, rtol=0.0, atol=1e-12)
+
+
+def test_a_record_without_contacts_says_so() -> None:
+    record = make_record(contacts=False)
+    texts = [text.get_text() for text in prediction(record).axes[0].texts]
+    assert texts == ["no contact"]
+
+
+def test_one_robot_alone_has_no_distance_to_another() -> None:
+    labels = [line.get_label() for line in distances(make_record(robots=1)).axes[0].lines]
+    assert "robot to robot" not in labels
+    assert "robot to boundary or obstacle" in labels

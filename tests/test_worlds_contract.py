@@ -16,6 +16,7 @@ from physim.recording import simulate
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.summary import summarise
+from physim.validation import validate
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import find_world, shipped_worlds
 
@@ -150,3 +151,5 @@ def test_shipped_seed_holds_every_expectation(name: str) -> None:
         last = {int(row["robot"]): int(row["mode"]) for row in record.updates}
         assert set(last.values()) == {int(Mode.ARRIVED)}
         assert len(last) == record.robots
+        judged = validate(record)
+        assert (judged.verdict, judged.comparison.disagreements) == ("contact-free", ())

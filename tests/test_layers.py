@@ -62,9 +62,13 @@ LAYERS = {
 to a lower layer, to a lower place in the same one, or stays within its package."""
 
 FROM_THE_RECORD_ALONE = (
-    "physim.metrics", "physim.expectations", "physim.summary", "physim.validation", "physim.video",
+    "physim.metrics",
+    "physim.expectations",
+    "physim.summary",
+    "physim.validation",
+    "physim.video",
     "physim.plots",
-)  # fmt: skip
+)
 NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.control_loop", "physim.simulation",
     "physim.recording", "physim.warm_up", "physim.scene_builder", "physim.registry",
@@ -217,7 +221,7 @@ def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
     script = (
         "import sys, physim.record, physim.summary, physim.validation, physim.video\n"
-        "import physim.plots\n"
+        "import sys, physim.record, physim.summary, physim.video, physim.plots\n"
         "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation', "
         "'physim.physics', 'physim.controllers'))])"
     )

@@ -26,7 +26,7 @@ def draw_ground(image: Image, ground: Ground, lens: Lens) -> None:
     """Draw the static content as seen through ``lens``."""
     image[:] = theme.OUTSIDE
     for rings, colour in (
-        (ground.accessible, theme.DANGER_AREA),
+        (ground.accessible, theme.DANGER_AREA if ground.safe else theme.FLOOR),
         (ground.safe, theme.SAFE_AREA),
     ):
         if rings:

@@ -34,6 +34,7 @@ class Ground:
     accessible: list[FloatArray]
     """rings (n, 2), filled by the even-odd rule"""
     safe: list[FloatArray]
+    """rings likewise; none where the run knew no safe and danger areas"""
     solids: list[FloatArray]
     """convex parts of obstacles"""
     strokes: list[Stroke]
@@ -44,9 +45,10 @@ class Ground:
 def ground(record: Record) -> Ground:
     """Collect the static content of a record."""
     accessible = [np.asarray(ring, dtype=np.float64) for ring in record.accessible]
-    safe = [np.asarray(ring, dtype=np.float64) for ring in record.safe]
+    rings = record.safe if record.safe_distance > 0.0 else ()
+    safe = [np.asarray(ring, dtype=np.float64) for ring in rings]
     segments, solids = _walls(record)
-    strokes = _paths(record, region(safe))
+    strokes = _paths(record, region(safe) if safe else None)
     outlines = [np.stack((part, np.roll(part, -1, axis=0)), axis=1) for part in solids]
     if outlines:
         strokes.append(Stroke(np.concatenate(outlines), theme.WALL, 1))
@@ -86,12 +88,16 @@ def _merged(parts: list[FloatArray]) -> list[FloatArray]:
     return [shapely.get_coordinates(piece.exterior)[:-1] for piece in pieces]
 
 
-def _paths(record: Record, safe: shapely.Geometry) -> list[Stroke]:
-    """The reference path, and over it the robots' own, dashed in the danger area."""
+def _paths(record: Record, safe: shapely.Geometry | None) -> list[Stroke]:
+    """The reference path, and over it the robots' own, dashed outside of ``safe``."""
     strokes = [Stroke(_steps(line), theme.REFERENCE, 2) for line in _lines(record.reference)]
-    shapely.prepare(safe)
+    if safe is not None:
+        shapely.prepare(safe)
     for index, line in enumerate(_lines(record.paths)):
         colour = theme.mix(theme.robot_colour(index), theme.WHITE, 0.42)
+        if safe is None:
+            strokes.append(Stroke(_steps(line), colour, 1))
+            continue
         for inside, dash in ((True, None), (False, (5.0, 5.0))):
             path = shapely.LineString(line)
             share = path.intersection(safe) if inside else path.difference(safe)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import cv2
 import numpy as np
@@ -11,7 +11,9 @@ from physim.control import Mode
 from physim.video import marks, theme
 from physim.video.camera import Lens
 from physim.video.closest import Pair
+from physim.video.ground import Ground
 from physim.video.robots import Fleet, draw_robot
+from physim.video.story import Story
 from physim.video.text import Image, write
 from physim.video.theme import Colour
 
@@ -19,6 +21,10 @@ ROW = 21
 """[px] height of a line of the legend"""
 SIGN = 30
 """[px] room for the sign"""
+CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
+TRAIL = f"trail, last {theme.TRAIL:g} s"
+DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
+BOUNDARY, SAFE, DANGER, ACCESSIBLE = "boundary", "safe area", "danger area", "accessible area"
 _BOX = np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])
 _UNIT = Lens(1.0, 0.0, 0.0)
 
@@ -33,14 +39,33 @@ def draw_modes(image: Image, left: int, top: int) -> None:
         write(image, theme.MODE_WORDS[mode], (left + SIGN, y + 5), theme.TEXT)
 
 
-def draw_signs(image: Image, left: int, top: int, cluster: bool) -> int:
-    """Draw the other signs, one a line; return the height used. ``cluster``: several robots."""
-    signs = [sign for sign in _SIGNS if cluster or sign[0] != _CLOSEST]
-    for row, (words, draw) in enumerate(signs):
+def signs(story: Story, ground: Ground) -> list[str]:
+    """Return the words of the signs that can appear in the video of a record, in order."""
+    dashed = any(stroke.dash is not None for stroke in ground.strokes)
+    areas, record = bool(ground.safe), story.record
+    shown = {
+        CONTACT: True,
+        CLOSEST: story.robots > 1,
+        TARGET: story.has_targets,
+        TRAIL: True,
+        DASHED: dashed,
+        PATH: not dashed and len(record.paths.points) > 0,
+        REFERENCE: len(record.reference.points) > 0,
+        BOUNDARY: len(record.walls.vertices) > 0,
+        SAFE: areas,
+        DANGER: areas,
+        ACCESSIBLE: not areas and bool(ground.accessible),
+    }
+    return [words for words, there in shown.items() if there]
+
+
+def draw_signs(image: Image, left: int, top: int, shown: Sequence[str]) -> int:
+    """Draw the signs of the words ``shown``, one a line; return the height used."""
+    for row, words in enumerate(shown):
         y = top + row * ROW + ROW / 2.0
-        draw(image, left, y)
+        _SIGNS[words](image, left, y)
         write(image, words, (left + SIGN, y + 5), theme.TEXT)
-    return len(signs) * ROW
+    return len(shown) * ROW
 
 
 def _ends(left: float, y: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -65,9 +90,17 @@ def _reference(image: Image, left: float, y: float) -> None:
 
 
 def _path(image: Image, left: float, y: float) -> None:
+    _line(image, left, y, ((0, 22),))
+
+
+def _dashed(image: Image, left: float, y: float) -> None:
+    _line(image, left, y, ((0, 9), (12, 15), (19, 22)))
+
+
+def _line(image: Image, left: float, y: float, pieces: Sequence[tuple[int, int]]) -> None:
     colour = theme.mix(theme.robot_colour(0), theme.WHITE, 0.42)
     x, row = int(left), round(y)
-    for start, end in ((0, 9), (12, 15), (19, 22)):
+    for start, end in pieces:
         cv2.line(image, (x + start, row), (x + end, row), colour, 1, cv2.LINE_AA)
 
 
@@ -90,15 +123,16 @@ def _contact(image: Image, left: float, y: float) -> None:
     marks.draw_contact(image, Lens(1.0, left + 11.0, y), np.zeros(2))
 
 
-_CLOSEST = "closest pair"
-_SIGNS: tuple[tuple[str, Callable[[Image, float, float], None]], ...] = (
-    ("contact", _contact),
-    (_CLOSEST, _closest),
-    ("target", _target),
-    (f"trail, last {theme.TRAIL:g} s", _trail),
-    ("path, dashed in danger area", _path),
-    ("reference path", _reference),
-    ("boundary", _wall),
-    ("safe area", _area(theme.SAFE_AREA)),
-    ("danger area", _area(theme.DANGER_AREA)),
-)
+_SIGNS: dict[str, Callable[[Image, float, float], None]] = {
+    CONTACT: _contact,
+    CLOSEST: _closest,
+    TARGET: _target,
+    TRAIL: _trail,
+    DASHED: _dashed,
+    PATH: _path,
+    REFERENCE: _reference,
+    BOUNDARY: _wall,
+    SAFE: _area(theme.SAFE_AREA),
+    DANGER: _area(theme.DANGER_AREA),
+    ACCESSIBLE: _area(theme.FLOOR),
+}

@@ -37,6 +37,13 @@ def draw_target(view: Image, lens: Lens, robot: FloatArray, target: FloatArray) 
     cv2.circle(view, ends[1].tolist(), 3 * ONE, theme.TARGET, 1, cv2.LINE_AA, SHIFT)
 
 
+def draw_reference_point(view: Image, lens: Lens, place: FloatArray) -> None:
+    """Draw the reference point (2,) [m] of a robot, where its target line starts."""
+    at = lens.fixed(place).tolist()
+    cv2.circle(view, at, round(3.5 * ONE), theme.WHITE, cv2.FILLED, cv2.LINE_AA, SHIFT)
+    cv2.circle(view, at, round(2.2 * ONE), theme.TARGET, cv2.FILLED, cv2.LINE_AA, SHIFT)
+
+
 def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
     """Join the closest points of the closest pair."""
     ends = lens.fixed(pair.points)

@@ -48,4 +48,4 @@ def _plain(ground: Ground) -> Ground:
         if stroke.colour in (theme.WALL, theme.REFERENCE)
     ]
     rings = ground.accessible
-    return Ground(rings, rings, ground.solids, strokes, ground.extent)
+    return Ground(rings, rings if ground.safe else [], ground.solids, strokes, ground.extent)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.video import marks, theme
+from physim.video import legend, marks, theme
 from physim.video.background import Background
-from physim.video.camera import Camera, Lens
+from physim.video.camera import Camera, Lens, fixed
 from physim.video.closest import Pair, closest_pair
 from physim.video.ground import ground
-from physim.video.labels import Labels, Tag
+from physim.video.labels import Labels, Tag, leader
 from physim.video.layout import arrange
 from physim.video.overview import Overview
 from physim.video.panel import Now, Panel, metres
@@ -49,11 +50,14 @@ class Painter:
         self._camera = Camera(self.story, world.extent, view, speed)
         self._background = Background(world, self._camera.scale)
         self._fleet = Fleet(record.footprints)
-        self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed)
+        shown = legend.signs(self.story, world)
+        self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed, shown)
         self._overview = None if self._camera.whole else Overview(world, self._panel.free)
         strip = self._layout.strip
         self._strip = Strip(self.story, curves, strip) if curves and strip else None
         self._labels = Labels()
+        solid = [stroke.pieces for stroke in world.strokes if stroke.colour == theme.WALL]
+        self._walls = np.concatenate(solid)
         self._names = [shorten(name, theme.TEXT, 110) for name in record.names]
         period = max(speed / fps, theme.TRAIL / TRAIL_STEPS)
         self._period = period
@@ -111,6 +115,9 @@ class Painter:
         outlines = self._fleet.split(lens.fixed(vertices))
         for outline, mode, touches in zip(outlines, modes, touching, strict=True):
             draw_robot(view, outline, int(mode), bool(touches))
+        for place, figure in zip(pose[:, :2], self._fleet.figures, strict=True):
+            if figure.eccentric:
+                marks.draw_reference_point(view, lens, place)
         if pair is not None:
             marks.draw_closest(view, lens, pair)
         self._mark_contacts(view, lens, time)
@@ -145,7 +152,8 @@ class Painter:
         high, wide = view.shape[:2]
         shapes = [np.concatenate(outline.rings) / marks.ONE for outline in outlines]
         boxes = np.array([[*s.min(axis=0), *s.max(axis=0)] for s in shapes])
-        rings = targets[np.isfinite(targets).all(axis=1)]
+        aims = np.flatnonzero(np.isfinite(targets).all(axis=1))
+        rings = targets[aims]
         keep_clear = np.concatenate((boxes, np.hstack((rings - 5.0, rings + 5.0))))
         tags, pictures = [], []
         if pair is not None:
@@ -162,9 +170,22 @@ class Painter:
                 pictures.append(sprite(self._names[index], theme.TEXT, theme.INK))
                 middle = (box[:2] + box[2:]) / 2.0
                 reach = float(np.hypot(*(shapes[index] - middle).T).max()) * 0.85
-                tags.append(Tag(index, (middle[0], middle[1]), reach, _size(pictures[-1])))
-        middles = self._labels.place(tags, keep_clear, (wide, high))
-        for picture, at in zip(pictures, middles, strict=True):
+                tags.append(
+                    Tag(
+                        index,
+                        (middle[0], middle[1]),
+                        reach,
+                        _size(pictures[-1]),
+                        shapes[index] - middle,
+                    )
+                )
+        owners = np.concatenate((np.arange(len(boxes)), aims))
+        walls = lens.pixels(self._walls)
+        middles = self._labels.place(tags, keep_clear, (wide, high), owners, walls)
+        for tag, picture, at in zip(tags, pictures, middles, strict=True):
+            line = leader(tag, at)
+            if line is not None:
+                cv2.polylines(view, [fixed(line)], False, theme.QUIET, 1, cv2.LINE_AA, theme.SHIFT)
             left, top = at - np.array(_size(picture)) / 2.0
             stamp(view, picture, round(left), round(top))
 

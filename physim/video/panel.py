@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -39,10 +40,13 @@ class Now(NamedTuple):
 class Panel:
     """Draws the panel; all that stays the same is drawn once."""
 
-    def __init__(self, story: Story, box: Box, scale: float, speed: float) -> None:
+    def __init__(
+        self, story: Story, box: Box, scale: float, speed: float, signs: Sequence[str]
+    ) -> None:
+        """``scale`` [px/m] is the view's; ``signs`` are the words of the legend's signs."""
         self._story, self._box, self._speed = story, box, speed
         self._right = box.width - PAD
-        self._still = self._draw_still(scale)
+        self._still = self._draw_still(scale, signs)
 
     @property
     def free(self) -> Box:
@@ -50,7 +54,7 @@ class Panel:
         top = self._bottom + 8
         return Box(PAD, top, self._right - PAD, self._box.height - top - 14)
 
-    def _draw_still(self, scale: float) -> Image:
+    def _draw_still(self, scale: float, signs: Sequence[str]) -> Image:
         image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
         cv2.line(image, (0, 0), (0, self._box.height), theme.RULE, 1)
         record, room = self._story.record, self._right - PAD
@@ -64,7 +68,7 @@ class Panel:
         top = MODES + len(Mode) * legend.ROW + 12
         self._rule(image, MODES - 8)
         self._rule(image, top - 6)
-        used = legend.draw_signs(image, PAD, top, count > 1)
+        used = legend.draw_signs(image, PAD, top, signs)
         self._bottom = self._scale_bar(image, top + used + 6, scale)
         return image
 

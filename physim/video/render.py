@@ -32,7 +32,8 @@ def render(
 
     H.264 in MP4, 1280 x 720, yuv420p, ``fps`` frames per second of video. ``speed`` is simulated
     seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
-    video lasts at most 80 s. ``progress(done, total)`` is called after each frame. ``stop()`` is
+    run lasts at most 80 s; then the last picture stays for 1.5 s, and so many more frames are
+    counted. ``progress(done, total)`` is called after each frame. ``stop()`` is
     asked after each frame; once True, the file is completed with the frames so far.
 
     The file appears under its name only when it is complete. Raises
@@ -44,8 +45,11 @@ def render(
     times = frame_times(painter.story.duration, fps, chosen)
     done = 0
     with VideoFile(path, fps) as video:
+        shown, picture = math.nan, None
         for time in times.tolist():
-            video.write(painter.frame(time))
+            if picture is None or time != shown:
+                shown, picture = time, painter.frame(time)
+            video.write(picture)
             done += 1
             if progress is not None:
                 progress(done, len(times))

@@ -21,6 +21,9 @@ T = TypeVar("T", bound=np.generic)
 SEAM = 1e-6
 """[m] Parts closer than this are drawn as one: their shared edges agree only to rounding."""
 
+FAR = 0.2
+"""Distance of the reference point from the centroid, over the reach, from which it is shown."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -33,6 +36,8 @@ class Figure:
     """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
     reach: float
     """[m] largest distance of a vertex from the reference point"""
+    eccentric: bool
+    """whether the reference point is far from the centroid, so that it must be shown"""
 
 
 def figure(parts: Sequence[FloatArray]) -> Figure:
@@ -47,7 +52,8 @@ def figure(parts: Sequence[FloatArray]) -> Figure:
     middle, size = _widest(max(pieces, key=lambda p: float(p.area)))
     mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
     reach = max(float(np.hypot(*np.asarray(part).T).max()) for part in parts)
-    return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach)
+    eccentric = float(shapely.distance(union.centroid, shapely.Point(0.0, 0.0))) > FAR * reach
+    return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach, eccentric)
 
 
 def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:

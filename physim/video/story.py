@@ -19,7 +19,10 @@ SPEEDS = (1, 2, 4, 5, 8)
 """Playback speeds of the first decade; the others are these times a power of ten."""
 
 LONGEST = 80.0
-"""[s] length of a video above which the next playback speed is taken"""
+"""[s] length of a video, without the hold, above which the next playback speed is taken"""
+
+HOLD = 1.5
+"""[s of video] that the last picture stays, so that the end can be read"""
 
 
 def playback_speed(duration: float) -> float:
@@ -33,9 +36,13 @@ def playback_speed(duration: float) -> float:
 
 
 def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
-    """Return the simulated times of all frames (F,) [s]: 0, and on to the end inclusive."""
+    """Return the simulated times of all frames (F,) [s].
+
+    From 0 to the end inclusive; then the end again for `HOLD` seconds of video.
+    """
     last = int(np.ceil(duration * fps / speed - 1e-6))
-    times: FloatArray = np.minimum(np.arange(last + 1) * (speed / fps), duration)
+    shown = last + 1 + round(HOLD * fps)
+    times: FloatArray = np.minimum(np.arange(shown) * (speed / fps), duration)
     return times
 
 
@@ -112,6 +119,11 @@ class Story:
         """Return the deviations [m] from the own path, left positive; NaN where there is none."""
         found: FloatArray = self._of(self._deviation, rows, np.nan)
         return found
+
+    @property
+    def has_targets(self) -> bool:
+        """Whether any decision has a target to show."""
+        return bool(np.isfinite(self._target).all(axis=1).any())
 
     @property
     def curves(self) -> Curves | None:

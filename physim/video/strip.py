@@ -21,6 +21,8 @@ LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
 """[px] margins of the plot; NAMES is the room for names beside the last values"""
 SPACING = 13
 """[px] between two names"""
+LEAST = 0.03
+"""Share of the run from which names are shown: before, they would fan out of one point."""
 ARM = 4
 """[px] half the size of the cross on the time axis where a contact began"""
 
@@ -101,7 +103,8 @@ class Strip:
         cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), theme.QUIET, 1)
         for x in self._began[(self._began <= cursor) & (self._began > cursor - 2 * ARM)]:
             self._draw_contact(image, int(x))  # whole, though half of it is still covered
-        self._write_names(image, cursor, self._curves.values(rows))
+        if time >= LEAST * self._story.duration:
+            self._write_names(image, cursor, self._curves.values(rows))
 
     def _write_names(self, image: Image, cursor: int, values: FloatArray) -> None:
         """Names at the line ends, moved apart; of many robots those farthest from 0."""

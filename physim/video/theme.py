@@ -23,6 +23,8 @@ RULE: Colour = (214, 218, 222)
 FAINT: Colour = (236, 238, 240)
 
 OUTSIDE: Colour = (241, 242, 243)
+FLOOR: Colour = (250, 251, 252)
+"""Accessible area of a run that knew no safe and danger areas."""
 DANGER_AREA: Colour = (252, 229, 213)
 SAFE_AREA: Colour = (231, 240, 246)
 WALL: Colour = (38, 42, 48)

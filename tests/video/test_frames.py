@@ -145,6 +145,14 @@ def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., A
     assert Story(changed(record, updates=updates)).curves is None
 
 
+def test_names_come_when_the_curves_have_begun(made: Callable[..., Any]) -> None:
+    beside = (BELOW[0], slice(100, VIEW[1].stop))  # right of the cursor
+    painter = Painter(made(3), 1.0, 25.0)
+    ink = [pixels(painter.frame(t), theme.robot_colour(2), beside) for t in (0.0, 0.08, 0.16)]
+    assert ink[:2] == [0, 0]
+    assert ink[2] > 10
+
+
 def test_without_anything_to_show_there_is_no_strip(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:

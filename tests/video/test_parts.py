@@ -10,13 +10,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
+from physim.video import frame_at, theme
 from physim.video.background import Background, draw_ground
 from physim.video.camera import Camera, Lens
 from physim.video.closest import closest_pair
 from physim.video.ground import ground
-from physim.video.labels import Labels, Tag
+from physim.video.labels import Labels, Tag, leader
 from physim.video.layout import arrange
+from physim.video.legend import signs
+from physim.video.marks import draw_reference_point
 from physim.video.panel import metres
 from physim.video.robots import Fleet
 from physim.video.story import Story
@@ -162,6 +164,50 @@ def test_a_robot_of_several_parts_has_one_outline_and_a_mark_inside() -> None:
     assert shape.mark[0, 0] > shape.mark[1:, 0].max(), "it points forward"
 
 
+def test_the_legend_lists_what_can_appear(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    def listed(record: Any) -> list[str]:
+        return signs(Story(record), ground(record))
+
+    low = np.array([[0.0, -4.0], [80.0, -4.0], [80.0, 3.0], [0.0, 3.0]])  # it bends out of it
+    record = changed(made(3), safe=[low])
+    full = ["contact", "closest pair", "target", "trail, last 10 s"]
+    areas = ["safe area", "danger area"]
+    assert listed(record) == [*full, "path, dashed in danger area", "reference path", "boundary",
+                              *areas]  # fmt: skip
+    for bare in ({"safe": ()}, {"safe_distance": 0.0}):
+        found = listed(changed(record, **bare))
+        assert found == [*full, "path", "reference path", "boundary", "accessible area"]
+    assert "closest pair" not in listed(made(1))
+    updates = record.updates.copy()
+    updates["target_x"] = np.nan
+    assert "target" not in listed(changed(record, updates=updates))
+    wide = [100.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])]
+    found = listed(changed(record, safe=wide))
+    assert "path" in found
+    assert "path, dashed in danger area" not in found
+    assert set(areas) < set(found)
+
+
+def test_without_safe_areas_nothing_is_drawn_as_danger(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    picture = frame_at(changed(made(1), safe=()), 2.0)
+    for colour in (theme.DANGER_AREA, theme.SAFE_AREA):
+        assert (picture == colour).all(axis=2).sum() < 10, "single pixels of trails may be alike"
+    assert (picture == theme.FLOOR).all(axis=2).sum() > 100_000
+
+
+def test_a_reference_point_far_from_the_centroid_is_shown() -> None:
+    aside = ELL[0] + np.array([0.9, 0.5])
+    assert [f.eccentric for f in Fleet([[BOX], [aside]]).figures] == [False, True]
+    view = np.zeros((21, 21, 3), np.uint8)
+    draw_reference_point(view, Lens(10.0, 0.0, 0.0), np.array([1.0, -1.0]))
+    assert tuple(view[10, 10]) == theme.TARGET
+    assert tuple(view[0, 0]) == (0, 0, 0)
+
+
 def test_labels_of_robots_side_by_side_do_not_overlap() -> None:
     boxes = np.array([[x, 200.0, x + 40.0, 230.0] for x in (100.0, 145.0, 190.0, 235.0)])
     tags = [Tag(i, (b[0] + 20.0, 215.0), 21.0, (60.0, 24.0)) for i, b in enumerate(boxes)]
@@ -170,6 +216,31 @@ def test_labels_of_robots_side_by_side_do_not_overlap() -> None:
     rects += [shapely.box(*box) for box in boxes]
     overlaps = [a.intersection(b).area for k, a in enumerate(rects) for b in rects[:k]]
     assert max(overlaps) == 0.0
+
+
+def test_a_label_is_near_its_own_robot_and_on_no_wall() -> None:
+    shape = np.array([[-30.0, -12.0], [30.0, -12.0], [30.0, 12.0], [-30.0, 12.0]])
+    tag = Tag(0, (300.0, 200.0), 30.0, (40.0, 20.0), shape)
+    boxes = np.array([[270.0, 188.0, 330.0, 212.0], [280.0, 130.0, 320.0, 165.0]])
+    (x, y) = Labels().place([tag], boxes[:1], (600, 400))[0]
+    assert (x, y) == pytest.approx((300.0, 176.0)), "2 px above the body, not above a disc"
+    (x, y) = Labels().place([tag], boxes, (600, 400))[0]
+    label = shapely.box(x - 20, y - 10, x + 20, y + 10)
+    own, other = (label.distance(shapely.box(*box)) for box in boxes)
+    assert own < 15.0
+    assert other > own + 5.0
+    wall = np.array([[[0.0, 176.0], [600.0, 176.0]]])
+    (x, y) = Labels().place([tag], boxes[:1], (600, 400), None, wall)[0]
+    assert not shapely.box(x - 20, y - 10, x + 20, y + 10).intersects(shapely.LineString(wall[0]))
+
+
+def test_a_label_far_from_its_robot_has_a_leader() -> None:
+    shape = np.array([[-9.0, -5.0], [9.0, -5.0], [9.0, 5.0], [-9.0, 5.0]])
+    tag = Tag(0, (100.0, 100.0), 10.0, (40.0, 20.0), shape)
+    assert leader(tag, np.array([100.0, 82.0])) is None
+    line = leader(tag, np.array([100.0, 50.0]))
+    assert line is not None
+    assert line.tolist() == [[100.0, 95.0], [100.0, 60.0]]
 
 
 def test_a_label_stays_in_the_view() -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from physim.errors import PhysimError
 from physim.video import frame_at, render, theme
+from physim.video.painter import Painter
 from physim.video.story import frame_times, playback_speed
 
 
@@ -40,11 +41,12 @@ def test_the_file_decodes_with_the_right_size_and_number_of_frames(
     record, path = made(3), tmp_path / "video.mp4"
     seen: list[tuple[int, int]] = []
     frames = render(record, path, fps=10.0, speed=2.0, progress=lambda *n: seen.append(n))
-    assert frames == 21 == len(frame_times(4.0, 10.0, 2.0))
-    assert seen == [(k, 21) for k in range(1, 22)]
+    held = 15  # 1.5 s
+    assert frames == 21 + held == len(frame_times(4.0, 10.0, 2.0))
+    assert seen == [(k, 36) for k in range(1, 37)]
     pictures = decoded(path)
     assert len(pictures) == frames
-    assert pictures[-1].time == pytest.approx(2.0)
+    assert pictures[-1].time == pytest.approx(3.5)
     assert boxes(path).index(b"moov") < boxes(path).index(b"mdat"), "index must be at the front"
     assert [file.name for file in tmp_path.iterdir()] == ["video.mp4"]
 
@@ -59,6 +61,24 @@ def test_the_decoded_picture_is_the_drawn_one(made: Callable[..., Any], tmp_path
         flat = (drawn == colour).all(axis=2)
         assert flat.sum() > 10_000
         assert np.abs(np.median(shown[flat], axis=0) - colour).max() <= 4
+
+
+def test_the_last_picture_stays_and_shows_the_last_decisions(
+    made: Callable[..., Any], changed: Callable[..., Any], tmp_path: Path
+) -> None:
+    record, path = made(3), tmp_path / "video.mp4"
+    updates = record.updates.copy()
+    updates["step"][-3:] = record.steps[-1]
+    updates["mode"][-3:] = theme.Mode.ARRIVED
+    painter = Painter(changed(record, updates=updates), 4.0, 10.0)
+    arrived = (painter.frame(4.0) == theme.MODES[theme.Mode.ARRIVED]).all(axis=2).sum()
+    before = (painter.frame(3.9) == theme.MODES[theme.Mode.ARRIVED]).all(axis=2).sum()
+    assert arrived > before + 900, "three robots have the colour of their last decision"
+    frames = render(changed(record, updates=updates), path, fps=10.0, speed=4.0)
+    shown = [picture.to_ndarray(format="gray").astype(int) for picture in decoded(path)]
+    assert frames == len(shown) == 11 + 15
+    moved = [(np.abs(a - shown[-1]) > 60).sum() for a in shown]
+    assert max(moved[10:]) < 30 < 300 < min(moved[:10]), "compression changes a little"
 
 
 def test_stopping_leaves_a_readable_file(made: Callable[..., Any], tmp_path: Path) -> None:
@@ -105,8 +125,8 @@ def test_names_that_a_protocol_could_be_read_into(
     made: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert render(made(1), "pipe:1 %03d 日本.mp4", fps=1.0, speed=4.0) == 2
-    assert len(decoded(tmp_path / "pipe:1 %03d 日本.mp4")) == 2
+    assert render(made(1), "pipe:1 %03d 日本.mp4", fps=1.0, speed=4.0) == 4
+    assert len(decoded(tmp_path / "pipe:1 %03d 日本.mp4")) == 4
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
-"""The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``list``."""
+"""The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``crashtest``,
+``plot``, ``list``."""
 
 from __future__ import annotations
 

@@ -327,11 +327,13 @@ def fall_time(
             return t, d, MOST_STEPS
         rest = horizon - t
         stride = 0.0
-        if look.face == 1 and a.spin != 0.0:
-            stride = face_step(P, p0, p1, look.edge, Q, q0, q1, look.seen, room)
-        elif look.face == 2 and b.spin != 0.0:
-            seen = turned(look.seen, a.radius)
-            stride = face_step(Q, q0, q1, look.edge, P, p0, p1, seen, room)
+        seen = look.seen
+        V, v0, v1, W, w0, w1 = P, p0, p1, Q, q0, q1
+        if look.face == 2:
+            seen = turned(seen, a.radius)
+            V, v0, v1, W, w0, w1 = Q, q0, q1, P, p0, p1
+        if look.face != 0 and seen.spin != 0.0:
+            stride = face_step(V, v0, v1, look.edge, W, w0, w1, seen, room)
         if stride <= rest:
             fixed = certified_step(
                 P, p0, p1, a, Q, q0, q1, b, look.closing,

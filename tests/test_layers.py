@@ -221,7 +221,7 @@ def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
     script = (
         "import sys, physim.record, physim.summary, physim.validation, physim.video\n"
-        "import sys, physim.record, physim.summary, physim.video, physim.plots\n"
+        "import physim.plots\n"
         "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation', "
         "'physim.physics', 'physim.controllers'))])"
     )

@@ -239,7 +239,7 @@ def test_faulty_argument(fault: str, here: Path, capsys: pytest.CaptureFixture[s
 def test_faulty_seed(seed: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = tree(here)
     done = physim("run", "small.yaml", "--seed", seed, capture=capsys)
-    told = f'argument --seed: "{seed}" is not a whole number of at least 0'
+    told = f'argument --seed: "{seed}" is not a whole number from 0 to 10^15'
     check(done.code, done.out, done.err, f"physim run: {told} (see physim run --help)\n")
     assert tree(here) == before
 

@@ -90,7 +90,7 @@ WORLDS = {
     "unknown controller": (
         SMALL + "controller: {type: mode_swiching}\n",
         'w.yaml:16:20: controller.type: no controller is called "mode_swiching"; registered: '
-        'mode_switching, path_following; did you mean "mode_switching"?\n',
+        'constant, mode_switching, path_following; did you mean "mode_switching"?\n',
     ),
     "unknown setting": (
         SMALL + "controller: {betta: 0.2}\n",
@@ -103,8 +103,8 @@ WORLDS = {
     "class in a world": (
         SMALL + 'controller: {type: "os:system"}\n',
         'w.yaml:16:20: controller.type: "os:system" names a class; a world may name registered '
-        "controllers only: mode_switching, path_following; give it on the command line by "
-        "--controller\n",
+        "controllers only: constant, mode_switching, path_following; give it on the command line "
+        "by --controller\n",
     ),
 }  # fmt: skip
 
@@ -239,7 +239,7 @@ def test_faulty_argument(fault: str, here: Path, capsys: pytest.CaptureFixture[s
 def test_faulty_seed(seed: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = tree(here)
     done = physim("run", "small.yaml", "--seed", seed, capture=capsys)
-    told = f'argument --seed: "{seed}" is not a whole number of at least 0'
+    told = f'argument --seed: "{seed}" is not a whole number from 0 to 10^15'
     check(done.code, done.out, done.err, f"physim run: {told} (see physim run --help)\n")
     assert tree(here) == before
 

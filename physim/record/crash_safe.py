@@ -106,15 +106,17 @@ class CrashSafeFile(io.RawIOBase):
     def write(self, data: Any) -> int:
         """Write at the present place, at once or with the next commit."""
         address, size = self._position, len(data)
-        if self._failure is not None or (self.holding and address < self._committed):
-            self._hold(address, bytes(data))
-        else:
+        if self._failure is None and not (self.holding and address < self._committed):
             with self._noting_failure():
                 _write_all(self._fd, memoryview(data), address)
-            if self._failure is not None:
-                self._hold(address, bytes(data))
-            if self.holding:
-                self._index.add(address)
+                if self.holding:
+                    self._index.add(address)
+                return self._moved(size)
+        self._hold(address, bytes(data))
+        return self._moved(size)
+
+    def _moved(self, size: int) -> int:
+        """Go on by ``size`` bytes that were written."""
         self._position += size
         self._length = max(self._length, self._position)
         return size

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from physim.registry import controller_names
 from tests.cli.commands import SMALL, physim, shell, tree
 
 
@@ -21,6 +22,8 @@ WORLD_KEYS = (
     "name, description, seed, time, corridor, boundaries, reference_path, robots, formation, "
     "controller, obstacles, expect, physics"
 )
+
+REGISTERED = ", ".join(controller_names())
 
 WORLDS = {
     "syntax": (
@@ -90,7 +93,7 @@ WORLDS = {
     "unknown controller": (
         SMALL + "controller: {type: mode_swiching}\n",
         'w.yaml:16:20: controller.type: no controller is called "mode_swiching"; registered: '
-        'mode_switching, path_following; did you mean "mode_switching"?\n',
+        f'{REGISTERED}; did you mean "mode_switching"?\n',
     ),
     "unknown setting": (
         SMALL + "controller: {betta: 0.2}\n",
@@ -103,7 +106,7 @@ WORLDS = {
     "class in a world": (
         SMALL + 'controller: {type: "os:system"}\n',
         'w.yaml:16:20: controller.type: "os:system" names a class; a world may name registered '
-        "controllers only: mode_switching, path_following; give it on the command line by "
+        f"controllers only: {REGISTERED}; give it on the command line by "
         "--controller\n",
     ),
 }  # fmt: skip
@@ -239,7 +242,7 @@ def test_faulty_argument(fault: str, here: Path, capsys: pytest.CaptureFixture[s
 def test_faulty_seed(seed: str, here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = tree(here)
     done = physim("run", "small.yaml", "--seed", seed, capture=capsys)
-    told = f'argument --seed: "{seed}" is not a whole number of at least 0'
+    told = f'argument --seed: "{seed}" is not a whole number from 0 to 10^15'
     check(done.code, done.out, done.err, f"physim run: {told} (see physim run --help)\n")
     assert tree(here) == before
 

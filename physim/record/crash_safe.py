@@ -106,14 +106,17 @@ class CrashSafeFile(io.RawIOBase):
     def write(self, data: Any) -> int:
         """Write at the present place, at once or with the next commit."""
         address, size = self._position, len(data)
-        if self.holding and address < self._committed:
-            before = self._held.get(address, b"")
-            self._held[address] = bytes(data) + before[size:]
-        else:
+        if self._failure is None and not (self.holding and address < self._committed):
             with self._noting_failure():
                 _write_all(self._fd, memoryview(data), address)
-            if self.holding:
-                self._index.add(address)
+                if self.holding:
+                    self._index.add(address)
+                return self._moved(size)
+        self._hold(address, bytes(data))
+        return self._moved(size)
+
+    def _moved(self, size: int) -> int:
+        """Go on by ``size`` bytes that were written."""
         self._position += size
         self._length = max(self._length, self._position)
         return size
@@ -124,12 +127,13 @@ class CrashSafeFile(io.RawIOBase):
         start, size = self._position, len(view)
         data = os.pread(self._fd, size, start)
         view[: len(data)] = data
+        view[len(data) :] = bytes(size - len(data))  # the disk was full: nothing is there yet
         for address, block in self._held.items():
             first, last = max(address, start), min(address + len(block), start + size)
             if first < last:
                 view[first - start : last - start] = block[first - address : last - address]
-        self._position += len(data)
-        return len(data)
+        self._position += size
+        return size
 
     def truncate(self, size: int | None = None) -> int:
         """Set the length [bytes]: longer at once, shorter with the next commit."""
@@ -138,6 +142,11 @@ class CrashSafeFile(io.RawIOBase):
             with self._noting_failure():
                 os.ftruncate(self._fd, self._length)
         return self._length
+
+    def _hold(self, address: int, block: bytes) -> None:
+        """Keep a block for the next commit, or, after a failure, to be read back until the end."""
+        before = self._held.pop(address, b"")
+        self._held[address] = block + before[len(block) :]
 
     @contextmanager
     def _noting_failure(self) -> Iterator[None]:

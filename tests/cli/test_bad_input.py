@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from physim.registry import controller_names
 from tests.cli.commands import SMALL, physim, shell, tree
 
 
@@ -21,6 +22,8 @@ WORLD_KEYS = (
     "name, description, seed, time, corridor, boundaries, reference_path, robots, formation, "
     "controller, obstacles, expect, physics"
 )
+
+REGISTERED = ", ".join(controller_names())
 
 WORLDS = {
     "syntax": (
@@ -90,7 +93,7 @@ WORLDS = {
     "unknown controller": (
         SMALL + "controller: {type: mode_swiching}\n",
         'w.yaml:16:20: controller.type: no controller is called "mode_swiching"; registered: '
-        'constant, mode_switching, path_following; did you mean "mode_switching"?\n',
+        f'{REGISTERED}; did you mean "mode_switching"?\n',
     ),
     "unknown setting": (
         SMALL + "controller: {betta: 0.2}\n",
@@ -103,8 +106,8 @@ WORLDS = {
     "class in a world": (
         SMALL + 'controller: {type: "os:system"}\n',
         'w.yaml:16:20: controller.type: "os:system" names a class; a world may name registered '
-        "controllers only: constant, mode_switching, path_following; give it on the command line "
-        "by --controller\n",
+        f"controllers only: {REGISTERED}; give it on the command line by "
+        "--controller\n",
     ),
 }  # fmt: skip
 

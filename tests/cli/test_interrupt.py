@@ -99,7 +99,8 @@ def test_a_second_interrupt_ends_the_video_sooner(
     process.send_signal(second)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert err == ""
+    short = "the video was cut short; physim video out/record.h5 --force makes it whole\n"
+    assert err in ("", short)  # nothing where the video was done first
     assert out.startswith("run ")
     check_record(here / "out/record.h5")
     assert frames(here / "out/video.mp4") > 0

@@ -175,7 +175,7 @@ def test_stem_is_safe_in_a_file_name():
 
 @given(st.text(min_size=1, max_size=100).filter(str.isprintable))
 def test_stem_of_any_name_is_one_plain_word(name):
-    assert re.fullmatch(r"[A-Za-z0-9_-]+", World(**values(name=name)).stem)
+    assert re.fullmatch(r"[\w-]+", World(**values(name=name)).stem)
 
 
 def test_every_field_is_described_in_a_schema():

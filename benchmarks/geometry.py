@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numba
 import numpy as np
 
+from physim.compiled import compiled
 from physim.geometry.clearance import clearances
 from physim.geometry.collision import collision_time_pair
 from physim.geometry.nearby import build_nearby
@@ -23,7 +23,7 @@ ROUNDS = 5
 BOX = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
 
 
-@numba.njit  # type: ignore[untyped-decorator]
+@compiled
 def all_distances(shapes: Shapes, pose: Any) -> float:
     total = 0.0
     for i in range(len(pose)):
@@ -32,7 +32,7 @@ def all_distances(shapes: Shapes, pose: Any) -> float:
     return total
 
 
-@numba.njit  # type: ignore[untyped-decorator]
+@compiled
 def all_times(shapes: Shapes, pose: Any, omega: Any) -> int:
     hits = 0
     for i in range(len(pose)):

@@ -14,11 +14,11 @@ import numpy as np
 from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
-from physim.geometry.motion import arc
+from physim.geometry.motion import move
 from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
-from .path_following import comes_first, judge
+from .path_following import comes_first, judge, single
 
 TIE = tolerances.TIE
 
@@ -29,14 +29,13 @@ def smallest_distance(
 ) -> float:
     """Smallest d_ij [m] by (11) of body ``me`` at ``pose`` to bodies ``rows`` at ``poses``, signed.
 
-    ``poses`` (len(rows), 3). inf when there is no row.
+    ``poses`` (n, 3) of all bodies of ``shapes``; only ``rows`` are looked at. inf without any.
     """
     smallest = np.inf
-    for k in range(len(rows)):
-        j = rows[k]
-        gap = hypot(poses[k, 0] - pose[0], poses[k, 1] - pose[1])
+    for j in rows:
+        gap = hypot(poses[j, 0] - pose[0], poses[j, 1] - pose[1])
         if gap - shapes.radius[me] - shapes.radius[j] < smallest:  # the discs are no farther
-            d = body_distance(shapes, me, pose, shapes, j, poses[k])  # (11)
+            d = body_distance(shapes, me, pose, shapes, j, poses[j])  # (11)
             smallest = min(smallest, d)
     return smallest
 
@@ -97,16 +96,14 @@ def widest_pair(
 
     Other robots move on under their held commands. ``parts`` are the wall parts that count.
     """
-    poses = np.empty((len(rows), 3))
-    for k in range(len(rows)):
-        j = rows[k]
-        poses[k] = arc((pose[j, 0], pose[j, 1], pose[j, 2]), command[j, 0], command[j, 1], period)
-    dwell = np.array([period])
+    poses = np.empty((len(pose), 3))
+    for j in rows:
+        move(pose[j], command[j, 0], command[j, 1], period, poses[j])
+    dwell = single(period)
     end = np.empty(3)
     best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
-        here = (pose[me, 0], pose[me, 1], pose[me, 2])
-        end[:] = arc(here, pairs[c, 0], pairs[c, 1], period)
+        move(pose[me], pairs[c, 0], pairs[c, 1], period, end)
         width = smallest_distance(shapes, me, end, rows, poses)
         width = min(width, wall_distance(shapes, me, end, walls, parts))
         if width < widest - TIE:
@@ -135,7 +132,7 @@ def longest_pair(
     ty: float,
 ) -> int:
     """Index of the speed pair with the largest smallest collision time (13)."""
-    dwell = np.array([period])
+    dwell = single(period)
     best, longest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
         enough = longest - TIE

@@ -22,6 +22,7 @@ from physim.scene import Scene
 
 from .formation import formation_speed, formation_sum, is_neighbour
 from .mode_switching import Bodies, Memory, Own, decide_one
+from .path_following import copy_plan
 from .settings import ModeSwitchingSettings, Rules
 
 
@@ -122,10 +123,11 @@ def decide_all(
             bodies, own, cluster.paths, cluster.walls, rules, memory
         )
         memories.mode[i] = mode
-        memories.plan[i] = plan
+        copy_plan(plan, memories.plan[i])
         memories.dwell[i] = dwell
         rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = v, omega, hold, mode
-        rows[k, 4:] = report
+        for m in range(len(report)):
+            rows[k, 4 + m] = report[m]
     return rows
 
 

@@ -33,7 +33,7 @@ from physim.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import formation_speed, formation_sum
-from .path_following import best_plan, judging_time, speed_pairs, target_on_path
+from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
 from .priority import considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
@@ -91,13 +91,21 @@ class Memory(NamedTuple):
 
 
 @compiled
+def empty_report() -> FloatArray:
+    """Report (7,) of a decision that looked at nothing: target, distance, boundary, xi, counts."""
+    report = np.empty(7)
+    for k in range(7):
+        report[k] = np.nan if k < 5 else 0.0
+    return report
+
+
+@compiled
 def decide_one(
     bodies: Bodies, own: Own, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
 ) -> tuple[float, float, float, int, FloatArray, int, FloatArray]:
     """Decide for one robot: v, omega, hold, mode, plan, next dwell number, report (7,)."""
     me, shapes, pose = own.row, bodies.shapes, bodies.pose
-    report = np.full(7, np.nan)
-    report[5:] = 0.0
+    report = empty_report()
     x, y, ax, ay = target_on_path(paths, own.path, own.station, rules.look_ahead)  # (3)
     if own.station >= own.stop_station - rules.arrival_tolerance:
         report[0], report[1] = x, y
@@ -112,13 +120,13 @@ def decide_one(
     left = path_length(paths, own.path) - own.station
     judge_ahead = judging_time(rules.judge_ahead, left, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
-    distance = smallest_distance(shapes, me, pose[me], rows, pose[rows])
+    distance = smallest_distance(shapes, me, pose[me], rows, pose)
     boundary = wall_distance(shapes, me, pose[me], walls, own.parts)
     pairs = speed_pairs(own.speeds, own.nu, own.omegas)
     dwell = memory.dwell
-    plan = memory.plan.copy()
+    plan = memory.plan
     if dwell == 0:
-        choice = speed_pairs(np.ones(1), own.nu, own.omegas) if own.forward_only else pairs
+        choice = speed_pairs(single(1.0), own.nu, own.omegas) if own.forward_only else pairs
         plan = best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty)  # (5)
     pair = plan[dwell]
     xi = smallest_time(
@@ -150,7 +158,8 @@ def decide_one(
         evaluations += len(rows) + 1
     hold = update_interval(interval, rules.beta, xi)  # (14)
     goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
-    report[:5] = (tx, ty, distance, boundary, xi)
+    report[0], report[1] = tx, ty
+    report[2], report[3], report[4] = distance, boundary, xi
     report[5], report[6] = len(rows), evaluations
     return pair[0], pair[1], hold, mode, plan, dwell + 1 if goes_on else 0, report
 

@@ -50,6 +50,21 @@ def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> FloatArray
 
 
 @compiled
+def single(value: float) -> FloatArray:
+    """Array (1,) of one value."""
+    array = np.empty(1)
+    array[0] = value
+    return array
+
+
+@compiled
+def copy_plan(plan: FloatArray, out: FloatArray) -> None:
+    """Copy a plan (m, 2) into another."""
+    for k in range(len(plan)):
+        out[k, 0], out[k, 1] = plan[k, 0], plan[k, 1]
+
+
+@compiled
 def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> float:
     """Angle [rad], 0 to pi, between a heading and the direction to a target."""
     if tx == x and ty == y:
@@ -114,10 +129,11 @@ def best_plan(
     for code in range(count**length):
         digits = code
         for k in range(length):
-            plan[length - 1 - k] = pairs[digits % count]
+            pair = digits % count
+            plan[length - 1 - k, 0], plan[length - 1 - k, 1] = pairs[pair, 0], pairs[pair, 1]
             digits //= count
         value = judge(pose, plan, dwell, judge_ahead, tx, ty)
         if comes_first(value, best_value):  # argmin of (5)
             best_value = value
-            best[:] = plan
+            copy_plan(plan, best)
     return best

@@ -1,5 +1,10 @@
 """Compile kernels with numba, and keep the compiled code on disk without ever serving it stale.
 
+A kernel has two forms, each made when it is first needed. Called from Python it is compiled as a
+*whole*: with everything it calls, into machine code that is kept on disk. Called from another
+kernel it gives a *piece* of code for that whole, see `physim.linking`. numba by itself would
+optimise each kernel anew inside its callers, and theirs, and so take three times as long.
+
 numba's own cache looks only at the file a function stands in: after an edit of a function that it
 calls from another file, the old code would be used. Here the cache of every kernel is stamped
 with the state of all sources of the package, so any edit compiles anew.
@@ -12,8 +17,6 @@ import hashlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
-
-import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -34,13 +37,51 @@ def source_stamp() -> str:
 
 
 def compiled(function: F) -> F:
-    """Compile a kernel: no fast-math (results are bit-equal on one machine), cached on disk.
+    """Make a `Kernel` of a function; it is called as before."""
+    return cast(F, Kernel(function))
+
+
+class Kernel:
+    """A function compiled without fast-math: results are bit-equal on one machine.
 
     The plain function stays at hand as ``kernel.py_func``.
     """
-    kernel = numba.njit(cache=True, error_model="numpy")(function)
-    _stamp_cache(kernel)
-    return cast(F, kernel)
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.py_func = function
+
+    def __call__(self, *args: Any, **named: Any) -> Any:
+        """Run the compiled function."""
+        return self.whole(*args, **named)
+
+    @functools.cached_property
+    def whole(self) -> Any:
+        """What Python calls: a numba dispatcher with a cache on disk."""
+        from physim.linking import WholeCompiler
+
+        kernel = _dispatcher(self.py_func, cache=True, pipeline_class=WholeCompiler)
+        _stamp_cache(kernel)
+        return kernel
+
+    @functools.cached_property
+    def piece(self) -> Any:
+        """What other kernels call: a numba dispatcher that Python cannot call."""
+        from physim.linking import PieceCompiler
+
+        return _dispatcher(self.py_func, no_cpython_wrapper=True, pipeline_class=PieceCompiler)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """How numba sees a kernel that stands in the code it compiles."""
+        return self.piece._numba_type_
+
+
+def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
+    import numba
+
+    options = {"error_model": "numpy", "no_cfunc_wrapper": True, **options}
+    return numba.njit(**options)(function)
 
 
 def _stamp_cache(kernel: Any) -> None:
@@ -62,6 +103,6 @@ def _stamp_cache(kernel: Any) -> None:
 def is_cached(kernel: Callable[..., Any]) -> bool:
     """Whether compiled code of a kernel lies on disk for the present sources."""
     try:
-        return bool(cast(Any, kernel)._cache._cache_file._load_index())
+        return bool(cast(Kernel, kernel).whole._cache._cache_file._load_index())
     except (AttributeError, OSError):
         return False

@@ -11,7 +11,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.control import FormationView, Neighbour, Observation, Seen, Snapshot
 from physim.geometry.nearby import parts
-from physim.geometry.path import Path, path_length, project, track
+from physim.geometry.path import Path, track
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.sight import parts_in_range
 from physim.scene import Scene
@@ -52,17 +52,18 @@ class Perception:
         self.station = np.zeros(n)
         self.deviation = np.zeros(n)
         self.reference_station = np.zeros(n)
-        for i, (x, y, _) in enumerate(scene.start):
-            self.station[i], self.deviation[i] = _anywhere(scene.paths, i, x, y)
-            self.reference_station[i], _ = _anywhere(scene.reference, 0, x, y)
+        self._project(scene.start, np.full(n, np.inf))
 
     def track(self, pose: FloatArray) -> None:
         """Follow the robots to their poses (N, 3) one step later."""
+        self._project(pose, self.windows)
+
+    def _project(self, pose: FloatArray, windows: FloatArray) -> None:
         track_all(
             self.scene.paths,
             self.scene.reference,
             pose,
-            self.windows,
+            windows,
             self.station,
             self.deviation,
             self.reference_station,
@@ -140,10 +141,6 @@ class Perception:
         shapes = self.scene.shapes
         parts = range(shapes.body_start[i], shapes.body_start[i + 1])
         return tuple(_part(shapes, p) for p in parts)
-
-
-def _anywhere(lines: Polylines, k: int, x: float, y: float) -> tuple[float, float]:
-    return project(lines, k, x, y, 0.0, path_length(lines, k))
 
 
 def _part(shapes: Shapes, part: int) -> FloatArray:

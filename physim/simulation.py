@@ -146,7 +146,7 @@ class Simulation:
             wanted = as_commands(commands, self.time)
             check_commands(self.scene, self.time, np.arange(self.scene.robots), wanted)
         else:
-            due = np.flatnonzero(self.next_decision <= self.step_number)
+            due = (self.next_decision <= self.step_number).nonzero()[0]
             wanted = self.command
             if len(due):
                 wanted, update = self._decide(snapshot, due)

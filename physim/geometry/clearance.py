@@ -16,7 +16,7 @@ from physim.compiled import compiled
 from physim.geometry.nearby import Nearby
 from physim.geometry.separation import body_gap, point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.geometry.wall_clearance import empty_lists, nearest_part
+from physim.geometry.wall_clearance import WallLists, empty_lists, nearest_part
 
 MARGIN = 1e-9
 """[m] Bounds must win by this, so that their rounding cannot matter."""
@@ -65,7 +65,8 @@ def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, nearby: Nearby)
     part_body = np.repeat(
         np.arange(len(walls.body_start) - 1, dtype=np.int64), np.diff(walls.body_start)
     )
-    fill(np.ascontiguousarray(poses), shapes, walls, nearby, part_body, out)
+    lists = empty_lists(robots)
+    fill(np.ascontiguousarray(poses), shapes, walls, nearby, part_body, lists, out)
     return out
 
 
@@ -76,13 +77,18 @@ def fill(
     walls: Shapes,
     nearby: Nearby,
     part_body: IntArray,
+    lists: WallLists,
     out: Clearances,
 ) -> None:
-    """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part."""
+    """Write `clearances` into ``out``; ``part_body`` (P,) names the body of each wall part.
+
+    ``lists`` are empty ones.
+    """
     robots = poses.shape[1]
     cores = find_cores(shapes)
-    lists = empty_lists(robots)
-    order = np.arange(robots)
+    order = np.empty(robots, dtype=np.int64)
+    for i in range(robots):
+        order[i] = i
     frame = np.empty((robots, 6))
     limit = np.empty(robots)
     for b in range(len(poses)):
@@ -100,16 +106,20 @@ def fill(
 def find_cores(shapes: Shapes) -> Cores:
     """Middle of the first part of each robot, and discs about it inside and around the shape."""
     robots = len(shapes.body_start) - 1
-    cores = Cores(np.zeros(robots), np.zeros(robots), np.zeros(robots), np.zeros(robots))
+    cores = Cores(np.empty(robots), np.empty(robots), np.empty(robots), np.empty(robots))
     V = shapes.vertices
     for i in range(robots):
         part = shapes.body_start[i]
         p0 = shapes.part_start[part]
         p1 = shapes.part_start[part + 1]
-        x = V[p0:p1, 0].mean()
-        y = V[p0:p1, 1].mean()
-        cores.x[i] = x
-        cores.y[i] = y
+        x, y = 0.0, 0.0
+        for k in range(p0, p1):
+            x += V[k, 0]
+            y += V[k, 1]
+        x /= p1 - p0
+        y /= p1 - p0
+        cores.x[i], cores.y[i] = x, y
+        cores.inner[i], cores.outer[i] = 0.0, 0.0
         if p1 - p0 > 2:
             cores.inner[i] = max(0.0, -point_gap(V, p0, p1, x, y))
         for k in range(p0, shapes.part_start[shapes.body_start[i + 1]]):
@@ -168,6 +178,15 @@ def sort_by_x(frame: FloatArray, order: IntArray) -> None:
 
 
 @compiled
+def largest_of(values: FloatArray) -> float:
+    """Return the largest value; -inf without any."""
+    most = -np.inf
+    for value in values:
+        most = max(most, value)
+    return most
+
+
+@compiled
 def nearest_others(
     shapes: Shapes,
     cores: Cores,
@@ -188,7 +207,7 @@ def nearest_others(
     other[:] = -1
     limit[:] = np.inf
     sort_by_x(frame, order)
-    largest = outer.max()
+    largest = largest_of(outer)
     for a in range(robots):
         i = order[a]
         for k in range(a + 1, robots):
@@ -200,7 +219,7 @@ def nearest_others(
             most = math.sqrt(dx * dx + dy * dy) - inner[i] - inner[j] + MARGIN
             limit[i] = min(limit[i], most)
             limit[j] = min(limit[j], most)
-    widest = limit.max() if robots > 1 else 0.0
+    widest = largest_of(limit) if robots > 1 else 0.0
     for a in range(robots):
         i = order[a]
         for k in range(a + 1, robots):

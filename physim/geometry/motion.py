@@ -44,6 +44,12 @@ def arc(pose: Pose, v: float, omega: float, t: float) -> tuple[float, float, flo
 
 
 @compiled
+def move(pose: FloatArray, v: float, omega: float, t: float, out: FloatArray) -> None:
+    """Write the pose (3,) after time t [s] by `arc` into ``out``."""
+    out[0], out[1], out[2] = arc((pose[0], pose[1], pose[2]), v, omega, t)
+
+
+@compiled
 def chord_velocity(heading: float, v: float, omega: float, dt: float) -> tuple[float, float]:
     """Return the constant (vx, vy) [m/s], world frame, that ends where the arc of time dt ends."""
     h = 0.5 * omega * dt
@@ -54,9 +60,9 @@ def chord_velocity(heading: float, v: float, omega: float, dt: float) -> tuple[f
 @compiled
 def arcs(pose: FloatArray, command: FloatArray, t: float) -> FloatArray:
     """Poses (N, 3) after time t [s] of robots at poses (N, 3) with commands (N, 2) (v, omega)."""
-    out = np.empty_like(pose)
+    out = np.empty((len(pose), 3))
     for i in range(len(pose)):
-        out[i] = arc(pose[i], command[i, 0], command[i, 1], t)
+        move(pose[i], command[i, 0], command[i, 1], t, out[i])
     return out
 
 

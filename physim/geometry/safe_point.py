@@ -40,8 +40,8 @@ def point_part(walls: Shapes, part: int, x: float, y: float) -> float:
     inside = end - first > 2
     for k in range(first, end):
         m = k + 1 if k + 1 < end else first
-        ax, ay = walls.vertices[k]
-        bx, by = walls.vertices[m]
+        ax, ay = walls.vertices[k, 0], walls.vertices[k, 1]
+        bx, by = walls.vertices[m, 0], walls.vertices[m, 1]
         best = min(best, point_segment(x, y, ax, ay, bx, by))
         inside = inside and (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
         if end - first == 2:
@@ -70,10 +70,11 @@ def _edges(walls: Shapes, parts: IntArray, x: float, y: float, reach: float) -> 
         first, end = walls.part_start[part], walls.part_start[part + 1]
         for k in range(first, end):
             m = k + 1 if k + 1 < end else first
-            ax, ay = walls.vertices[k]
-            bx, by = walls.vertices[m]
+            ax, ay = walls.vertices[k, 0], walls.vertices[k, 1]
+            bx, by = walls.vertices[m, 0], walls.vertices[m, 1]
             if point_segment(x, y, ax, ay, bx, by) <= reach:
-                edges[found] = (ax, ay, bx, by)
+                edges[found, 0], edges[found, 1] = ax, ay
+                edges[found, 2], edges[found, 3] = bx, by
                 found += 1
             if end - first == 2:
                 break
@@ -84,7 +85,7 @@ def _edges(walls: Shapes, parts: IntArray, x: float, y: float, reach: float) -> 
 def _crosses(edges: FloatArray, px: float, py: float, qx: float, qy: float) -> bool:
     """Whether the straight way from p to q properly crosses an edge."""
     for e in range(len(edges)):
-        ax, ay, bx, by = edges[e]
+        ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
         side_a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
         side_b = (qx - px) * (by - py) - (qy - py) * (bx - px)
         side_p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
@@ -100,17 +101,22 @@ def _curves(edges: FloatArray, distance: float) -> FloatArray:
     curves = np.empty((4 * len(edges), 5))
     count = 0
     for e in range(len(edges)):
-        ax, ay, bx, by = edges[e]
+        ax, ay, bx, by = edges[e, 0], edges[e, 1], edges[e, 2], edges[e, 3]
         length = hypot(bx - ax, by - ay)
         if length > 0.0:
             ux, uy = (bx - ax) / length, (by - ay) / length
-            curves[count] = (0.0, ax - distance * uy, ay + distance * ux, ux, uy)
-            curves[count + 1] = (0.0, ax + distance * uy, ay - distance * ux, ux, uy)
+            _put_curve(curves[count], 0.0, ax - distance * uy, ay + distance * ux, ux, uy)
+            _put_curve(curves[count + 1], 0.0, ax + distance * uy, ay - distance * ux, ux, uy)
             count += 2
-        curves[count] = (1.0, ax, ay, 0.0, 0.0)
-        curves[count + 1] = (1.0, bx, by, 0.0, 0.0)
+        _put_curve(curves[count], 1.0, ax, ay, 0.0, 0.0)
+        _put_curve(curves[count + 1], 1.0, bx, by, 0.0, 0.0)
         count += 2
     return curves[:count]
+
+
+@compiled
+def _put_curve(curve: FloatArray, kind: float, x: float, y: float, ux: float, uy: float) -> None:
+    curve[0], curve[1], curve[2], curve[3], curve[4] = kind, x, y, ux, uy
 
 
 @compiled
@@ -188,7 +194,7 @@ def nearest_safe_point(
             else:
                 count = _crossings(curves[c], curves[d], safe_distance, points)
             for k in range(count):
-                x, y = points[k]
+                x, y = points[k, 0], points[k, 1]
                 gap = hypot(x - tx, y - ty)
                 if gap >= best or (x - tx) * ahead[0] + (y - ty) * ahead[1] < -back:
                     continue

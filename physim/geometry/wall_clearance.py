@@ -49,7 +49,6 @@ class WallLists(NamedTuple):
     """(N,) part that was nearest at the sample before, -1 at first"""
 
 
-@compiled
 def empty_lists(robots: int) -> WallLists:
     """No lists yet."""
     return WallLists(
@@ -61,6 +60,12 @@ def empty_lists(robots: int) -> WallLists:
         np.zeros(robots, dtype=np.int64),
         np.full(robots, -1),
     )
+
+
+@compiled
+def keep_pose(pose: FloatArray, out: FloatArray) -> None:
+    """Copy a pose (3,)."""
+    out[0], out[1], out[2] = pose[0], pose[1], pose[2]
 
 
 @compiled
@@ -82,7 +87,7 @@ def nearest_part(
         before = lists.pose[i]
         lists.travel[i] += math.hypot(pose[0] - before[0], pose[1] - before[1])
         lists.travel[i] += radius * abs(pose[2] - before[2])
-        lists.pose[i] = pose
+        keep_pose(pose, lists.pose[i])
         gap, part = nearest_listed(shapes, i, frame, walls, lists)
         if gap < lists.limit[i] - lists.travel[i] - radius - MARGIN:
             lists.nearest[i] = part
@@ -185,6 +190,6 @@ def make_list(
             lists.least[i, count] = gap - radius
             count += 1
     lists.length[i] = count
-    lists.pose[i] = pose
+    keep_pose(pose, lists.pose[i])
     lists.travel[i] = 0.0
     lists.limit[i] = limit

@@ -76,9 +76,9 @@ class Physics:
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
-        self._pairs = no_pairs()
-        self.contacts = no_contacts()
-        self._move(no_pairs())
+        self._pairs = self._no_pairs = no_pairs()
+        self.contacts = self._no_contacts = no_contacts()
+        self._move(self._no_pairs)
 
     @property
     def pose(self) -> FloatArray:
@@ -100,7 +100,7 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         chord_velocities(self._arrays.pose, command, self.dt, self._wanted)
-        pushes = no_pairs()
+        pushes = self._no_pairs
         if len(self._pairs.key):
             pushes = self._hold_back()
         self._arrays.velocity[:] = self._wanted
@@ -133,7 +133,7 @@ class Physics:
         touches = self._guard.take()
         before = self._pairs
         if not len(before.key) and not len(touches.part):
-            self.contacts = no_contacts()
+            self.contacts = self._no_contacts
             return
         self._pairs = now = self._gather(touches)
         key = np.union1d(before.key, now.key)

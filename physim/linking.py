@@ -1,0 +1,145 @@
+"""How numba puts kernels together: the pieces are linked once, and only the whole is optimised.
+
+numba optimises each function with all that it calls and makes machine code of it, then links the
+result into every caller and does all this again there: with deep calls, many times over. A piece
+skips that. It hands its callers plain code, and the one function that Python calls, the whole, is
+optimised with all its pieces. Without fast-math this does not change a bit of any result.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.environment import lookup_environment
+from numba.core.typed_passes import NativeLowering
+
+
+class PieceLibrary(JITCodeLibrary):
+    """Code of one function for linking only: not optimised, and no machine code."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def finalize(self) -> None:
+        """Close the library; what it calls is left to be linked by the whole."""
+        self._finalize_dynamic_globals()
+        for function in self._final_module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"  # dropped where all calls are inlined
+        self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """The code with all that it calls, for callers that know nothing of pieces."""
+        if self._shared_module is None:
+            self._ensure_finalized()
+            module = self._final_module.clone()
+            pieces, others = gathered(self._linking_libraries)
+            for library in pieces:
+                module.link_in(library._final_module, preserve=True)
+            for library in others:
+                module.link_in(library._get_module_for_linking(), preserve=True)
+            self._shared_module = module
+        return self._shared_module
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """0: there is no machine code to point to."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """The library itself, so that `set_env` comes here."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing: the whole sets the environments of its pieces."""
+
+
+class WholeLibrary(JITCodeLibrary):
+    """Machine code of one function with all its pieces."""
+
+    def finalize(self) -> None:
+        """Link the pieces, optimise everything once, make machine code."""
+        pieces, self._linking_libraries = gathered(self._linking_libraries)
+        for library in pieces:
+            self._final_module.link_in(library._final_module, preserve=True)
+        super().finalize()
+
+
+def gathered(libraries: list[Any]) -> tuple[list[PieceLibrary], list[Any]]:
+    """Pieces that are needed directly or by others, callers before what they call; other code.
+
+    The order matters: of a piece only that is linked which is called already.
+    """
+    found: dict[Any, None] = {}
+
+    def visit(library: Any) -> None:
+        if library not in found:
+            if isinstance(library, PieceLibrary):
+                for needed in library._linking_libraries:
+                    visit(needed)
+            found[library] = None
+
+    for library in libraries:
+        visit(library)
+    callers_first = list(reversed(found))
+    pieces = [library for library in callers_first if isinstance(library, PieceLibrary)]
+    return pieces, [one for one in callers_first if not isinstance(one, PieceLibrary)]
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class PieceLowering(NativeLowering):
+    """Lower a function into a `PieceLibrary`."""
+
+    _name = "physim_piece_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower one function."""
+        state.library = PieceLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return bool(super().run_pass(state))
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class WholeLowering(NativeLowering):
+    """Lower a function with its pieces into machine code."""
+
+    _name = "physim_whole_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower one function, and give its pieces what they need to raise errors."""
+        state.library = WholeLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        done = bool(super().run_pass(state))
+        for variable in state.library._final_module.global_variables:
+            if variable.name.startswith("_ZN08NumbaEnv"):
+                environment = lookup_environment(variable.name)
+                if environment is not None:
+                    state.library.codegen.set_env(variable.name, environment)
+        return done
+
+
+class PieceCompiler(Compiler):
+    """numba's compiler with `PieceLowering`."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """All passes."""
+        return [_with_lowering(passes, PieceLowering) for passes in super().define_pipelines()]
+
+
+class WholeCompiler(Compiler):
+    """numba's compiler with `WholeLowering`."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        """All passes."""
+        return [_with_lowering(passes, WholeLowering) for passes in super().define_pipelines()]
+
+
+def _with_lowering(passes: PassManager, lowering: type) -> PassManager:
+    changed = PassManager(passes.pipeline_name)
+    for step, text in passes.passes:
+        changed.add_pass(lowering if step is NativeLowering else step, text)
+    changed.finalize()
+    return changed

@@ -57,7 +57,7 @@ exit codes:
 examples:
   physim validate runs/ten_robots-7/record.h5
   physim validate three_robots --controller path_following
-  physim validate my_world.yaml --seeds 1:100 --json seeds.json
+  physim validate my_world.yaml --seeds 1:101 --json seeds.json
 """
 
 
@@ -169,7 +169,7 @@ def _add_validate(commands: Any) -> None:
     )
     validate.add_argument("--json", type=Path, metavar="FILE", help="write everything as JSON")
     validate.add_argument(
-        "--seeds", type=_range, metavar="A:B", help="repeat over seeds A to B, both included"
+        "--seeds", type=_range, metavar="A:B", help="repeat over seeds A to B - 1"
     )
     validate.add_argument("--world", metavar="W", help="check that the record was made from W")
     validate.add_argument("--seed", type=_whole, metavar="N", help="seed of a world")
@@ -263,8 +263,9 @@ def _range(text: str) -> tuple[int, int]:
     if not colon or not first or not last:
         raise argparse.ArgumentTypeError(f'"{text}" is not A:B, two whole numbers')
     ends = (_whole(first), _whole(last))
-    if ends[1] < ends[0]:
-        raise argparse.ArgumentTypeError(f'"{text}" ends before it begins')
+    if ends[1] <= ends[0]:
+        message = f'"{text}" holds no seed: A:B goes from A to B - 1'
+        raise argparse.ArgumentTypeError(message)
     return ends
 
 

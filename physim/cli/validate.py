@@ -83,7 +83,7 @@ def _validate_world(world: World, document: Document, options: argparse.Namespac
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Validation | None = None
-    for seed in range(first, last + 1):
+    for seed in range(first, last):
         found = _run_and_validate(world, document, seed, options)
         results.append(SeedResult.of(seed, found))
         if worst is None or found.code > worst.code:

@@ -92,7 +92,7 @@ def test_origin(folder, capsys):
 def test_seeds(folder, capsys):
     target = folder / "seeds.json"
     code, out, _ = run(
-        capsys, folder / "any.yaml", "--seeds", "1:3", "--json", target, "--set",
+        capsys, folder / "any.yaml", "--seeds", "1:4", "--json", target, "--set",
         "time.duration=1.0",
     )  # fmt: skip
     found = json.loads(target.read_text(encoding="utf-8"))

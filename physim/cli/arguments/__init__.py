@@ -1,0 +1,24 @@
+"""Arguments of every command, a module each; they import nothing heavy, so ``--help`` is fast."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from physim.cli.arguments.commands import Commands
+
+IN_ORDER = (
+    "run",
+    "video",
+    "summary",
+    "validate",
+    "crashtest",
+    "plot",
+    "listing",
+)
+"""Modules of this package, in the order in which the help tells their commands."""
+
+
+def add_commands(commands: Commands) -> None:
+    """Add every command."""
+    for name in IN_ORDER:
+        import_module(f"{__name__}.{name}").add(commands)

@@ -1,0 +1,45 @@
+"""Arguments of ``physim crashtest``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.types import whole
+
+EPILOG = """\
+exit codes:
+  0    no case is unexplained
+  2    bad input
+  3    engine and analysis disagree: every unexplained case is told and written as a world
+  130  interrupted (Ctrl-C): the cases so far are told
+
+examples:
+  physim crashtest
+  physim crashtest --cases 100000 --seed 1 --json crashtest.json
+"""
+
+
+def add(commands: Commands) -> None:
+    """Add the command to the parser."""
+    crash = commands.add_parser(
+        "crashtest",
+        help="throw random shapes at each other: engine against analysis",
+        description="Throw random footprints at each other and at walls, at constant (v, omega), "
+        "and compare the first physical contact of each throw with its collision time. Every case "
+        "on which they differ for no known reason is written as a world that physim run replays.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    crash.add_argument(
+        "--cases", type=whole, default=10_000, metavar="N", help="number of throws (10000)"
+    )
+    crash.add_argument("--seed", type=whole, default=0, metavar="S", help="of the throws (0)")
+    crash.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON")
+    crash.add_argument(
+        "-o", "--output", type=Path, metavar="DIR",
+        help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
+    )  # fmt: skip
+    crash.add_argument("--quiet", action="store_true", help="no progress bar and no table")
+    crash.set_defaults(action=lazy("physim.cli.crashtest", "crashtest"))

@@ -139,8 +139,16 @@ class Record:
 
     @cached_property
     def contacts(self) -> NDArray[np.void]:
-        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
+        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps.
+
+        Those at samples and, of kind *swept*, those between two samples.
+        """
         return self.read("/contacts")
+
+    @cached_property
+    def false_contacts(self) -> NDArray[np.void]:
+        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT` by steps."""
+        return self.read("/false_contacts")
 
     @cached_property
     def extremes(self) -> NDArray[np.void]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import contact_episodes
+from physim.metrics import contact_episodes, grazes
 from physim.plots.style import BLUE, GREEN, INK, VERMILION, WIDTH
 from physim.record import Record
 
@@ -70,14 +70,19 @@ def _time_axis(axis: Any, record: Record) -> None:
 
 
 def _mark_contacts(axes: tuple[Any, ...], record: Record) -> None:
-    """A band for as long as each contact lasts, with a line where it begins."""
+    """A band for as long as each contact lasts, with a line where it begins; dots for grazes."""
     episodes = contact_episodes(record)
+    between = grazes(record)
     for axis in axes:
         for k, episode in enumerate(episodes):
             label = f"contact ({len(episodes)})" if k == 0 and axis is axes[0] else None
             last = episode.time + (episode.samples - 1) * record.dt
             axis.axvspan(episode.time, last, color=VERMILION, alpha=0.15, linewidth=0.0)
             axis.axvline(episode.time, color=VERMILION, linewidth=1.1, label=label)
+        for k, graze in enumerate(between):
+            named = k == 0 and axis is axes[0]
+            label = f"graze between samples ({len(between)})" if named else None
+            axis.axvline(graze.time, color=VERMILION, linewidth=1.1, linestyle=":", label=label)
 
 
 def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -221,10 +221,15 @@ class Record:
 
     @cached_property
     def world(self) -> World:
-        """The effective world. Raises WorldError where its text is faulty."""
+        """The effective world. Raises WorldError where its text is faulty.
+
+        Its controller is told as it was named, ``module:Class`` too: nothing is looked up or
+        imported, and the controller's settings are as they were recorded.
+        """
         from physim.world_file import parse_world
 
-        return parse_world(self.world_text, f"world of {self._where}")
+        where = f"world of {self._where}"
+        return parse_world(self.world_text, where, check_controller=False)
 
     @cached_property
     def versions(self) -> dict[str, str]:

@@ -63,8 +63,11 @@ def prediction(record: Record) -> Any:
     axis.set_xlabel("actual time to the next contact [s]")
     axis.set_ylabel("predicted: collision time at the decision [s]")
     if not len(known.robot):
-        physical = record.contacts["kind"] == Kind.PHYSICAL
-        told = "no contact was foreseen" if physical.any() else "no contact at a sample"
+        contacts = record.contacts
+        began = contacts[contacts["kind"] == Kind.PHYSICAL]
+        told = "no contact was foreseen" if len(began) else "no contact"
+        if len(contacts) and not len(began):
+            told = "no contact at a sample, grazes between samples only"
         axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")
         axis.set(xticks=[], yticks=[])
         return figure

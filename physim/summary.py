@@ -200,7 +200,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("formation error, final", _extreme_text(s.formation_error_final_m, "m", 2)),
         ("danger mode, share of time", _danger_text(s)),
         ("all robots arrived", arrived),
-        *((f"expected {one.key}", _held_text(one)) for one in s.expectations),
+        *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
     ]
 
@@ -275,6 +275,10 @@ def _danger_text(summary: Summary) -> str:
     more = len(summary.danger) - len(shown)
     rest = f", and {more} more" if more else ""
     return f"{summary.danger_time_share:.1%} ({', '.join(each)}{rest})"
+
+
+def _with(one: Held, summary: Summary) -> str:
+    return " (grazes included)" if one.key == "contacts" and summary.grazes else ""
 
 
 def _held_text(one: Held) -> str:

@@ -63,9 +63,9 @@ def _grazes(validation: Validation) -> list[str]:
     count = len(validation.grazes)
     times = "once" if count == 1 else f"{count} times"
     return [
-        f"Between two samples bodies touched {times}. The engine looks at samples only and let "
-        "them pass; touching is a contact all the same.",
-        f"{'It was' if count == 1 else 'First'} just before {first.time:.2f} s: "
+        f"Between samples, where the engine does not look, bodies touched {times}; touching is a "
+        "contact all the same.",
+        f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
         f"{_who(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
         f"{first.place[1]:.3f}) m. Responsible is {_charge(first, names)}",
     ]

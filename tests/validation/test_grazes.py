@@ -67,7 +67,7 @@ def test_the_verdict_names_it(grazing):
     assert (found.verdict, found.code) == ("contacts: 0 at samples, 1 between samples", 1)
     assert [one.cause for one in found.comparison.disagreements] == [GRAZE]
     assert found.grazes[0].responsible == (1,)
-    assert "Between two samples bodies touched once." in said(found)
+    assert "where the engine does not look, bodies touched once;" in said(found)
     assert "Responsible is fast" in said(found)
     assert found.near_misses.distances == ()
 

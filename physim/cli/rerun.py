@@ -69,7 +69,7 @@ def run_again(
 
 
 def check_samples(coarse: Record, full: Record) -> None:
-    """Raise RecordError unless the samples of a coarse record are those of the run again."""
+    """Raise RecordError unless samples and contacts of a coarse record are those of the run again."""
     names = coarse.names
     if coarse.robots != full.robots or coarse.steps[-1] > full.steps_run:
         raise RecordError(
@@ -83,6 +83,20 @@ def check_samples(coarse: Record, full: Record) -> None:
             f"{coarse.path}: simulated again from the world inside, {names[i]} is "
             f"{gap[k, i]:.3g} m away from its recorded sample at {coarse.time[k]:.2f} s; made by "
             "another version or controller? Record every step (time.record_every=1) to validate"
+        )
+
+    check_contacts(coarse, full)
+
+
+def check_contacts(coarse: Record, full: Record) -> None:
+    """Raise RecordError unless a coarse record tells the contacts of the run again."""
+    columns = ["step", "a", "b", "phase", "kind"]
+    told = coarse.contacts[columns]
+    found = full.contacts[full.contacts["step"] <= coarse.steps_run][columns]
+    if told.tolist() != found.tolist():
+        raise RecordError(
+            f"{coarse.path}: simulated again from the world inside, the contacts are not those of "
+            f"the record ({len(found)} rows instead of {len(told)}); made by another version?"
         )
 
 

@@ -66,6 +66,8 @@ def prediction(record: Record) -> Any:
         contacts = record.contacts
         began = contacts[contacts["kind"] == Kind.PHYSICAL]
         told = "no contact was foreseen" if len(began) else "no contact"
+        if len(began) and np.isnan(record.updates["collision_time"]).all():
+            told = "the controller reports no collision times"
         if len(contacts) and not len(began):
             told = "no contact at a sample, grazes between samples only"
         axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")

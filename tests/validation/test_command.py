@@ -11,7 +11,7 @@ import pytest
 import physim
 from physim.cli import main
 from tests.cli.commands import started
-from tests.validation.runs import APART, LANE, REAR_END, lane
+from tests.validation.runs import APART, LANE, REAR_END, edited, lane
 
 CARELESS = "tests.validation.runs:Careless"
 ANY_HEADING = LANE.replace("[4.6, -1.0, 0.0]", "[4.6, -1.0, random]")
@@ -81,6 +81,15 @@ def test_coarse_record_is_simulated_again(folder, capsys):
     code, _, err = run(capsys, path)
     assert code == 2
     assert "m away from its recorded sample" in err
+
+
+def test_a_coarse_record_without_its_contacts(folder, capsys):
+    with lane(REAR_END, **{"time.record_every": 7}) as record:
+        edited(record, folder / "fewer.h5", lambda rows: rows[:-1]).close()
+    code, out, err = run(capsys, folder / "fewer.h5", "--controller", CARELESS)
+    assert (code, out) == (2, "")
+    assert "the contacts are not those of the record" in err
+    one_line(err)
 
 
 def test_origin(folder, capsys):

@@ -69,7 +69,7 @@ def run_again(
 
 
 def check_samples(coarse: Record, full: Record) -> None:
-    """Raise RecordError unless samples and contacts of a coarse record are those of the run again."""
+    """Raise RecordError unless a coarse record has the samples and contacts of the run again."""
     names = coarse.names
     if coarse.robots != full.robots or coarse.steps[-1] > full.steps_run:
         raise RecordError(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 
 import physim
-from physim.metrics import contact_episodes
+from physim.metrics import contact_episodes, grazes
 from physim.scene_builder import is_random
 from physim.world_file.shipped import find_world, shipped_worlds
 
@@ -23,7 +23,8 @@ def study(name: str, count: int) -> None:
     for seed in seeds:
         record = physim.simulate(world, seed=seed)
         episodes = contact_episodes(record)
-        free += not episodes
+        between = grazes(record)
+        free += not episodes and not between
         finished += record.ended == "finished"
         for episode in episodes:
             names = [record.bodies[i].name for i in (episode.a, episode.b)]
@@ -31,6 +32,12 @@ def study(name: str, count: int) -> None:
             print(
                 f"  seed {seed}: {' and '.join(names)} at {episode.time:.2f} s near "
                 f"({x:.0f}, {y:.0f}), {1e3 * episode.depth:.1f} mm deep"
+            )
+        for graze in between:
+            names = [record.bodies[i].name for i in (graze.a, graze.b)]
+            print(
+                f"  seed {seed}: {' and '.join(names)} between samples before {graze.time:.2f} s, "
+                f"{1e3 * graze.depth:.3g} mm deep"
             )
     total = len(seeds)
     print(f"{name}: {free} of {total} contact-free, {finished} of {total} finished", flush=True)

@@ -2,7 +2,8 @@
 
 A row stands for one pair of touching bodies at one step. An *episode* is a maximal run of a pair:
 its first row has phase `BEGAN`, the rows while it lasts `STAYS`, and one row at the first sample
-without contact `ENDED`.
+without contact `ENDED`. A *graze* is a row of its own kind, `SWEPT`: the two touch between two
+samples and are apart at both, so the engine, which looks at samples only, lets them pass.
 """
 
 from __future__ import annotations
@@ -50,4 +51,12 @@ CONTACT = np.dtype(
 """Contact row: sample, body ids a < b, `Phase`, `Kind`, deepest point x, y [m], unit normal nx, ny
 from a to b (world frame), depth [m] (0 when just touching), impulse [N s]. In a row of phase
 *ended* the bodies are apart: depth is minus their distance, point and normal are those of the
-gap, impulse is what they exchanged before they parted. Packed, so no byte is undefined."""
+gap, impulse is what they exchanged before they parted. In a row of kind *swept* step is the sample
+at the end of the step in which they touch, phase is *began*; point, normal and depth are those of
+the instant at which they are closest (deepest), from exact geometry; impulse is 0. Packed, so no
+byte is undefined."""
+
+FALSE_CONTACT = np.dtype([("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distance", "<f8")])
+"""A contact that the engine reported and the exact check rejected: sample, body ids a < b, signed
+distance [m] of the two at that sample, above the contact tolerance. At most one a sample and
+pair."""

@@ -27,13 +27,15 @@ class Held(NamedTuple):
 def expectations(record: Record) -> list[Held]:
     """Expectations of the record's world, in a fixed order; empty when it has none.
 
-    ``contacts`` is the largest number of episodes, ``min_distance``, ``min_boundary_distance``
-    and ``max_distance`` are bounds [m] over all physics steps, ``finished`` says whether all
-    robots arrive. A distance that a run does not have (one robot, no walls) holds any bound.
+    ``contacts`` is the largest number of contact episodes and contacts between two samples
+    together: touching is a contact, wherever the samples fall. ``min_distance``,
+    ``min_boundary_distance`` and ``max_distance`` are bounds [m] over all physics steps,
+    ``finished`` says whether all robots arrive. A distance that a run does not have (one robot,
+    no walls) holds any bound.
     """
     wanted = _wanted(record)
     found: dict[str, Figure] = {
-        "contacts": len(metrics.contact_episodes(record)),
+        "contacts": len(metrics.contact_episodes(record)) + len(metrics.grazes(record)),
         "min_distance": _value(metrics.shortest_distance(record)),
         "min_boundary_distance": _value(metrics.shortest_boundary_distance(record)),
         "max_distance": _value(metrics.farthest_pair(record)),

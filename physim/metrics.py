@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.control import Mode
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -44,6 +44,23 @@ class Episode:
 
 
 @dataclass(frozen=True)
+class Graze:
+    """A contact between two samples: the bodies touch within a step and are apart at its ends."""
+
+    a: int
+    """body ids, a < b"""
+    b: int
+    robots: bool
+    """both are robots; otherwise b is a boundary or an obstacle"""
+    step: int
+    """sample at the end of the step"""
+    time: float
+    """[s] of that sample"""
+    depth: float
+    """[m] greatest depth within the step, 0 when they only touch"""
+
+
+@dataclass(frozen=True)
 class Moment:
     """An extreme value, when it was taken and by whom."""
 
@@ -70,8 +87,12 @@ class DangerShare:
 
 
 def contact_episodes(record: Record) -> tuple[Episode, ...]:
-    """Contact episodes in the order of their beginning; their number is "contacts: N"."""
-    rows = record.contacts[record.contacts["phase"] != Phase.ENDED]
+    """Contact episodes in the order of their beginning; their number is "contacts: N".
+
+    Contacts between two samples are none of them, see `grazes`.
+    """
+    rows = record.contacts
+    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
     rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
     if not len(rows):
         return ()
@@ -80,6 +101,16 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
     runs = np.split(rows, firsts[1:])
     episodes = [_episode(record, run) for run in runs]
     return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))
+
+
+def grazes(record: Record) -> tuple[Graze, ...]:
+    """Contacts between two samples, in the order of time. A pair may have one a step."""
+    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    columns = zip(*(rows[key].tolist() for key in ("a", "b", "step", "depth")), strict=True)
+    return tuple(
+        Graze(a, b, b < record.robots, step, step * record.dt, depth)
+        for a, b, step, depth in columns
+    )
 
 
 def shortest_distance(record: Record) -> Moment | None:

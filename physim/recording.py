@@ -14,10 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT, FALSE_CONTACT
 from physim.control import Controller
 from physim.errors import RecordError
-from physim.geometry.clearance import clearances
+from physim.geometry.clearance import Clearances, clearances
+from physim.geometry.shapes import FloatArray
+from physim.grazes import GrazeFinder
 from physim.record import Record, RecordWriter
 from physim.record.layout import UPDATE
 from physim.simulation import Filter, Simulation, Update
@@ -43,6 +45,9 @@ class Recorder:
         self.first = 0
         self.updates: list[Update] = []
         self.contacts = [simulation.contacts]
+        self.grazes = GrazeFinder(scene)
+        self.false_contacts = [simulation.physics.false_contacts]
+        self.rejected = 0
         self.since = time.monotonic()
         self._take_pose()
         self._write()  # sample 0 is a row of its own, so that later windows end on recorded steps
@@ -54,6 +59,8 @@ class Recorder:
             self.updates.append(self.simulation.update)
         if len(self.simulation.contacts):
             self.contacts.append(self.simulation.contacts)
+        if len(self.simulation.physics.false_contacts):
+            self.false_contacts.append(self.simulation.physics.false_contacts)
         full = self.count == len(self.poses)
         if full or (time.monotonic() - self.since > BLOCK_SECONDS and self.count % self.every == 0):
             self._write()
@@ -64,7 +71,7 @@ class Recorder:
         self.writer.close(
             ended,
             steps_run=self.simulation.step_number,
-            rejected=self.simulation.physics.rejected,
+            rejected=self.rejected,
             wall_clock=wall_clock,
         )
 
@@ -77,19 +84,29 @@ class Recorder:
         if self.updates:
             self.writer.append_updates(update_rows(self.updates))
             self.updates = []
-        if self.contacts:
-            self.writer.append_contacts(np.concatenate(self.contacts, dtype=CONTACT))
-            self.contacts = []
+        if self.false_contacts:
+            rows = np.concatenate(self.false_contacts, dtype=FALSE_CONTACT)
+            self.writer.append_false_contacts(rows)
+            self.rejected += len(rows)
+            self.false_contacts = []
         if self.count:
-            self._write_poses()
+            scene, poses = self.simulation.scene, self.poses[: self.count]
+            found = clearances(poses, scene.shapes, scene.walls, scene.nearby)
+            self.contacts.append(self.grazes.rows(self.first, poses, found))
+            self._write_contacts()
+            self._write_poses(poses, found)
         self.first += self.count
         self.count = 0
         self.since = time.monotonic()
 
-    def _write_poses(self) -> None:
-        scene = self.simulation.scene
-        poses = self.poses[: self.count]
-        found = clearances(poses, scene.shapes, scene.walls, scene.nearby)
+    def _write_contacts(self) -> None:
+        """Contacts at samples and between them, in the order of steps."""
+        rows = np.concatenate(self.contacts, dtype=CONTACT)
+        if len(rows):
+            self.writer.append_contacts(rows[np.argsort(rows["step"], kind="stable")])
+        self.contacts = []
+
+    def _write_poses(self, poses: FloatArray, found: Clearances) -> None:
         step = self.first + np.arange(self.count)
         self.writer.note_extremes(step, found)
         ends = np.append(np.arange(self.every, self.count + 1, self.every), self.count)

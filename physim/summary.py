@@ -58,6 +58,16 @@ class Contacts:
 
 
 @dataclass(frozen=True)
+class Graze:
+    """One contact between two samples: apart at both, so that the engine let it pass."""
+
+    bodies: tuple[str, str]
+    time_s: float
+    """[s] of the sample after it"""
+    max_depth_m: float
+
+
+@dataclass(frozen=True)
 class Extreme:
     """An extreme value of a run, when it was taken and by whom (names of bodies)."""
 
@@ -87,6 +97,8 @@ class Summary:
     finished: bool
     time_to_finish_s: float | None
     contacts: Contacts
+    grazes: tuple[Graze, ...]
+    """contacts between two samples, in the order of time; none of ``contacts``"""
     rejected_contacts: int
     shortest_distance_m: Extreme | None
     shortest_boundary_distance_m: Extreme | None
@@ -139,6 +151,9 @@ def summarise(record: Record) -> Summary:
         finished=metrics.finished(record),
         time_to_finish_s=metrics.time_to_finish(record),
         contacts=_contacts(metrics.contact_episodes(record), names, record.dt),
+        grazes=tuple(
+            Graze((names[g.a], names[g.b]), g.time, g.depth) for g in metrics.grazes(record)
+        ),
         rejected_contacts=record.rejected_contacts,
         shortest_distance_m=named(metrics.shortest_distance(record)),
         shortest_boundary_distance_m=named(metrics.shortest_boundary_distance(record)),
@@ -176,6 +191,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
         ("contacts", _contacts_text(s.contacts)),
         *_contact_rows(s.contacts),
+        *_graze_rows(s.grazes),
         ("shortest distance", _extreme_text(s.shortest_distance_m, "m", 4)),
         ("shortest boundary distance", _extreme_text(s.shortest_boundary_distance_m, "m", 4)),
         ("shortest collision time", _extreme_text(s.shortest_collision_time_s, "s", 3, no_time)),
@@ -184,7 +200,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("formation error, final", _extreme_text(s.formation_error_final_m, "m", 2)),
         ("danger mode, share of time", _danger_text(s)),
         ("all robots arrived", arrived),
-        *((f"expected {one.key}", _held_text(one)) for one in s.expectations),
+        *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
     ]
 
@@ -220,6 +236,23 @@ def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
     return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more else [])]
 
 
+def _graze_rows(grazes: tuple[Graze, ...]) -> list[tuple[str, str]]:
+    """Lines of the contacts between samples; none where there are none."""
+    if not grazes:
+        return []
+    rows = [("grazes between samples", f"{len(grazes)}, first at {grazes[0].time_s:.2f} s")]
+    rows += [
+        (
+            f"  {g.time_s:.2f} s",
+            f"{g.bodies[0]} and {g.bodies[1]}, {1e3 * g.max_depth_m:.3g} mm deep, "
+            "apart at the samples before and after",
+        )
+        for g in grazes[:SHOWN_CONTACTS]
+    ]
+    more = len(grazes) - SHOWN_CONTACTS
+    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more > 0 else [])]
+
+
 def _contacts_text(contacts: Contacts) -> str:
     if not contacts.count:
         return "0"
@@ -242,6 +275,10 @@ def _danger_text(summary: Summary) -> str:
     more = len(summary.danger) - len(shown)
     rest = f", and {more} more" if more else ""
     return f"{summary.danger_time_share:.1%} ({', '.join(each)}{rest})"
+
+
+def _with(one: Held, summary: Summary) -> str:
+    return " (grazes included)" if one.key == "contacts" and summary.grazes else ""
 
 
 def _held_text(one: Held) -> str:
@@ -272,4 +309,4 @@ def _plain(value: Any) -> Any:
     return value
 
 
-__all__ = ["Contacts", "Danger", "Extreme", "Summary", "summarise", "table", "table_rows"]
+__all__ = ["Contacts", "Danger", "Extreme", "Graze", "Summary", "summarise", "table", "table_rows"]

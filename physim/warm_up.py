@@ -7,6 +7,7 @@ import time
 from physim.compiled import is_cached
 from physim.control import Controller
 from physim.geometry.clearance import clearances, fill
+from physim.grazes import warm_up_grazes
 from physim.physics import Physics
 from physim.scene import Scene
 from physim.simulation import Simulation
@@ -36,5 +37,6 @@ def warm_up(scene: Scene, controller: Controller | None = None) -> float:
     simulation = Simulation(scene, controller=controller)
     simulation.step()
     touch_a_wall(scene)
+    warm_up_grazes(scene)
     clearances(simulation.pose[None], scene.shapes, scene.walls, scene.nearby)
     return time.perf_counter() - started

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, Phase
+from physim.contacts import CONTACT, FALSE_CONTACT, Phase
 from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
 from physim.record import Record, RecordWriter
 from physim.record.layout import UPDATE
@@ -86,8 +86,11 @@ def make_record(
         writer.append_steps(step, pose[step], part.clearance, part.boundary_clearance)
         for rows, append in ((decided, writer.append_updates), (touching, writer.append_contacts)):
             append(rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])])
+    if len(touching):
+        reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT)
+        writer.append_false_contacts(reported)
     clock = {"seconds": 0.1, "factor": 10.0 * seconds} if wall_clock is None else wall_clock
-    writer.close(ended, steps_run=scene.steps, rejected=0, wall_clock=clock)
+    writer.close(ended, steps_run=scene.steps, rejected=int(len(touching) > 0), wall_clock=clock)
     return writer.record()
 
 

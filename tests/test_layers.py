@@ -43,6 +43,7 @@ LAYERS = {
     "physim.physics": (3, 0),
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
+    "physim.grazes": (3, 0),
     "physim.control_decisions": (4, 0),
     "physim.control_loop": (4, 1),
     "physim.simulation": (4, 2),
@@ -71,8 +72,9 @@ FROM_THE_RECORD_ALONE = (
     "physim.plots",
 )
 NOT_FROM_THE_RECORD = (
-    "physim.physics", "physim.perception", "physim.control_loop", "physim.simulation",
-    "physim.recording", "physim.warm_up", "physim.scene_builder", "physim.registry",
+    "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
+    "physim.simulation", "physim.recording", "physim.warm_up", "physim.scene_builder",
+    "physim.registry",
 )  # fmt: skip
 
 SOURCES = sorted(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from physim.cli.progress import Bar
 from physim.cli.run import ready
-from physim.errors import RecordError
+from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.recording import record_run
 from physim.world import World
@@ -31,22 +32,36 @@ def world_given(options: argparse.Namespace, given: str) -> tuple[World, Documen
 
 
 def world_inside(options: argparse.Namespace, record: Record) -> tuple[World, Document]:
-    """World that a record holds. A class from the command line is named again by --controller."""
+    """World that a record holds.
+
+    A class of one's own is code: it is imported only when named again by --controller.
+    """
     document = read_document(record.world_text, f"world of {record.path}")
+    if options.controller is None and ":" in (name := str(record.world.controller.type)):
+        raise PhysimError(
+            f"{record.path}: has to be simulated again, and its controller is the class {name}; "
+            "no code is run because a record names it: if you trust the class, give "
+            f"--controller {name}"
+        )
     overrides = [*options.overrides, EVERY_STEP]
     return world_of(document, overrides=overrides, controller=options.controller)
 
 
 def run_again(
-    world: World, document: Document, seed: int | None, options: argparse.Namespace
+    world: World,
+    document: Document,
+    seed: int | None,
+    options: argparse.Namespace,
+    stop: Callable[[], bool] | None = None,
 ) -> Record:
-    """Run to the end, in memory."""
+    """Run to the end, or until ``stop`` says so, in memory."""
     simulation = ready(world, document, seed, options)
     scene = simulation.scene
     bar = Bar(f"{scene.world.name}, seed {scene.seed}", scene.steps * scene.dt, "s", options.quiet)
     try:
         return record_run(
             simulation,
+            stop=stop,
             progress=lambda now, factor: bar.update(now.time, f"{factor:.0f} x real time"),
         )
     finally:
@@ -54,7 +69,7 @@ def run_again(
 
 
 def check_samples(coarse: Record, full: Record) -> None:
-    """Raise RecordError unless the samples of a coarse record are those of the run again."""
+    """Raise RecordError unless a coarse record has the samples and contacts of the run again."""
     names = coarse.names
     if coarse.robots != full.robots or coarse.steps[-1] > full.steps_run:
         raise RecordError(
@@ -68,6 +83,20 @@ def check_samples(coarse: Record, full: Record) -> None:
             f"{coarse.path}: simulated again from the world inside, {names[i]} is "
             f"{gap[k, i]:.3g} m away from its recorded sample at {coarse.time[k]:.2f} s; made by "
             "another version or controller? Record every step (time.record_every=1) to validate"
+        )
+
+    check_contacts(coarse, full)
+
+
+def check_contacts(coarse: Record, full: Record) -> None:
+    """Raise RecordError unless a coarse record tells the contacts of the run again."""
+    columns = ["step", "a", "b", "phase", "kind"]
+    told = coarse.contacts[columns]
+    found = full.contacts[full.contacts["step"] <= coarse.steps_run][columns]
+    if told.tolist() != found.tolist():
+        raise RecordError(
+            f"{coarse.path}: simulated again from the world inside, the contacts are not those of "
+            f"the record ({len(found)} rows instead of {len(told)}); made by another version?"
         )
 
 

@@ -8,16 +8,19 @@ from pathlib import Path
 
 from physim.cli import rerun
 from physim.cli.output import write_text
+from physim.cli.progress import interrupts
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.scene_builder import is_random
 from physim.validation import Validation, is_warm, report, validate
 from physim.validation.as_json import json_of_seeds, json_of_validation
 from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
-from physim.validation.validation import check_complete, is_coarse
+from physim.validation.validation import is_coarse
 from physim.world import World
 from physim.world_file.nodes import Document
 from physim.world_file.shipped import SUFFIXES
+
+INTERRUPTED = 130
 
 
 def validate_command(options: argparse.Namespace) -> int:
@@ -80,30 +83,47 @@ def _validate_world(world: World, document: Document, options: argparse.Namespac
             "and no rate.\n"
         )
         return _told(found, options)
+    return _validate_seeds(world, document, options)
+
+
+def _validate_seeds(world: World, document: Document, options: argparse.Namespace) -> int:
+    """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Validation | None = None
-    for seed in range(first, last):
-        found = _run_and_validate(world, document, seed, options)
-        results.append(SeedResult.of(seed, found))
-        if worst is None or found.code > worst.code:
-            worst = found
-        if not options.quiet:
-            print(seed_line(results[-1]), flush=True)
-    study = SeedStudy(world.name, tuple(results))
-    if worst is not None and worst.code:
+    with interrupts() as interrupt:
+        for seed in range(first, last):
+            with rerun.run_again(world, document, seed, options, stop=interrupt) as record:
+                if interrupt():  # half a run says nothing about its seed
+                    break
+                found = _judged(record, f"simulated just now from {document.source}", options)
+            results.append(SeedResult.of(seed, found))
+            if worst is None or found.code > worst.code:
+                worst = found
+            if not options.quiet:
+                print(seed_line(results[-1]), flush=True)
+            if interrupt():
+                break
+    study = SeedStudy(world.name, tuple(results), last - first)
+    if study.interrupted:
+        print(f"interrupted after {len(results)} of {study.asked} seeds", file=sys.stderr)
+    if results:
+        _tell_study(study, worst, options)
+    return INTERRUPTED if interrupt() else study.code
+
+
+def _tell_study(study: SeedStudy, worst: Validation | None, options: argparse.Namespace) -> None:
+    if worst is not None and worst.code and not options.quiet:
         print("\n" + report(worst), end="")
-    print("\n" + seeds_text(study), end="")
+    print(("" if options.quiet else "\n") + seeds_text(study), end="")
     if options.json is not None:
         write_text(options.json, json_of_seeds(study))
-    return study.code
 
 
 def _run_and_validate(
     world: World, document: Document, seed: int | None, options: argparse.Namespace
 ) -> Validation:
     with rerun.run_again(world, document, seed, options) as record:
-        check_complete(record)
         return _judged(record, f"simulated just now from {document.source}", options)
 
 

@@ -33,7 +33,11 @@ class Guard(Protocol):
     """Checks contacts inside the engine's step."""
 
     rejected: int
-    """false contacts met so far"""
+    """false contacts of parts met so far"""
+
+    def take_rejected(self) -> IntArray:
+        """Return the parts (M, 2) of the false contacts since the last call."""
+        ...
 
     def take(self) -> Touches:
         """Return the true contacts since the last call; raise what went wrong in a callback."""
@@ -51,6 +55,7 @@ class PythonGuard:
         self._links = segment_links(shapes)
         self._checks = checks
         self._found: list[tuple[int, int, float]] = []
+        self._rejected: list[tuple[int, int]] = []
         self._failure: Exception | None = None
         hosted.space.on_collision(
             None, None, pre_solve=self._pre_solve, post_solve=self._post_solve
@@ -69,12 +74,22 @@ class PythonGuard:
             np.array([impulse for _, _, impulse in found], dtype=np.float64),
         )
 
+    def take_rejected(self) -> IntArray:
+        """Return the parts (M, 2) of the false contacts since the last call."""
+        if not self._rejected:
+            return NOTHING.part
+        parts, self._rejected = np.array(self._rejected, dtype=np.int64), []
+        return parts
+
     def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         # An exception would be printed and swallowed by the engine: keep it for take().
         try:
             verdict = self._judge(arbiter) if self._checks else ACTS
             arbiter.process_collision = verdict not in (APART, LEFT)
-            self.rejected += verdict == APART
+            if verdict == APART:
+                first, second = arbiter.shapes
+                self.rejected += 1
+                self._rejected.append((self._number[first], self._number[second]))
         except Exception as failure:
             self._failure = self._failure or failure
 

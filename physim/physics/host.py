@@ -6,16 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.geometry.motion import chord_velocities
-from physim.geometry.shapes import FloatArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.physics.bodies import BodyArrays
 from physim.physics.closeness import describe_pairs, joined
 from physim.physics.guard import PythonGuard, Touches
 from physim.physics.pairs import (
     Pairs,
     contact_rows,
+    false_rows,
     gather,
     impulse_of,
     no_contacts,
+    no_false_contacts,
     no_pairs,
     phases,
     split,
@@ -36,6 +38,9 @@ class Physics:
     exchanged in the step that led to the sample: the push while it touched (a robot held from
     v is pushed with m v a step) and the impact of new contacts (m v for a dead stop), magnitudes
     added over the parts that touch.
+
+    ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT`) of the present sample: pairs
+    that the engine reported as touching, and which the exact check found apart and kept out.
 
     Overlaps stay below (closing speed + sum of r|omega|) dt in the step of an impact and settle
     below SETTLED_DEPTH. Every contact at a sample is found, to the tolerance CONTACT; a graze that
@@ -78,6 +83,7 @@ class Physics:
         self._placed = np.zeros((self._bodies, 3))
         self._pairs = self._no_pairs = no_pairs()
         self.contacts = self._no_contacts = no_contacts()
+        self.false_contacts = self._no_false = no_false_contacts()
         self._move(self._no_pairs)
 
     @property
@@ -94,13 +100,14 @@ class Physics:
 
     @property
     def rejected(self) -> int:
-        """False contacts of the engine that were kept out so far."""
+        """False contacts of the engine that were kept out so far, counted by parts and solves."""
         return self._guard.rejected
 
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         chord_velocities(self._arrays.pose, command, self.dt, self._wanted)
         pushes = self._no_pairs
+        self.false_contacts = self._no_false
         if len(self._pairs.key):
             pushes = self._hold_back()
         self._arrays.velocity[:] = self._wanted
@@ -121,6 +128,7 @@ class Physics:
         self._space.step(self.dt)
         self._arrays.read_velocity()
         pushes = self._gather(self._guard.take())
+        self._guard.take_rejected()  # the same as those met when the bodies came here
         held = np.unique(split(pushes.key, self._bodies))
         held = held[held < self._robots]
         self._wanted[held] = self._arrays.velocity[held]
@@ -131,6 +139,7 @@ class Physics:
         self._space.step(self.dt)
         self._arrays.read_pose()
         touches = self._guard.take()
+        self._note_false(self._guard.take_rejected())
         before = self._pairs
         if not len(before.key) and not len(touches.part):
             self.contacts = self._no_contacts
@@ -146,6 +155,16 @@ class Physics:
             describe_pairs(self._shapes, self._placed, pairs),
             impulse_of(key, pushes, now),
         )
+
+    def _note_false(self, parts: IntArray) -> None:
+        """Set ``false_contacts``: pairs that the engine reported at this sample, yet are apart."""
+        if not len(parts):
+            return
+        reported = self._gather(Touches(parts, np.zeros(len(parts))))
+        pairs = split(reported.key, self._bodies)
+        self._placed[: self._robots] = self._arrays.pose
+        found = describe_pairs(self._shapes, self._placed, pairs)
+        self.false_contacts = false_rows(self.step_number, pairs, found[:, 4])
 
     def _gather(self, touches: Touches) -> Pairs:
         return gather(self._body_of_part[touches.part], touches.impulse, self._bodies)

@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT, FALSE_CONTACT, Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.tolerances import CONTACT as TOUCHING
 
 
 class Pairs(NamedTuple):
@@ -32,6 +33,24 @@ def no_pairs() -> Pairs:
 def no_contacts() -> NDArray[np.void]:
     """Return an empty array of contact rows."""
     return np.zeros(0, CONTACT)
+
+
+def no_false_contacts() -> NDArray[np.void]:
+    """Return an empty array of false contacts."""
+    return np.zeros(0, FALSE_CONTACT)
+
+
+def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.void]:
+    """Return the rows of pairs (K, 2) reported at a sample that are apart; ``distance`` (K,) [m].
+
+    A pair of which other parts do touch is no false contact.
+    """
+    apart = distance > TOUCHING
+    rows = np.zeros(int(apart.sum()), FALSE_CONTACT)
+    rows["step"] = step
+    rows["a"], rows["b"] = pairs[apart].T
+    rows["distance"] = distance[apart]
+    return rows
 
 
 def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:

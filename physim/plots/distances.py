@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import contact_episodes
+from physim.metrics import contact_episodes, grazes
 from physim.plots.style import BLUE, GREEN, INK, VERMILION, WIDTH
 from physim.record import Record
 
@@ -31,7 +31,7 @@ def distances(record: Record) -> Any:
     _distance_axis(above, record)
     _time_axis(below, record)
     _mark_contacts((above, below), record)
-    above.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=3, borderaxespad=0.0)
+    above.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=4, borderaxespad=0.0)
     below.set_xlabel("time [s]")
     end = max(record.steps_run, 1) * record.dt
     below.set_xlim(0.0, end)
@@ -63,21 +63,31 @@ def _time_axis(axis: Any, record: Record) -> None:
     axis.plot(steps * record.dt, least, ".", color=INK, markersize=2.5, markeredgewidth=0.0)
     if not len(steps):
         told = "no decision foresaw a collision"
-        axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")
+        if np.isnan(rows["collision_time"]).all():
+            told = "the controller reports no collision times"
+        axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center",
+                  backgroundcolor="white")  # fmt: skip
         axis.set_yticks([])
     else:
         axis.set_ylim(bottom=0.0)
 
 
 def _mark_contacts(axes: tuple[Any, ...], record: Record) -> None:
-    """A band for as long as each contact lasts, with a line where it begins."""
+    """A band for as long as each contact lasts, with a line where it begins; dots for grazes."""
     episodes = contact_episodes(record)
+    between = grazes(record)
     for axis in axes:
         for k, episode in enumerate(episodes):
             label = f"contact ({len(episodes)})" if k == 0 and axis is axes[0] else None
             last = episode.time + (episode.samples - 1) * record.dt
-            axis.axvspan(episode.time, last, color=VERMILION, alpha=0.15, linewidth=0.0)
-            axis.axvline(episode.time, color=VERMILION, linewidth=1.1, label=label)
+            axis.axvspan(episode.time, last, color=VERMILION, alpha=0.15, linewidth=0.0, zorder=0.5)
+            style = {"color": VERMILION, "linewidth": 1.1, "zorder": 0.6}  # under the curves
+            axis.axvline(episode.time, label=label, **style)
+        for k, graze in enumerate(between):
+            named = k == 0 and axis is axes[0]
+            label = f"graze ({len(between)})" if named else None
+            style = {"color": VERMILION, "linewidth": 1.1, "zorder": 0.6}
+            axis.axvline(graze.time, linestyle=":", label=label, **style)
 
 
 def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.plots.style import INK, QUIET, WIDTH, robot_mark
 from physim.record import Record
@@ -36,7 +36,7 @@ def predictions(record: Record) -> Predictions:
     rows = rows[np.isfinite(rows["collision_time"]) & (rows["collision_time"] > 0.0)]
     found: list[tuple[int, float, float, int]] = []
     contacts = record.contacts
-    began = contacts[contacts["phase"] == Phase.BEGAN]
+    began = contacts[(contacts["phase"] == Phase.BEGAN) & (contacts["kind"] == Kind.PHYSICAL)]
     for robot in range(record.robots):
         mine = rows[rows["robot"] == robot]
         hits = np.unique(began["step"][(began["a"] == robot) | (began["b"] == robot)])
@@ -63,7 +63,13 @@ def prediction(record: Record) -> Any:
     axis.set_xlabel("actual time to the next contact [s]")
     axis.set_ylabel("predicted: collision time at the decision [s]")
     if not len(known.robot):
-        told = "no contact" if not len(record.contacts) else "no contact was foreseen"
+        contacts = record.contacts
+        began = contacts[contacts["kind"] == Kind.PHYSICAL]
+        told = "no contact was foreseen" if len(began) else "no contact"
+        if len(began) and np.isnan(record.updates["collision_time"]).all():
+            told = "the controller reports no collision times"
+        if len(contacts) and not len(began):
+            told = "no contact at a sample, grazes between samples only"
         axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")
         axis.set(xticks=[], yticks=[])
         return figure

@@ -68,7 +68,8 @@ def _check_attributes(file: h5py.File, where: str) -> None:
     version = file.attrs.get("version")
     if version != layout.VERSION:
         raise RecordError(
-            f"{where}: record version {version}; this physim reads version {layout.VERSION}"
+            f"{where}: record version {version}; this physim reads version {layout.VERSION}; "
+            "make the record again"
         )
     for name in layout.ATTRIBUTES:
         if name not in file.attrs:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT, FALSE_CONTACT
 
 FORMAT = "physim-record"
-VERSION = 1
-"""Raised with every change that an older reader would misread."""
+VERSION = 2
+"""Raised with every change that an older reader would misread. 2: contacts between samples, and
+false contacts of the engine one by one."""
 
 UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
 
@@ -70,7 +71,7 @@ robot."""
 NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
 NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
 
-TABLES = {"/updates": UPDATE, "/contacts": CONTACT}
+TABLES = {"/updates": UPDATE, "/contacts": CONTACT, "/false_contacts": FALSE_CONTACT}
 """Growing tables of rows."""
 
 STEPS = ("/steps/step", "/steps/pose", "/steps/clearance", "/steps/boundary_clearance")

@@ -139,8 +139,16 @@ class Record:
 
     @cached_property
     def contacts(self) -> NDArray[np.void]:
-        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
+        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps.
+
+        Those at samples and, of kind *swept*, those between two samples.
+        """
         return self.read("/contacts")
+
+    @cached_property
+    def false_contacts(self) -> NDArray[np.void]:
+        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT` by steps."""
+        return self.read("/false_contacts")
 
     @cached_property
     def extremes(self) -> NDArray[np.void]:
@@ -213,10 +221,15 @@ class Record:
 
     @cached_property
     def world(self) -> World:
-        """The effective world. Raises WorldError where its text is faulty."""
+        """The effective world. Raises WorldError where its text is faulty.
+
+        Its controller is told as it was named, ``module:Class`` too: nothing is looked up or
+        imported, and the controller's settings are as they were recorded.
+        """
         from physim.world_file import parse_world
 
-        return parse_world(self.world_text, f"world of {self._where}")
+        where = f"world of {self._where}"
+        return parse_world(self.world_text, where, check_controller=False)
 
     @cached_property
     def versions(self) -> dict[str, str]:

@@ -113,6 +113,10 @@ class RecordWriter:
         """Append contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
         self._append_table("/contacts", rows)
 
+    def append_false_contacts(self, rows: NDArray[np.void]) -> None:
+        """Append rejected contacts, rows of `physim.contacts.FALSE_CONTACT` by steps."""
+        self._append_table("/false_contacts", rows)
+
     def note_extremes(self, step: ArrayLike, found: ClearanceBlock) -> None:
         """Take the clearances of B physics steps into account, see `Extremes.note`."""
         self.extremes.note(np.asarray(step, dtype=np.int64), found)

@@ -10,6 +10,7 @@ from typing import Any
 from physim.validation.seeds import SeedStudy
 from physim.validation.validation import Validation
 
+INTERRUPTED = 130
 UNITS = "m, s, rad, m/s, rad/s, N s; world frame"
 
 
@@ -36,11 +37,13 @@ def json_of_seeds(study: SeedStudy) -> str:
             "format": "physim-validation-seeds",
             "version": 1,
             "world": study.world,
+            "seeds_asked": study.asked,
+            "interrupted": study.interrupted,
             "runs": len(study.results),
             "contact_free": study.free,
             "rate": study.rate,
             "interval_95": [low, high],
-            "exit_code": study.code,
+            "exit_code": INTERRUPTED if study.interrupted else study.code,
             "seeds": plain(study.results),
         }
     )

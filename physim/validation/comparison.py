@@ -5,7 +5,10 @@ A disagreement has a cause. Explained are
 - ``within tolerance``: the signed distance is within CONTACT = 1e-9 m of 0, where either answer
   is right;
 - ``graze between samples``: apart at both samples of a step, touching in between. The engine
-  looks at samples only; the swept check finds these.
+  looks at samples only; the swept check finds these, and the record tells them as contacts of
+  their own kind;
+- ``rejected false contact of the engine``: the engine reported a contact of shapes that are apart,
+  and the exact check kept it out.
 
 Everything else is ``unexplained``: one of the two is wrong.
 """
@@ -20,22 +23,13 @@ from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
 from physim.errors import RecordError
-from physim.geometry.separation import body_distance
 from physim.geometry.shapes import IntArray
-from physim.geometry.swept import least_gap_pair, least_gap_walls
 from physim.record import Record
 from physim.tolerances import CONTACT
-from physim.validation.ledger import Ledger, robot_shapes
-
-TOLERANCE = "within tolerance"
-GRAZE = "graze between samples"
-UNEXPLAINED = "unexplained"
-
-ROUNDING = 1e-12
-"""[m] Two ways to work out one distance differ by less, up to 10 km from the origin."""
-
-DEPTH_SLACK = 1e-9
-"""[m] How well a recorded depth or distance must agree with the one worked out here."""
+from physim.validation.events import false_contacts, grazes
+from physim.validation.findings import DEPTH_SLACK, ROUNDING, TOLERANCE, UNEXPLAINED, Disagreement
+from physim.validation.ledger import Ledger
+from physim.validation.rows import body_keys, distance_at, stretches
 
 
 class Confusion(NamedTuple):
@@ -48,26 +42,6 @@ class Confusion(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Disagreement:
-    """A stretch of consecutive samples over which two ledgers disagree about a pair."""
-
-    a: int
-    b: int | None
-    """body ids; None where one body is concerned"""
-    step: int
-    """first sample"""
-    steps: int
-    """number of samples"""
-    time: float
-    """[s] of the first sample; of a graze, of its first touch"""
-    distance: float
-    """[m] signed, at the first sample, from the poses; of a graze the least between its samples"""
-    cause: str
-    what: str
-    """what each of the two says"""
-
-
-@dataclass(frozen=True)
 class Comparison:
     """Tables for the kinds of pairs, and every disagreement in the order of time."""
 
@@ -76,7 +50,8 @@ class Comparison:
     over_steps: dict[str, Confusion]
     """contact at any instant from one sample to the next, both included"""
     rejected: int
-    """contacts between separated shapes that the engine reported and its guard kept out"""
+    """contacts between separated shapes that the engine reported and its guard kept out, counted
+    over pairs and samples"""
     disagreements: tuple[Disagreement, ...]
 
     @property
@@ -89,19 +64,20 @@ def compare(record: Record, ledger: Ledger) -> Comparison:
     """Hold the contacts of a record against its ledger. Raises RecordError for an impossible id."""
     bodies = len(record.bodies)
     physical = physical_rows(record)
-    theirs = _keys(physical, bodies)
-    ours = _keys(ledger.touching, bodies)
+    theirs = body_keys(physical, bodies)
+    ours = body_keys(ledger.touching, bodies)
     found = _at_samples(record, physical, ledger, theirs, ours)
-    found += _grazes(record, ledger)
+    found += grazes(record, ledger)
+    found += false_contacts(record)
     found += _lost_entries(record, ledger)
     found += _depths(record, physical, ledger, theirs, ours)
     found += _extremes(record, ledger)
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
-    swept = np.union1d(_spread(ours, bodies, ledger.samples), _keys(ledger.grazes, bodies))
+    swept = np.union1d(_spread(ours, bodies, ledger.samples), body_keys(ledger.grazes, bodies))
     return Comparison(
         _tables(record, ledger, theirs, ours, ledger.samples),
         _tables(record, ledger, _spread(theirs, bodies, ledger.samples), swept, ledger.samples - 1),
-        record.rejected_contacts,
+        len(record.false_contacts),
         tuple(found),
     )
 
@@ -121,21 +97,6 @@ def physical_rows(record: Record) -> NDArray[np.void]:
         )
     kept: NDArray[np.void] = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
     return kept
-
-
-def distance_at(record: Record, a: int, b: int, step: int) -> float:
-    """Signed distance [m] of bodies a < b at a sample, from the record's poses."""
-    shapes, pose = robot_shapes(record), record.read("/steps/pose", step, step + 1)[0]
-    if b < record.robots:
-        return float(body_distance(shapes, a, pose[a], shapes, b, pose[b]))
-    still = np.zeros(3)
-    return float(body_distance(shapes, a, pose[a], record.walls, b - record.robots, still))
-
-
-def _keys(rows: NDArray[np.void], bodies: int) -> IntArray:
-    """One increasing number for step and pair."""
-    key = (rows["step"] * bodies + rows["a"]) * bodies + rows["b"]
-    return np.unique(key.astype(np.int64))
 
 
 def _spread(keys: IntArray, bodies: int, samples: int) -> IntArray:
@@ -175,7 +136,7 @@ def _at_samples(
         (np.setdiff1d(theirs, ours), "contact in the record, shapes apart"),
         (np.setdiff1d(ours, theirs), "no contact in the record, shapes overlap"),
     ):
-        for a, b, step, steps in _stretches(keys, len(record.bodies)):
+        for a, b, step, steps in stretches(keys, len(record.bodies)):
             at = [distance_at(record, a, b, step + k) for k in range(min(steps, 1000))]
             close = all(abs(d) <= CONTACT + ROUNDING for d in at)
             found.append(
@@ -190,41 +151,6 @@ def _at_samples(
                     claim,
                 )
             )
-    return found
-
-
-def _stretches(keys: IntArray, bodies: int) -> list[tuple[int, int, int, int]]:
-    """a, b, first step and number of steps of each run of consecutive steps of a pair."""
-    step, pair = keys // (bodies * bodies), keys % (bodies * bodies)
-    order = np.lexsort((step, pair))
-    step, pair = step[order], pair[order]
-    if not len(step):
-        return []
-    cut = np.flatnonzero((np.diff(pair) != 0) | (np.diff(step) != 1)) + 1
-    firsts = np.concatenate(([0], cut))
-    sizes = np.diff(np.concatenate((firsts, [len(step)])))
-    return [
-        (int(pair[k] // bodies), int(pair[k] % bodies), int(step[k]), int(size))
-        for k, size in zip(firsts, sizes, strict=True)
-    ]
-
-
-def _grazes(record: Record, ledger: Ledger) -> list[Disagreement]:
-    shapes = robot_shapes(record)
-    found = []
-    for row in ledger.grazes:
-        a, b, step = int(row["a"]), int(row["b"]), int(row["step"])
-        old, new = record.read("/steps/pose", step - 1, step + 1)
-        if b < record.robots:
-            least = least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0]
-        else:
-            walls = record.walls
-            first, last = walls.body_start[b - record.robots : b - record.robots + 2]
-            parts = np.arange(first, last)
-            least = least_gap_walls(shapes, a, old[a], new[a], walls, parts, record.dt)[0]
-        time = float((step - 1) * record.dt + row["entry"])
-        what = "touching between two samples, apart at both"
-        found.append(Disagreement(a, b, step, 1, time, float(least), GRAZE, what))
     return found
 
 
@@ -266,7 +192,7 @@ def _depths(
     ]
     wrong = np.abs(depth - np.maximum(-distance, 0.0)) > DEPTH_SLACK
     found = []
-    for a, b, step, steps in _stretches(both[wrong], n):
+    for a, b, step, steps in stretches(both[wrong], n):
         k = int(np.searchsorted(both, (step * n + a) * n + b))
         what = f"depth {depth[k]:.3g} m in the record, {max(-distance[k], 0.0):.3g} m by the shapes"
         found.append(

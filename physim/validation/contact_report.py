@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.geometry.path import path_length, project
 from physim.geometry.shapes import FloatArray
 from physim.metrics import Episode, contact_episodes
@@ -104,6 +104,40 @@ class ContactReport:
         return tuple(side.body for side in self.sides if side.responsible)
 
 
+@dataclass(frozen=True)
+class GrazeReport:
+    """One contact between two samples: apart at both, so that the engine let the two pass."""
+
+    a: int
+    b: int
+    time: float
+    """[s] of the sample after it"""
+    place: tuple[float, float]
+    """[m] world frame, where the two are closest within the step"""
+    normal: tuple[float, float]
+    """from a to b"""
+    depth: float
+    """[m] greatest within the step"""
+    sides: tuple[Side, ...]
+    """the robots, a first"""
+
+    @property
+    def responsible(self) -> tuple[int, ...]:
+        """Body ids of the robots that were responsible."""
+        return tuple(side.body for side in self.sides if side.responsible)
+
+
+def graze_reports(record: Record, table: DecisionTable) -> tuple[GrazeReport, ...]:
+    """Report every recorded contact between two samples, in the order of time."""
+    reports = []
+    for row in record.contacts[record.contacts["kind"] == Kind.SWEPT]:
+        a, b, step = (int(row[key]) for key in ("a", "b", "step"))
+        x, y, nx, ny, depth = (float(row[key]) for key in ("x", "y", "nx", "ny", "depth"))
+        sides = _sides(record, table, a, b, step, (x, y))
+        reports.append(GrazeReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides))
+    return tuple(reports)
+
+
 def contact_reports(
     record: Record, ledger: Ledger, table: DecisionTable, predictor: Predictor
 ) -> tuple[ContactReport, ...]:
@@ -141,6 +175,7 @@ def _report(
     a, b, step = episode.a, episode.b, episode.step
     rows = record.contacts
     mine = rows[(rows["a"] == a) & (rows["b"] == b) & (rows["phase"] != Phase.ENDED)]
+    mine = mine[mine["kind"] == Kind.PHYSICAL]
     row = mine[mine["step"] == step][0]
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
     relative = _velocity(record, a, step, point) - _velocity(record, b, step, point)

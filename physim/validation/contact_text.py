@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from physim.control import Mode
-from physim.validation.contact_report import ContactReport, Side
+from physim.validation.contact_report import ContactReport, GrazeReport, Side
 from physim.validation.numbers import joined, length, names_of, short, wrapped
 from physim.validation.validation import Validation
 
@@ -29,6 +29,8 @@ def opening(validation: Validation) -> list[str]:
 
 def _sentences(validation: Validation) -> list[str]:
     run, names, near = validation.run, names_of(validation), validation.near_misses
+    if not validation.contacts and validation.grazes:
+        return [f"No contact at a sample in {run.seconds:.2f} s.", *_grazes(validation)]
     if not validation.contacts:
         told = [
             f"{names[one.a]} and {names[one.b]} came within {length(one.value)} at {one.time:.2f} s"
@@ -50,7 +52,23 @@ def _sentences(validation: Validation) -> list[str]:
             for i in sorted({i for one in validation.contacts for i in one.responsible})
         ]
         said.append(f"Responsible, by number of contacts: {', '.join(shares)}.")
-    return said
+    return said + _grazes(validation)
+
+
+def _grazes(validation: Validation) -> list[str]:
+    """What happened between samples; nothing where nothing did."""
+    if not validation.grazes:
+        return []
+    names, first = names_of(validation), validation.grazes[0]
+    count = len(validation.grazes)
+    times = "once" if count == 1 else f"{count} times"
+    return [
+        f"Between samples, where the engine does not look, bodies touched {times}; touching is a "
+        "contact all the same.",
+        f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
+        f"{_who(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
+        f"{first.place[1]:.3f}) m. Responsible is {_charge(first, names)}",
+    ]
 
 
 def table_lines(validation: Validation) -> list[str]:
@@ -126,7 +144,7 @@ def _item(label: str, text: str) -> list[str]:
     return wrapped(text, f"    {label:<11} ", 16 * " ")
 
 
-def _who(one: ContactReport, names: list[str]) -> str:
+def _who(one: ContactReport | GrazeReport, names: list[str]) -> str:
     """``front of r2 against rear left of r1``, the one that ran into the other first."""
     sides = sorted(one.sides, key=lambda side: not side.responsible)
     words = [f"{side.part} of {names[side.body]}" for side in sides]
@@ -135,7 +153,7 @@ def _who(one: ContactReport, names: list[str]) -> str:
     return " against ".join(words)
 
 
-def _charge(one: ContactReport, names: list[str]) -> str:
+def _charge(one: ContactReport | GrazeReport, names: list[str]) -> str:
     charged = [side for side in one.sides if side.responsible]
     who = joined([names[side.body] for side in charged])
     if one.sides[0].behind is None:

@@ -3,8 +3,8 @@
 Distances are over all samples, one for each approach: a stretch of time over which a pair is
 nearer than the ledger's reach. Collision times are those of the deciding robot with every other
 body at every decision, under the commands that all hold from then on, worked out here; one for
-each stretch of decisions of a pair. Approaches that end in contact are left out: they are
-contacts.
+each stretch of decisions of a pair. Approaches that end in contact, at a sample or between two,
+are left out: they are contacts.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.metrics import (
-    Episode,
     Moment,
     contact_episodes,
+    grazes,
     shortest_boundary_distance,
     shortest_distance,
 )
@@ -70,11 +70,14 @@ class NearMisses:
 
 def near_misses(record: Record, ledger: Ledger, table: DecisionTable) -> NearMisses:
     """Find the near misses of a record with the poses of every step."""
+    grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in ledger.grazes]
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
         for near in ledger.approaches
         if near.distance > CONTACT
-    ]
+        and not any((near.a, near.b) == (a, b) and near.first <= s <= near.last + 1
+                    for a, b, s in grazed)
+    ]  # fmt: skip
     return NearMisses(
         tuple(_with_order(table, one) for one in distances[:SHOWN]),
         tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
@@ -180,17 +183,18 @@ def _smallest(record: Record, who: IntArray, xi: FloatArray) -> tuple[NearMiss, 
         return ()
     gap = np.diff(who[:, 0]) * record.dt > APART
     cut = np.flatnonzero(gap | (np.diff(who[:, 1]) != 0) | (np.diff(who[:, 2]) != 0)) + 1
-    episodes: dict[tuple[int, int], list[Episode]] = {}
+    touched: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for episode in contact_episodes(record):
-        episodes.setdefault((episode.a, episode.b), []).append(episode)
+        span = episode.step, episode.step + episode.samples
+        touched.setdefault((episode.a, episode.b), []).append(span)
+    for graze in grazes(record):
+        touched.setdefault((graze.a, graze.b), []).append((graze.step - 1, graze.step))
     found = []
     for run in np.split(np.arange(len(who)), cut):
         least = run[int(np.argmin(xi[run]))]
         step, a, b = (int(v) for v in who[least])
         first, last = int(who[run[0], 0]), int(who[run[-1], 0]) + round(APART / record.dt)
-        contact = any(
-            e.step <= last and e.step + e.samples >= first for e in episodes.get((a, b), ())
-        )
+        contact = any(begin <= last and end >= first for begin, end in touched.get((a, b), ()))
         if not contact:
             found.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
     return tuple(sorted(found, key=lambda one: (one.value, one.step, one.a, one.b)))

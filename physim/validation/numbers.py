@@ -32,7 +32,9 @@ def joined(words: Sequence[str]) -> str:
 
 
 def length(metres: float) -> str:
-    """Length in metres, or in millimetres where that reads better."""
+    """Length in metres, or in millimetres or micrometres where that reads better."""
+    if 1e-9 <= abs(metres) < 1e-5:
+        return f"{1e6 * metres:.2f} um"
     if math.isfinite(metres) and abs(metres) < 0.1:
         return f"{1e3 * metres:.2f} mm"
     return f"{metres:.2f} m"

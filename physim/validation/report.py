@@ -69,9 +69,10 @@ def _checks(validation: Validation) -> list[str]:
         cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
         lines.append(f"  {label:<34}{cells}{row.neither:>14,}")
     if comparison.rejected:
+        times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
         lines.append(
-            f"  The engine reported {comparison.rejected:,} contacts between shapes that were "
-            "apart; the exact check rejected them all."
+            f"  The engine reported a contact of shapes that were apart {times}; the exact check "
+            "rejected it."
         )
     if run.robots == 1:
         lines.append("  A single robot: there are no pairs of robots.")

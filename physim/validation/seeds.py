@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from physim.validation.contact_report import ContactReport, GrazeReport
 from physim.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 
 CONFIDENCE = 0.95
@@ -17,6 +18,8 @@ class SeedResult:
     verdict: str
     code: int
     contacts: int
+    grazes: int
+    """contacts between two samples"""
     ended: str
     seconds: float
     """[s] simulated"""
@@ -29,8 +32,10 @@ class SeedResult:
     def of(cls, seed: int, found: Validation) -> SeedResult:
         """Result of one seed."""
         first = ""
-        if found.contacts:
-            one = found.contacts[0]
+        touches: list[ContactReport | GrazeReport] = [*found.contacts[:1], *found.grazes[:1]]
+        touches.sort(key=lambda one: one.time)
+        if touches:
+            one = touches[0]
             names = [body.name for body in found.run.bodies]
             who = " and ".join(names[i] for i in one.responsible)
             first = (
@@ -39,17 +44,25 @@ class SeedResult:
             )
         near = found.near_misses.distances
         return cls(
-            seed, found.verdict, found.code, len(found.contacts), found.run.ended,
+            seed, found.verdict, found.code, len(found.contacts), len(found.grazes),
+            found.run.ended,
             found.run.seconds, first, near[0].value if near else None,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class SeedStudy:
-    """Results of all seeds, in the order of seeds."""
+    """Results of all seeds, in the order of seeds; of the first ones when it was interrupted."""
 
     world: str
     results: tuple[SeedResult, ...]
+    asked: int
+    """number of seeds that it was to have"""
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether seeds are missing."""
+        return len(self.results) < self.asked
 
     @property
     def free(self) -> int:
@@ -106,6 +119,8 @@ def seeds_text(study: SeedStudy) -> str:
         f"{study.world}: {study.free} of {count} runs contact-free = {study.rate:.1%}, "
         f"95 % Clopper-Pearson interval {low:.1%} to {high:.1%}",
     ]
+    if study.interrupted:
+        lines.append(f"interrupted: {study.asked - count} of {study.asked} seeds were not run")
     if bad:
         lines.append(f"contacts with seeds {', '.join(bad)}")
     if wrong:

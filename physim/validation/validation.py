@@ -10,7 +10,12 @@ from physim.errors import RecordError
 from physim.record import Record
 from physim.scene import Body
 from physim.validation.comparison import Comparison, Confusion, compare
-from physim.validation.contact_report import ContactReport, contact_reports
+from physim.validation.contact_report import (
+    ContactReport,
+    GrazeReport,
+    contact_reports,
+    graze_reports,
+)
 from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger, work_out
 from physim.validation.near_misses import NearMisses, near_misses
@@ -49,6 +54,9 @@ class Validation:
     run: Run
     comparison: Comparison
     contacts: tuple[ContactReport, ...]
+    """at samples, where the engine sees them"""
+    grazes: tuple[GrazeReport, ...]
+    """between two samples"""
     near_misses: NearMisses
     resimulated: bool = False
     """the record was coarse: the run was simulated again, and its samples agreed"""
@@ -65,9 +73,14 @@ class Validation:
 
     @property
     def verdict(self) -> str:
-        """``contact-free``, ``contacts: N`` or ``checks disagree: N unexplained``."""
+        """``contact-free``, ``contacts: N`` or ``checks disagree: N unexplained``.
+
+        Contacts between samples are counted apart: ``contacts: N at samples, M between samples``.
+        """
         if self.unexplained:
             return f"checks disagree: {self.unexplained} unexplained"
+        if self.grazes:
+            return f"contacts: {len(self.contacts)} at samples, {len(self.grazes)} between samples"
         return f"contacts: {len(self.contacts)}" if self.contacts else "contact-free"
 
     @property
@@ -75,7 +88,7 @@ class Validation:
         """Exit code: 0 contact-free, 1 contacts, 3 checks disagree."""
         if self.unexplained:
             return DISAGREE
-        return CONTACTS if self.contacts else FREE
+        return CONTACTS if self.contacts or self.grazes else FREE
 
 
 def validate(record: Record, *, source: str | None = None, resimulated: bool = False) -> Validation:
@@ -92,8 +105,9 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     comparison = compare(record, ledger)
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
     return Validation(
-        _run(record, source), comparison, contacts, near_misses(record, ledger, table), resimulated
-    )
+        _run(record, source), comparison, contacts, graze_reports(record, table),
+        near_misses(record, ledger, table), resimulated,
+    )  # fmt: skip
 
 
 def confusions(validation: Validation) -> list[tuple[str, Confusion]]:

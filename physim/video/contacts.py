@@ -35,10 +35,16 @@ class Episodes:
     """(R,) [s] of the rows of the contact table, episode by episode"""
     row_place: FloatArray
     """(R, 2) [m] deepest point at those times"""
+    swept: NDArray[np.bool_]
+    """(C,) a graze: the two touch between two samples only"""
 
     def count(self, time: float) -> int:
-        """Return how many began at or before ``time`` [s]."""
+        """Return how many began at or before ``time`` [s], grazes included."""
         return int(np.searchsorted(self.began, time + 1e-9, side="right"))
+
+    def grazes(self, time: float) -> int:
+        """Return how many of them are grazes."""
+        return int(self.swept[: self.count(time)].sum())
 
     def recent(self, time: float, lasts: float) -> IntArray:
         """Return the episodes that began at most ``lasts`` seconds before ``time``, old first."""
@@ -88,5 +94,6 @@ def episodes(record: Record) -> Episodes:
     place = np.column_stack((table["x"], table["y"])).astype(np.float64)
     time = np.asarray(step * record.dt, dtype=np.float64)
     return Episodes(
-        time[first], ends * record.dt, bodies[first], place[first], first, rows, time, place
-    )
+        time[first], ends * record.dt, bodies[first], place[first], first, rows, time, place,
+        np.asarray(table["kind"][first] == Kind.SWEPT),
+    )  # fmt: skip

@@ -22,6 +22,7 @@ ROW = 21
 SIGN = 30
 """[px] room for the sign"""
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
+GRAZE = "graze between samples"
 TRAIL = f"trail, last {theme.TRAIL:g} s"
 DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
 BOUNDARY, SAFE, DANGER, ACCESSIBLE = "boundary", "safe area", "danger area", "accessible area"
@@ -45,6 +46,7 @@ def signs(story: Story, ground: Ground) -> list[str]:
     areas, record = bool(ground.safe), story.record
     shown = {
         CONTACT: True,
+        GRAZE: bool(story.contacts.swept.any()),
         CLOSEST: story.robots > 1,
         TARGET: story.has_targets,
         TRAIL: True,
@@ -123,8 +125,13 @@ def _contact(image: Image, left: float, y: float) -> None:
     marks.draw_contact(image, Lens(1.0, left + 11.0, y), np.zeros(2))
 
 
+def _graze(image: Image, left: float, y: float) -> None:
+    marks.draw_graze(image, Lens(1.0, left + 11.0, y), np.zeros(2))
+
+
 _SIGNS: dict[str, Callable[[Image, float, float], None]] = {
     CONTACT: _contact,
+    GRAZE: _graze,
     CLOSEST: _closest,
     TARGET: _target,
     TRAIL: _trail,

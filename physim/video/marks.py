@@ -71,6 +71,21 @@ def draw_contact(view: Image, lens: Lens, place: FloatArray) -> None:
         draw_cross(view, centre, 7.0, 4)
 
 
+def draw_graze(view: Image, lens: Lens, place: FloatArray) -> None:
+    """Draw the diamond of a graze between two samples at ``place`` (2,) [m]."""
+    centre = lens.pixels(place)
+    if np.isfinite(centre).all():
+        draw_diamond(view, centre, 9.0, 3)
+
+
+def draw_diamond(image: Image, centre: FloatArray, arm: float, width: int) -> None:
+    """Draw an open diamond in the contact colour, ``arm`` [px] to each side of ``centre``."""
+    corners = arm * np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+    diamond = [fixed(centre + corners)]
+    cv2.polylines(image, diamond, True, theme.WHITE, width + 3, cv2.LINE_AA, SHIFT)
+    cv2.polylines(image, diamond, True, theme.CONTACT, width, cv2.LINE_AA, SHIFT)
+
+
 def draw_cross(image: Image, centre: FloatArray, arm: float, width: int) -> None:
     """Draw a cross in the contact colour, ``arm`` [px] to each side, at ``centre`` (2,) [px]."""
     arms = arm * np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])

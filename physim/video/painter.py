@@ -79,7 +79,8 @@ class Painter:
         depth = float(np.min(record.clearance[sample]))
         wall = float(np.min(record.boundary_clearance[sample]))
         deviation = float(story.deviations(rows)[0])
-        now = Now(time, story.contacts.count(time), pair, depth, wall, modes, deviation)
+        touched = story.contacts.count(time), story.contacts.grazes(time)
+        now = Now(time, touched[0] - touched[1], touched[1], pair, depth, wall, modes, deviation)
         panel = self._layout.panel.of(image)
         self._panel.paint(panel, now)
         if self._overview is not None:
@@ -124,14 +125,18 @@ class Painter:
         self._write_labels(view, lens, outlines, pair, lens.pixels(targets))
 
     def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
-        """A flash where a contact begins; a cross that goes with it for as long as it lasts."""
+        """A flash where a contact begins; a cross that goes with it for as long as it lasts.
+
+        A graze between two samples has a sign of its own.
+        """
         contacts = self.story.contacts
         recent = contacts.recent(time, marks.mark_lasts(self._speed))
         for row in recent:
             age = time - float(contacts.began[row])
             marks.draw_flash(view, lens, contacts.place[row], age, self._speed)
         for row in np.union1d(recent, contacts.present(time)):
-            marks.draw_contact(view, lens, contacts.place_at(int(row), time))
+            draw = marks.draw_graze if contacts.swept[row] else marks.draw_contact
+            draw(view, lens, contacts.place_at(int(row), time))
 
     def _trails(self, time: float, pose: FloatArray) -> FloatArray:
         """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""

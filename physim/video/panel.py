@@ -27,6 +27,9 @@ class Now(NamedTuple):
 
     time: float
     contacts: int
+    """at samples"""
+    grazes: int
+    """between samples"""
     pair: Pair | None
     depth: float
     """[m] signed clearance of the closest robots, for an overlap; not used while apart"""
@@ -128,8 +131,10 @@ class Panel:
         cv2.line(image, (PAD, y), (done, y), theme.QUIET, 5)
 
     def _figures(self, image: Image, now: Now) -> None:
-        contact = theme.CONTACT if now.contacts else theme.INK
+        contact = theme.CONTACT if now.contacts or now.grazes else theme.INK
         rows = [("contacts so far", str(now.contacts), contact)]
+        if self._story.contacts.swept.any():
+            rows = [("contacts, grazes so far", f"{now.contacts}, {now.grazes}", contact)]
         if now.pair is not None:
             names = self._story.record.names
             pair = " – ".join(shorten(names[k], theme.TEXT, 48) for k in (now.pair.a, now.pair.b))

@@ -1,12 +1,13 @@
 """Formation error or deviation of each robot over the run, drawn up to the present time.
 
-A cross on the time axis says when a contact began.
+A cross on the time axis says when a contact began, a diamond when two grazed between samples.
 """
 
 from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.video import marks, theme
@@ -48,9 +49,17 @@ class Strip:
         self._blank = self._axes()
         self._full = self._blank.copy()
         self._draw_lines(times, values)
-        self._began = np.unique(np.rint(self._x(story.contacts.began)).astype(int))
+        self._grazes = self._columns(story.contacts.swept)
+        self._began = self._columns(~story.contacts.swept)
+        for x in self._grazes:
+            self._draw_graze(self._full, int(x))
         for x in self._began:
             self._draw_contact(self._full, int(x))
+
+    def _columns(self, chosen: NDArray[np.bool_]) -> IntArray:
+        """Return where on the time axis the chosen contacts began, each column once."""
+        began = self._story.contacts.began[chosen]
+        return np.unique(np.rint(self._x(began)).astype(np.int64))
 
     def _x(self, time: FloatArray | float) -> FloatArray:
         return LEFT + np.asarray(time) / max(self._story.duration, 1e-9) * self._wide
@@ -95,14 +104,22 @@ class Strip:
     def _draw_contact(self, image: Image, x: int) -> None:
         marks.draw_cross(image, np.array([x, TOP + self._high], dtype=np.float64), ARM, 2)
 
+    def _draw_graze(self, image: Image, x: int) -> None:
+        centre = np.array([x, TOP + self._high], dtype=np.float64)
+        marks.draw_diamond(image, centre, ARM + 1, 2)
+
     def paint(self, image: Image, time: float, rows: IntArray) -> None:
         """Draw the strip as it is at ``time`` [s]; ``rows``: the robots' last decisions."""
         cursor = int(np.rint(self._x(time)))
         image[:] = self._blank
         image[:, : cursor + 1] = self._full[:, : cursor + 1]
         cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), theme.QUIET, 1)
-        for x in self._began[(self._began <= cursor) & (self._began > cursor - 2 * ARM)]:
-            self._draw_contact(image, int(x))  # whole, though half of it is still covered
+        # whole, though half of it is still covered
+        for columns, draw in (
+            (self._grazes, self._draw_graze), (self._began, self._draw_contact)
+        ):  # fmt: skip
+            for x in columns[(columns <= cursor) & (columns > cursor - 2 * ARM - 2)]:
+                draw(image, int(x))
         if time >= LEAST * self._story.duration:
             self._write_names(image, cursor, self._curves.values(rows))
 

@@ -250,7 +250,7 @@ class Expectation(Model):
     """What a run must show; a run that does not ends with exit code 1."""
 
     contacts: Annotated[Whole, Field(ge=0)] | None = Field(
-        default=None, description="largest number of contacts"
+        default=None, description="largest number of contacts, touches between two samples included"
     )
     min_distance: Distance | None = Field(
         default=None, description="[m] least distance between two robots"

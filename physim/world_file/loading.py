@@ -52,14 +52,25 @@ def parse_world(
     *,
     overrides: Sequence[str] = (),
     controller: str | None = None,
+    check_controller: bool = True,
 ) -> World:
-    """Read a world from the text of a world file. Raises `WorldError` as `load_world` does."""
+    """Read a world from the text of a world file. Raises `WorldError` as `load_world` does.
+
+    Without ``check_controller`` the name and the settings of the controller are taken as they are
+    written, and no controller is looked up or imported: for a world that is only to be read.
+    """
     document = read_document(text, source)
-    return world_of(document, overrides=overrides, controller=controller)[0]
+    return world_of(
+        document, overrides=overrides, controller=controller, check_controller=check_controller
+    )[0]
 
 
 def world_of(
-    document: Document, *, overrides: Sequence[str] = (), controller: str | None = None
+    document: Document,
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+    check_controller: bool = True,
 ) -> tuple[World, Document]:
     """World of a document, and the document with the overrides in it.
 
@@ -77,7 +88,9 @@ def world_of(
         document = _with_controller(document, controller)
     document = apply_overrides(document, overrides)
     values = document.values()
-    faults = _controller_faults(values, trusted=controller is not None)
+    faults: list[Fault] = []
+    if check_controller:
+        faults = _controller_faults(values, trusted=controller is not None)
     world: World | None = None
     try:
         world = World(**values)

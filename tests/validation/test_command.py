@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import signal
 
 import h5py
 import pytest
 
+import physim
 from physim.cli import main
-from tests.validation.runs import APART, LANE, REAR_END, lane
+from tests.cli.commands import started
+from tests.validation.runs import APART, LANE, REAR_END, edited, lane
 
 CARELESS = "tests.validation.runs:Careless"
 ANY_HEADING = LANE.replace("[4.6, -1.0, 0.0]", "[4.6, -1.0, random]")
@@ -78,6 +81,15 @@ def test_coarse_record_is_simulated_again(folder, capsys):
     code, _, err = run(capsys, path)
     assert code == 2
     assert "m away from its recorded sample" in err
+
+
+def test_a_coarse_record_without_its_contacts(folder, capsys):
+    with lane(REAR_END, **{"time.record_every": 7}) as record:
+        edited(record, folder / "fewer.h5", lambda rows: rows[:-1]).close()
+    code, out, err = run(capsys, folder / "fewer.h5", "--controller", CARELESS)
+    assert (code, out) == (2, "")
+    assert "the contacts are not those of the record" in err
+    one_line(err)
 
 
 def test_origin(folder, capsys):
@@ -155,3 +167,61 @@ def test_bad_arguments(folder, capsys, monkeypatch, arguments):
     code, _, err = run(capsys, *arguments)
     assert code == 2
     one_line(err)
+
+
+def from_a_class(folder, name, **changes):
+    """A record whose world names the class that it was run with, as the command line does."""
+    overrides = [f"{key}={value}" for key, value in changes.items()]
+    world = physim.load_world(folder / "lane.yaml", overrides=overrides, controller=CARELESS)
+    physim.simulate(world, controller=CARELESS, path=folder / name, overwrite=True).close()
+    return folder / name
+
+
+def test_a_record_tells_its_world_without_the_code_of_its_controller(folder, tmp_path):
+    path = tmp_path / "record.h5"
+    path.write_bytes(from_a_class(folder, "mine.h5").read_bytes())
+    with h5py.File(path, "r+") as file:
+        text = file.attrs["world"].replace(CARELESS, "nowhere.to_be_found:Evil")
+        file.attrs["world"] = text
+    with physim.Record.load(path) as record:
+        assert record.world.controller.type == "nowhere.to_be_found:Evil"
+        assert record.world.robots[1].name == "fast"
+    # A world from a file may still not name a class.
+    with pytest.raises(physim.WorldError, match="names a class"):
+        physim.parse_world(text)
+
+
+def test_a_record_of_a_class_needs_no_code_unless_it_is_simulated_again(folder, capsys):
+    fine = from_a_class(folder, "fine.h5")
+    code, out, _ = run(capsys, fine)
+    assert code == 1
+    assert CARELESS in out
+    coarse = from_a_class(folder, "coarse_class.h5", **{"time.record_every": 5})
+    code, out, err = run(capsys, coarse)
+    assert (code, out) == (2, "")
+    assert f"give --controller {CARELESS}" in err
+    one_line(err)
+    assert run(capsys, coarse, "--controller", CARELESS)[0] == 1
+
+
+def test_ctrl_c_keeps_the_seeds_so_far(folder):
+    target = folder / "interrupted.json"
+    target.unlink(missing_ok=True)
+    process = started("validate", "any.yaml", "--seeds", "1:100000", "--json", target.name,
+                      "--set", "time.duration=1.0", folder=folder)  # fmt: skip
+    try:
+        lines = [process.stdout.readline() for _ in range(3)]
+        assert all(line.startswith("seed ") for line in lines), lines
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130
+    assert err.count("\n") == 1
+    found = json.loads(target.read_text(encoding="utf-8"))
+    assert (found["interrupted"], found["exit_code"], found["seeds_asked"]) == (True, 130, 99999)
+    seeds = [one["seed"] for one in found["seeds"]]
+    assert seeds == list(range(1, found["runs"] + 1))
+    assert len(seeds) >= 3
+    assert f"of {found['runs']} runs contact-free" in out
+    assert f"interrupted: {99999 - found['runs']} of 99999 seeds were not run" in out

@@ -9,7 +9,7 @@ import physim
 from physim.contacts import Phase
 from physim.errors import RecordError
 from physim.validation import report, validate
-from physim.validation.comparison import GRAZE
+from physim.validation.findings import GRAZE
 from physim.validation.prediction import AGREES
 from tests.validation.runs import lane
 

@@ -1,0 +1,149 @@
+"""Contacts between samples: recorded, counted apart, held against the swept check."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+
+import physim
+from physim.contacts import Kind, Phase
+from physim.expectations import expectations
+from physim.metrics import contact_episodes, grazes
+from physim.summary import table
+from physim.validation import report, validate
+from physim.validation.findings import GRAZE, REJECTED
+from physim.validation.ledger import work_out
+from physim.video.contacts import episodes
+from physim.video.ground import ground
+from physim.video.legend import GRAZE as GRAZE_SIGN
+from physim.video.legend import signs
+from physim.video.story import Story
+from tests.validation.runs import edited, lane, side_by_side
+
+DEPTH = 4e-4
+
+
+def pass_by(depth: float, **changes):
+    """The fast one's rear corner passes ``depth`` [m] inside a corner of the standing one."""
+    pose = f"[{4.822182541 + depth * 2**0.5!r}, -1.0, {np.pi / 4!r}]"
+    return lane(((0.0, 0.0), (1.4, 0.0)), **{"robots.1.pose": pose, **changes})
+
+
+@pytest.fixture(scope="module")
+def grazing():
+    return pass_by(DEPTH, **{"expect.contacts": 0})
+
+
+def said(found):
+    return " ".join(report(found).split())
+
+
+def test_a_graze_is_a_row_of_its_own_kind(grazing):
+    (row,) = grazing.contacts
+    assert (row["kind"], row["phase"], row["impulse"]) == (Kind.SWEPT, Phase.BEGAN, 0.0)
+    assert (row["a"], row["b"]) == (0, 1)
+    assert row["depth"] == pytest.approx(DEPTH, rel=0.3)
+    assert np.hypot(row["nx"], row["ny"]) == pytest.approx(1.0)
+    # front right corner of the standing one
+    assert (row["x"], row["y"]) == pytest.approx((8.0 - 0.9, 0.5), abs=2e-3)
+    assert grazing.clearance[row["step"] - 1].min() > 1e-9 < grazing.clearance[row["step"]].min()
+
+
+def test_one_that_just_misses_leaves_no_row():
+    assert len(pass_by(-1e-4).contacts) == 0
+
+
+def test_it_is_counted_apart_and_still_is_a_contact(grazing):
+    assert contact_episodes(grazing) == ()
+    (graze,) = grazes(grazing)
+    summary = physim.summarise(grazing)
+    assert summary.contacts.count == 0
+    assert [one.bodies for one in summary.grazes] == [("slow", "fast")]
+    assert summary.grazes[0].time_s == graze.time
+    text = " ".join(table(summary).split())
+    assert "contacts 0 grazes between samples 1, first at" in text
+    (held,) = expectations(grazing)
+    assert (held.key, held.got, held.held) == ("contacts", 1, False)
+
+
+def test_the_verdict_names_it(grazing):
+    found = validate(grazing)
+    assert (found.verdict, found.code) == ("contacts: 0 at samples, 1 between samples", 1)
+    assert [one.cause for one in found.comparison.disagreements] == [GRAZE]
+    assert found.grazes[0].responsible == (1,)
+    assert "where the engine does not look, bodies touched once;" in said(found)
+    assert "Responsible is fast" in said(found)
+    assert found.near_misses.distances == ()
+
+
+def test_the_video_counts_and_marks_it_apart(grazing):
+    seen = episodes(grazing)
+    time = float(seen.began[0])
+    assert seen.swept.tolist() == [True]
+    assert (seen.count(time - 0.01), seen.grazes(time - 0.01)) == (0, 0)
+    assert (seen.count(time), seen.grazes(time)) == (1, 1)
+    assert GRAZE_SIGN in signs(Story(grazing), ground(grazing))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda rows: rows[:0], "not in the record"),
+        (lambda rows: shifted(rows, "step", 3), "in the record, shapes apart"),
+        (lambda rows: shifted(rows, "depth", 1e-6), "m by the shapes"),
+    ],
+)
+def test_a_false_row_is_found_out(tmp_path, grazing, change, told):
+    with edited(grazing, tmp_path / "record.h5", change) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert told in said(found)
+
+
+def shifted(rows, column, by):
+    rows[column] += by
+    return rows
+
+
+def test_grazing_a_wall():
+    """The tip of the turning robot's corner swings through the wall's skin within one step."""
+    found = []
+    for gap in np.linspace(-2e-4, 2e-4, 9).tolist():
+        y = 4.0 - 1.0 + gap
+        changes = {"robots.1.pose": f"[4.6, {y!r}, 1.1883]", "time.step": 0.03,
+                   "robots.0.pose": "[20.0, -1.0, 0.0]"}  # fmt: skip
+        with lane(((0.0, 0.0), (0.0, 1.5)), **changes) as record:
+            ours = work_out(record).grazes
+            rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+            assert rows["step"].tolist() == ours["step"].tolist()
+            assert rows["b"].tolist() == ours["b"].tolist()
+            assert validate(record).comparison.unexplained == 0
+            found += rows["depth"].tolist()
+    assert found
+    assert max(found) < 1e-3
+
+
+@pytest.mark.parametrize("every", [1, 7, 300])
+def test_blocks_of_any_size_find_the_same(every, grazing):
+    with pass_by(DEPTH, **{"time.record_every": every}) as record:
+        assert record.contacts.tobytes() == grazing.contacts.tobytes()
+
+
+def test_rejected_false_contacts_are_told_one_by_one(tmp_path):
+    with side_by_side(13, guarded=True) as record:
+        rows = record.false_contacts
+        assert len(rows) == record.rejected_contacts > 0
+        assert rows["distance"] == pytest.approx(0.2)
+        found = validate(record)
+        assert (found.verdict, found.comparison.unexplained) == ("contact-free", 0)
+        causes = {one.cause for one in found.comparison.disagreements}
+        assert causes == {REJECTED}
+        assert sum(one.steps for one in found.comparison.disagreements) == len(rows)
+        record.save(tmp_path / "record.h5")
+    with h5py.File(tmp_path / "record.h5", "r+") as file:
+        rows = file["/false_contacts"][()]
+        rows["distance"] -= 0.01
+        file["/false_contacts"][...] = rows
+    with physim.Record.load(tmp_path / "record.h5") as record:
+        assert validate(record).code == 3

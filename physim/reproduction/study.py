@@ -1,0 +1,69 @@
+"""What an experiment consists of: arms that differ in one thing, seeds, measures and a verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from physim.record import Record
+
+Measures = Mapping[str, float]
+"""Figures of one run by name; nan where one has no meaning for it."""
+
+
+class Outcome(Enum):
+    """How what was measured stands to what was claimed."""
+
+    MET = "met"
+    PARTLY = "partly met"
+    NOT_MET = "not met"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One claim, what was measured for it, and how the two agree; computed, never typed."""
+
+    claim: str
+    reported: str
+    measured: str
+    outcome: Outcome
+    remark: str = ""
+    """one sentence where the paper's lost data make an exact match impossible"""
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One way of running: a shipped world with some values changed."""
+
+    label: str
+    """as it stands on an axis or in a table"""
+    world: str
+    overrides: tuple[str, ...] = ()
+    """``KEY=VALUE`` as for ``physim run --set``"""
+
+
+@dataclass(frozen=True)
+class Study:
+    """An experiment: the same seeds in every arm.
+
+    ``measure`` is a module-level function (it is sent to worker processes) from a record to
+    figures; it must not keep the record. ``conclude`` and ``draw`` get, for every arm in order, the
+    measures of every seed in order.
+    """
+
+    name: str
+    """word for files and the command line"""
+    title: str
+    claim: str
+    """the paper's claim in our words"""
+    arms: tuple[Arm, ...]
+    measure: Callable[[Record], Measures]
+    conclude: Callable[[Sequence[Sequence[Measures]]], Sequence[Verdict]]
+    draw: Callable[[Figure, Sequence[Sequence[Measures]]], None]
+    seeds: int = 20
+    quick_seeds: int = 2

@@ -29,6 +29,7 @@ LAYERS = {
     "physim.linking": (0, 0),
     "physim.compiled": (0, 1),
     "physim.randomness": (0, 0),
+    "physim.palette": (0, 0),
     "physim._version": (0, 0),
     "physim.worlds": (0, 0),
     "physim.geometry": (0, 2),

@@ -1,0 +1,83 @@
+"""One picture of a world before it is run: the map, the width profile, words about both."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from physim.errors import PhysimError
+from physim.plots.style import INK, QUIET, styled
+from physim.preview.contents import Contents, contents
+from physim.preview.ground_plan import draw_map
+from physim.preview.key import draw_key
+from physim.preview.profile import draw_profile
+from physim.preview.words import counts, drawable, shortened
+from physim.registry import make_controller
+from physim.scene_builder import Layout
+
+FORMATS = ("png", "svg")
+SIZE = (11.0, 9.0)
+"""[in]"""
+DPI = 150
+MAP = (0.075, 0.315, 0.69, 0.57)
+PROFILE = (0.075, 0.065, 0.69, 0.175)
+KEY = (0.785, 0.315, 0.205, 0.57)
+"""left, bottom, width, height as shares of the picture: the same for every world"""
+
+
+def make_figure(layout: Layout) -> Any:
+    """Figure of a world; call it within `physim.plots.style.styled`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    shown = contents(layout, _safe_distance(layout))
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    FigureCanvasAgg(figure)
+    _title(figure, shown)
+    plan = figure.add_axes(MAP)
+    names = [drawable(robot.name, i) for i, robot in enumerate(shown.robots)]
+    named = draw_map(plan, shown, names)
+    draw_profile(figure.add_axes(PROFILE), shown)
+    draw_key(figure.add_axes(KEY), shown, named)
+    return figure
+
+
+def _safe_distance(layout: Layout) -> float:
+    """L of the controller [m]; 0 where it has none."""
+    choice = layout.world.controller
+    settings = getattr(make_controller(choice.type, choice.settings), "settings", None)
+    return float(getattr(settings, "safe_distance", 0.0))
+
+
+def _title(figure: Any, shown: Contents) -> None:
+    lines = (
+        (shown.name, 13.0, "bold", INK, 0.968),
+        (shown.description, 9.0, "normal", INK, 0.938),
+        (counts(shown), 9.0, "normal", QUIET, 0.912),
+    )
+    for text, size, weight, colour, height in lines:
+        text = shortened(figure, text, size, weight, 0.94)
+        figure.text(0.03, height, text, fontsize=size, fontweight=weight, color=colour, va="center")
+
+
+def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
+    """Draw a world as PNG or SVG, by the ending of ``path``: whole or not at all.
+
+    The same world gives the same file. Raises PhysimError for another ending and where the file
+    cannot be written.
+    """
+    path = Path(path)
+    format = path.suffix[1:].lower()
+    if format not in FORMATS:
+        raise PhysimError(f"{path}: pictures end in .png or .svg")
+    part = path.with_name(f".{path.name}.part")
+    options: dict[str, Any] = {"metadata": {"Date": None}} if format == "svg" else {}
+    try:
+        with styled():
+            make_figure(layout).savefig(part, format=format, dpi=DPI, **options)
+        part.replace(path)
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,80 @@
+"""The width profile of a preview: corridor width along the reference path (Fig. 4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from physim import palette
+from physim.plots.style import BLUE, INK, QUIET, VERMILION
+from physim.preview.contents import Contents
+from physim.preview.ground_plan import MOST_TICKS, hexed, round_step
+
+
+def draw_profile(axis: Any, shown: Contents) -> None:
+    """Draw width against station, with what the robots need beside it."""
+    from matplotlib.ticker import MultipleLocator
+
+    station, width = shown.widths.station, shown.widths.width
+    finite = np.isfinite(width)
+    top = 1.12 * max(float(width[finite].max(initial=0.0)), _most_needed(shown))
+    needed = 2.0 * shown.safe_distance
+    floor = palette.SAFE_AREA if needed else palette.FLOOR
+    for where, colour in ((width >= needed, floor), (width < needed, palette.DANGER_AREA)):
+        axis.fill_between(station, 0.0, np.where(finite, width, top), where=where,
+                          color=hexed(colour), linewidth=0.0)  # fmt: skip
+    if shown.boundary_widths is not None:
+        other = shown.boundary_widths
+        axis.plot(other.station, other.width, "--", color=QUIET, linewidth=0.9)
+    axis.plot(station, width, color=BLUE, linewidth=1.5, gid="width")
+    k = shown.narrowest
+    if finite[k]:
+        axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
+        axis.annotate(
+            f"{width[k]:.3g} m at {station[k]:.4g} m", (station[k], width[k]), (0, -4),
+            textcoords="offset points", ha=_side(station[k] / shown.length), va="top",
+            color=BLUE, fontsize=8.5, fontweight="bold",
+        )  # fmt: skip
+    _needs(axis, shown, top)
+    axis.set(xlim=(0.0, shown.length), ylim=(0.0, top))
+    axis.set(xlabel="station along the reference path [m]", ylabel="width [m]")
+    axis.xaxis.set_major_locator(MultipleLocator(round_step(shown.length, MOST_TICKS)))
+    axis.locator_params(axis="y", nbins=5)
+
+
+def _side(share: float) -> str:
+    return "left" if share < 0.15 else "right" if share > 0.85 else "center"
+
+
+def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
+    """Width [m], words, colour and dash of every level that the width is compared with."""
+    aligned = max(shown.robots, key=lambda robot: robot.across)
+    turning = max(shown.robots, key=lambda robot: robot.reach)
+    found = [
+        (2.0 * turning.reach, "widest robot, any heading", INK, (0, (5, 2))),
+        (aligned.across, "widest robot, aligned", INK, (0, (1, 1.5))),
+    ]
+    if shown.safe_distance:
+        found.append((2.0 * shown.safe_distance, "2L: below, no safe area", VERMILION, (0, (7, 2))))
+    return found
+
+
+def _most_needed(shown: Contents) -> float:
+    return max(level for level, *_ in _levels(shown))
+
+
+def _needs(axis: Any, shown: Contents, top: float) -> None:
+    """Level lines, named at their right ends without overlap."""
+    high = axis.figure.get_size_inches()[1] * axis.get_position().height * 72.0
+    apart = 10.5 * top / high
+    levels = sorted(_levels(shown))
+    place = -np.inf
+    for level, words, colour, dash in levels:
+        axis.axhline(level, color=colour, linewidth=1.0, linestyle=dash)
+        place = max(level, place + apart)
+        axis.annotate(
+            f"{level:.3g} m  {words}", (1.0, level), (1.012, place),
+            xycoords=axis.get_yaxis_transform(), textcoords=axis.get_yaxis_transform(),
+            color=colour, fontsize=7.8, va="center", annotation_clip=False,
+        )  # fmt: skip

@@ -9,11 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
 
 AT_ONCE = 200_000
 """Pairs of place and segment worked on together: some tens of MB."""
+EVEN = 1.0e-9
+"""Share by which widths may differ and still count as equal."""
 NEARER = 40
 """Places tried between two neighbours of the narrowest one, twice."""
 
@@ -39,6 +42,32 @@ class Widths:
     def width(self) -> FloatArray:
         """(K,) [m] left plus right."""
         return self.left + self.right
+
+    @property
+    def between(self) -> NDArray[np.bool_]:
+        """(K,) whether the two nearest points lie on opposite sides, at least 90 degrees apart.
+
+        Near an end of the corridor both may lie on the wall that closes it, before or behind the
+        path: then the two distances add up to no width that a robot must fit through.
+        """
+        left, right = self.left_foot - self.point, self.right_foot - self.point
+        return np.asarray((left * right).sum(axis=1) <= 0.0)  # False where one is nan
+
+    @property
+    def narrowest(self) -> int | None:
+        """Index of the narrowest place between two sides; None where there is none.
+
+        Where a stretch is evenly narrow, the middle of the longest such stretch.
+        """
+        width = np.where(self.between, self.width, np.inf)
+        if not np.isfinite(least := width.min(initial=np.inf)):
+            return None
+        even = np.concatenate(([False], width <= least * (1.0 + EVEN), [False]))
+        first, end = np.flatnonzero(np.diff(even.astype(int))).reshape(-1, 2).T
+        length = self.station[end - 1] - self.station[first]
+        k = int(np.argmax(length))
+        middle = self.station[first[k]] + length[k] / 2.0
+        return int(first[k] + np.argmin(np.abs(self.station[first[k] : end[k]] - middle)))
 
 
 def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> Widths:
@@ -66,17 +95,30 @@ def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> W
 def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Widths:
     """Widths at ``places`` evenly spaced stations, at every waypoint and round the narrowest.
 
-    The narrowest place is sought again between its neighbours, to 1/400 of their distance.
+    Round the narrowest place more are taken between its neighbours, 1/400 of their distance apart
+    at last.
     """
     along = _legs(path)[2]
-    stations = np.unique(np.concatenate((np.linspace(0.0, along[-1], places), along)))
-    widths = widths_at(path, stations, segments)
+    widths = widths_at(
+        path, np.unique(np.concatenate((np.linspace(0.0, along[-1], places), along))), segments
+    )
     for _ in range(2):
-        k = int(np.argmin(widths.width))
-        low, high = stations[max(k - 1, 0)], stations[min(k + 1, len(stations) - 1)]
-        stations = np.union1d(stations, np.linspace(low, high, NEARER + 1))
-        widths = widths_at(path, stations, segments)
+        k = widths.narrowest
+        if k is None:
+            break
+        low, high = widths.station[max(k - 1, 0)], widths.station[min(k + 1, len(widths.station) - 1)]
+        more = widths_at(path, np.linspace(low, high, NEARER + 1)[1:-1], segments)
+        widths = _joined(widths, more)
     return widths
+
+
+def _joined(one: Widths, other: Widths) -> Widths:
+    """The places of both, by station."""
+    pairs = [
+        np.concatenate(pair) for pair in zip(vars(one).values(), vars(other).values(), strict=True)
+    ]
+    order = np.unique(pairs[0], return_index=True)[1]
+    return Widths(*(column[order] for column in pairs))
 
 
 def _legs(path: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -86,11 +86,6 @@ class Contents:
         points = np.concatenate(cloud)
         return points.min(axis=0), points.max(axis=0)
 
-    @property
-    def narrowest(self) -> int:
-        """Index of the narrowest place among ``widths``."""
-        return int(np.argmin(self.widths.width))
-
 
 def contents(layout: Layout, safe_distance: float) -> Contents:
     """Work out what to show of a world; ``safe_distance`` is L [m], 0 for none."""

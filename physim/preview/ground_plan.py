@@ -10,18 +10,17 @@ import numpy as np
 import shapely
 
 from physim import palette
-from physim.geometry.corridor_width import widths_at
 from physim.geometry.shapes import FloatArray
 from physim.palette import Colour, robot_colour
-from physim.plots.style import BLUE, INK, QUIET
+from physim.plots.style import BLUE, INK
 from physim.preview.contents import Contents, Route
-from physim.preview.labels import Label, placed
+from physim.preview.lettering import letter
 
 MARGIN = 0.04
 """Share of the map that is left free round the world."""
 MOST_TICKS = 14
 """Station ticks along the reference path, about."""
-SMALL = 5.0
+SMALL = 2.5
 """[pt] A robot smaller than this has a ring round it."""
 STALK = 5.0
 """[pt] by which the heading line reaches beyond the footprint"""
@@ -29,8 +28,6 @@ DASH = (3.2, 2.6)
 """[pt] in the danger area"""
 TURN = 14.5
 """[pt] length that each colour of a shared path has; a whole number of dashes and gaps"""
-MOST_NAMED = 300
-"""Robots whose names are tried; beyond that every k-th."""
 
 
 def hexed(colour: Colour) -> str:
@@ -56,7 +53,8 @@ def draw_map(axis: Any, shown: Contents, names: Sequence[str]) -> int:
     _narrowest(axis, shown)
     _stops(axis, shown)
     _robots(axis, shown)
-    return _labels(axis, shown, names)
+    point, _, station = station_ticks(shown)
+    return letter(axis, shown, names, (point, station))
 
 
 def _frame(axis: Any, shown: Contents) -> None:
@@ -174,8 +172,8 @@ def _route(axis: Any, route: Route) -> None:
 
 def _narrowest(axis: Any, shown: Contents) -> None:
     """The shortest segments to both sides at the narrowest place."""
-    k = shown.narrowest
-    if not np.isfinite(shown.widths.width[k]):
+    k = shown.widths.narrowest
+    if k is None:
         return
     bar = [shown.widths.left_foot[k], shown.widths.point[k], shown.widths.right_foot[k]]
     _lines(axis, [np.array(bar)], colors=BLUE, linewidths=1.8, zorder=3.3, gid="narrowest")
@@ -208,71 +206,5 @@ def _robots(axis: Any, shown: Contents) -> None:
     small = reach * scale < SMALL
     if small.any():
         edges = [colour for colour, ringed in zip(colours, small, strict=True) if ringed]
-        axis.scatter(*pose[small, :2].T, s=(2.0 * SMALL) ** 2, facecolors="none",
+        axis.scatter(*pose[small, :2].T, s=(4.0 * SMALL) ** 2, facecolors="none",
                      edgecolors=edges, linewidths=1.0, zorder=4.2, gid="rings")  # fmt: skip
-
-
-def _labels(axis: Any, shown: Contents, names: Sequence[str]) -> int:
-    """Width, names and stations, in this order of importance; returns the number of names."""
-    transform = axis.transData + axis.figure.dpi_scale_trans.inverted()
-    room = 72.0 * np.array(
-        (axis.get_position().extents.reshape(2, 2) * axis.figure.get_size_inches()).ravel()
-    ) + (2.0, 2.0, -2.0, -2.0)  # fmt: skip
-
-    def points(places: FloatArray) -> FloatArray:
-        inches: FloatArray = transform.transform(places)
-        return 72.0 * inches
-
-    taken = [_boxes(points, robot.outline, 1.0) for robot in shown.robots]
-    taken += [_boxes(points, robot.stop[None], 3.2) for robot in shown.robots]
-    texts, labels = [], []
-    if np.isfinite(shown.widths.width[shown.narrowest]):
-        texts.append((f"{shown.widths.width[shown.narrowest]:.3g} m", BLUE, 8.5, "bold"))
-        place = points(shown.widths.left_foot[shown.narrowest][None])[0]
-        labels.append(Label(tuple(place), 3.0, text_size(axis.figure, texts[-1][0], 8.5, "bold")))
-    every = max(1, ceil(len(names) / MOST_NAMED))
-    scale = points_a_metre(axis)
-    for i in range(0, len(names), every):
-        robot = shown.robots[i]
-        texts.append((names[i], INK, 7.5, "normal"))
-        size = text_size(axis.figure, names[i], 7.5, "normal")
-        place = points(robot.pose[None, :2])[0]
-        reach = max(robot.reach * scale, SMALL if robot.reach * scale < SMALL else 0.0)
-        labels.append(Label(tuple(place), reach, size))
-    named = len(texts)
-    point, normal, stations = station_ticks(shown)
-    for at, station in zip(points(point), stations, strict=True):
-        text = f"{station:.12g}"
-        texts.append((text, QUIET, 6.5, "normal"))
-        labels.append(Label(tuple(at), 3.0, text_size(axis.figure, text, 6.5, "normal")))
-    middles = placed(labels, np.concatenate(taken), room)
-    inverse = transform.inverted()
-    for (text, colour, size, weight), middle in zip(texts, middles, strict=True):
-        if middle is None:
-            continue
-        axis.text(
-            *inverse.transform(middle / 72.0), text, color=colour, fontsize=size,
-            fontweight=weight, ha="center", va="center", zorder=5.0,
-            bbox={"facecolor": "white", "alpha": 0.72, "linewidth": 0.0, "pad": 0.6},
-        )  # fmt: skip
-    first = len(texts) - named
-    count = len(labels) - len(stations) - (named - len(names[::every]))
-    del first, count
-    skip = named - len(names[::every])
-    return sum(middle is not None for middle in middles[skip:named])
-
-
-def _boxes(points: Any, places: FloatArray, more: float) -> FloatArray:
-    """Box (1, 4) [pt] round places [m], larger by ``more`` on every side."""
-    corners = points(places)
-    return np.concatenate((corners.min(axis=0) - more, corners.max(axis=0) + more))[None]
-
-
-def text_size(figure: Any, text: str, size: float, weight: str) -> tuple[float, float]:
-    """Width and height [pt] of a text, with a little air."""
-    from matplotlib.font_manager import FontProperties
-
-    renderer = figure.canvas.get_renderer()
-    font = FontProperties(size=size, weight=weight)
-    wide, high, _ = renderer.get_text_width_height_descent(text, font, False)
-    return 72.0 * wide / figure.dpi + 3.0, max(72.0 * high / figure.dpi, size) + 1.6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 from typing import Any
@@ -20,9 +21,9 @@ FORMATS = ("png", "svg")
 SIZE = (11.0, 9.0)
 """[in]"""
 DPI = 150
-MAP = (0.075, 0.315, 0.69, 0.57)
-PROFILE = (0.075, 0.065, 0.69, 0.175)
-KEY = (0.785, 0.315, 0.205, 0.57)
+MAP = (0.075, 0.315, 0.68, 0.57)
+PROFILE = (0.075, 0.065, 0.68, 0.175)
+KEY = (0.772, 0.315, 0.218, 0.57)
 """left, bottom, width, height as shares of the picture: the same for every world"""
 
 
@@ -71,13 +72,18 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
     format = path.suffix[1:].lower()
     if format not in FORMATS:
         raise PhysimError(f"{path}: pictures end in .png or .svg")
+    options: dict[str, dict[str, Any]] = {
+        "png": {"pil_kwargs": {"compress_level": 3}},
+        "svg": {"metadata": {"Date": None}},
+    }
+    drawn = io.BytesIO()
+    with styled():
+        make_figure(layout).savefig(drawn, format=format, dpi=DPI, **options[format])
     part = path.with_name(f".{path.name}.part")
-    options: dict[str, Any] = {"metadata": {"Date": None}} if format == "svg" else {}
     try:
-        with styled():
-            make_figure(layout).savefig(part, format=format, dpi=DPI, **options)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(drawn.getvalue())
         part.replace(path)
     except OSError as error:
-        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
-    finally:
         part.unlink(missing_ok=True)
+        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

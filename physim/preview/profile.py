@@ -10,11 +10,12 @@ from physim import palette
 from physim.plots.style import BLUE, INK, QUIET, VERMILION
 from physim.preview.contents import Contents
 from physim.preview.ground_plan import MOST_TICKS, hexed, round_step
+from physim.preview.words import metres, station_words
 
 
 def draw_profile(axis: Any, shown: Contents) -> None:
     """Draw width against station, with what the robots need beside it."""
-    from matplotlib.ticker import MultipleLocator
+    from matplotlib.ticker import MaxNLocator, MultipleLocator
 
     station, width = shown.widths.station, shown.widths.width
     finite = np.isfinite(width)
@@ -27,12 +28,14 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     if shown.boundary_widths is not None:
         other = shown.boundary_widths
         axis.plot(other.station, other.width, "--", color=QUIET, linewidth=0.9)
-    axis.plot(station, width, color=BLUE, linewidth=1.5, gid="width")
-    k = shown.narrowest
-    if finite[k]:
+    axis.plot(station, width, color=BLUE, linewidth=0.8, linestyle=":")
+    axis.plot(station, np.where(shown.widths.between, width, np.nan), color=BLUE, linewidth=1.5,
+              gid="width")  # fmt: skip
+    k = shown.widths.narrowest
+    if k is not None:
         axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
         axis.annotate(
-            f"{width[k]:.3g} m at {station[k]:.4g} m", (station[k], width[k]), (0, -4),
+            f"{metres(width[k])} m at {station_words(station[k], shown.length)} m", (station[k], width[k]), (0, -4),
             textcoords="offset points", ha=_side(station[k] / shown.length), va="top",
             color=BLUE, fontsize=8.5, fontweight="bold",
         )  # fmt: skip
@@ -40,7 +43,7 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     axis.set(xlim=(0.0, shown.length), ylim=(0.0, top))
     axis.set(xlabel="station along the reference path [m]", ylabel="width [m]")
     axis.xaxis.set_major_locator(MultipleLocator(round_step(shown.length, MOST_TICKS)))
-    axis.locator_params(axis="y", nbins=5)
+    axis.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
 
 
 def _side(share: float) -> str:
@@ -52,11 +55,11 @@ def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
     aligned = max(shown.robots, key=lambda robot: robot.across)
     turning = max(shown.robots, key=lambda robot: robot.reach)
     found = [
-        (2.0 * turning.reach, "widest robot, any heading", INK, (0, (5, 2))),
-        (aligned.across, "widest robot, aligned", INK, (0, (1, 1.5))),
+        (2.0 * turning.reach, "every robot fits at any heading", INK, (0, (5, 2))),
+        (aligned.across, "every robot fits if aligned", INK, (0, (1, 1.5))),
     ]
     if shown.safe_distance:
-        found.append((2.0 * shown.safe_distance, "2L: below, no safe area", VERMILION, (0, (7, 2))))
+        found.append((2.0 * shown.safe_distance, "= 2L: no safe area below", VERMILION, (0, (7, 2))))
     return found
 
 
@@ -74,7 +77,7 @@ def _needs(axis: Any, shown: Contents, top: float) -> None:
         axis.axhline(level, color=colour, linewidth=1.0, linestyle=dash)
         place = max(level, place + apart)
         axis.annotate(
-            f"{level:.3g} m  {words}", (1.0, level), (1.012, place),
+            f"{metres(level)} m  {words}", (1.0, level), (1.012, place),
             xycoords=axis.get_yaxis_transform(), textcoords=axis.get_yaxis_transform(),
             color=colour, fontsize=7.8, va="center", annotation_clip=False,
         )  # fmt: skip

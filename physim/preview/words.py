@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from math import floor, log10
 from typing import Any
 
 from physim.preview.contents import Contents
@@ -10,25 +11,40 @@ from physim.preview.contents import Contents
 
 def counts(shown: Contents) -> str:
     """One line of figures about a world."""
-    width = shown.widths.width
-    told = [_many(len(shown.robots), "robot")]
-    told.append(_many(len(shown.boundaries), "boundary polyline"))
+    width = shown.widths.width[shown.widths.between]
+    told = [_many(len(shown.robots), "robot", "robots")]
+    told.append(_many(len(shown.boundaries), "boundary", "boundaries"))
     if shown.obstacles:
-        told.append(_many(len(shown.obstacles), "obstacle"))
-    told.append(f"reference path {shown.length:.4g} m")
-    told.append(f"{width.min():.3g} to {width.max():.3g} m wide")
+        told.append(_many(len(shown.obstacles), "obstacle", "obstacles"))
+    told.append(f"reference path {metres(shown.length, 4)} m")
+    if len(width):
+        ends = dict.fromkeys((metres(width.min()), metres(width.max())))
+        told.append(f"{' to '.join(ends)} m wide")
     if shown.random:
         told.append(f"start drawn with seed {shown.seed}")
     return "  ·  ".join(told)
 
 
-def _many(count: int, word: str) -> str:
-    return f"{count:,} {word}{'' if count == 1 else 's'}"
+def _many(count: int, one: str, many: str) -> str:
+    return f"{count:,} {one if count == 1 else many}"
+
+
+def metres(value: float, digits: int = 3) -> str:
+    """Number with three significant digits, zeros kept, and whole metres from 100 on."""
+    if value >= 10.0 ** (digits - 1):
+        return f"{value:,.0f}"
+    return f"{value:#.{digits}g}"
+
+
+def station_words(station: float, length: float) -> str:
+    """A station [m] to a thousandth of the length of its path or finer."""
+    decimals = max(0, 3 - floor(log10(length)))
+    return f"{station:.{decimals}f}"
 
 
 def shortened(figure: Any, text: str, size: float, weight: str, share: float) -> str:
     """Text on one line that takes at most a share of the figure's width, cut with an ellipsis."""
-    from physim.preview.ground_plan import text_size
+    from physim.preview.lettering import text_size
 
     text = " ".join(text.split())[:400]
     room = share * 72.0 * figure.get_size_inches()[0]

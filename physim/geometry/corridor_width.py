@@ -106,7 +106,10 @@ def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Width
         k = widths.narrowest
         if k is None:
             break
-        low, high = widths.station[max(k - 1, 0)], widths.station[min(k + 1, len(widths.station) - 1)]
+        low, high = (
+            widths.station[max(k - 1, 0)],
+            widths.station[min(k + 1, len(widths.station) - 1)],
+        )
         more = widths_at(path, np.linspace(low, high, NEARER + 1)[1:-1], segments)
         widths = _joined(widths, more)
     return widths

@@ -78,6 +78,11 @@ class Contents:
     """between the boundaries alone, where there are obstacles too"""
 
     @property
+    def names(self) -> list[str]:
+        """Names of the robots."""
+        return [robot.name for robot in self.robots]
+
+    @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest x, y [m] of all that is drawn."""
         cloud = [*self.boundaries, *self.obstacles, self.reference]
@@ -146,7 +151,9 @@ def _routes(layout: Layout, safe_distance: float) -> list[Route]:
 
 def _lines(geometry: shapely.Geometry) -> list[FloatArray]:
     """Joined lines (n, 2) of a geometry; points are left out."""
-    parts = [p for p in shapely.get_parts(geometry) if p.geom_type == "LineString" and not p.is_empty]
+    parts = [
+        p for p in shapely.get_parts(geometry) if p.geom_type == "LineString" and not p.is_empty
+    ]
     if not parts:
         return []
     merged = shapely.line_merge(shapely.MultiLineString(parts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, log10
+from math import ceil, floor, log10
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,8 @@ MARGIN = 0.04
 """Share of the map that is left free round the world."""
 MOST_TICKS = 14
 """Station ticks along the reference path, about."""
+MOST_DIGITS = 7
+"""Signs of a number at the axes."""
 SMALL = 2.5
 """[pt] A robot smaller than this has a ring round it."""
 STALK = 5.0
@@ -67,10 +69,36 @@ def _frame(axis: Any, shown: Contents) -> None:
     axis.set_xlim(middle[0] - scale * wide / 2.0, middle[0] + scale * wide / 2.0)
     axis.set_ylim(middle[1] - scale * high / 2.0, middle[1] + scale * high / 2.0)
     axis.set_aspect("equal", adjustable="box")
-    axis.set(xlabel="x [m]", ylabel="y [m]", facecolor=hexed(palette.OUTSIDE))
+    axis.set(facecolor=hexed(palette.OUTSIDE))
+    _scale(axis.xaxis, "x", axis.get_xlim())
+    _scale(axis.yaxis, "y", axis.get_ylim())
     axis.grid(False)
     for side in axis.spines.values():
         side.set_visible(True)
+
+
+def _scale(axis: Any, name: str, limits: tuple[float, float]) -> None:
+    """Numbers of an axis; far from the origin they count from a round number that is told."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    base, decimals = readable_scale(*limits)
+    axis.set_major_locator(MaxNLocator(9, steps=(1, 2, 5, 10)))
+    axis.set_major_formatter(
+        FuncFormatter(lambda value, _: f"{value - base:.{decimals}f}".replace("-", "\u2212"))
+    )
+    sign = "\u2212" if base > 0.0 else "+"
+    axis.set_label_text(f"{name} {sign} {abs(base):,.0f} [m]" if base else f"{name} [m]")
+
+
+def readable_scale(low: float, high: float) -> tuple[float, int]:
+    """Number [m] to take off the values of an axis so that they stay short, and their decimals."""
+    span = high - low
+    decimals = max(0, -floor(log10(span / 9.0)))
+    digits = len(f"{max(abs(low), abs(high)):.{decimals}f}")
+    if digits <= MOST_DIGITS:
+        return 0.0, decimals
+    power = 10.0 ** max(0, ceil(log10(span)) + 1)
+    return round((low + high) / 2.0 / power) * power, decimals
 
 
 def points_a_metre(axis: Any) -> float:
@@ -145,9 +173,7 @@ def station_ticks(shown: Contents) -> tuple[FloatArray, FloatArray, FloatArray]:
     line = shapely.LineString(shown.reference)
     hair = shown.length * 1e-6
     ends = [np.clip(stations + d, 0.0, shown.length) for d in (-hair, hair)]
-    before, after = (
-        shapely.get_coordinates(shapely.line_interpolate_point(line, e)) for e in ends
-    )
+    before, after = (shapely.get_coordinates(shapely.line_interpolate_point(line, e)) for e in ends)
     way = after - before
     way /= np.maximum(np.hypot(*way.T), np.finfo(float).tiny)[:, None]
     point = shapely.get_coordinates(shapely.line_interpolate_point(line, stations))

@@ -68,7 +68,7 @@ def _marks(shown: Contents) -> Iterator[tuple[Any, str]]:
         quiet = _line(color=QUIET, linewidth=0.9, linestyle="--")
         yield quiet, "width without obstacles"
     if not shown.widths.between.all():
-        yield _line(color=BLUE, linewidth=0.8, linestyle=":"), "width beside an end wall"
+        yield _line(color=BLUE, linewidth=0.8, linestyle=":"), "width, walls not abreast"
 
 
 def _area(colour: palette.Colour, edge: palette.Colour = palette.RULE) -> Any:

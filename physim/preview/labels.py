@@ -12,12 +12,12 @@ ANGLES = np.radians([90, 270, 45, 135, 0, 180, 315, 225, 67, 112, 22, 157, 247, 
 """Directions, the preferred first."""
 GAPS = (2.0, 6.0, 12.0, 20.0)
 """[pt] between what is labelled and its label"""
+NEAR = 4.0
+"""[pt] A label farther off than this has a line to what it belongs to."""
 PRICES = (0.0, 1.0, 2.5, 4.0)
 """What these gaps cost; a direction costs up to 1."""
 STEP = 3.0
 """[pt] Lines that labels should not cover are looked at in points this far apart."""
-MOST_COVERED = 6.0
-"""What covering lines costs at most: beyond that a label had better stay near."""
 ASTRAY = 50.0
 """What it costs to be nearer to another robot than to the own: more than all lines together"""
 
@@ -48,6 +48,18 @@ def placed(
         if box is not None:
             boxes = np.concatenate((boxes, box[None]))
     return middles
+
+
+def leader(label: Label, middle: FloatArray) -> FloatArray | None:
+    """Line (2, 2) [pt] from what is labelled to a label that stands off; None for one beside it."""
+    way = middle - label.at
+    half = np.array(label.size) / 2.0
+    distance = float(np.hypot(*way))
+    way = way / distance
+    room = distance - float(np.min(half / np.maximum(np.abs(way), 1e-9)))
+    if room - label.reach <= NEAR:
+        return None
+    return np.array([label.at + 0.6 * label.reach * way, label.at + room * way])
 
 
 def along(lines: list[FloatArray], price: float) -> FloatArray:
@@ -84,7 +96,7 @@ def _best(
     lines, price = lines[seen], price[seen]
     covered = ((lines > low) & (lines < high)).all(axis=2) @ price
     cost = np.repeat(PRICES, len(ANGLES)) + np.tile(np.arange(len(ANGLES)), len(GAPS)) / len(ANGLES)
-    cost = cost + np.minimum(covered, MOST_COVERED)
+    cost = cost + covered
     anchors = anchors[(np.abs(anchors - label.at) < np.max(near[1] - near[0])).all(axis=1)]
     if len(anchors):
         other = np.hypot(*(anchors - middles[:, None]).transpose(2, 0, 1)).min(axis=1)

@@ -11,14 +11,16 @@ import numpy as np
 from physim.geometry.shapes import FloatArray
 from physim.plots.style import BLUE, INK, QUIET
 from physim.preview.contents import Contents
-from physim.preview.labels import Label, along, placed
+from physim.preview.labels import Label, along, leader, placed
 from physim.preview.words import metres
 
 MOST_NAMED = 300
 """Robots whose names are tried; beyond that every k-th."""
-ON_WALL, ON_PATH = 0.8, 0.15
+ON_WALL, ON_PATH, ON_ROBOT = 0.8, 0.15, 3.0
 """What every 3 pt of a line cost that a text covers; see `physim.preview.labels`."""
-AIR = (3.0, 1.6)
+RIM = 0.15
+"""Share of a robot's extent, on every side, that a text may cover if need be."""
+AIR = (2.0, 0.6)
 """[pt] round a text"""
 
 
@@ -74,7 +76,20 @@ def letter(
     for text, middle in zip(texts, middles, strict=True):
         if middle is not None:
             _write(axis, text, inverse.transform(middle / 72.0))
+    leaders = [
+        line
+        for label, middle in zip(labels[first:last], middles[first:last], strict=True)
+        if middle is not None and (line := leader(label, middle)) is not None
+    ]
+    _lead(axis, [inverse.transform(line / 72.0) for line in leaders])
     return sum(middle is not None for middle in middles[first:last])
+
+
+def _lead(axis: Any, lines: list[FloatArray]) -> None:
+    from matplotlib.collections import LineCollection
+
+    drawn = LineCollection(lines, colors=QUIET, linewidths=0.5, zorder=4.9, gid="leaders")
+    axis.add_collection(drawn, autolim=False)
 
 
 def _write(axis: Any, text: Text, at: FloatArray) -> None:
@@ -86,14 +101,14 @@ def _write(axis: Any, text: Text, at: FloatArray) -> None:
 
 
 def _taken(shown: Contents, points: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Boxes (M, 4) [pt] of robots with their headings, and of stop stations."""
-    boxes = [_box(points(robot.outline), 2.0) for robot in shown.robots]
-    boxes += [_box(points(robot.stop[None]), 3.2) for robot in shown.robots]
-    return np.array(boxes)
-
-
-def _box(corners: FloatArray, more: float) -> FloatArray:
-    return np.concatenate((corners.min(axis=0) - more, corners.max(axis=0) + more))
+    """Boxes (M, 4) [pt] of stop stations, and of the inner parts of robots."""
+    stops = points(np.array([robot.stop for robot in shown.robots]))
+    outlines = [points(robot.outline) for robot in shown.robots]
+    low = np.array([outline.min(axis=0) for outline in outlines])
+    high = np.array([outline.max(axis=0) for outline in outlines])
+    rim = RIM * (high - low)
+    bodies = np.concatenate((low + rim, high - rim), axis=1)
+    return np.concatenate((bodies, np.concatenate((stops - 2.8, stops + 2.8), axis=1)))
 
 
 def _lines(shown: Contents, points: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -103,7 +118,8 @@ def _lines(shown: Contents, points: Callable[[FloatArray], FloatArray]) -> Float
     if k is not None:
         walls.append(np.array([shown.widths.left_foot[k], shown.widths.right_foot[k]]))
     paths = [piece for route in shown.routes for piece in (*route.safe, *route.danger)]
-    costs = ((walls, ON_WALL), (paths, ON_PATH))
+    bodies = [np.concatenate((robot.outline, robot.outline[:1])) for robot in shown.robots]
+    costs = ((walls, ON_WALL), (paths, ON_PATH), (bodies, ON_ROBOT))
     return np.concatenate([along([points(line) for line in ls], price) for ls, price in costs])
 
 
@@ -114,5 +130,6 @@ def text_size(figure: Any, words: str, size: float, weight: str) -> tuple[float,
     renderer = figure.canvas.get_renderer()
     font = FontProperties(size=size, weight=weight)
     wide, high, _ = renderer.get_text_width_height_descent(words, font, False)
+    line = renderer.get_text_width_height_descent("lp", font, False)[1]  # what it takes at least
     scale = 72.0 / figure.dpi
-    return scale * wide + AIR[0], max(scale * high, size) + AIR[1]
+    return scale * wide + AIR[0], scale * max(high, line) + AIR[1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from physim.preview.contents import Contents, contents
 from physim.preview.ground_plan import draw_map
 from physim.preview.key import draw_key
 from physim.preview.profile import draw_profile
-from physim.preview.words import counts, drawable, shortened
+from physim.preview.words import counts, drawable, families, shortened
 from physim.registry import make_controller
 from physim.scene_builder import Layout
 
@@ -27,21 +28,29 @@ KEY = (0.772, 0.315, 0.218, 0.57)
 """left, bottom, width, height as shares of the picture: the same for every world"""
 
 
-def make_figure(layout: Layout) -> Any:
+def make_figure(shown: Contents, format: str = "png") -> Any:
     """Figure of a world; call it within `physim.plots.style.styled`."""
+    import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    shown = contents(layout, _safe_distance(layout))
+    fonts, signs = families(shown)
+    matplotlib.rcParams["font.family"] = fonts
     figure = Figure(figsize=SIZE, dpi=DPI)
     FigureCanvasAgg(figure)
     _title(figure, shown)
     plan = figure.add_axes(MAP)
-    names = [drawable(robot.name, i) for i, robot in enumerate(shown.robots)]
+    known = None if format == "svg" else signs  # who looks at an SVG has fonts of their own
+    names = [drawable(name, i, known) for i, name in enumerate(shown.names)]
     named = draw_map(plan, shown, names)
     draw_profile(figure.add_axes(PROFILE), shown)
     draw_key(figure.add_axes(KEY), shown, named)
     return figure
+
+
+def shown_of(layout: Layout) -> Contents:
+    """What to show of a world."""
+    return contents(layout, _safe_distance(layout))
 
 
 def _safe_distance(layout: Layout) -> float:
@@ -52,14 +61,15 @@ def _safe_distance(layout: Layout) -> float:
 
 
 def _title(figure: Any, shown: Contents) -> None:
-    lines = (
-        (shown.name, 13.0, "bold", INK, 0.968),
-        (shown.description, 9.0, "normal", INK, 0.938),
-        (counts(shown), 9.0, "normal", QUIET, 0.912),
-    )
-    for text, size, weight, colour, height in lines:
+    lines = [(shown.name, 13.0, "bold", INK), (counts(shown), 9.0, "normal", QUIET)]
+    if shown.description.strip():
+        lines.insert(1, (shown.description, 9.0, "normal", INK))
+    for k, (text, size, weight, colour) in enumerate(lines):
         text = shortened(figure, text, size, weight, 0.94)
-        figure.text(0.03, height, text, fontsize=size, fontweight=weight, color=colour, va="center")
+        figure.text(
+            0.03, (0.968, 0.938, 0.912)[k], text, fontsize=size, fontweight=weight, color=colour,
+            va="center",
+        )  # fmt: skip
 
 
 def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
@@ -77,8 +87,10 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
         "svg": {"metadata": {"Date": None}},
     }
     drawn = io.BytesIO()
-    with styled():
-        make_figure(layout).savefig(drawn, format=format, dpi=DPI, **options[format])
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure = make_figure(shown_of(layout), format)
+        figure.savefig(drawn, format=format, dpi=DPI, **options[format])
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

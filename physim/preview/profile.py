@@ -22,9 +22,9 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     top = 1.12 * max(float(width[finite].max(initial=0.0)), _most_needed(shown))
     needed = 2.0 * shown.safe_distance
     floor = palette.SAFE_AREA if needed else palette.FLOOR
-    for where, colour in ((width >= needed, floor), (width < needed, palette.DANGER_AREA)):
-        axis.fill_between(station, 0.0, np.where(finite, width, top), where=where,
-                          color=hexed(colour), linewidth=0.0)  # fmt: skip
+    under = np.where(finite, width, top)
+    for where, colour in ((np.ones_like(finite), floor), (width < needed, palette.DANGER_AREA)):
+        axis.fill_between(station, 0.0, under, where=where, color=hexed(colour), linewidth=0.0)
     if shown.boundary_widths is not None:
         other = shown.boundary_widths
         axis.plot(other.station, other.width, "--", color=QUIET, linewidth=0.9)
@@ -59,7 +59,9 @@ def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
         (aligned.across, "every robot fits if aligned", INK, (0, (1, 1.5))),
     ]
     if shown.safe_distance:
-        found.append((2.0 * shown.safe_distance, "= 2L: no safe area below", VERMILION, (0, (7, 2))))
+        found.append(
+            (2.0 * shown.safe_distance, "= 2L: no safe area below", VERMILION, (0, (7, 2)))
+        )
     return found
 
 

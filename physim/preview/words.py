@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
-import functools
 from math import floor, log10
 from typing import Any
 
 from physim.preview.contents import Contents
+
+FONT = "DejaVu Sans"
+OTHER_FONTS = (
+    "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans SC", "Noto Sans JP", "Noto Sans KR",
+    "Source Han Sans SC", "WenQuanYi Zen Hei", "WenQuanYi Micro Hei", "Droid Sans Fallback",
+    "PingFang SC", "Hiragino Sans", "Apple SD Gothic Neo", "Microsoft YaHei", "Yu Gothic",
+    "Malgun Gothic", "Arial Unicode MS", "Noto Sans", "Noto Sans Devanagari", "Noto Sans Bengali",
+    "Noto Sans Thai", "Noto Sans Tamil", "Noto Sans Ethiopic", "Nirmala UI", "Leelawadee UI",
+    "Segoe UI Symbol", "Noto Sans Symbols2", "Noto Emoji", "Unifont",
+)  # fmt: skip
+"""Fonts for scripts that the first lacks, on Linux, macOS and Windows."""
 
 
 def counts(shown: Contents) -> str:
@@ -30,10 +40,10 @@ def _many(count: int, one: str, many: str) -> str:
 
 
 def metres(value: float, digits: int = 3) -> str:
-    """Number with three significant digits, zeros kept, and whole metres from 100 on."""
+    """Length in words: some significant digits, from 1 m on with their zeros, and whole metres."""
     if value >= 10.0 ** (digits - 1):
         return f"{value:,.0f}"
-    return f"{value:#.{digits}g}"
+    return f"{value:#.{digits}g}" if value >= 1.0 else f"{value:.{digits}g}"
 
 
 def station_words(station: float, length: float) -> str:
@@ -58,15 +68,29 @@ def shortened(figure: Any, text: str, size: float, weight: str, share: float) ->
     return text[:low].rstrip() + "…"
 
 
-def drawable(name: str, index: int) -> str:
-    """The name of a robot, cut to 24 characters, or its number where the font lacks its signs."""
+def drawable(name: str, index: int, signs: frozenset[int] | None) -> str:
+    """The name of a robot, cut to 24 characters, or its number where ``signs`` lack some of it."""
     name = " ".join(name.split())
     name = name if len(name) <= 24 else name[:23].rstrip() + "…"
-    return name if _signs().issuperset(map(ord, name)) else f"robot {index + 1}"
+    known = signs is None or signs.issuperset(map(ord, name))
+    return name if known else f"robot {index + 1}"
 
 
-@functools.cache
-def _signs() -> frozenset[int]:
-    from matplotlib.font_manager import findfont, get_font
+def families(shown: Contents) -> tuple[list[str], frozenset[int]]:
+    """Fonts that together have the most signs for a world's texts, and the signs they have.
 
-    return frozenset(get_font(findfont("DejaVu Sans")).get_charmap())
+    Most worlds need the first alone; others are looked for among those installed.
+    """
+    from matplotlib.font_manager import findfont, fontManager, get_font
+
+    wanted = set(map(ord, "".join((shown.name, shown.description, *shown.names))))
+    chosen = [FONT]
+    signs = set(get_font(findfont(FONT)).get_charmap())
+    installed = {entry.name for entry in fontManager.ttflist} if wanted - signs else set()
+    for family in OTHER_FONTS:
+        if family in installed and (more := set(get_font(findfont(family)).get_charmap())) & (
+            wanted - signs
+        ):
+            chosen.append(family)
+            signs |= more
+    return chosen, frozenset(signs)

@@ -7,6 +7,7 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import TextIO
 
 from physim.cli.progress import interrupts
 from physim.cli.watching import watch
@@ -60,7 +61,7 @@ def _watched(options: argparse.Namespace, path: Path) -> int:
             print(error, file=sys.stderr)
             _tell(f"{path} stays as it is until the faults are mended", sys.stderr)
         else:
-            _tell(f"{path} drawn")
+            _tell(f"{path} drawn", sys.stdout)
 
     with interrupts() as interrupt:
         watch(find_world(options.world), draw, interrupt)
@@ -68,5 +69,5 @@ def _watched(options: argparse.Namespace, path: Path) -> int:
     return INTERRUPTED
 
 
-def _tell(text: str, to: object = None) -> None:
-    print(f"{time.strftime('%H:%M:%S')}  {text}", file=to or sys.stdout, flush=True)
+def _tell(text: str, to: TextIO) -> None:
+    print(f"{time.strftime('%H:%M:%S')}  {text}", file=to, flush=True)

@@ -17,8 +17,10 @@ AT_ONCE = 200_000
 """Pairs of place and segment worked on together: some tens of MB."""
 EVEN = 1.0e-9
 """Share by which widths may differ and still count as equal."""
-NEARER = 40
-"""Places tried between two neighbours of the narrowest one, twice."""
+DIPS = 6
+"""Narrow places that are looked at more closely."""
+NEARER = 20
+"""Stretches between two neighbours of a narrow place, cut twice."""
 
 
 @dataclass(frozen=True)
@@ -93,26 +95,29 @@ def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> W
 
 
 def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Widths:
-    """Widths at ``places`` evenly spaced stations, at every waypoint and round the narrowest.
+    """Widths at ``places`` evenly spaced stations, at every waypoint and round narrow places.
 
-    Round the narrowest place more are taken between its neighbours, 1/400 of their distance apart
-    at last.
+    Round each of the narrowest dips more are taken between its neighbours, 1/400 of their
+    distance apart at last.
     """
     along = _legs(path)[2]
-    widths = widths_at(
-        path, np.unique(np.concatenate((np.linspace(0.0, along[-1], places), along))), segments
-    )
+    even = np.linspace(0.0, along[-1], places)
+    widths = widths_at(path, np.unique(np.concatenate((even, along))), segments)
     for _ in range(2):
-        k = widths.narrowest
-        if k is None:
-            break
-        low, high = (
-            widths.station[max(k - 1, 0)],
-            widths.station[min(k + 1, len(widths.station) - 1)],
-        )
-        more = widths_at(path, np.linspace(low, high, NEARER + 1)[1:-1], segments)
-        widths = _joined(widths, more)
+        near = [widths.station[max(k - 1, 0) : k + 2] for k in _dips(widths.width)]
+        closer = [np.linspace(part[0], part[-1], NEARER + 1)[1:-1] for part in near]
+        if closer:
+            more = widths_at(path, np.unique(np.concatenate(closer)), segments)
+            widths = _joined(widths, more)
     return widths
+
+
+def _dips(width: FloatArray) -> list[int]:
+    """Indices of the lowest local minima, DIPS at most; stretches that are even have none."""
+    before, after = np.append(np.inf, width[:-1]), np.append(width[1:], np.inf)
+    low = (width <= before) & (width <= after) & ((width < before) | (width < after))
+    places = np.flatnonzero(low & np.isfinite(width))
+    return [int(k) for k in places[np.argsort(width[places], kind="stable")][:DIPS]]
 
 
 def _joined(one: Widths, other: Widths) -> Widths:

@@ -151,9 +151,7 @@ def _routes(layout: Layout, safe_distance: float) -> list[Route]:
 
 def _lines(geometry: shapely.Geometry) -> list[FloatArray]:
     """Joined lines (n, 2) of a geometry; points are left out."""
-    parts = [
-        p for p in shapely.get_parts(geometry) if p.geom_type == "LineString" and not p.is_empty
-    ]
+    parts = [part for part in shapely.get_parts(geometry) if part.length > 0.0]
     if not parts:
         return []
     merged = shapely.line_merge(shapely.MultiLineString(parts))
@@ -191,4 +189,4 @@ def _stops(layout: Layout, reference: FloatArray) -> FloatArray:
     lines = [shapely.LineString(path) for path in layout.paths]
     ends = shapely.length(lines)
     stations = np.maximum(ends - (lead.max() - lead), 0.0)
-    return shapely.get_coordinates(shapely.line_interpolate_point(lines, stations))
+    return np.asarray(shapely.get_coordinates(shapely.line_interpolate_point(lines, stations)))

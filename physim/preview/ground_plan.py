@@ -150,7 +150,10 @@ def _walls(axis: Any, shown: Contents) -> None:
             gid="obstacles",
         )  # fmt: skip
         axis.add_collection(solids, autolim=False)
-    _lines(axis, shown.boundaries, colors=wall, linewidths=1.6, zorder=3.1, gid="boundaries",
+    k = shown.widths.narrowest
+    room = points_a_metre(axis) * shown.widths.width[k] if k is not None else 10.0
+    thick = min(max(0.2 * room, 0.4), 1.6)  # two walls close together must stay two
+    _lines(axis, shown.boundaries, colors=wall, linewidths=thick, zorder=3.1, gid="boundaries",
            capstyle="round", joinstyle="round")  # fmt: skip
 
 

@@ -88,7 +88,8 @@ def _best(
     near = places[:, :2].min(axis=0), places[:, 2:].max(axis=0)
     taken = taken[((taken[:, 2:] > near[0]) & (taken[:, :2] < near[1])).all(axis=1)]
     low, high = places[:, None, :2], places[:, None, 2:]
-    free = inside & ~((low < taken[:, 2:]) & (high > taken[:, :2])).all(axis=2).any(axis=1)
+    lapped = np.asarray(((low < taken[:, 2:]) & (high > taken[:, :2])).all(axis=2))
+    free = inside & ~lapped.any(axis=1)
     if not free.any():
         return None
     lines, price = lines[:, :2], lines[:, 2]

@@ -18,6 +18,8 @@ MOST_NAMED = 300
 """Robots whose names are tried; beyond that every k-th."""
 ON_WALL, ON_PATH, ON_ROBOT = 0.8, 0.15, 3.0
 """What every 3 pt of a line cost that a text covers; see `physim.preview.labels`."""
+LEAST = 3.0
+"""[pt] least distance kept from a reference point"""
 RIM = 0.15
 """Share of a robot's extent, on every side, that a text may cover if need be."""
 AIR = (2.0, 0.6)
@@ -67,7 +69,7 @@ def letter(
         np.hypot(*np.diff(shown.reference[:2], axis=0)[0])
     )
     for i in range(0, len(names), max(1, ceil(len(names) / MOST_NAMED))):
-        add(Text(names[i], INK, 7.5), anchors[i], shown.robots[i].reach * scale)
+        add(Text(names[i], INK, 7.5), anchors[i], max(shown.robots[i].reach * scale, LEAST))
     last = len(texts)
     for at, station in zip(points(ticks[0]), ticks[1], strict=True):
         add(Text(f"{station:.12g}", QUIET, 6.5), at, 3.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -97,5 +98,6 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
         part.write_bytes(drawn.getvalue())
         part.replace(path)
     except OSError as error:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

@@ -27,17 +27,19 @@ def draw_profile(axis: Any, shown: Contents) -> None:
         axis.fill_between(station, 0.0, under, where=where, color=hexed(colour), linewidth=0.0)
     if shown.boundary_widths is not None:
         other = shown.boundary_widths
-        axis.plot(other.station, other.width, "--", color=QUIET, linewidth=0.9)
+        alone = np.where(other.between, other.width, np.nan)
+        axis.plot(other.station, alone, "--", color=QUIET, linewidth=0.9)
     axis.plot(station, width, color=BLUE, linewidth=0.8, linestyle=":")
     axis.plot(station, np.where(shown.widths.between, width, np.nan), color=BLUE, linewidth=1.5,
               gid="width")  # fmt: skip
     k = shown.widths.narrowest
     if k is not None:
         axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
+        words = f"{metres(width[k])} m at {station_words(station[k], shown.length)} m"
         axis.annotate(
-            f"{metres(width[k])} m at {station_words(station[k], shown.length)} m", (station[k], width[k]), (0, -4),
-            textcoords="offset points", ha=_side(station[k] / shown.length), va="top",
-            color=BLUE, fontsize=8.5, fontweight="bold",
+            words, (station[k], width[k]), (0, -4), textcoords="offset points",
+            ha=_side(station[k] / shown.length), va="top", color=BLUE, fontsize=8.5,
+            fontweight="bold",
         )  # fmt: skip
     _needs(axis, shown, top)
     axis.set(xlim=(0.0, shown.length), ylim=(0.0, top))

@@ -8,7 +8,8 @@ import shapely
 
 from physim.geometry.area import width_profile
 from physim.geometry.corridor_width import sampled_widths, widths_at
-from physim.scene_builder import build_scene
+from physim.preview.contents import contents
+from physim.scene_builder import build_scene, lay_out
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 from tests.preview.worlds import NARROW, ONE, shown, world
@@ -89,7 +90,7 @@ def test_a_path_along_the_edge_of_the_safe_area_is_safe() -> None:
 
 
 def test_a_controller_without_safe_distance_has_one_area() -> None:
-    seen = shown(ONE)
+    seen = contents(lay_out(parse_world(ONE)), 0.0)
     assert seen.safe_distance == 0.0
     assert seen.safe.is_empty
     assert not seen.routes[0].danger

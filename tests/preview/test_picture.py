@@ -139,7 +139,7 @@ def test_names_that_the_font_lacks_are_numbers_and_long_ones_are_cut(style: None
 def test_far_from_the_origin_numbers_stay_short(style: None) -> None:
     figure = make_figure(shown(FAR_AND_TINY))
     plan = figure.axes[0]
-    assert plan.get_xlabel() == "x \N{MINUS SIGN} 999,999 [m]"
+    assert plan.get_xlabel() == "x \N{MINUS SIGN} 1,000,000 [m]"
     figure.canvas.draw()
     assert max(len(label.get_text()) for label in plan.get_xticklabels()) <= 7
     assert readable_scale(0.0, 120.0) == (0.0, 0)

@@ -83,9 +83,12 @@ def _scale(axis: Any, name: str, limits: tuple[float, float]) -> None:
 
     base, decimals = readable_scale(*limits)
     axis.set_major_locator(MaxNLocator(9, steps=(1, 2, 5, 10)))
-    axis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{value - base:.{decimals}f}".replace("-", "\u2212"))
-    )
+
+    def words(value: float, _: object) -> str:
+        rounded = round(value - base, decimals) + 0.0  # no minus before a zero
+        return f"{rounded:.{decimals}f}".replace("-", "\u2212")
+
+    axis.set_major_formatter(FuncFormatter(words))
     sign = "\u2212" if base > 0.0 else "+"
     axis.set_label_text(f"{name} {sign} {abs(base):,.0f} [m]" if base else f"{name} [m]")
 

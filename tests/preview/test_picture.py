@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import subprocess
+import sys
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -189,6 +191,16 @@ def test_what_cannot_be_written_is_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(PhysimError):
         save_preview(lay_out(parse_world(ONE)), tmp_path / name)
     assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_no_kernel_engine_or_video_is_loaded(tmp_path: Path) -> None:
+    script = (
+        "import sys; from physim.cli import main\n"
+        f"main(['preview', 'ten_robots', '-o', {str(tmp_path / 'a.png')!r}])\n"
+        "print([m for m in ('numba', 'pymunk', 'h5py', 'cv2', 'av', 'scipy') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "[]", done.stderr
 
 
 def test_words_and_steps() -> None:

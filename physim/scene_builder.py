@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import pi
 from typing import Literal
 
@@ -28,14 +29,37 @@ GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
 
 
-def build_scene(world: World, seed: int | None = None) -> Scene:
-    """Make a world ready to run, with ``seed`` or else the world's own.
+@dataclass(frozen=True)
+class Layout:
+    """Where everything of a world lies at the start: plain geometry, with no kernel called.
 
-    Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
-    that enclose nothing, a step that would tunnel, ...
+    World frame [m] but for the footprints, which are in the frames of their robots.
+    """
+
+    world: World
+    """the effective world, with the seed in it"""
+    boundaries: dict[str, FloatArray]
+    """polylines (n, 2) by name, in the order of their ids"""
+    obstacles: list[FloatArray]
+    """outlines (n, 2)"""
+    reference: FloatArray
+    """(n, 2) waypoints of s*"""
+    area: Area
+    """accessible face"""
+    footprints: list[FloatArray]
+    """N outlines (n, 2), counter-clockwise"""
+    paths: list[FloatArray]
+    """N paths (n, 2)"""
+    start: FloatArray
+    """(N, 3) poses [m, m, rad]"""
+
+
+def lay_out(world: World, seed: int | None = None) -> Layout:
+    """Resolve every length of a world, with ``seed`` or else the world's own.
+
+    Raises WorldError as `build_scene` does.
     """
     world = world if seed is None else world.changed(seed=seed)
-    seed = world.seed
     if faults := shape_faults(world):
         raise WorldError(faults)
     drawn = _boundaries(world)
@@ -48,7 +72,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         raise WorldError([Fault((key,), _leaves(outside))])
     footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
     paths = [_path(world, i, reference) for i in range(len(world.robots))]
-    start = _start(world, seed)
+    start = _start(world, world.seed)
     faults = geometry_faults(
         world,
         start=start,
@@ -60,7 +84,20 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     )
     if faults:
         raise WorldError(faults)
+    return Layout(world, drawn, obstacles, reference, area, footprints, paths, start)
 
+
+def build_scene(world: World, seed: int | None = None) -> Scene:
+    """Make a world ready to run, with ``seed`` or else the world's own.
+
+    Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
+    that enclose nothing, a step that would tunnel, ...
+    """
+    laid = lay_out(world, seed)
+    world, area, start, reference = laid.world, laid.area, laid.start, laid.reference
+    drawn, obstacles, footprints, paths = (
+        laid.boundaries, laid.obstacles, laid.footprints, laid.paths,
+    )  # fmt: skip
     parts = [convex_parts(f) for f in footprints]
     walls = pack_shapes(
         [_segments(line) for line in drawn.values()] + [list(convex_parts(o)) for o in obstacles]
@@ -73,7 +110,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     ends = packed_paths.station[packed_paths.start[1:] - 1]
     return Scene(
         world=world,
-        seed=seed,
+        seed=world.seed,
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),

@@ -1,5 +1,5 @@
 """The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``crashtest``,
-``plot``, ``list``."""
+``plot``, ``preview``, ``list``."""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ IN_ORDER = (
     "validate",
     "crashtest",
     "plot",
+    "preview",
     "listing",
 )
 """Modules of this package, in the order in which the help tells their commands."""

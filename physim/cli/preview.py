@@ -1,0 +1,73 @@
+"""``physim preview``: a world in, a picture out; again on every save with ``--watch``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+from typing import TextIO
+
+from physim.cli.progress import interrupts
+from physim.cli.watching import watch
+from physim.errors import PhysimError, WorldError
+from physim.preview import FORMATS, save_preview
+from physim.scene_builder import Layout, lay_out
+from physim.world_file import located, read_world
+from physim.world_file.shipped import find_world
+
+INTERRUPTED = 130
+
+
+def preview(options: argparse.Namespace) -> int:
+    """Draw a world; returns the exit code."""
+    path = _picture(options)
+    if options.watch:
+        return _watched(options, path)
+    save_preview(_laid_out(options), path)
+    print(path)
+    return 0
+
+
+def _picture(options: argparse.Namespace) -> Path:
+    """Where to draw. Raises PhysimError for another ending and an existing file."""
+    path: Path = options.output or Path(f"{find_world(options.world).stem}.png")
+    if path.is_dir():
+        raise PhysimError(f"{path}: is a folder; -o takes a file ending in .png or .svg")
+    if path.suffix.lower()[1:] not in FORMATS:
+        raise PhysimError(f"{path}: a picture ends in .png or .svg")
+    if os.path.lexists(path) and not options.force:
+        raise PhysimError(f"{path}: exists; use --force to write over it, or -o for another file")
+    return path
+
+
+def _laid_out(options: argparse.Namespace) -> Layout:
+    """Read and check the world; every fault with its place in the file."""
+    world, document = read_world(options.world, overrides=options.overrides)
+    try:
+        return lay_out(world, options.seed)
+    except WorldError as error:
+        raise located(error.faults, document) from None
+
+
+def _watched(options: argparse.Namespace, path: Path) -> int:
+    """Draw on every save; faults are told, and the picture stays as it was."""
+
+    def draw() -> None:
+        try:
+            save_preview(_laid_out(options), path)
+        except PhysimError as error:
+            print(error, file=sys.stderr)
+            _tell(f"{path} stays as it is until the faults are mended", sys.stderr)
+        else:
+            _tell(f"{path} drawn", sys.stdout)
+
+    with interrupts() as interrupt:
+        watch(find_world(options.world), draw, interrupt)
+    print("physim: interrupted", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _tell(text: str, to: TextIO) -> None:
+    print(f"{time.strftime('%H:%M:%S')}  {text}", file=to, flush=True)

@@ -1,0 +1,163 @@
+"""Width of a corridor along a path, with the nearest points on both sides (Fig. 4).
+
+Plain numpy, many places at once: for pictures and for the author of a world. The half-planes are
+those of `physim.geometry.area.width_profile`, with which it agrees.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray
+
+AT_ONCE = 200_000
+"""Pairs of place and segment worked on together: some tens of MB."""
+EVEN = 1.0e-9
+"""Share by which widths may differ and still count as equal."""
+DIPS = 6
+"""Narrow places that are looked at more closely."""
+NEARER = 20
+"""Stretches between two neighbours of a narrow place, cut twice."""
+
+
+@dataclass(frozen=True)
+class Widths:
+    """Shortest distances to the left and to the right at K stations of a path."""
+
+    station: FloatArray
+    """(K,) [m] along the path"""
+    point: FloatArray
+    """(K, 2) [m] on the path"""
+    left: FloatArray
+    """(K,) [m]; inf where that side is open"""
+    right: FloatArray
+    """(K,) [m]; likewise"""
+    left_foot: FloatArray
+    """(K, 2) [m] the nearest point on the left; nan where that side is open"""
+    right_foot: FloatArray
+    """(K, 2) [m] likewise on the right"""
+
+    @property
+    def width(self) -> FloatArray:
+        """(K,) [m] left plus right."""
+        return self.left + self.right
+
+    @property
+    def between(self) -> NDArray[np.bool_]:
+        """(K,) whether the two nearest points lie on opposite sides, at least 90 degrees apart.
+
+        Near an end of the corridor both may lie on the wall that closes it, before or behind the
+        path: then the two distances add up to no width that a robot must fit through.
+        """
+        left, right = self.left_foot - self.point, self.right_foot - self.point
+        return np.asarray((left * right).sum(axis=1) <= 0.0)  # False where one is nan
+
+    @property
+    def narrowest(self) -> int | None:
+        """Index of the narrowest place between two sides; None where there is none.
+
+        Where a stretch is evenly narrow, the middle of the longest such stretch.
+        """
+        width = np.where(self.between, self.width, np.inf)
+        if not np.isfinite(least := width.min(initial=np.inf)):
+            return None
+        even = np.concatenate(([False], width <= least * (1.0 + EVEN), [False]))
+        first, end = np.flatnonzero(np.diff(even.astype(int))).reshape(-1, 2).T
+        length = self.station[end - 1] - self.station[first]
+        k = int(np.argmax(length))
+        middle = self.station[first[k]] + length[k] / 2.0
+        return int(first[k] + np.argmin(np.abs(self.station[first[k] : end[k]] - middle)))
+
+
+def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> Widths:
+    """Widths at ``stations`` (K,) [m] of a path (n, 2) between segments (S, 4) ax, ay, bx, by.
+
+    *Left* is what lies in the half-plane left of the path's direction, which at a waypoint is the
+    direction after it, so a wall on both sides of the path counts on each.
+    """
+    path, length, along = _legs(path)
+    leg = np.clip(np.searchsorted(along, stations, side="right") - 1, 0, len(length) - 1)
+    direction = np.diff(path, axis=0) / length[:, None]
+    tangent = direction[leg]
+    point = path[leg] + (stations - along[leg])[:, None] * tangent
+    found: list[list[FloatArray]] = [[], []]
+    step = max(1, AT_ONCE // max(len(segments), 1))
+    for k in range(0, len(stations), step):
+        part = slice(k, k + step)
+        for side, sign in zip(found, (1.0, -1.0), strict=True):
+            side.append(_feet(point[part], sign * tangent[part], segments))
+    feet = [np.concatenate(side) if side else np.zeros((0, 2)) for side in found]
+    gaps = [np.nan_to_num(np.hypot(*(foot - point).T), nan=np.inf) for foot in feet]
+    return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1])
+
+
+def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Widths:
+    """Widths at ``places`` evenly spaced stations, at every waypoint and round narrow places.
+
+    Round each of the narrowest dips more are taken between its neighbours, 1/400 of their
+    distance apart at last.
+    """
+    along = _legs(path)[2]
+    even = np.linspace(0.0, along[-1], places)
+    widths = widths_at(path, np.unique(np.concatenate((even, along))), segments)
+    for _ in range(2):
+        near = [widths.station[max(k - 1, 0) : k + 2] for k in _dips(widths.width)]
+        closer = [np.linspace(part[0], part[-1], NEARER + 1)[1:-1] for part in near]
+        if closer:
+            more = widths_at(path, np.unique(np.concatenate(closer)), segments)
+            widths = _joined(widths, more)
+    return widths
+
+
+def _dips(width: FloatArray) -> list[int]:
+    """Indices of the lowest local minima, DIPS at most; stretches that are even have none."""
+    before, after = np.append(np.inf, width[:-1]), np.append(width[1:], np.inf)
+    low = (width <= before) & (width <= after) & ((width < before) | (width < after))
+    places = np.flatnonzero(low & np.isfinite(width))
+    return [int(k) for k in places[np.argsort(width[places], kind="stable")][:DIPS]]
+
+
+def _joined(one: Widths, other: Widths) -> Widths:
+    """The places of both, by station."""
+    pairs = [
+        np.concatenate(pair) for pair in zip(vars(one).values(), vars(other).values(), strict=True)
+    ]
+    order = np.unique(pairs[0], return_index=True)[1]
+    return Widths(*(column[order] for column in pairs))
+
+
+def _legs(path: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Path without repeated points, the lengths of its legs, and the stations of its points."""
+    steps = np.hypot(*np.diff(path, axis=0).T)
+    path = path[np.concatenate(([True], steps > 0.0))]
+    length = np.hypot(*np.diff(path, axis=0).T)
+    return path, length, np.concatenate(([0.0], np.cumsum(length)))
+
+
+def _feet(point: FloatArray, tangent: FloatArray, segments: FloatArray) -> FloatArray:
+    """Nearest points (K, 2) of all segments' parts left of each directed point; nan if none."""
+    a = segments[None, :, :2] - point[:, None]
+    b = segments[None, :, 2:] - point[:, None]
+    tx, ty = tangent[:, :1], tangent[:, 1:]
+    side_a = tx * a[..., 1] - ty * a[..., 0]
+    side_b = tx * b[..., 1] - ty * b[..., 0]
+    span = side_b - side_a
+    crossing = np.divide(-side_a, span, out=np.zeros_like(span), where=span != 0.0)
+    low = np.where(side_a >= 0.0, 0.0, crossing)
+    high = np.where(side_b >= 0.0, 1.0, crossing)
+    way = b - a
+    squares = np.maximum((way * way).sum(axis=2), np.finfo(float).tiny)
+    share = np.clip(-(a * way).sum(axis=2) / squares, low, high)
+    foot = a + share[..., None] * way
+    gap = np.hypot(foot[..., 0], foot[..., 1])
+    gap[(side_a < 0.0) & (side_b < 0.0)] = np.inf
+    rows = np.arange(len(point))
+    if not len(segments):
+        return np.full((len(point), 2), np.nan)
+    best = np.argmin(gap, axis=1)
+    nearest: FloatArray = foot[rows, best] + point
+    nearest[~np.isfinite(gap[rows, best])] = np.nan
+    return nearest

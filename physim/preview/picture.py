@@ -1,0 +1,103 @@
+"""One picture of a world before it is run: the map, the width profile, words about both."""
+
+from __future__ import annotations
+
+import io
+import os
+import warnings
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from physim.errors import PhysimError
+from physim.plots.style import INK, QUIET, styled
+from physim.preview.contents import Contents, contents
+from physim.preview.ground_plan import draw_map
+from physim.preview.key import draw_key
+from physim.preview.profile import draw_profile
+from physim.preview.words import counts, drawable, families, shortened
+from physim.registry import make_controller
+from physim.scene_builder import Layout
+
+FORMATS = ("png", "svg")
+SIZE = (11.0, 9.0)
+"""[in]"""
+DPI = 150
+MAP = (0.075, 0.315, 0.68, 0.57)
+PROFILE = (0.075, 0.065, 0.68, 0.175)
+KEY = (0.772, 0.315, 0.218, 0.57)
+"""left, bottom, width, height as shares of the picture: the same for every world"""
+
+
+def make_figure(shown: Contents, format: str = "png") -> Any:
+    """Figure of a world; call it within `physim.plots.style.styled`."""
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    fonts, signs = families(shown)
+    matplotlib.rcParams["font.family"] = fonts
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    FigureCanvasAgg(figure)
+    _title(figure, shown)
+    plan = figure.add_axes(MAP)
+    known = None if format == "svg" else signs  # who looks at an SVG has fonts of their own
+    names = [drawable(name, i, known) for i, name in enumerate(shown.names)]
+    named = draw_map(plan, shown, names)
+    draw_profile(figure.add_axes(PROFILE), shown)
+    draw_key(figure.add_axes(KEY), shown, named)
+    return figure
+
+
+def shown_of(layout: Layout) -> Contents:
+    """What to show of a world."""
+    return contents(layout, _safe_distance(layout))
+
+
+def _safe_distance(layout: Layout) -> float:
+    """L of the controller [m]; 0 where it has none."""
+    choice = layout.world.controller
+    settings = getattr(make_controller(choice.type, choice.settings), "settings", None)
+    return float(getattr(settings, "safe_distance", 0.0))
+
+
+def _title(figure: Any, shown: Contents) -> None:
+    lines = [(shown.name, 13.0, "bold", INK), (counts(shown), 9.0, "normal", QUIET)]
+    if shown.description.strip():
+        lines.insert(1, (shown.description, 9.0, "normal", INK))
+    for k, (text, size, weight, colour) in enumerate(lines):
+        text = shortened(figure, text, size, weight, 0.94)
+        figure.text(
+            0.03, (0.968, 0.938, 0.912)[k], text, fontsize=size, fontweight=weight, color=colour,
+            va="center",
+        )  # fmt: skip
+
+
+def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
+    """Draw a world as PNG or SVG, by the ending of ``path``: whole or not at all.
+
+    The same world gives the same file. Raises PhysimError for another ending and where the file
+    cannot be written.
+    """
+    path = Path(path)
+    format = path.suffix[1:].lower()
+    if format not in FORMATS:
+        raise PhysimError(f"{path}: pictures end in .png or .svg")
+    options: dict[str, dict[str, Any]] = {
+        "png": {"pil_kwargs": {"compress_level": 3}},
+        "svg": {"metadata": {"Date": None}},
+    }
+    drawn = io.BytesIO()
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure = make_figure(shown_of(layout), format)
+        figure.savefig(drawn, format=format, dpi=DPI, **options[format])
+    part = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(drawn.getvalue())
+        part.replace(path)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

@@ -1,0 +1,102 @@
+"""What a preview shows agrees with what a run uses."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.geometry.area import width_profile
+from physim.geometry.corridor_width import sampled_widths, widths_at
+from physim.preview.contents import contents
+from physim.scene_builder import build_scene, lay_out
+from physim.world_file import load_world, parse_world
+from physim.world_file.shipped import shipped_worlds
+from tests.preview.worlds import NARROW, ONE, shown, world
+
+
+@pytest.mark.parametrize("name", ["three_robots", "nonconvex"])
+def test_starts_and_stops_are_those_of_the_run(name: str) -> None:
+    loaded = load_world(name)
+    scene = build_scene(loaded)
+    seen = shown(loaded.to_yaml())
+    for i, robot in enumerate(seen.robots):
+        assert np.array_equal(robot.pose, scene.start[i])
+        low, high = scene.paths.start[i], scene.paths.start[i + 1]
+        path = shapely.LineString(scene.paths.points[low:high])
+        stop = path.interpolate(scene.stop_station[i])
+        assert np.allclose(robot.stop, (stop.x, stop.y), rtol=0.0, atol=1e-6)
+        assert robot.reach == pytest.approx(scene.shapes.radius[i], abs=1e-12)
+
+
+def test_widths_agree_with_the_slow_form() -> None:
+    random = np.random.default_rng(4)
+    path = np.cumsum(random.uniform(-1.0, 2.0, (12, 2)), axis=0)
+    segments = random.uniform(-10.0, 20.0, (40, 4))
+    stations = np.linspace(0.0, shapely.LineString(path).length * 0.999, 57)
+    widths = widths_at(path, stations, segments)
+    legs = np.diff(path, axis=0)
+    ends = np.cumsum(np.hypot(*legs.T))
+    leg = np.searchsorted(ends, stations, side="right")
+    tangent = (legs / np.hypot(*legs.T)[:, None])[leg]
+    left, right = width_profile(widths.point, tangent, segments)
+    assert np.allclose(widths.left, left, rtol=0.0, atol=1e-9)
+    assert np.allclose(widths.right, right, rtol=0.0, atol=1e-9)
+    feet = np.hypot(*(widths.left_foot - widths.point).T)
+    assert np.allclose(feet[np.isfinite(left)], left[np.isfinite(left)], rtol=0.0, atol=1e-12)
+
+
+def test_the_narrowest_place_is_found_between_samples_and_not_at_an_end_wall() -> None:
+    # two teeth 0.35 m apart at x = 7.3, and a wall across the end 0.1 m behind the path
+    teeth = [(7.3, 0.15, 7.3, 5.0), (7.3, -0.2, 7.3, -5.0)]
+    walls = [(-0.1, 5.0, 20.0, 5.0), (-0.1, -5.0, 20.0, -5.0), (-0.1, -5.0, -0.1, 5.0)]
+    widths = sampled_widths(np.array([[0.0, 0.0], [20.0, 0.0]]), np.array(teeth + walls), 30)
+    k = widths.narrowest
+    assert k is not None
+    assert widths.width.min() < 0.3  # up to the end wall
+    assert widths.station[k] == pytest.approx(7.3, abs=0.01)
+    assert widths.width[k] == pytest.approx(0.35, abs=1e-3)
+
+
+def test_paths_are_parted_at_the_edge_of_the_safe_area() -> None:
+    seen = shown(NARROW)
+    (route,) = seen.routes
+    assert route.robots == (0, 1)
+    line = shapely.LineString(seen.reference)
+    near = shapely.MultiLineString(seen.boundaries).buffer(seen.safe_distance)
+    for pieces, inside in ((route.safe, False), (route.danger, True)):
+        for piece in pieces:
+            middle = shapely.LineString(piece).interpolate(0.5, normalized=True)
+            obstacle = shapely.Polygon(seen.obstacles[0]).distance(middle) < seen.safe_distance
+            assert (near.covers(middle) or obstacle) is inside
+    drawn = sum(shapely.LineString(p).length for p in (*route.safe, *route.danger))
+    assert drawn == pytest.approx(line.length)
+    assert route.danger
+
+
+def test_obstacles_narrow_the_width_and_boundaries_alone_are_kept() -> None:
+    seen = shown(NARROW)
+    assert seen.boundary_widths is not None
+    at = np.argmin(np.abs(seen.widths.station - 32.5))
+    alone = np.interp(32.5, seen.boundary_widths.station, seen.boundary_widths.width)
+    assert seen.widths.width[at] < alone - 1.0
+    assert seen.widths.width[seen.widths.narrowest] == pytest.approx(1.5)
+    assert shown(world()).boundary_widths is None
+
+
+def test_a_path_along_the_edge_of_the_safe_area_is_safe() -> None:
+    text = world(width=6.0).replace('"offset": 0.0', '"offset": 2.0')
+    assert all(not route.danger for route in shown(text).routes)
+
+
+def test_a_controller_without_safe_distance_has_one_area() -> None:
+    seen = contents(lay_out(parse_world(ONE)), 0.0)
+    assert seen.safe_distance == 0.0
+    assert seen.safe.is_empty
+    assert not seen.routes[0].danger
+
+
+def test_every_shipped_world_agrees_on_its_seed() -> None:
+    for name in shipped_worlds():
+        loaded = load_world(name)
+        assert shown(parse_world(loaded.to_yaml()).to_yaml()).seed == loaded.seed

@@ -1,0 +1,218 @@
+"""The picture shows every thing at its place, and stays whole for any world."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+import sys
+import warnings
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+
+from physim.errors import PhysimError
+from physim.palette import ROBOTS
+from physim.plots.style import styled
+from physim.preview import save_preview
+from physim.preview.contents import Contents
+from physim.preview.ground_plan import readable_scale, round_step
+from physim.preview.picture import make_figure
+from physim.preview.words import metres
+from physim.scene_builder import lay_out
+from physim.world_file import load_world, parse_world
+from physim.world_file.shipped import shipped_worlds
+from tests.preview.worlds import (
+    FAR_AND_TINY,
+    HOSTILE,
+    HOSTILE_NAMES,
+    HUNDRED,
+    NARROW,
+    ONE,
+    WORLDS,
+    shown,
+    world,
+)
+
+
+@pytest.fixture
+def style() -> Iterator[None]:
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        yield
+
+
+def collection(axis: Any, name: str) -> Any:
+    (found,) = [c for c in (*axis.collections, *axis.patches) if c.get_gid() == name]
+    return found
+
+
+def boxes(figure: Any, axis: Any) -> list[tuple[str, Any]]:
+    renderer = figure.canvas.get_renderer()
+    return [(text.get_text(), text.get_window_extent(renderer)) for text in axis.texts]
+
+
+def test_everything_is_at_its_place(style: None) -> None:
+    seen = shown(NARROW)
+    plan, profile, _ = make_figure(seen).axes
+    bodies = [path.vertices[:-1] for path in collection(plan, "robots").get_paths()]
+    for body, robot in zip(bodies, seen.robots, strict=True):
+        assert np.allclose(body[: len(robot.outline)], robot.outline)
+    assert np.allclose(collection(plan, "stops").get_offsets(), [r.stop for r in seen.robots])
+    headings = collection(plan, "headings").get_segments()
+    for line, robot in zip(headings, seen.robots, strict=True):
+        assert np.allclose(line[0], robot.pose[:2])
+        way = line[1] - line[0]
+        assert np.arctan2(way[1], way[0]) == pytest.approx(robot.pose[2])
+        assert np.hypot(*way) > robot.reach
+    walls = collection(plan, "boundaries").get_segments()
+    assert all(np.allclose(a, b) for a, b in zip(walls, seen.boundaries, strict=True))
+    assert np.allclose(collection(plan, "obstacles").get_paths()[0].vertices[:4], seen.obstacles[0])
+    (bar,) = collection(plan, "narrowest").get_segments()
+    assert np.hypot(*(bar[0] - bar[-1])) == pytest.approx(1.5)
+    assert "1.50 m" in [text.get_text() for text in plan.texts]
+    (curve,) = [line for line in profile.lines if line.get_gid() == "width"]
+    assert np.nanmin(curve.get_ydata()) == pytest.approx(1.5)
+    levels = [line.get_ydata()[0] for line in profile.lines if len(line.get_ydata()) == 2]
+    reach = max(robot.reach for robot in seen.robots)
+    assert sorted(levels) == pytest.approx(sorted([0.6, 2.0 * reach, 2.0 * seen.safe_distance]))
+
+
+def test_paths_are_solid_in_the_safe_area_and_dashed_in_danger(style: None) -> None:
+    text = world(((0.0, 0.0), (20.0, 0.0), (40.0, 0.0)), (8.0, 1.5, 8.0), ("a",))
+    plan = make_figure(shown(text)).axes[0]
+    assert collection(plan, "safe path 0").get_linestyle()[0][1] is None
+    assert collection(plan, "danger path 0").get_linestyle()[0][1] is not None
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_any_world_has_the_same_layout(name: str, style: None) -> None:
+    seen = shown(WORLDS[name])
+    figure = make_figure(seen)
+    first = make_figure(shown(ONE))
+    for axis, other in zip(figure.axes, first.axes, strict=True):
+        assert np.allclose(axis.get_position().bounds, other.get_position().bounds)
+    plan = figure.axes[0]
+    (x0, x1), (y0, y1) = plan.get_xlim(), plan.get_ylim()
+    low, high = seen.extent
+    assert x0 < low[0] < high[0] < x1
+    assert y0 < low[1] < high[1] < y1
+    wide, high_inches = figure.get_size_inches() * plan.get_position().size
+    assert (x1 - x0) / wide == pytest.approx((y1 - y0) / high_inches, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_labels_overlap_no_other_and_stay_inside(name: str, style: None) -> None:
+    figure = make_figure(shown(WORLDS[name]))
+    for axis in figure.axes[:2]:
+        found = boxes(figure, axis)
+        for (one, a), (other, b) in itertools.combinations(found, 2):
+            inside = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+            assert min(inside) <= 0.5, (one, other)
+        for text, box in found:
+            assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width, text
+
+
+def test_names_that_have_no_room_are_counted(style: None) -> None:
+    figure = make_figure(shown(HUNDRED))
+    named = sum(text.get_text().startswith("robot") for text in figure.axes[0].texts)
+    assert 5 < named < 100
+    assert f"{named} of 100 names" in figure.axes[2].texts[0].get_text()
+
+
+def test_names_that_the_font_lacks_are_numbers_and_long_ones_are_cut(style: None) -> None:
+    figure = make_figure(shown(HOSTILE))
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    if matplotlib.rcParams["font.family"] == ["DejaVu Sans"]:
+        assert "robot 5" in texts  # five Chinese signs
+        assert "机器人" not in texts
+    assert HOSTILE_NAMES[2] in texts
+    assert "x" * 23 + "…" in texts
+    for text in figure.texts:
+        box = text.get_window_extent(figure.canvas.get_renderer())
+        assert box.x1 <= figure.bbox.width
+    assert figure.texts[1].get_text().endswith("…")
+
+
+def test_far_from_the_origin_numbers_stay_short(style: None) -> None:
+    figure = make_figure(shown(FAR_AND_TINY))
+    plan = figure.axes[0]
+    assert plan.get_xlabel() == "x \N{MINUS SIGN} 1,000,000 [m]"
+    figure.canvas.draw()
+    assert max(len(label.get_text()) for label in plan.get_xticklabels()) <= 7
+    assert readable_scale(0.0, 120.0) == (0.0, 0)
+    assert readable_scale(10000.0, 10060.0) == (0.0, 0)
+
+
+def test_colours_of_robots_stay_apart() -> None:
+    for one, other in itertools.combinations(ROBOTS, 2):
+        assert np.hypot.reduce(np.subtract(one, other)) > 40.0
+    with styled():
+        plan = make_figure(shown(HUNDRED)).axes[0]
+    faces = collection(plan, "robots").get_facecolors()
+    assert len(np.unique(faces, axis=0)) == len(ROBOTS)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_worlds()))
+def test_every_shipped_world_is_drawn(name: str, tmp_path: Path) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        save_preview(lay_out(load_world(name)), tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+    assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
+
+
+@pytest.mark.parametrize("ending", ["png", "svg"])
+def test_the_same_world_gives_the_same_file(ending: str, tmp_path: Path) -> None:
+    for name in "ab":
+        save_preview(lay_out(parse_world(HOSTILE)), tmp_path / f"{name}.{ending}")
+    assert (tmp_path / f"a.{ending}").read_bytes() == (tmp_path / f"b.{ending}").read_bytes()
+
+
+def test_an_svg_is_valid_and_its_text_is_text(tmp_path: Path) -> None:
+    save_preview(lay_out(parse_world(HOSTILE)), tmp_path / "a.svg")
+    root = ElementTree.parse(tmp_path / "a.svg").getroot()
+    texts = ["".join(e.itertext()) for e in root.iter("{http://www.w3.org/2000/svg}text")]
+    for name in HOSTILE_NAMES:
+        assert (name if len(name) <= 24 else name[:23] + "…") in texts
+    tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+    assert not tags & {"script", "b", "img", "image", "foreignObject"}
+    assert not [k for e in root.iter() for k in e.attrib if k.startswith("on")]
+    assert not any("date" in e.tag.lower() for e in root.iter())
+
+
+@pytest.mark.parametrize("name", ["a.pdf", "a", "a.png/b.svg"])
+def test_what_cannot_be_written_is_refused(name: str, tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_text("a file")
+    with pytest.raises(PhysimError):
+        save_preview(lay_out(parse_world(ONE)), tmp_path / name)
+    assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_no_kernel_engine_or_video_is_loaded(tmp_path: Path) -> None:
+    script = (
+        "import sys; from physim.cli import main\n"
+        f"main(['preview', 'ten_robots', '-o', {str(tmp_path / 'a.png')!r}])\n"
+        "print([m for m in ('numba', 'pymunk', 'h5py', 'cv2', 'av', 'scipy') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "[]", done.stderr
+
+
+def test_words_and_steps() -> None:
+    assert [metres(v) for v in (5.3, 13.4, 100.0, 3000.0, 0.6, 0.0117)] == [
+        "5.30", "13.4", "100", "3,000", "0.6", "0.0117",
+    ]  # fmt: skip
+    for length in (0.1, 1.0, 14.0, 270.6, 3000.0):
+        assert 2 < length / round_step(length, 14) <= 14.0 * (1.0 + 1e-6)
+
+
+def test_a_stretch_that_is_evenly_narrow_is_marked_in_its_middle() -> None:
+    seen: Contents = shown(NARROW)
+    k = seen.widths.narrowest
+    assert k is not None
+    assert seen.widths.station[k] == pytest.approx(22.0, abs=0.1)

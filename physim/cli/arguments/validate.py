@@ -17,7 +17,7 @@ exit codes:
   130  interrupted (Ctrl-C)
 
 examples:
-  physim validate runs/ten_robots-7/record.h5
+  physim validate runs/ten_robots-21/record.h5
   physim validate three_robots --controller path_following
   physim validate my_world.yaml --seeds 1:101 --json seeds.json
 """

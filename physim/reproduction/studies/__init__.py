@@ -1,1 +1,10 @@
 """Claims in words as experiments, a module each; every module holds one `Study` named STUDY."""
+
+from __future__ import annotations
+
+from physim.reproduction.study import Study
+
+
+def studies() -> tuple[Study, ...]:
+    """All experiments, in the order of the paper."""
+    return ()

@@ -1,0 +1,123 @@
+"""A claim of the paper: what it reports, the figures of a run that belong to it, and their grade."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim.reproduction.study import Measures, Outcome
+
+MOST_SEEDS = 0.9
+"""[-] share of the seeds that must meet a claim before it is met."""
+
+Grade = Callable[[Measures], Outcome]
+"""How one run stands to a claim."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One figure of a run, and how it is written."""
+
+    key: str
+    unit: str = ""
+    """"%" shows a share; "yes" shows 1 as yes and 0 as no"""
+    decimals: int = 2
+    label: str = ""
+    """stands before the figure"""
+
+    def text(self, value: float) -> str:
+        """The figure with its unit; "none" for one that has no meaning."""
+        if self.unit == "yes":
+            return self._labelled("none" if math.isnan(value) else "yes" if value > 0 else "no")
+        return self._labelled(self._number(value), self.unit)
+
+    def spread(self, values: Sequence[float]) -> str:
+        """Median and range over seeds, of those where the figure has a meaning."""
+        known = [v for v in values if not math.isnan(v)]
+        if not known:
+            return self._labelled("none")
+        if self.unit == "yes":
+            return self._labelled(f"yes in {sum(v > 0 for v in known)} of {len(known)}")
+        middle, low, high = (
+            self._number(v) for v in (float(np.median(known)), min(known), max(known))
+        )
+        several = middle if low == high else f"{middle} ({low} to {high})"
+        return self._labelled(several, self.unit)
+
+    def _labelled(self, text: str, unit: str = "") -> str:
+        return " ".join(part for part in (self.label, text, unit) if part)
+
+    def _number(self, value: float) -> str:
+        if math.isnan(value):
+            return "none"
+        if math.isinf(value):
+            return "never" if value > 0 else "-never"
+        return f"{100.0 * value if self.unit == '%' else value:,.{self.decimals}f}"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One number or statement of the paper."""
+
+    figure: str
+    claim: str
+    """in our words"""
+    reported: str
+    quantities: tuple[Quantity, ...]
+    grade: Grade
+    remark: str = ""
+    """one sentence: why an exact match is impossible, or what the grade takes for granted"""
+
+    def measured(self, run: Measures) -> str:
+        """The figures of one run."""
+        return ", ".join(q.text(run.get(q.key, math.nan)) for q in self.quantities)
+
+    def spread(self, runs: Sequence[Measures]) -> str:
+        """The figures over seeds."""
+        return "; ".join(
+            q.spread([run.get(q.key, math.nan) for run in runs]) for q in self.quantities
+        )
+
+    def met(self, runs: Sequence[Measures]) -> int:
+        """In how many runs the claim is met."""
+        return sum(self.grade(run) is Outcome.MET for run in runs)
+
+    def outcome(self, pictured: Measures, runs: Sequence[Measures]) -> Outcome:
+        """Grade of the pictured run, taken down to *partly* where too few seeds meet the claim.
+
+        And up to *partly* where the pictured run misses what nearly all seeds meet.
+        """
+        grade = self.grade(pictured)
+        if not runs:
+            return grade
+        most = self.met(runs) >= MOST_SEEDS * len(runs)
+        if grade is Outcome.MET:
+            return Outcome.MET if most else Outcome.PARTLY
+        return Outcome.PARTLY if most else grade
+
+
+def holds(condition: Callable[[Measures], bool]) -> Grade:
+    """Met where a condition holds, otherwise not met; figures without meaning never meet it."""
+    return lambda run: Outcome.MET if condition(run) else Outcome.NOT_MET
+
+
+def steps(full: Callable[[Measures], bool], part: Callable[[Measures], bool]) -> Grade:
+    """Met where ``full`` holds, partly where ``part`` does."""
+
+    def grade(run: Measures) -> Outcome:
+        if full(run):
+            return Outcome.MET
+        return Outcome.PARTLY if part(run) else Outcome.NOT_MET
+
+    return grade
+
+
+def near(key: str, reported: float, same: float, order: float) -> Grade:
+    """Met within a share ``same`` of the reported figure, partly within a factor ``order``."""
+    return steps(
+        lambda run: abs(run[key] - reported) <= same * reported,
+        lambda run: reported / order <= run[key] <= reported * order,
+    )

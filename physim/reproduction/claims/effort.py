@@ -1,0 +1,101 @@
+"""The words below the figures: communication, computing, time to finish."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim import metrics
+from physim.record import Record
+from physim.reproduction.claims import tolerances as tol
+from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
+from physim.reproduction.study import Measures
+
+LONGEST = 0.1
+"""[s] longest update interval, (14)"""
+WORDS = "words"
+"""Stands in the place of a figure's number."""
+FEW = 0.5
+"""[-] "Low": at most this share of what deciding at every physics step would take."""
+
+
+def measure(record: Record) -> Measures:
+    """Messages, collision-time evaluations, update intervals and the time to finish.
+
+    As if every robot had decided at every physics step, with the neighbours that it considered:
+    each decision counts as often as it held steps.
+    """
+    rows = record.updates
+    held = np.minimum(rows["next_step"], record.steps_run) - rows["step"]
+    messages, evaluations = metrics.messages(record), metrics.evaluations(record)
+    planned = (rows["next_step"] - rows["step"]) * record.dt
+    every_step = float((rows["considered"] * held).sum())
+    every_evaluation = float((rows["evaluations"] * held).sum())
+    way = (record.stop_station - _first_stations(record)).max()
+    time = metrics.time_to_finish(record)
+    return {
+        "messages": float(messages),
+        "messages_share": messages / every_step if every_step else np.nan,
+        "evaluations": float(evaluations),
+        "evaluations_share": evaluations / every_evaluation if every_evaluation else np.nan,
+        "shorter_intervals": float((planned < LONGEST - 1e-9).mean()),
+        "time_to_finish": np.nan if time is None else time,
+        "time_at_steady_speed": float(way),
+        "mean_speed": metrics.mean_speed(record) or np.nan,
+    }
+
+
+def claims() -> tuple[Claim, ...]:
+    """Claims that the paper makes in words about the ten robots, without a figure."""
+    return (
+        Claim(
+            WORDS, "Event-triggered updates keep communication low (messages: one for each "
+            "considered robot and decision)", "low, no figure given",
+            (
+                Quantity("messages", "messages", 0),
+                Quantity("messages_share", "%", 1, "of those for updates at every physics step:"),
+            ),
+            holds(lambda run: run["messages_share"] <= FEW),
+            f"Low is taken as at most {FEW:.0%} of the messages at every step of 0.01 s; a fixed "
+            "period of 0.1 s needs about as few.",
+        ),
+        Claim(
+            WORDS, "Event-triggered updates keep computing low (collision-time evaluations)",
+            "low, no figure given",
+            (
+                Quantity("evaluations", "evaluations", 0),
+                Quantity("evaluations_share", "%", 1, "of those for updates at every step:"),
+            ),
+            holds(lambda run: run["evaluations_share"] <= FEW),
+            "As for messages.",
+        ),
+        Claim(
+            WORDS, "Collision times adapt the update interval (14)", "no figure given",
+            (Quantity("shorter_intervals", "%", 2, "intervals shorter than 0.1 s:"),),
+            steps(
+                lambda run: run["shorter_intervals"] > 0.0,
+                lambda run: run["shorter_intervals"] == 0.0,
+            ),
+            "Intervals are min(0.1 s, beta times the shortest collision time): where collision "
+            "times stay long, as in most of our runs, all are 0.1 s.",
+        ),
+        Claim(
+            WORDS, "Less conservative, shorter operation time", "no figure given",
+            (
+                Quantity("time_to_finish", "s", 1, "time to finish"),
+                Quantity("time_at_steady_speed", "s", 1, "longest way at 1 m/s"),
+            ),
+            steps(
+                lambda run: run["time_to_finish"]
+                <= tol.IN_TIME * run["time_at_steady_speed"],
+                lambda run: not np.isnan(run["time_to_finish"]),
+            ),
+            f"Short is taken as at most {tol.IN_TIME:g} times the longest way at the steady speed; "
+            "the paper gives no time and compares with no other method.",
+        ),
+    )  # fmt: skip
+
+
+def _first_stations(record: Record) -> np.ndarray:
+    """Station (N,) [m] of each robot at its first decision."""
+    _, first = np.unique(record.updates["robot"], return_index=True)
+    return np.asarray(record.updates["station"][first])

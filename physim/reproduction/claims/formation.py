@@ -1,0 +1,226 @@
+"""Figures 2 and 7: formation errors, averaged speeds, deviations of a group."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim import metrics
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from physim.reproduction.claims import tolerances as tol
+from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
+from physim.reproduction.claims.ways import path_of
+from physim.reproduction.study import Measures
+
+SNAPSHOTS = 21.0
+"""[s] between two snapshots (paper, Fig. 2a)"""
+
+
+def measure(record: Record) -> Measures:
+    """Formation errors and energy, speeds, deviations and how far the group is spread."""
+    course, energy = metrics.formation_errors(record), metrics.formation_energy(record)
+    if course is None or energy is None:
+        return {}
+    peak, final = metrics.formation_error_peak(record), metrics.formation_error_final(record)
+    speeds = metrics.averaged_speeds(record)
+    size = np.abs(metrics.deviations(record).values).max(axis=0)
+    mean = np.nanmean(metrics.deviations(record).values, axis=0)
+    grown, shrunk = _energy_changes(record, energy.values)
+    return {
+        "formation_error_peak": np.nan if peak is None else peak.value,
+        "formation_error_final": np.nan if final is None else final.value,
+        "energy_in_bends": grown,
+        "energy_on_straights": shrunk,
+        "averaged_speed_min": _extreme(speeds.forward, np.min),
+        "averaged_speed_max": _extreme(speeds.forward, np.max),
+        "deviation_peak_least": float(size.min()),
+        "deviation_peak_largest": float(size.max()),
+        "deviation_left": float((mean > 0.0).sum()),
+        "deviation_right": float((mean < 0.0).sum()),
+        **_group(record),
+        **_speeds_by_place(speeds, course),
+        "rotation_agrees": _rotation_agrees(record, speeds),
+    }
+
+
+def claims_of_three() -> tuple[Claim, ...]:
+    """Figure 2: three robots."""
+    return (
+        Claim(
+            "2", "Three robots move as one group (Fig. 2a, snapshots every 21 s)",
+            "progress collectively as a cohesive group",
+            (
+                Quantity("spread_start", "m", 1, "largest distance at the start"),
+                Quantity("spread_largest", "m", 1, "at any snapshot"),
+                Quantity("finished", "yes", label="all arrive:"),
+            ),
+            steps(
+                lambda run: run["finished"] > 0
+                and run["spread_largest"] <= tol.COHESIVE * run["spread_start"],
+                lambda run: run["finished"] > 0,
+            ),
+            f"Cohesive is taken as at most {tol.COHESIVE:g} times the distance at the start.",
+        ),
+        *_errors("2", "Fig. 2b", "increase at sharp path curvatures"),
+        Claim(
+            "2", "Robots leave their paths by different distances, and stay near them (Fig. 2c)",
+            "distances to the paths, no figure given",
+            (
+                Quantity("deviation_peak_least", "m", 2, "largest of the closest robot"),
+                Quantity("deviation_peak_largest", "m", 2, "of the farthest"),
+            ),
+            holds(
+                lambda run: run["deviation_peak_largest"] > run["deviation_peak_least"]
+                and run["deviation_peak_largest"] <= tol.BOUNDED
+            ),
+        ),
+    )  # fmt: skip
+
+
+def claims_of_ten() -> tuple[Claim, ...]:
+    """Figure 7: ten robots."""
+    return (
+        *_errors("7", "Fig. 7a", "become nonzero in the curved parts"),
+        Claim(
+            "7", "Formation errors are bounded (Fig. 7a)", "bounded, no figure given",
+            (Quantity("formation_error_peak", "m", 2, "largest"),),
+            holds(lambda run: tol.GROWTH <= run["formation_error_peak"] <= tol.BOUNDED),
+            f"Bounded is taken as below {tol.BOUNDED:g} m, the range of neighbours.",
+        ),
+        Claim(
+            "7", "Averaged rotational speeds are positive when turning left, negative when turning "
+            "right (Fig. 7b)", "left positive, right negative",
+            (Quantity("rotation_agrees", "%", 1, "right sign in bends:"),),
+            holds(lambda run: run["rotation_agrees"] >= tol.SAME_SIGN),
+            "A window of 10 s reaches over the ends of short bends, where the sign may differ.",
+        ),
+        Claim(
+            "7", "Averaged forward speeds lie between 0.8 and 1.3 m/s (Fig. 7c)",
+            "0.8 to 1.3 m/s",
+            (
+                Quantity("averaged_speed_min", "m/s", 2, "least"),
+                Quantity("averaged_speed_max", "m/s", 2, "largest"),
+            ),
+            steps(
+                lambda run: 0.8 - tol.SPEED <= run["averaged_speed_min"]
+                and run["averaged_speed_max"] <= 1.3 + tol.SPEED,
+                lambda run: run["averaged_speed_max"] <= 1.3 + tol.SPEED,
+            ),
+        ),
+        Claim(
+            "7", "Robots falling behind drive faster than 1 m/s, those leading slower (Fig. 7c)",
+            "faster than 1 m/s behind, slower in the lead",
+            (
+                Quantity("behind_is_faster", "%", 1, "of the time behind, faster:"),
+                Quantity("ahead_is_slower", "%", 1, "of the time in the lead, slower:"),
+            ),
+            holds(
+                lambda run: min(run["behind_is_faster"], run["ahead_is_slower"]) >= tol.SAME_SIGN
+            ),
+            f"Behind and in the lead mean a formation error larger than {tol.BEHIND:g} m.",
+        ),
+        Claim(
+            "7", "Deviations from the paths differ in magnitude and direction (Fig. 7d)",
+            "different in magnitudes and direction",
+            (
+                Quantity("deviation_peak_least", "m", 2, "largest of the closest robot"),
+                Quantity("deviation_peak_largest", "m", 2, "of the farthest"),
+                Quantity("deviation_left", "robots", 0, "mostly left:"),
+                Quantity("deviation_right", "robots", 0, "mostly right:"),
+            ),
+            holds(
+                lambda run: run["deviation_peak_largest"] > 2.0 * run["deviation_peak_least"]
+                and min(run["deviation_left"], run["deviation_right"]) > 0
+            ),
+            "Most of it is room kept from walls: paths lie in the danger area, targets do not.",
+        ),
+    )  # fmt: skip
+
+
+def _errors(figure: str, where: str, words: str) -> tuple[Claim, ...]:
+    """The two claims about formation errors that both groups share."""
+    return (
+        Claim(
+            figure, f"Formation errors grow in bends ({where})", words,
+            (
+                Quantity("energy_in_bends", "m²", 1, "energy (9) gained in bends"),
+                Quantity("energy_on_straights", "m²", 1, "on straights"),
+                Quantity("formation_error_peak", "m", 2, "largest error"),
+            ),
+            holds(
+                lambda run: run["energy_in_bends"] > 0.0 > run["energy_on_straights"]
+                and run["formation_error_peak"] >= tol.GROWTH
+            ),
+            "In bends means that some robot is in one; the paper's waypoints are lost.",
+        ),
+        Claim(
+            figure, f"Formation errors converge to zero by the end ({where})", "0 m",
+            (Quantity("formation_error_final", "m", 2, "largest at the end"),),
+            holds(lambda run: run["formation_error_final"] <= tol.ZERO_AT_END),
+            f"Zero is taken as at most {tol.ZERO_AT_END:g} m.",
+        ),
+    )  # fmt: skip
+
+
+def _group(record: Record) -> Measures:
+    """Largest distance of any two robots at the start and at the snapshots."""
+    (time, gaps), _ = metrics.pair_distances(record)
+    wanted = SNAPSHOTS * np.arange(float(int(time[-1] / SNAPSHOTS) + 1))
+    at = np.abs(time[:, None] - wanted).argmin(axis=0)
+    return {
+        "finished": float(metrics.finished(record)),
+        "spread_start": float(gaps[0].max()),
+        "spread_largest": float(gaps[at].max()),
+    }
+
+
+def _energy_changes(record: Record, energy: FloatArray) -> tuple[float, float]:
+    """Change of the energy (9) [m^2] while a robot is in a bend of s*, and while none is."""
+    _, station = metrics.column_over_time(record, "reference_station")
+    bends = np.abs(_turning(record.reference.points, station)) > tol.BEND
+    change, some = np.diff(energy), bends.any(axis=1)[: len(energy) - 1]
+    return float(change[some].sum()), float(change[~some].sum())
+
+
+def _rotation_agrees(record: Record, speeds: metrics.AveragedSpeeds) -> float:
+    """Share of moments in bends of the own path at which the robot turns the way of the bend."""
+    time, station = metrics.column_over_time(record, "station")
+    right = count = 0
+    for robot in range(record.robots):
+        where = np.interp(speeds.time, time, station[:, robot])
+        turning = _turning(path_of(record, robot), where)
+        rotation = speeds.rotational[:, robot]
+        bend = (np.abs(turning) > tol.BEND) & np.isfinite(rotation)
+        right += int((np.sign(rotation) == np.sign(turning))[bend].sum())
+        count += int(bend.sum())
+    return right / count if count else np.nan
+
+
+def _speeds_by_place(speeds: metrics.AveragedSpeeds, errors: metrics.Series) -> Measures:
+    """Share of the time behind at which a robot is faster than 1 m/s, and the contrary."""
+    forward = speeds.forward
+    error = np.stack([np.interp(speeds.time, errors.time, e) for e in errors.values.T], axis=1)
+    known = np.isfinite(forward)
+    behind, ahead = known & (error > tol.BEHIND), known & (error < -tol.BEHIND)
+    return {
+        "behind_is_faster": float((forward[behind] > 1.0).mean()) if behind.any() else np.nan,
+        "ahead_is_slower": float((forward[ahead] < 1.0).mean()) if ahead.any() else np.nan,
+    }
+
+
+def _turning(points: FloatArray, station: FloatArray) -> FloatArray:
+    """Change of heading [rad] of a polyline within `BEND_SPAN` about stations, left positive."""
+    legs = np.diff(points, axis=0)
+    start = np.cumsum(np.hypot(*legs.T)) - np.hypot(*legs.T)
+    heading = np.unwrap(np.arctan2(legs[:, 1], legs[:, 0]))
+
+    def at(place: FloatArray) -> FloatArray:
+        k = np.searchsorted(start, place, side="right") - 1
+        return np.asarray(heading[np.clip(k, 0, len(heading) - 1)])
+
+    return at(station + tol.BEND_SPAN / 2.0) - at(station - tol.BEND_SPAN / 2.0)
+
+
+def _extreme(values: FloatArray, of: type[np.min]) -> float:
+    known = values[np.isfinite(values)]
+    return float(of(known)) if len(known) else np.nan

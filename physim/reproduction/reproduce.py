@@ -1,0 +1,139 @@
+"""Run the experiments of the paper, judge its claims, write the pages."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from physim._version import VERSION
+from physim.reproduction.claims import Part
+from physim.reproduction.claims.claim import Claim
+from physim.reproduction.html import html
+from physim.reproduction.jobs import PAPER
+from physim.reproduction.markdown import markdown
+from physim.reproduction.page import TITLE, page
+from physim.reproduction.plan import (
+    Followers,
+    Plan,
+    film_of,
+    picture_of,
+    run_key,
+    study_picture,
+    study_table,
+)
+from physim.reproduction.report import Report, Row, Section
+from physim.reproduction.runner import do_all
+from physim.reproduction.study import Arm, Measures, Study
+
+MARKDOWN, HTML, JSON = "REPRODUCTION.md", "reproduction.html", "reproduction.json"
+PAGES = (MARKDOWN, HTML, JSON)
+MOST_ARMS = 12
+"""Arms whose commands are told."""
+
+
+def reproduce(
+    plan: Plan,
+    folder: Path,
+    *,
+    workers: int,
+    command: str,
+    stop: Callable[[], bool],
+    progress: Callable[[int, int, str], None],
+) -> Report:
+    """Do all jobs of a plan; records, pictures and films go to ``folder``, which must exist.
+
+    Raises PhysimError when a run fails. When ``stop`` says True the report holds what is done.
+    """
+    found = do_all(plan.jobs(folder), Followers(plan, folder), workers, stop, progress)
+    sections = [_part_section(part, plan, found) for part in plan.parts]
+    sections += [_study_section(study, plan, found) for study in plan.studies]
+    records = {key[1]: result for key, result in found.items() if key[0] == "record"}
+    figures = {
+        world: {name: value for name, value in records[world][2].items() if math.isfinite(value)}
+        for world in reversed(plan.worlds)
+        if world in records
+    }
+    return Report(VERSION, command, plan.seeds, tuple(sections), figures, stop())
+
+
+def pages(report: Report, folder: Path) -> dict[str, str]:
+    """Texts of the files that tell the report, by name; pictures are read from ``folder``."""
+    blocks = page(report)
+    return {
+        MARKDOWN: markdown(blocks),
+        HTML: html(blocks, TITLE, folder),
+        JSON: report.to_json(),
+    }
+
+
+def _part_section(part: Part, plan: Plan, found: dict[Any, Any]) -> Section:
+    """A figure of the paper: its claims, judged by the pictured run and by all seeds."""
+    if ("record", part.world) not in found:
+        return Section(part.figure, part.title, "", (), (), missing="Interrupted before its run.")
+    name, seed, pictured = found[("record", part.world)]
+    keys = [run_key(Arm("", part.world), k) for k in range(plan.seeds)]
+    runs = [found[key][PAPER] for key in keys if key in found]
+    rows = tuple(_row(claim, pictured, runs) for claim in part.claims)
+    pictures = [
+        (file, f"{part.title.split(':')[0]}, {what.replace('_', ' ')}: {name}, seed {seed}")
+        for what in part.pictures
+        if ("picture", file := picture_of(part, what)) in found
+    ]
+    film = part.film and ("film", part.world) in found
+    about = f"World {part.world}. Measured: seed {seed}, as in the pictures. Over seeds: "
+    few = "none was run." if not runs else f"{len(runs)} runs, seeds 0 to {len(runs) - 1}."
+    missing = "" if len(runs) == plan.seeds else "Interrupted before all seeds were run."
+    option = "" if part.figure == "words" else f" --figure {part.figure}"
+    commands = [f"physim reproduce{option}", f"physim run {part.world} --seed {seed} -o out"]
+    if part.pictures:
+        every = f" --snapshots {part.snapshots:g}" if part.snapshots else ""
+        commands.append(f"physim plot out/record.h5 --only {','.join(part.pictures)}{every}")
+    return Section(
+        part.figure, part.title, about + few, tuple(commands), rows,
+        tuple(file for file, _ in pictures), tuple(caption for _, caption in pictures),
+        (film_of(part.world),) if film else (), missing,
+    )  # fmt: skip
+
+
+def _row(claim: Claim, pictured: Measures, runs: list[Measures]) -> Row:
+    return Row(
+        claim.claim, claim.reported, claim.measured(pictured), claim.outcome(pictured, runs),
+        claim.remark, claim.spread(runs) if runs else "",
+        f"{claim.met(runs)} of {len(runs)}" if runs else "",
+    )  # fmt: skip
+
+
+def _study_section(study: Study, plan: Plan, found: dict[Any, Any]) -> Section:
+    """An experiment: its verdicts and its plot."""
+    seeds = plan.seeds_of(study)
+    about = f"{study.claim} Seeds 0 to {seeds - 1} in each of {len(study.arms)} arms."
+    commands = (f"physim reproduce --study {study.name}", *_arms(study))
+    table = study_table(plan, study, found)
+    title = f"Study: {study.title}"
+    if table is None:
+        return Section(
+            study.name, title, about, commands, (), missing="Interrupted before all was run."
+        )
+    rows = tuple(
+        Row(one.claim, one.reported, one.measured, one.outcome, one.remark)
+        for one in study.conclude(table)
+    )
+    drawn = ("study", study.name) in found
+    return Section(
+        study.name, title, about, commands, rows,
+        (study_picture(study),) if drawn else (), (study.title,) if drawn else (),
+    )  # fmt: skip
+
+
+def _arms(study: Study) -> list[str]:
+    """Commands that run the arms of a study, as long as their worlds are shipped ones."""
+    lines = []
+    for arm in study.arms:
+        if arm.text is None:
+            sets = "".join(f" --set {shlex.quote(one)}" for one in arm.overrides)
+            label = " ".join(arm.label.split())
+            lines.append(f"physim run {arm.world}{sets} --seed 0  # {label}")
+    return lines if len(lines) <= MOST_ARMS else []

@@ -12,7 +12,8 @@ from physim.cli.progress import Bar, interrupts
 from physim.errors import PhysimError
 from physim.reproduction.plan import PICTURES, Plan, make_plan
 from physim.reproduction.report import Report
-from physim.reproduction.reproduce import PAGES, pages, reproduce as run_all
+from physim.reproduction.reproduce import PAGES, pages
+from physim.reproduction.reproduce import reproduce as run_all
 from physim.reproduction.runner import worker_count
 from physim.reproduction.study import Outcome
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from physim.errors import PhysimError
 from physim.record import Record
-from physim.reproduction.claims import measures
+from physim.reproduction.claims import PAIR_TIMES, measures
 from physim.reproduction.study import Arm, Measures, Study
 
 Stop = Callable[[], bool]
@@ -68,7 +68,7 @@ class Plot:
 
     record: Path
     name: str
-    """of `physim.plots`, or ``pair_times``"""
+    """of `physim.plots`, or `PAIR_TIMES`"""
     path: Path
     snapshots: float | None = None
 
@@ -81,10 +81,13 @@ class Plot:
         """Draw it; True, since it is not stopped."""
         from physim.plots.pictures import PICTURES
         from physim.plots.trajectories import trajectories
+        from physim.reproduction.pair_times import pair_times
         from physim.reproduction.pictures import picture
 
         with Record.load(self.record) as record, picture(self.path) as keep:
-            if self.name == "trajectories":
+            if self.name == PAIR_TIMES:
+                keep(pair_times(record))
+            elif self.name == "trajectories":
                 keep(trajectories(record, self.snapshots))
             else:
                 keep(PICTURES[self.name](record))

@@ -99,14 +99,13 @@ def _section(section: Section) -> Iterator[Block]:
 
 def _table(rows: tuple[Row, ...]) -> Table:
     spread = any(row.spread for row in rows)
-    header = ("claim", "reported", "measured")
-    if spread:
-        header += ("over seeds", "met in seeds")
+    more = ("over seeds", "met in seeds") if spread else ()
+    header = ("claim", "reported", "measured", *more, "verdict")
     cells: list[tuple[Words, ...]] = []
     for row in rows:
         over = (row.spread, row.met) if spread else ()
         cells.append((_claim(row), row.reported, row.measured, *over, (row.outcome,)))
-    return Table((*header, "verdict"), tuple(cells))
+    return Table(header, tuple(cells))
 
 
 def _claim(row: Row) -> Words:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import VERSION
-from physim.reproduction.claims import Part
+from physim.reproduction.claims import PAIR_TIMES, Part
 from physim.reproduction.claims.claim import Claim
 from physim.reproduction.html import html
 from physim.reproduction.jobs import PAPER
@@ -88,9 +88,10 @@ def _part_section(part: Part, plan: Plan, found: dict[Any, Any]) -> Section:
     missing = "" if len(runs) == plan.seeds else "Interrupted before all seeds were run."
     option = "" if part.figure == "words" else f" --figure {part.figure}"
     commands = [f"physim reproduce{option}", f"physim run {part.world} --seed {seed} -o out"]
-    if part.pictures:
+    plots = [name for name in part.pictures if name != PAIR_TIMES]
+    if plots:
         every = f" --snapshots {part.snapshots:g}" if part.snapshots else ""
-        commands.append(f"physim plot out/record.h5 --only {','.join(part.pictures)}{every}")
+        commands.append(f"physim plot out/record.h5 --only {','.join(plots)}{every}")
     return Section(
         part.figure, part.title, about + few, tuple(commands), rows,
         tuple(file for file, _ in pictures), tuple(caption for _, caption in pictures),

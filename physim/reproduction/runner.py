@@ -134,6 +134,7 @@ def _work(pipe: Connection, halt: Any) -> None:
             job: Job = pipe.recv()
         except (EOFError, OSError):
             return
+        answer: tuple[str, Any]
         try:
             answer = ("done", job.do(halt.is_set))
         except PhysimError as error:

@@ -10,6 +10,9 @@ from physim.reproduction.claims import avoidance, effort, following, formation, 
 from physim.reproduction.claims.claim import Claim
 from physim.reproduction.study import Measures
 
+PAIR_TIMES = "pair_times"
+"""The picture that only a reproduction has: collision times of all pairs."""
+
 
 @dataclass(frozen=True)
 class Part:
@@ -19,7 +22,7 @@ class Part:
     title: str
     world: str
     pictures: tuple[str, ...]
-    """of `physim.plots`"""
+    """of `physim.plots`, or `PAIR_TIMES`"""
     claims: tuple[Claim, ...]
     film: bool = False
     snapshots: float | None = None
@@ -36,12 +39,12 @@ def parts() -> tuple[Part, ...]:
         Part("2", "Figure 2: three robots in formation", three,
              ("trajectories", "formation", "deviation"), formation.claims_of_three(), True, every),
         Part("3", "Figure 3: distances and collision times of the three robots", three,
-             ("distances", "collision_times"), avoidance.claims_of_three()),
+             ("distances", PAIR_TIMES, "collision_times"), avoidance.claims_of_three()),
         Part("3a", "Figure 3a: safe and danger area", three,
              ("trajectories",), space.claims_of_three(), snapshots=every),
         Part("4", "Figure 4: corridor width", ten, ("width",), space.claims_of_ten()),
         Part("6", "Figure 6: ten robots", ten,
-             ("trajectories", "distances", "collision_times"), avoidance.claims_of_ten(), True),
+             ("trajectories", "distances", PAIR_TIMES, "collision_times"), avoidance.claims_of_ten(), True),
         Part("7", "Figure 7: formation errors, speeds and deviations of the ten robots", ten,
              ("formation", "speeds", "deviation"), formation.claims_of_ten()),
         Part("8", "Figure 8: modes of the ten robots", ten, ("modes",), modes.claims()),

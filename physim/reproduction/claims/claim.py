@@ -1,4 +1,4 @@
-"""A claim of the paper: what it reports, the figures of a run that belong to it, and their grade."""
+"""A claim of the paper: what it reports, the figures of a run that it is judged by, the grade."""
 
 from __future__ import annotations
 

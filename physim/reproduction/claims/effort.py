@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from physim import metrics
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
@@ -95,7 +96,7 @@ def claims() -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def _first_stations(record: Record) -> np.ndarray:
+def _first_stations(record: Record) -> FloatArray:
     """Station (N,) [m] of each robot at its first decision."""
     _, first = np.unique(record.updates["robot"], return_index=True)
     return np.asarray(record.updates["station"][first])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim import metrics
 from physim.geometry.shapes import FloatArray
@@ -17,22 +18,22 @@ SNAPSHOTS = 21.0
 
 
 def measure(record: Record) -> Measures:
-    """Formation errors and energy, speeds, deviations and how far the group is spread."""
-    course, energy = metrics.formation_errors(record), metrics.formation_energy(record)
-    if course is None or energy is None:
+    """Formation errors, speeds, deviations and how far the group is spread."""
+    course = metrics.formation_errors(record)
+    if course is None:
         return {}
     peak, final = metrics.formation_error_peak(record), metrics.formation_error_final(record)
     speeds = metrics.averaged_speeds(record)
     size = np.abs(metrics.deviations(record).values).max(axis=0)
     mean = np.nanmean(metrics.deviations(record).values, axis=0)
-    grown, shrunk = _energy_changes(record, energy.values)
+    bends, straights = _by_place(record, course.values)
     return {
         "formation_error_peak": np.nan if peak is None else peak.value,
         "formation_error_final": np.nan if final is None else final.value,
-        "energy_in_bends": grown,
-        "energy_on_straights": shrunk,
-        "averaged_speed_min": _extreme(speeds.forward, np.min),
-        "averaged_speed_max": _extreme(speeds.forward, np.max),
+        "error_in_bends": bends,
+        "error_on_straights": straights,
+        "averaged_speed_min": _extreme(speeds.forward, largest=False),
+        "averaged_speed_max": _extreme(speeds.forward, largest=True),
         "deviation_peak_least": float(size.min()),
         "deviation_peak_largest": float(size.max()),
         "deviation_left": float((mean > 0.0).sum()),
@@ -102,7 +103,7 @@ def claims_of_ten() -> tuple[Claim, ...]:
                 Quantity("averaged_speed_max", "m/s", 2, "largest"),
             ),
             steps(
-                lambda run: 0.8 - tol.SPEED <= run["averaged_speed_min"]
+                lambda run: run["averaged_speed_min"] >= 0.8 - tol.SPEED
                 and run["averaged_speed_max"] <= 1.3 + tol.SPEED,
                 lambda run: run["averaged_speed_max"] <= 1.3 + tol.SPEED,
             ),
@@ -143,12 +144,12 @@ def _errors(figure: str, where: str, words: str) -> tuple[Claim, ...]:
         Claim(
             figure, f"Formation errors grow in bends ({where})", words,
             (
-                Quantity("energy_in_bends", "m²", 1, "energy (9) gained in bends"),
-                Quantity("energy_on_straights", "m²", 1, "on straights"),
+                Quantity("error_in_bends", "m", 2, "root mean square in bends"),
+                Quantity("error_on_straights", "m", 2, "on straights"),
                 Quantity("formation_error_peak", "m", 2, "largest error"),
             ),
             holds(
-                lambda run: run["energy_in_bends"] > 0.0 > run["energy_on_straights"]
+                lambda run: run["error_in_bends"] > run["error_on_straights"]
                 and run["formation_error_peak"] >= tol.GROWTH
             ),
             "In bends means that some robot is in one; the paper's waypoints are lost.",
@@ -174,12 +175,12 @@ def _group(record: Record) -> Measures:
     }
 
 
-def _energy_changes(record: Record, energy: FloatArray) -> tuple[float, float]:
-    """Change of the energy (9) [m^2] while a robot is in a bend of s*, and while none is."""
+def _by_place(record: Record, errors: FloatArray) -> tuple[float, float]:
+    """Root mean square error [m] of all robots while one is in a bend of s*, and while none is."""
     _, station = metrics.column_over_time(record, "reference_station")
-    bends = np.abs(_turning(record.reference.points, station)) > tol.BEND
-    change, some = np.diff(energy), bends.any(axis=1)[: len(energy) - 1]
-    return float(change[some].sum()), float(change[~some].sum())
+    bent: NDArray[np.bool_] = np.abs(_turning(record.reference.points, station)) > tol.BEND
+    some = bent.any(axis=1)
+    return _rms(errors[some]), _rms(errors[~some])
 
 
 def _rotation_agrees(record: Record, speeds: metrics.AveragedSpeeds) -> float:
@@ -221,6 +222,10 @@ def _turning(points: FloatArray, station: FloatArray) -> FloatArray:
     return at(station + tol.BEND_SPAN / 2.0) - at(station - tol.BEND_SPAN / 2.0)
 
 
-def _extreme(values: FloatArray, of: type[np.min]) -> float:
+def _extreme(values: FloatArray, largest: bool) -> float:
     known = values[np.isfinite(values)]
-    return float(of(known)) if len(known) else np.nan
+    return float(known.max() if largest else known.min()) if len(known) else np.nan
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if values.size else np.nan

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from physim import metrics
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
@@ -82,7 +84,7 @@ def _width(key: str, word: str, reported: float) -> Claim:
     )  # fmt: skip
 
 
-def _area(rings: list[np.ndarray]) -> shapely.Geometry:
+def _area(rings: Sequence[FloatArray]) -> shapely.Geometry:
     """Even-odd area of rings."""
     area: shapely.Geometry = shapely.Polygon()
     for ring in rings:
@@ -95,7 +97,7 @@ def _walls(record: Record) -> shapely.Geometry:
     return shapely.union_all([shapely.LineString(record.walls.vertices[a:b]) for a, b in starts])
 
 
-def _diameter(parts: tuple[np.ndarray, ...]) -> float:
+def _diameter(parts: Sequence[FloatArray]) -> float:
     """Largest distance [m] of two points of a footprint: its width at the worst heading."""
     points = np.concatenate(parts)
     return float(np.hypot(*(points[:, None] - points).T).max())

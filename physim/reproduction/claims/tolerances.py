@@ -12,6 +12,8 @@ FOLLOWS = 0.25
 AT_TURN = 2.0
 """[m] A robot is at a turn of its path within the look-ahead of it: there the target is round the
 corner."""
+START = 5.0
+"""[m] After this way a robot has come out of its random heading."""
 SHARP_TURNS_ONLY = 0.5
 """[-] Deviations away from turns are at most this share of the largest one at a turn."""
 BEND = 0.3
@@ -43,6 +45,6 @@ MOST_OF_TIME = 0.5
 IN_TIME = 1.1
 """[-] A run takes hardly longer than its way at the steady speed when it stays below this multiple
 of that time."""
-SAFE_AREA = 0.0013
-"""[-] share of L by which the drawn safe area may come nearer to a corner of a wall: its arcs are
-drawn as chords"""
+SAFE_AREA = 0.01
+"""[-] share of L by which the drawn safe area may come nearer to a wall: arcs are drawn as chords,
+and the library leaves out detail below a hundredth of the distance"""

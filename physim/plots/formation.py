@@ -28,7 +28,7 @@ def formation(record: Record) -> Any:
     course = formation_errors(record)
     peak, final = formation_error_peak(record), formation_error_final(record)
     if course is None or peak is None or final is None:
-        why = "a robot alone has no formation" if record.robots == 1 else "no decision"
+        why = "a robot alone has no formation" if record.robots == 1 else "no decision was recorded"
         if record.robots > 1 and course is None:
             why = "the world has no formation"
         nothing(above, why)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -76,7 +77,8 @@ def _save(record: Record, path: Path, format: str, snapshots: float | None) -> N
     """Write one picture, whole or not at all, without the date that would make files differ."""
     dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
     part = path.with_name(f".{path.name}.part")
-    with styled():
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
         if path.stem == "trajectories":
             figure = trajectories(record, snapshots)
         else:

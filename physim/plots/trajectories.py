@@ -56,7 +56,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
     if not record.samples:
         nothing(axis, "no sample was recorded")
         return figure
-    every = snapshot_interval(record.steps_run * record.dt) if snapshots is None else snapshots
+    every = snapshot_interval(record) if snapshots is None else snapshots
     at = snapshot_rows(record, every)
     handles += _ways(axis, record)
     handles += _snapshots(axis, record, at)
@@ -68,9 +68,17 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
     return figure
 
 
-def snapshot_interval(duration: float) -> float:
-    """Time [s] between snapshots, 1, 2 or 5 times a power of ten, about ten in the run."""
-    wanted = max(duration, 1e-3) / SNAPSHOTS
+def snapshot_interval(record: Record) -> float:
+    """Time [s] between snapshots, 1, 2 or 5 times a power of ten.
+
+    About ten in the run, but so far apart that the cluster has left its place in between.
+    """
+    middle = np.median(record.pose[:: max(1, record.samples // 200), :, :2], axis=1)
+    way = float(np.hypot(*np.diff(middle, axis=0).T).sum())
+    halfway = record.pose[record.samples // 2, :, :2]
+    share = float(np.hypot(*np.ptp(halfway, axis=0))) / way if way > 0.0 else 0.0
+    duration = max(record.steps_run * record.dt, 1e-3)
+    wanted = duration * min(max(1.0 / SNAPSHOTS, 1.1 * share), 0.5)
     power = 10.0 ** np.floor(np.log10(wanted))
     return float(min((f * power for f in (*SIMPLE, 10.0)), key=lambda t: abs(np.log(t / wanted))))
 

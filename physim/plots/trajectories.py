@@ -29,6 +29,7 @@ SNAPSHOTS = 10
 MOST_SNAPSHOTS = 200
 COLUMNS = 5
 """of the legend"""
+UP = np.array([0.0, 1.0])
 SIMPLE = (1.0, 2.0, 5.0)
 """Leading figures of the time between snapshots."""
 POINTS = 1500
@@ -78,9 +79,11 @@ def snapshot_interval(record: Record) -> float:
     halfway = record.pose[record.samples // 2, :, :2]
     share = float(np.hypot(*np.ptp(halfway, axis=0))) / way if way > 0.0 else 0.0
     duration = max(record.steps_run * record.dt, 1e-3)
-    wanted = duration * min(max(1.0 / SNAPSHOTS, 1.1 * share), 0.5)
+    least = duration * min(share, 0.5)
+    wanted = max(duration / SNAPSHOTS, least)
     power = 10.0 ** np.floor(np.log10(wanted))
-    return float(min((f * power for f in (*SIMPLE, 10.0)), key=lambda t: abs(np.log(t / wanted))))
+    simple = [f * power for f in (*SIMPLE, 10.0) if f * power >= 0.9 * least]
+    return float(min(simple, key=lambda t: abs(np.log(t / wanted))))
 
 
 def snapshot_rows(record: Record, every: float) -> IntArray:
@@ -181,17 +184,25 @@ def _placed(points: FloatArray, pose: FloatArray) -> FloatArray:
 
 
 def _times(axis: Any, record: Record, at: IntArray) -> None:
-    """Time of each snapshot beside the middle of its robots, off the reference path."""
+    """Time of each snapshot, left of its robots as they go."""
     wide = float(np.ptp(axis.get_xlim()))
     last: FloatArray | None = None
     for row in at:
-        middle = np.median(record.pose[row, :, :2], axis=0)
+        places = record.pose[row, :, :2]
+        middle = np.median(places, axis=0)
         if last is not None and np.hypot(*(middle - last)) < 0.045 * wide:
             continue  # it would be written over the one before
         last = middle
+        around = np.clip([row - record.samples // 100, row + record.samples // 100], 0, None)
+        ends = np.median(record.pose[np.minimum(around, record.samples - 1), :, :2], axis=1)
+        ahead = np.hypot(*(ends[1] - ends[0]))
+        left = np.array([-1.0, 1.0]) * (ends[1] - ends[0])[::-1] / ahead if ahead > 0.0 else UP
+        near = np.hypot(*(places - middle).T) < 0.1 * wide
+        beside = float(((places[near] - middle) @ left).max()) if near.any() else 0.0
         axis.annotate(
-            f"{record.time[row]:.3g} s", middle, xytext=(0, 15), textcoords="offset points",
-            ha="center", fontsize=7.5, color=INK, zorder=6, gid="time",
+            f"{record.time[row]:.3g} s", middle + beside * left, xytext=tuple(15.0 * left),
+            textcoords="offset points", ha="center", va="center", fontsize=7.5, color=INK,
+            zorder=6, gid="time",
             bbox={"boxstyle": "square,pad=0.1", "fc": "white", "alpha": 0.75, "linewidth": 0},
         )  # fmt: skip
 

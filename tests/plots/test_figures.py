@@ -48,7 +48,7 @@ def crowd(robots: int = 60) -> Record:
         "a/b",
         "<b>&amp;",
         "二",
-        "a very, very long name of a robot",
+        "a long, long name of a robot",
         '"',
         "%s",
     )
@@ -108,7 +108,7 @@ def texts(figure: Any, kind: str) -> list[str]:
         ("formation", "no formation", "none: the world has no formation"),
         ("formation", "nothing recorded", "none: no decision was recorded"),
         ("distances", "one robot", "none: one robot alone"),
-        ("collision_times", "one robot", "none: no decision foresaw a collision"),
+        ("collision_times", "nothing recorded", "none: no decision foresaw a collision"),
         ("modes", "nothing recorded", "none: no decision was recorded"),
         ("trajectories", "nothing recorded", "none: no sample was recorded"),
         ("prediction", "no contact", "none: no contact"),

@@ -41,7 +41,7 @@ def test_nothing_is_written_over_without_force(record: Record, tmp_path: Path) -
     assert (tmp_path / "distances.png").read_bytes()[:4] == b"\x89PNG"
 
 
-@pytest.mark.parametrize(("only", "format"), [(("width",), "png"), (("distances",), "gif")])
+@pytest.mark.parametrize(("only", "format"), [(("depth",), "png"), (("distances",), "gif")])
 def test_unknown_names_are_refused(
     record: Record, tmp_path: Path, only: tuple[str, ...], format: str
 ) -> None:

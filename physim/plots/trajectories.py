@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics import mode_spans
 from physim.plots.courses import MOST_LINES
@@ -208,12 +208,17 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
 
 
 def _contacts(axis: Any, record: Record) -> list[Any]:
-    """Places at which contacts began."""
-    began = record.contacts[record.contacts["phase"] == Phase.BEGAN]
-    if not len(began):
-        return []
-    how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
-    return list(axis.plot(began["x"], began["y"], "x", label=f"contact ({len(began)})", **how))
+    """Places at which contacts began, and those of grazes between two samples."""
+    rows = record.contacts
+    began = rows[(rows["phase"] == Phase.BEGAN) & (rows["kind"] == Kind.PHYSICAL)]
+    swept = rows[rows["kind"] == Kind.SWEPT]
+    handles = []
+    for found, marker, word in ((began, "x", "contact"), (swept, "+", "graze")):
+        if len(found):
+            how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
+            label = f"{word} ({len(found)})"
+            handles += axis.plot(found["x"], found["y"], marker, label=label, **how)
+    return handles
 
 
 __all__ = ["snapshot_interval", "snapshot_rows", "trajectories"]

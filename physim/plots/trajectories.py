@@ -30,7 +30,7 @@ MOST_SNAPSHOTS = 200
 COLUMNS = 5
 """of the legend"""
 UP = np.array([0.0, 1.0])
-SIMPLE = (1.0, 2.0, 5.0)
+SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
 POINTS = 1500
 """Points of a trajectory, at most."""
@@ -70,7 +70,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
 
 
 def snapshot_interval(record: Record) -> float:
-    """Time [s] between snapshots, 1, 2 or 5 times a power of ten.
+    """Time [s] between snapshots, 1, 2, 3 or 5 times a power of ten.
 
     About ten in the run, but so far apart that the cluster has left its place in between.
     """

@@ -69,7 +69,6 @@ def styled() -> Iterator[None]:
         "xtick.labelcolor": INK,
         "ytick.labelcolor": INK,
         "text.color": INK,
-        "text.parse_math": False,  # names are names, with $ and _
         "lines.linewidth": 1.3,
         "legend.frameon": False,
         "legend.fontsize": 8.5,

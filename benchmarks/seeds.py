@@ -60,7 +60,8 @@ def told_contacts(record: Record) -> list[str]:
     for graze in grazes(record):
         a, b = (record.bodies[i].name for i in (graze.a, graze.b))
         lines.append(
-            f"{a} and {b} between samples before {graze.time:.2f} s, {1e3 * graze.depth:.3g} mm deep"
+            f"{a} and {b} between samples before {graze.time:.2f} s, "
+            f"{1e3 * graze.depth:.3g} mm deep"
         )
     return lines
 

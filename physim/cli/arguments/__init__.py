@@ -7,6 +7,7 @@ from importlib import import_module
 from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
+    "importing",
     "run",
     "video",
     "summary",

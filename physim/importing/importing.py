@@ -1,0 +1,124 @@
+"""From a source to a world: read, enclose, find a path, place the robots, write, and check."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from physim.errors import WorldError
+from physim.importing.drawing import Drawing, Options, number, place, printable, refused
+from physim.importing.enclosure import enclose
+from physim.importing.fit import Fit, fit
+from physim.importing.group import Placed, as_drawn, fill_in
+from physim.importing.line import stations
+from physim.importing.source import format_of
+from physim.importing.world_text import world_text
+from physim.scene_builder import build_scene
+from physim.world import World
+from physim.world_file import parse_world
+
+READERS = {
+    "track": ("physim.importing.track", "read_track"),
+    "ros-map": ("physim.importing.ros_map", "read_ros_map"),
+    "svg": ("physim.importing.svg", "read_svg"),
+    "wkt": ("physim.importing.polygons", "read_wkt"),
+    "geojson": ("physim.importing.polygons", "read_geojson"),
+}
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A world made from a source: its text, the same loaded, and what was done to get there.
+
+    ``facts`` say what was read and how; ``changes`` every line dropped or repaired.
+    """
+
+    text: str
+    world: World
+    kind: str
+    facts: tuple[str, ...]
+    changes: tuple[str, ...]
+
+
+def import_world(source: Path, options: Options | None = None) -> Imported:
+    """Make a world of a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON file.
+
+    The world has been loaded and its scene built, so `physim run` takes it. Raises
+    ImportSourceError, which says what is wrong with the source and where.
+    """
+    options = options or Options()
+    form = options.format or format_of(source)
+    module, name = READERS[form]
+    reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
+    drawing = reader(source, options)
+    inside = None if options.origin is None else np.array(options.origin)
+    if drawing.area is None:
+        enclose(source, drawing, inside)
+    _find_route(source, drawing, options)
+    found = fit(source, drawing, options)
+    drawn = bool(drawing.robots) and options.robots is None
+    robots = as_drawn(source, drawing, found) if drawn else fill_in(source, drawing, found, options)
+    drawing.facts += _about(drawing, found, robots, options)
+    text = world_text(
+        options.name or _name(source), printable(source.name), drawing, found, robots
+    )
+    return Imported(
+        text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
+    )
+
+
+def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
+    """Find a path where none is drawn, or where the user asks for another."""
+    if drawing.reference is not None:
+        if options.origin is None and options.goal is None:
+            return
+        drawing.changes.append("path of the source left out: --from and --to ask for another")
+    find = import_module("physim.importing.route").find_route
+    find(source, drawing, options)
+
+
+def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options) -> list[str]:
+    points = sum(len(line) for line in drawing.boundaries)
+    corners = sum(len(ring) for ring in drawing.obstacles)
+    solid = f", {len(drawing.obstacles)} obstacles of {corners} corners" if corners else ""
+    length = float(stations(found.reference)[-1])
+    facts = [
+        f"{len(drawing.boundaries)} boundaries of {points} points{solid}, to the millimetre",
+        f"reference path of {length:.2f} m, {len(found.reference)} points, narrowest at "
+        f"{place(found.narrowest_at)}: {found.narrowest:.2f} m between the boundaries",
+    ]
+    count = "1 robot" if len(robots) == 1 else f"{len(robots)} robots"
+    if isinstance(robots[0].footprint, tuple):
+        lanes = "1 lane" if min(options.lanes or 1, len(robots)) == 1 else f"{options.lanes} lanes"
+        box = f"{number(found.box[0])} x {number(found.box[1])} m"
+        chosen = "as asked (--robot)" if options.robot is not None else "as large as passes, at most 1.8 x 1.0 m (--robot)"
+        facts.append(f"{count} in {lanes}, {box}: {chosen}")
+    else:
+        facts.append(f"{count} as drawn")
+    return facts
+
+
+def _name(source: Path) -> str:
+    return (printable(source.stem).strip() or "imported")[:100]
+
+
+def _checked(source: Path, text: str) -> World:
+    """Load the world and build its scene, as a run would."""
+    if len(text) > 5_000_000:
+        raise refused(
+            source,
+            f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most 5 MB; "
+            "use a larger --tolerance",
+        )
+    try:
+        world = parse_world(text, "the world")
+        build_scene(world)
+    except WorldError as error:
+        first = error.faults[0]
+        more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
+        raise refused(source, f"the world made of it cannot run: {first}{more}") from None
+    return world

@@ -20,8 +20,9 @@ from physim.importing.line import clearances, points_at, samples, stations, stre
 
 LENGTH, WIDTH = 1.8, 1.0
 """[m] the box at size 1"""
-ROOM = 1.2
-"""[m] clearance that the box needs at size 1: half its diagonal, 1.03 m, and a margin"""
+ROOM = 1.8
+"""[m] clearance that the box needs at size 1: half its diagonal, 1.03 m, and as much again as
+the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
 END_ROOM = 1.6
 """[-] times the room, where the path begins and ends"""
 SMALLEST = 0.01
@@ -55,7 +56,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     box = _given_box(drawing, options)
     if box is not None:
         size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
-        room = 0.5 * hypot(*box) + 0.17 * size
+        room = room_of(box)
         ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
     else:
         size, ends = _largest_size(path, at, gaps, reference)
@@ -78,6 +79,11 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
                 f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
     return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
+
+
+def room_of(box: tuple[float, float]) -> float:
+    """Clearance [m] that lets a robot of given length and width turn, and a margin."""
+    return 0.5 * hypot(*box) + 0.15 * box[0] / LENGTH
 
 
 def _narrowest(at: FloatArray, gaps: FloatArray) -> int:

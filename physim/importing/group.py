@@ -59,7 +59,8 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[
                 "where the corridor is narrow or bends tightly"
             )
     order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
-    step = found.size * (COLUMN if lanes == 1 else ROW / lanes)
+    files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
+    step = found.size * (COLUMN if files else ROW / lanes)  # in one file where lanes are drawn in
     slots = [order[(count - 1 - n) % lanes] for n in range(count)]
     poses = _poses(path, drawing.area, found, [made[k] for k in slots], step)
     return [

@@ -8,7 +8,6 @@ and is then drawn smooth.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, place, refused, rounded
-from physim.importing.fit import LENGTH, ROOM
+from physim.importing.fit import LENGTH, ROOM, room_of
 from physim.importing.line import clearances, stations
 from physim.importing.smoothing import smooth
 
@@ -112,8 +111,7 @@ def _check_inside(path: Path, area: Any, word: str, point: tuple[float, float] |
 def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
     """The clearance to keep [m], and the nodes at which the path begins and ends."""
     if options.robot is not None:
-        rooms = [0.5 * hypot(*options.robot) + 0.17 * options.robot[0] / LENGTH]
-        rooms.append(0.5 * options.robot[1])
+        rooms = [ROOM * options.robot[0] / LENGTH, room_of(options.robot), 0.55 * options.robot[1]]
     else:
         rooms = [ROOM * size for size in SIZES]
     longest = 0.0

@@ -40,7 +40,9 @@ def _finish(
     found: list[tuple[FloatArray, bool]], points: list[tuple[float, float]], closed: bool
 ) -> None:
     line = np.array(points, dtype=np.float64).reshape(-1, 2)
-    if len(line) < 2 or not np.isfinite(line).all():
+    if not np.isfinite(line).all():
+        raise ValueError("a coordinate is not a finite number")
+    if len(line) < 2:
         return
     if closed and (line[0] != line[-1]).any():
         line = np.vstack([line, line[:1]])

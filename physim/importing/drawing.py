@@ -94,12 +94,13 @@ def listed(entries: Sequence[str]) -> list[str]:
 
 def place(point: Sequence[float] | FloatArray) -> str:
     """``(x, y)`` in metres."""
-    return f"({float(point[0]) + 0.0:.2f}, {float(point[1]) + 0.0:.2f})"
+    x, y = (round(float(v), 2) + 0.0 for v in point[:2])
+    return f"({x:.2f}, {y:.2f})"
 
 
 def rounded(points: FloatArray) -> FloatArray:
     """Points to the millimetre, neighbours that become one point merged."""
-    near = np.round(np.asarray(points, dtype=np.float64), DIGITS) + 0.0
+    near: FloatArray = np.asarray(points, dtype=np.float64).round(DIGITS) + 0.0
     if len(near) < 2:
         return near
     keep = np.concatenate(([True], (np.diff(near, axis=0) != 0.0).any(axis=1)))
@@ -111,3 +112,8 @@ def number(value: float) -> str:
     text = f"{value:.{DIGITS}f}".rstrip("0")
     text = text + "0" if text.endswith(".") else text
     return "0.0" if text == "-0.0" else text
+
+
+def plural(count: int, one: str, many: str = "") -> str:
+    """``1 robot``, ``2 robots``."""
+    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -92,4 +92,6 @@ def _open_ends(boundaries: list[FloatArray]) -> str:
     gap = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
     np.fill_diagonal(gap, np.inf)
     i, j = (int(k) for k in np.unravel_index(int(np.argmin(gap)), gap.shape))
-    return f"the nearest ends, {place(points[i])} and {place(points[j])}, are {gap[i, j]:.3g} m apart"
+    return (
+        f"the nearest ends, {place(points[i])} and {place(points[j])}, are {gap[i, j]:.3g} m apart"
+    )

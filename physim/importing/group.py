@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import shapely
 
+from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import Drawing, Options, place, refused
+from physim.importing.drawing import Drawing, Options, refused
 from physim.importing.fit import Fit
 from physim.importing.lanes import Lane, lane
 from physim.importing.line import directions_at, points_at, stations
@@ -45,7 +46,7 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[
     Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
     of each other. Raises ImportSourceError when there is no room for so many.
     """
-    count = 1 if options.robots is None else options.robots
+    count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
     made = [
         lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, drawing.area,
@@ -110,7 +111,7 @@ def _pose(found: Fit, one: Lane, station: float) -> tuple[float, float, float]:
     own = float(shapely.LineString(one.line).project(shapely.Point(beside)))
     x, y = points_at(one.line, np.array([own]))[0]
     tx, ty = directions_at(one.line, np.array([own]), found.size)[0]
-    return round(float(x), 3), round(float(y), 3), round(atan2(ty, tx), 3)
+    return round(float(x), 3), round(float(y), 3), round(atan2(ty, tx), 4)
 
 
 def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
@@ -122,7 +123,7 @@ def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
     return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y))
 
 
-def as_drawn(path: Path, drawing: Drawing, found: Fit) -> list[Placed]:
+def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     """Robots where they are drawn, each on its own path or beside the reference path.
 
     A robot heads along its path: of the four directions of the smallest rectangle about its
@@ -143,9 +144,7 @@ def as_drawn(path: Path, drawing: Drawing, found: Fit) -> list[Placed]:
         turned = [axis + k * np.pi / 2.0 for k in range(4)]
         heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
         heading = float((heading + np.pi) % (2.0 * np.pi) - np.pi)
-        heading = round(heading, 3)
-        c, s = cos(heading), sin(heading)
-        outline = ((robot.outline - centre) @ np.array([[c, -s], [s, c]])).round(3)
+        heading = round(heading, 4)
         follows: float | FloatArray
         if own is not None:
             follows = own
@@ -155,9 +154,26 @@ def as_drawn(path: Path, drawing: Drawing, found: Fit) -> list[Placed]:
             left = tx * (centre[1] - beside[1]) - ty * (centre[0] - beside[0]) >= 0.0
             follows = _own_lane(drawing, found, robot.name, gap if left else -gap)
         placed.append(
-            Placed(robot.name, outline, (float(centre[0]), float(centre[1]), heading), follows)
+            Placed(
+                robot.name,
+                _footprint(robot.outline, centre, heading),
+                (float(centre[0]), float(centre[1]), heading),
+                follows,
+            )
         )
     return placed
+
+
+def _footprint(
+    outline: FloatArray, centre: FloatArray, heading: float
+) -> tuple[float, float] | FloatArray:
+    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
+    c, s = cos(heading), sin(heading)
+    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
+    half = np.abs(own).max(axis=0)
+    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
+        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
+    return own
 
 
 def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float | FloatArray:
@@ -169,6 +185,3 @@ def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float |
         f"{one.narrowest:.2f} m where the corridor is narrow or bends tightly"
     )
     return one.line
-
-
-__all__ = ["Placed", "as_drawn", "fill_in", "place"]

@@ -32,6 +32,7 @@ def read_image(path: Path) -> tuple[Any, Any]:
     top = 0.0
     if data[:2] in (b"P2", b"P5"):
         top = _check_pgm(path, data)
+        data += b"\n"  # the decoder wants a space after the last number of a P2
     elif data.startswith(_PNG):
         _check_png(path, data)
     else:
@@ -46,7 +47,7 @@ def read_image(path: Path) -> tuple[Any, Any]:
         cv2.utils.logging.setLogLevel(level)
     if pixels is None or not pixels.size:
         raise refused(path, "cannot be decoded; the image is damaged")
-    full = top if data[:2] == b"P5" or top > 255.0 else float(np.iinfo(pixels.dtype).max)
+    full = top if data[:2] == b"P5" or top > 255.0 else 255.0 * 257.0 ** (pixels.dtype.itemsize - 1)
     clear = np.zeros(pixels.shape[:2], dtype=bool)
     if pixels.ndim == 3:
         if pixels.shape[2] in (2, 4):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from physim.errors import WorldError
-from physim.importing.drawing import Drawing, Options, number, place, printable, refused
+from physim.importing.drawing import Drawing, Options, number, place, plural, printable, refused
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
 from physim.importing.group import Placed, as_drawn, fill_in
@@ -28,6 +28,9 @@ READERS = {
     "wkt": ("physim.importing.polygons", "read_wkt"),
     "geojson": ("physim.importing.polygons", "read_geojson"),
 }
+
+SMALLEST, LARGEST = 1.0, 10_000.0
+"""[m] extent below which a place is refused, and above which it is told"""
 
 
 @dataclass(frozen=True)
@@ -58,17 +61,30 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     inside = None if options.origin is None else np.array(options.origin)
     if drawing.area is None:
         enclose(source, drawing, inside)
+    _check_extent(source, drawing)
     _find_route(source, drawing, options)
     found = fit(source, drawing, options)
     drawn = bool(drawing.robots) and options.robots is None
-    robots = as_drawn(source, drawing, found) if drawn else fill_in(source, drawing, found, options)
+    if drawing.robots and not drawn:
+        drawing.changes.append(
+            f"{plural(len(drawing.robots), 'robot')} as drawn left out (--robots)"
+        )
+    robots = as_drawn(drawing, found) if drawn else fill_in(source, drawing, found, options)
     drawing.facts += _about(drawing, found, robots, options)
-    text = world_text(
-        options.name or _name(source), printable(source.name), drawing, found, robots
-    )
+    text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
     return Imported(
         text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
     )
+
+
+def _check_extent(source: Path, drawing: Drawing) -> None:
+    """Refuse a place too small for robots, and tell one that is hardly in metres."""
+    x0, y0, x1, y1 = drawing.area.bounds
+    size = f"the place is {x1 - x0:.3g} x {y1 - y0:.3g} m"
+    if max(x1 - x0, y1 - y0) < SMALLEST:
+        raise refused(source, f"{size}; --scale M says how many metres a unit of the source is")
+    if max(x1 - x0, y1 - y0) > LARGEST:
+        drawing.changes.append(f"mind the scale: {size} (--scale 0.001 for millimetres)")
 
 
 def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
@@ -83,23 +99,25 @@ def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
 
 def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options) -> list[str]:
     points = sum(len(line) for line in drawing.boundaries)
+    walls = f"{plural(len(drawing.boundaries), 'boundary', 'boundaries')} of {points} points"
     corners = sum(len(ring) for ring in drawing.obstacles)
-    solid = f", {len(drawing.obstacles)} obstacles of {corners} corners" if corners else ""
+    if corners:
+        walls += f", {plural(len(drawing.obstacles), 'obstacle')} of {corners} corners"
     length = float(stations(found.reference)[-1])
     facts = [
-        f"{len(drawing.boundaries)} boundaries of {points} points{solid}, to the millimetre",
+        f"{walls}, to the millimetre",
         f"reference path of {length:.2f} m, {len(found.reference)} points, narrowest at "
-        f"{place(found.narrowest_at)}: {found.narrowest:.2f} m between the boundaries",
+        f"{place(found.narrowest_at)}: {found.narrowest / 2.0:.2f} m to the nearest boundary",
     ]
-    count = "1 robot" if len(robots) == 1 else f"{len(robots)} robots"
-    if isinstance(robots[0].footprint, tuple):
-        lanes = "1 lane" if min(options.lanes or 1, len(robots)) == 1 else f"{options.lanes} lanes"
-        box = f"{number(found.box[0])} x {number(found.box[1])} m"
-        chosen = "as asked (--robot)" if options.robot is not None else "as large as passes, at most 1.8 x 1.0 m (--robot)"
-        facts.append(f"{count} in {lanes}, {box}: {chosen}")
-    else:
-        facts.append(f"{count} as drawn")
-    return facts
+    count = plural(len(robots), "robot")
+    if drawing.robots and options.robots is None:
+        return [*facts, f"{count} as drawn"]
+    lanes = plural(min(options.lanes or 1, len(robots)), "lane")
+    chosen = "as asked (--robot)"
+    if options.robot is None:
+        chosen = "as large as has room, at most 1.8 x 1.0 m (--robot)"
+    box = f"{number(found.box[0])} x {number(found.box[1])} m"
+    return [*facts, f"{count} in {lanes}, {box}, {chosen}"]
 
 
 def _name(source: Path) -> str:

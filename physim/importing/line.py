@@ -55,4 +55,4 @@ def clearances(points: FloatArray, area: Any) -> FloatArray:
     shapely.prepare(edge)
     at = shapely.points(points)
     distance = shapely.distance(edge, at)
-    return np.where(shapely.covers(area, at), distance, -distance)
+    return np.asarray(np.where(shapely.covers(area, at), distance, -distance))

@@ -18,7 +18,9 @@ class CrossingError(ValueError):
         self.point, self.first, self.last = point, first, last
 
 
-def without_loops(line: FloatArray, longest: float) -> tuple[FloatArray, list[tuple[FloatArray, float]]]:
+def without_loops(
+    line: FloatArray, longest: float
+) -> tuple[FloatArray, list[tuple[FloatArray, float]]]:
     """Cut off every loop of a polyline (n, 2) whose length [m] is at most ``longest``.
 
     Returns the line, which no longer crosses itself, and the crossing point and length of each
@@ -46,7 +48,9 @@ def _smallest_loop(line: FloatArray) -> tuple[int, int, FloatArray] | None:
         return None
     segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
     i, j = shapely.STRtree(segments).query(segments, predicate="intersects")
-    apart = (j - i >= 2) & ~((i == 0) & (j == len(segments) - 1) & bool((line[0] == line[-1]).all()))
+    apart = (j - i >= 2) & ~(
+        (i == 0) & (j == len(segments) - 1) & bool((line[0] == line[-1]).all())
+    )
     if not apart.any():
         return None
     k = np.flatnonzero(apart)[np.argmin((j - i)[apart])]

@@ -109,7 +109,7 @@ def _region(
     inside: tuple[float, float] | None,
 ) -> Any:
     """Cells of the largest free region, or of the one at ``inside``; the others are listed."""
-    count, labels, stats, middles = cv2.connectedComponentsWithStats(
+    _, labels, stats, middles = cv2.connectedComponentsWithStats(
         free.astype(np.uint8), connectivity=4
     )
     area = stats[:, cv2.CC_STAT_AREA].astype(np.float64)

@@ -105,9 +105,7 @@ class _Yaml:
         occupied = self._share("occupied_thresh", values.get("occupied_thresh", OCCUPIED))
         free = self._share("free_thresh", values.get("free_thresh", FREE))
         if free > occupied:
-            raise self._fault(
-                ("free_thresh",), f"{free:g} is above occupied_thresh, {occupied:g}"
-            )
+            raise self._fault(("free_thresh",), f"{free:g} is above occupied_thresh, {occupied:g}")
         changes = []
         if unknown:
             changes.append(f"keys left out: {', '.join(printable(str(key)) for key in unknown)}")

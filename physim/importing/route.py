@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, place, refused, rounded
 from physim.importing.fit import LENGTH, ROOM, room_of
-from physim.importing.line import clearances, stations
+from physim.importing.line import clearances, points_at, samples, stations
 from physim.importing.smoothing import smooth
 
 MOST_CELLS = 80_000
@@ -70,9 +70,11 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
         chain.append(int(before[chain[-1]]))
     line = rounded(smooth(grid.nodes[chain[::-1]], area, room))
     drawing.reference = line
+    length = float(stations(line)[-1])
+    gaps = clearances(points_at(line, samples(length, 0.1 * room)), area)
     drawing.facts.append(
-        f"path found from {place(line[0])} to {place(line[-1])}, {stations(line)[-1]:.2f} m, at "
-        f"least {clearances(line, area).min():.2f} m from every boundary (--from, --to)"
+        f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
+        f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
 
 

@@ -41,7 +41,8 @@ def _straightened(way: FloatArray, area: Any, room: float) -> FloatArray:
         reach = len(way) - 1 - k
         while reach > 1:
             j = k + reach
-            wanted = max(KEPT * min(float(gaps[k : j + 1].min()), 4.0 * room), 0.0)
+            there = float(gaps[k : j + 1].min())
+            wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
             if shapely.distance(edge, shapely.LineString(way[[k, j]])) >= wanted:
                 break
             reach = reach // 2 if reach > 8 else reach - 1

@@ -18,8 +18,8 @@ import svgelements
 from physim.geometry.shapes import FloatArray
 from physim.importing.curves import subpaths
 from physim.importing.drawing import (
-    DrawnRobot,
     Drawing,
+    DrawnRobot,
     Options,
     listed,
     place,
@@ -34,10 +34,12 @@ from physim.importing.svg_guard import SvgLook, look_at
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
-ROLE = re.compile(r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$")
+ROLE = re.compile(
+    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
+)
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
-UNITS = ("mm", "cm", "m", "in", "pt", "pc", "q")
+UNITS = ("mm", "cm", "in", "pt", "pc")
 METRES_PER_PIXEL = 0.0254 / 96.0
 
 
@@ -69,9 +71,18 @@ def read_svg(path: Path, options: Options) -> Drawing:
         label = _named(element)
         where = f"{label!r}" if label else f"<{element.__class__.__name__.lower()}>"
         if not role:
-            unsaid.append(f"{printable(where)}: in no layer boundary, obstacle, path or robot, left out")
+            unsaid.append(
+                f"{printable(where)}: in no layer boundary, obstacle, path or robot, left out"
+            )
             continue
-        for points, closed in subpaths(abs(svgelements.Path(element)), tolerance / frame.metres):
+        try:
+            found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
+        except (ValueError, ArithmeticError) as error:
+            line = look.lines.get(str(element.id or ""))
+            raise refused(
+                path, f"{printable(where)}: {printable(str(error))[:100]}", line
+            ) from None
+        for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
                 unsaid.append(f"{printable(where)}: a line of no length, left out")
@@ -98,7 +109,7 @@ class _Frame:
     def of(cls, path: Path, root: Any, look: SvgLook, options: Options) -> _Frame:
         matrix = svgelements.Matrix(root.viewbox_transform or "")
         units = sorted((abs(float(matrix.a)), abs(float(matrix.d))))
-        if not 0.0 < units[0] or units[1] > units[0] * 1.000001:
+        if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
             raise refused(path, "width, height and viewBox stretch the page; give it one scale")
         pixels = units[0]  # of one user unit
         unit = re.sub(r"[-+0-9.eE\s]", "", look.size.get("width", "")).lower()
@@ -145,7 +156,7 @@ def _shapes(group: Any, role: str, name: str) -> Any:
     """Every shape below a group, with the role and name that it or its layer has."""
     for element in group:
         own, rest = _role(element)
-        if isinstance(element, svgelements.Group):
+        if isinstance(element, svgelements.Group | svgelements.Use):
             yield from _shapes(element, own or role, rest or name)
         elif isinstance(element, svgelements.Shape):
             if own and role and own != role and not rest:

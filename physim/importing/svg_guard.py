@@ -7,6 +7,7 @@ messages.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
@@ -20,7 +21,10 @@ MOST_PATH = 5_000_000
 """Characters of all path data."""
 
 XLINK = "http://www.w3.org/1999/xlink|href"
+LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
 SVG = "http://www.w3.org/2000/svg|"
+NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
+HIDDEN = re.compile(r"display\s*:\s*none")
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 
@@ -57,6 +61,7 @@ class _Guard:
         self.all = _Element(1)
         self.seen = 0
         self.drawn = 0
+        self.hidden = 0
         self.parser = expat.ParserCreate(namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
@@ -102,9 +107,20 @@ class _Guard:
         self.drawn += len(attributes.get("d", "")) + len(attributes.get("points", ""))
         if self.drawn > MOST_PATH:
             raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
+        if bad := NO_PATH_DATA.search(attributes.get("d", "")):
+            around = attributes["d"][bad.start() : bad.start() + 20]
+            raise self._refused(f'path data: "{printable(around)}" cannot be read')
+        if self.hidden or tag == "defs":
+            self.hidden += 1
+        elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
+            self.hidden = 1
+            label = printable(attributes.get(LABEL, attributes.get("id", "")))[:60]
+            self.look.left_out.append(
+                f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
+            )
         element = _Element(line)
         href = attributes.get(XLINK, attributes.get("href", ""))
-        if tag in NOT_LINES:
+        if tag in NOT_LINES and not self.hidden:
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
         elif tag == "use":
             if not href.startswith("#"):
@@ -120,6 +136,7 @@ class _Guard:
 
     def _end(self, _: str) -> None:
         _, element = self.open.pop()
+        self.hidden = max(self.hidden - 1, 0)
         parent = self.open[-1][1] if self.open else self.all
         parent.count += element.count
         parent.copies += element.copies

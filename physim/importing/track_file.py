@@ -42,7 +42,9 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     rows = [(k, row) for k, row in rows if row]
     order, separator, extra = _columns(path, rows)
     changes = [f"columns left out: {', '.join(extra)}"] if extra else []
-    values, lines, repeated = [], [], []
+    values: list[list[float]] = []
+    lines: list[int] = []
+    repeated: list[str] = []
     for k, row in rows:
         if row.startswith("#") or not _is_data(row):
             if values and not row.startswith("#"):

@@ -126,14 +126,17 @@ def _robot(robot: Placed, size: float, shared: str) -> Iterator[str]:
 def _control(size: float, robots: int) -> Iterator[str]:
     if size != 1.0:
         yield f"# Lengths and speeds below are the usual ones times {size:g}, as the robots are."
-        speeds = f"speed: {_scaled(1.0, size)}, limits: [{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
+        speeds = (
+            f"speed: {_scaled(1.0, size)}, limits: [{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
+        )
         yield f"formation: {{gain: 0.05, {speeds}, range: {_scaled(10.0, size)}}}  # [1/s, m/s, m]"
         yield "controller:  # [m]"
         yield "  type: mode_switching"
         for key, value in SETTINGS.items():
             yield f"  {key}: {_scaled(value, size)}"
     else:
-        yield "formation: {gain: 0.05, speed: 1.0, limits: [0.8, 1.3], range: 10.0}  # [1/s, m/s, m]"
+        speeds = "speed: 1.0, limits: [0.8, 1.3]"
+        yield f"formation: {{gain: 0.05, {speeds}, range: 10.0}}  # [1/s, m/s, m]"
         yield "controller: {type: mode_switching}"
     yield "expect: {contacts: 0, finished: true}"
 

@@ -12,7 +12,7 @@ import shapely
 
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import Drawing, Options, refused
+from physim.importing.drawing import Drawing, Options, number, refused
 from physim.importing.fit import Fit
 from physim.importing.lanes import Lane, lane
 from physim.importing.line import directions_at, points_at, stations
@@ -85,8 +85,8 @@ def _poses(
             if station > MOST_SHARE * length:
                 raise refused(
                     path,
-                    f"room for {len(poses)} of {len(lanes)} robots of {found.box[0]:g} x "
-                    f"{found.box[1]:g} m on the first {MOST_SHARE * length:.1f} m of the path; "
+                    f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "
+                    f"{number(found.box[1])} m on the first {MOST_SHARE * length:.1f} m of the path; "
                     "fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH",
                 )
             pose = _pose(found, one, station)

@@ -79,8 +79,9 @@ def _from_wkt(path: Path, line: int, text: str) -> list[_Part]:
     if text.count("(") > 1_000_000 or _depth(text) > MOST_DEPTH:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels", line)
     try:
-        shape = shapely.from_wkt(text)
-    except (shapely.errors.ShapelyError, ValueError) as error:
+        with np.errstate(invalid="ignore"):
+            shape = shapely.from_wkt(text)
+    except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
         reason = printable(str(error).split(": ", 1)[-1].strip())[:100]
         raise refused(path, f"not valid WKT: {reason}", line) from None
     return [_Part(one, line=line) for one in _flat(shape)]
@@ -119,10 +120,9 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     if any(name in crs for name in DEGREES):
         raise _degrees(path, "the crs of the file")
     parts = list(_features(path, value, "", "", 0))
-    drawing = _drawing(path, "GeoJSON", parts, options)
-    if options.scale is None and len(crs) < 3:
+    if options.scale is None and len(crs) < 3 and parts:
         _check_degrees(path, parts)
-    return drawing
+    return _drawing(path, "GeoJSON", parts, options)
 
 
 def _not_finite(word: str) -> float:

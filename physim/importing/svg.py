@@ -148,7 +148,7 @@ def _role(element: Any) -> tuple[str, str]:
         if found is None or (key == "id" and re.fullmatch(r"path-?\d[\d-]*", text)):
             continue
         label = str(own[key]).strip()
-        return ROLES[text[:3]], label[len(found[1]) :].strip(" _.:#-")
+        return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")
     return "", ""
 
 

@@ -86,7 +86,9 @@ def test_shipped_corridor_comes_back_from_csv(tmp_path: Path) -> None:
     assert world.boundaries is not None
     for wall, side in zip(world.boundaries, (0.5, -0.5), strict=False):
         true = shapely.LineString(offset_polyline(points, side * width))
-        assert apart(shapely.LineString(wall), true) < 0.2  # mitre against normal, half-widths of 6 m
+        assert (
+            apart(shapely.LineString(wall), true) < 0.2
+        )  # mitre against normal, half-widths of 6 m
     assert not world.obstacles
 
 
@@ -105,7 +107,9 @@ def test_closed_track_is_cut_open_where_asked(tmp_path: Path) -> None:
     assert np.abs(np.hypot(*right.T) - 22.0).max() < 0.005
     assert np.abs(first[:, 0]).max() < 0.005  # the first cap stands on the y axis
     reference = shapely.LineString(world.reference)
-    assert shapely.LineString(last).distance(shapely.LineString(first)) == pytest.approx(3.4, abs=0.1)
+    assert shapely.LineString(last).distance(shapely.LineString(first)) == pytest.approx(
+        3.4, abs=0.1
+    )
     assert reference.length < 2.0 * np.pi * 20.0 - 4.0
 
 

@@ -86,8 +86,8 @@ def _poses(
                 raise refused(
                     path,
                     f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "
-                    f"{number(found.box[1])} m on the first {MOST_SHARE * length:.1f} m of the path; "
-                    "fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH",
+                    f"{number(found.box[1])} m on the first {MOST_SHARE * length:.1f} m of the "
+                    "path; fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH",
                 )
             pose = _pose(found, one, station)
             shape = box_at(pose, found.box)

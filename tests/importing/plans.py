@@ -34,7 +34,7 @@ def office() -> Any:
 def free_cells(plan: Any, cell: float = CELL, margin: int = 3) -> tuple[Any, tuple[float, float]]:
     """Free cells (rows, columns), top row first, and the lower left corner [m]."""
     x0, y0, x1, y1 = plan.bounds
-    columns, rows = (int(round(d / cell)) + 2 * margin for d in (x1 - x0, y1 - y0))
+    columns, rows = (round(d / cell) + 2 * margin for d in (x1 - x0, y1 - y0))
     corner = (x0 - margin * cell, y0 - margin * cell)
     xs = corner[0] + (np.arange(columns) + 0.5) * cell
     ys = corner[1] + (np.arange(rows) + 0.5) * cell

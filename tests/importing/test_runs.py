@@ -71,7 +71,7 @@ def test_every_format_runs_for_a_minute(name: str) -> None:
 @pytest.mark.skipif(not MAPS.is_dir(), reason="the maps are not here")
 @pytest.mark.parametrize("name", MAP_NAMES)
 def test_building_maps(name: str, tmp_path: Path) -> None:
-    """Nine buildings as GeoJSON: five robots in each for a minute, clear of walls and each other."""
+    """Nine buildings as GeoJSON: five robots in each for a minute, without contact."""
     given = json.loads((MAPS / f"{name}.json").read_text())
     plan = shapely.Polygon(given["outer"], given["holes"])
     path = tmp_path / f"{name}.geojson"

@@ -18,6 +18,8 @@ from physim.importing.drawing import DIGITS, Drawing, Options, listed, place, re
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
+MOST_LOST = 0.1
+"""[-] share of its area that a ring may lose or gain when it is simplified"""
 MOST_EDGES = 1_000_000
 MOST_CORNERS = 2_000
 """Corners of one obstacle of a world; a longer outline becomes a closed boundary."""
@@ -161,12 +163,26 @@ def _simplified(exact: Any, tolerance: float) -> Any:
     """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one."""
     grid = 10.0**-DIGITS
     for share in (1.0, 0.5, 0.25, 0.0):
-        simple = shapely.simplify(exact, max(share * tolerance - grid, 0.0), preserve_topology=True)
-        simple = shapely.set_precision(simple, grid)
-        if simple.geom_type == "Polygon" and simple.is_valid and not simple.is_empty:
+        rings = [
+            _simple_ring(ring, max(share * tolerance - grid, 0.0))
+            for ring in (exact.exterior, *exact.interiors)
+        ]
+        simple = shapely.set_precision(shapely.Polygon(rings[0], rings[1:]), grid)
+        kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
+        if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
             return simple
     parts = shapely.get_parts(simple)
     return max(parts, key=lambda part: float(part.area))
+
+
+def _simple_ring(ring: Any, tolerance: float) -> Any:
+    """Ring with fewer corners; a small one keeps its area, with a smaller tolerance."""
+    exact = shapely.Polygon(ring)
+    for share in (1.0, 0.5, 0.25):
+        simple = shapely.simplify(exact, share * tolerance, preserve_topology=True)
+        if abs(simple.area - exact.area) <= MOST_LOST * exact.area:
+            return simple.exterior
+    return shapely.simplify(ring, 0.0)
 
 
 def _farthest(a: Any, b: Any) -> float:

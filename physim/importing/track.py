@@ -18,6 +18,10 @@ CLOSED = 2.0
 """[-] A track is closed when its ends are no further apart than this times its longest step."""
 GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
+FOLDED = 0.5
+"""[-] share of the stated width below which a wall is told to be too near"""
+NEAR = 1e-6
+"""[m] points of the file this near the road's centreline lie on it, and not in the gap"""
 LONGEST_LOOP = 6.0
 """[-] A loop of a sideways line is a bend up to this times the largest width on that side."""
 
@@ -63,6 +67,7 @@ def read_track(path: Path, options: Options) -> Drawing:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
+    _tell_folds(file, drawing, road)
     half = {"left": float(file.left.max()), "right": float(file.right.max())}
     left = _wall(path, "left", road.left, half["left"], drawing)
     right = _wall(path, "right", road.right, half["right"], drawing)
@@ -74,6 +79,23 @@ def read_track(path: Path, options: Options) -> Drawing:
     drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
     drawing.reference = rounded(road.centre)
     return drawing
+
+
+def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
+    """Tell where a wall lies much nearer to the centreline than the width that is stated."""
+    at = shapely.points(file.points)
+    for side, wall, width in (("left", road.left, file.left), ("right", road.right, file.right)):
+        line = shapely.LineString(wall)
+        shapely.prepare(line)
+        gap = shapely.distance(line, at)
+        on_road = shapely.distance(shapely.LineString(road.centre), at) < NEAR
+        share = np.where(on_road, gap / width, 1.0)
+        k = int(np.argmin(share))
+        if share[k] < FOLDED:
+            drawing.changes.append(
+                f"{side} wall comes within {gap[k]:.2f} m of the centreline at "
+                f"{place(file.points[k])}, {width[k]:.2f} m are stated: the road folds there"
+            )
 
 
 def _closed(file: TrackFile) -> tuple[bool, float]:

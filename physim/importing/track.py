@@ -16,6 +16,8 @@ from physim.importing.track_file import TrackFile, read_track_file
 
 CLOSED = 2.0
 """[-] A track is closed when its ends are no further apart than this times its longest step."""
+CLOSED_SHARE, CLOSABLE_SHARE = 0.2, 0.5
+"""[-] ... and than this share of its length; and than the second, if --start says it is closed"""
 GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
 FOLDED = 0.5
@@ -53,7 +55,7 @@ def read_track(path: Path, options: Options) -> Drawing:
     """Read a race-track CSV into a drawing with its centreline as the reference path."""
     scale = 1.0 if options.scale is None else options.scale
     file = read_track_file(path, read_text(path), scale)
-    closed, total = _closed(file)
+    closed, total = _closed(file, options)
     kind = "closed" if closed else "open"
     drawing = Drawing(kind="centreline with widths (race-track convention)")
     drawing.changes += file.changes
@@ -98,11 +100,15 @@ def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
             )
 
 
-def _closed(file: TrackFile) -> tuple[bool, float]:
+def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
     """Whether the last point leads back to the first, and the length of the centreline [m]."""
     steps = np.hypot(*np.diff(file.points, axis=0).T)
     gap = float(np.hypot(*(file.points[0] - file.points[-1])))
-    closed = len(file.points) > 3 and gap <= CLOSED * float(steps.max())
+    length = float(steps.sum())
+    near = gap <= min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
+    if options.start is not None:
+        near = gap <= CLOSABLE_SHARE * length
+    closed = len(file.points) > 3 and near
     return closed, float(steps.sum()) + (gap if closed else 0.0)
 
 

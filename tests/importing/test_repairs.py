@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Imported, Options, import_world
+from physim.importing import Imported, ImportSourceError, Options, import_world
 from physim.importing.loops import CrossingError, without_loops
 from tests.importing.plans import CELL, free_cells, map_yaml, pgm, svg, write_map
 
@@ -40,12 +40,28 @@ def test_walls_that_cross_themselves_in_a_tight_bend_are_cut_clean(tmp_path: Pat
     path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
     imported = import_world(path)
     told = only(imported, "crossed itself in a tight bend")
-    assert told.startswith("left wall crossed itself in a tight bend at (18.10, 2.81): loop of ")
+    assert told.startswith("left wall crossed itself in a tight bend at (17.91, 2.99): loop of ")
     left = shapely.LineString((imported.world.boundaries or ())[0])
     assert left.is_simple
     line = shapely.LineString(sharp)
     near = line.offset_curve(3.0, join_style="mitre")
     assert left.hausdorff_distance(near) < 0.4
+
+
+def test_which_tracks_are_closed(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    for degrees, closed in ((360, True), (345, True), (240, False)):
+        angle = np.radians(np.arange(0, degrees, 15))
+        rows = [f"{20 * x},{20 * y},2,2" for x, y in zip(np.cos(angle), np.sin(angle), strict=True)]
+        path.write_text("\n".join(rows))
+        imported = import_world(path)
+        assert any("cut open" in change for change in imported.changes) == closed
+    path.write_text("0,0,2,2\n20,0,2,2\n20,20,2,2\n0,20,2,2")
+    assert not any("cut open" in change for change in import_world(path).changes)
+    only(import_world(path, Options(start=10.0)), "cut open at station 10 m, (10.00, 0.00)")
+    path.write_text("0,0,2,2\n20,0,2,2\n40,0,2,2")
+    with pytest.raises(ImportSourceError, match="this one is open"):
+        import_world(path, Options(start=10.0))
 
 
 def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:

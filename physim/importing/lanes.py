@@ -12,7 +12,7 @@ from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import rounded
 from physim.importing.line import clearances, directions_at, points_at, samples, stations
-from physim.importing.loops import without_loops
+from physim.importing.loops import CrossingError, without_loops
 
 SLOPE = 0.2
 """[-] How fast a lane may draw in, across over along."""
@@ -55,7 +55,10 @@ def lane(reference: FloatArray, offset: float, area: Any, room: float, size: flo
         )
     share = _gentle(share, at, SLOPE / abs(offset))
     line = base + (share * offset)[:, None] * normal
-    line = without_loops(line, float("inf"))[0]
+    try:
+        line = without_loops(line, float("inf"))[0]
+    except CrossingError:  # too many loops: no lane of its own
+        return Lane(reference, offset, False, 0.0)
     simple = shapely.simplify(shapely.LineString(line), 0.02 * size)
     return Lane(
         rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())

@@ -7,7 +7,8 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 
-MOST_LOOPS = 10_000
+MOST_LOOPS = 300
+"""Loops of one line that are cut off; a line with more is no road."""
 
 
 class CrossingError(ValueError):

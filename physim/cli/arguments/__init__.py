@@ -7,7 +7,6 @@ from importlib import import_module
 from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
-    "importing",
     "run",
     "video",
     "summary",
@@ -15,6 +14,7 @@ IN_ORDER = (
     "crashtest",
     "plot",
     "preview",
+    "importing",
     "listing",
 )
 """Modules of this package, in the order in which the help tells their commands."""

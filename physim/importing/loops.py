@@ -7,8 +7,8 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 
-MOST_LOOPS = 300
-"""Loops of one line that are cut off; a line with more is no road."""
+MOST_ROUNDS = 20
+"""Times that a line is looked over; one that still crosses itself then is no road."""
 
 
 class CrossingError(ValueError):
@@ -28,33 +28,39 @@ def without_loops(
     loop. Raises CrossingError where a loop is longer.
     """
     cut: list[tuple[FloatArray, float]] = []
-    while len(cut) <= MOST_LOOPS:
-        loop = _smallest_loop(line)
-        if loop is None:
+    for _ in range(MOST_ROUNDS):
+        loops = _loops(line)
+        if not loops:
             return line, cut
-        first, last, point = loop
-        piece = np.vstack([point, line[first + 1 : last + 1], point])
-        length = float(np.hypot(*np.diff(piece, axis=0).T).sum())
-        if length > longest:
+        station = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+        pieces, at = [], 0
+        for first, last, point in sorted(loops, key=lambda loop: (loop[0], -loop[1])):
+            ends = np.hypot(*(line[[first + 1, last]] - point).T).sum()
+            length = float(station[last] - station[first + 1] + ends)
+            if first < at or length > longest:
+                continue
+            pieces += [line[at : first + 1], point[None]]
+            cut.append((point, length))
+            at = last + 1
+        if not pieces:
+            first, last, point = loops[0]
             raise CrossingError(point, first, last)
-        cut.append((point, length))
-        line = np.vstack([line[: first + 1], point, line[last + 1 :]])
+        line = np.vstack([*pieces, line[at:]])
         line = line[np.concatenate(([True], np.hypot(*np.diff(line, axis=0).T) > 1e-9))]
     raise CrossingError(line[0], 0, len(line) - 1)
 
 
-def _smallest_loop(line: FloatArray) -> tuple[int, int, FloatArray] | None:
-    """Segments i < j that cross with the fewest segments between them, and where."""
+def _loops(line: FloatArray) -> list[tuple[int, int, FloatArray]]:
+    """Segments i < j, not neighbours, that cross, and where."""
     if len(line) < 3 or shapely.LineString(line).is_simple:
-        return None
+        return []
     segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
     i, j = shapely.STRtree(segments).query(segments, predicate="intersects")
-    apart = (j - i >= 2) & ~(
-        (i == 0) & (j == len(segments) - 1) & bool((line[0] == line[-1]).all())
-    )
-    if not apart.any():
-        return None
-    k = np.flatnonzero(apart)[np.argmin((j - i)[apart])]
-    first, last = int(i[k]), int(j[k])
-    common = shapely.intersection(segments[first], segments[last])
-    return first, last, np.asarray(shapely.get_coordinates(common)[0])
+    ring = bool((line[0] == line[-1]).all())
+    apart = (j - i >= 2) & ~((i == 0) & (j == len(segments) - 1) & ring)
+    i, j = i[apart], j[apart]
+    common = shapely.intersection(segments[i], segments[j])
+    return [
+        (int(a), int(b), np.asarray(shapely.get_coordinates(c)[0]))
+        for a, b, c in zip(i, j, common, strict=True)
+    ]

@@ -45,6 +45,7 @@ LAYERS = {
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
     "physim.grazes": (3, 0),
+    "physim.importing": (3, 0),
     "physim.control_decisions": (4, 0),
     "physim.control_loop": (4, 1),
     "physim.simulation": (4, 2),
@@ -180,7 +181,8 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
     allowed = {
         "pymunk": ("physim.physics",),
         "h5py": ("physim.record",),
-        "cv2": ("physim.video",),
+        "cv2": ("physim.video", "physim.importing"),
+        "svgelements": ("physim.importing",),
         "av": ("physim.video",),
         "matplotlib": ("physim.plots", "physim.preview"),
         "imageio": ("physim.video",),

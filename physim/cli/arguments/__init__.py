@@ -14,6 +14,7 @@ IN_ORDER = (
     "crashtest",
     "plot",
     "preview",
+    "importing",
     "listing",
 )
 """Modules of this package, in the order in which the help tells their commands."""

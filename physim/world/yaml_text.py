@@ -13,8 +13,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from physim.errors import PhysimError
+from physim.world.controller_choice import ControllerChoice
 from physim.world.frozen import thawed
-from physim.world.model import ControllerChoice, World
+from physim.world.model import World
 
 LINE = 100
 """Columns after which a list is broken."""

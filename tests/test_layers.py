@@ -39,8 +39,10 @@ LAYERS = {
     "physim.control": (1, 2),
     "physim.registry": (2, 0),
     "physim.world_file": (2, 1),
-    "physim.scene_builder": (2, 2),
-    "physim.controllers": (2, 3),
+    "physim.places": (2, 2),
+    "physim.start_poses": (2, 3),
+    "physim.scene_builder": (2, 4),
+    "physim.controllers": (2, 5),
     "physim.physics": (3, 0),
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
@@ -79,6 +81,7 @@ NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
     "physim.simulation", "physim.recording", "physim.warm_up", "physim.scene_builder",
     "physim.registry",
+    "physim.start_poses", "physim.places",
 )  # fmt: skip
 
 SOURCES = sorted(

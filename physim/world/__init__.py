@@ -8,6 +8,7 @@ from physim.world.material import Physics
 from physim.world.model import World
 from physim.world.road import Corridor
 from physim.world.robot import Box, Limits, Offset, Robot
+from physim.world.start import Start
 from physim.world.time_grid import Time
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "Offset",
     "Physics",
     "Robot",
+    "Start",
     "Time",
     "World",
     "thawed",

@@ -34,6 +34,7 @@ from physim.world.kinds import (
 from physim.world.material import Physics
 from physim.world.road import Corridor
 from physim.world.robot import Robot
+from physim.world.start import Start
 from physim.world.time_grid import Time
 
 
@@ -57,6 +58,10 @@ class World(Model):
     )
     reference_path: Polyline | None = Field(
         default=None, description="[m] path of the formation; the centreline when absent"
+    )
+    start: Start | None = Field(
+        default=None,
+        description="region in which robots without a pose are placed by the seed",
     )
     robots: Annotated[tuple[Robot, ...], at_most(MOST_ROBOTS), Field(min_length=1)] = Field(
         description="list of robots, in the order of their ids"
@@ -86,6 +91,11 @@ class World(Model):
         if self.reference_path is not None:
             return self.reference_path
         return self.corridor.centreline if self.corridor is not None else ()
+
+    def start_of(self, i: int) -> Start | None:
+        """Region in which Robot i is placed: its own or the world's; None when it has a pose."""
+        robot = self.robots[i]
+        return None if robot.pose is not None else robot.start or self.start
 
     @property
     def stem(self) -> str:

@@ -8,6 +8,7 @@ from pydantic import Discriminator, Field, Tag
 
 from physim.world.base import Model
 from physim.world.kinds import Label, Number, Point, Polygon, Polyline, Pose, at_most, plain
+from physim.world.start import Start
 
 Speeds = Annotated[tuple[Number, ...], at_most(1000), Field(min_length=1)]
 
@@ -66,9 +67,15 @@ class Robot(Model):
         description="[m] {length, width} centred on the reference point, or corners [x, y] in the "
         "robot's frame (x forward), nonconvex too"
     )
-    pose: Pose = Field(
-        description="[m, m, rad] start x, y and heading (counter-clockwise from the x axis); "
-        "the heading may be the word random"
+    pose: Pose | None = Field(
+        default=None,
+        description="[m, m, rad] start x, y and heading (counter-clockwise from the x axis), which "
+        "may be the word random; without it a start region is needed",
+    )
+    start: Start | None = Field(
+        default=None,
+        description="region to be placed in by the seed, instead of a pose; without either, the "
+        "world's start",
     )
     path: RobotPath = Field(
         description="[m] waypoints [x, y], or {offset} from the reference path, left positive"

@@ -7,6 +7,7 @@ from importlib import import_module
 from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
+    "new",
     "run",
     "video",
     "summary",
@@ -16,6 +17,7 @@ IN_ORDER = (
     "preview",
     "importing",
     "listing",
+    "schema",
 )
 """Modules of this package, in the order in which the help tells their commands."""
 

@@ -58,12 +58,13 @@ def _plain(raw: Schema, models: Schema) -> Schema:
     if "$ref" in raw:
         rest = {key: value for key, value in raw.items() if key != "$ref"}
         return _plain({**models[raw["$ref"].rpartition("/")[2]], **rest}, models)
-    options = [o for o in raw.get("anyOf", raw.get("oneOf", ())) if o.get("type") != "null"]
+    given = raw.get("anyOf") or raw.get("oneOf") or []
+    options = [option for option in given if option.get("type") != "null"]
     if len(options) == 1:
         rest = {key: value for key, value in raw.items() if key not in ("anyOf", "oneOf")}
         return _plain({**options[0], **rest}, models)
     told = _described(raw)
-    schema = {"description": told} if told else {}
+    schema: Schema = {"description": told} if told else {}
     schema |= {key: raw[key] for key in _KEPT if key in raw}
     schema |= {key: raw[bound] for bound, key in _RENAMED.items() if bound in raw}
     if options:
@@ -101,7 +102,7 @@ def _controller(plain: Schema, names: Sequence[str]) -> Schema:
     kind = {**plain["properties"]["type"], "enum": list(names)}
     rules = []
     for name in names:
-        chosen = {"properties": {"type": {"const": name}}}
+        chosen: Schema = {"properties": {"type": {"const": name}}}
         if name != _DEFAULT_CONTROLLER:
             chosen["required"] = ["type"]  # without a type the condition would hold, too
         keys = _settings(name)

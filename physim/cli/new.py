@@ -23,10 +23,10 @@ def new(options: argparse.Namespace) -> int:
         raise PhysimError("new: a NAME is missing, as in physim new my_corridor")
     name, stem = _named(options.name if options.name is not None else options.output.name)
     file = options.output or Path(f"{stem}.yaml")
-    schema = file.with_name(FILE)
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
     new_file(file, options.force)
+    schema = file.with_name(FILE)
     text = _world(name, options)
     written = [file]
     write_text(file, text)

@@ -44,9 +44,10 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def _words(parser: argparse.ArgumentParser) -> set[str]:
-    """Every option and command of a parser and of its commands."""
+    """Every option, value of a choice and command of a parser and of its commands."""
     words = {option for action in parser._actions for option in action.option_strings}
     for action in parser._actions:
+        words |= {str(choice) for choice in action.choices or ()}
         if isinstance(action, argparse._SubParsersAction):
             for name, command in action.choices.items():
                 words |= {name} | _words(command)

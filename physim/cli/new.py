@@ -34,7 +34,8 @@ def new(options: argparse.Namespace) -> int:
         write_text(schema, schema_text())
         written.append(schema)
     print(f"written: {', '.join(map(str, written))}")
-    print(f"run it: physim run {shlex.quote(str(file))}")
+    quoted = shlex.quote(str(file))
+    print(f"next: physim preview {quoted}, physim run {quoted}")
     return 0
 
 

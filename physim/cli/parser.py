@@ -12,7 +12,7 @@ Run corridor worlds of polygon robots on real rigid-body physics, and see what h
 
   physim list                     shipped worlds and controllers
   physim run ten_robots           run one: record, video and summary in runs/
-  physim run my_world.yaml        run your own
+  physim new my_world             write a world to begin with, then run it
   physim validate ten_robots      judge its safety: contacts, exact checks, who was responsible
 """
 

@@ -11,7 +11,7 @@ from physim import Decision, Mode
 
 
 class Cautious:
-    """Steer to a point 2 m ahead; wait while a robot further along is within 2.5 m."""
+    """Steer to a point 2 m ahead; wait while a robot further along is within 2.2 m."""
 
     def decide(self, observation, memory):
         o = observation
@@ -22,7 +22,7 @@ class Cautious:
         error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi
         omega = max(-o.limits[1], min(o.limits[1], 2.0 * error))  # [rad/s]
         ahead = [s for s in o.others if s.station > o.reference_station]
-        near = any(hypot(s.pose[0] - x, s.pose[1] - y) < 2.5 for s in ahead)
+        near = any(hypot(s.pose[0] - x, s.pose[1] - y) < 2.2 for s in ahead)
         return Decision(v=0.0 if near else 0.8, omega=omega, hold=0.1)  # [m/s], [rad/s], [s]
 '''
 
@@ -33,14 +33,14 @@ README = """\
 Runs go to `runs/`. In this folder:
 
 ```sh
+physim preview worlds/{stem}.yaml -o media/{stem}.png
 physim run worlds/{stem}.yaml -o runs/{stem}
 physim run worlds/{stem}.yaml -o runs/cautious --controller controllers.cautious:Cautious
-physim video runs/cautious/record.h5 -o media/cautious.mp4 --speed 2
 ```
 
-The first runs the world with its own controller and writes record, video and summary, the second
-with the one in `controllers/cautious.py`, the third makes its video at twice real time. An editor
-that knows YAML schemas completes the keys of a world and shows what they mean.
+The first draws the world, the second runs it with its own controller and writes record, video and
+summary, the third runs it with the one in `controllers/cautious.py`. An editor that knows YAML
+schemas completes the keys of a world and shows what they mean.
 """
 
 MEDIA = """\
@@ -48,7 +48,7 @@ MEDIA = """\
 
 | file | made by |
 |---|---|
-| `cautious.mp4` | `physim video runs/cautious/record.h5 -o media/cautious.mp4 --speed 2` |
+| `{stem}.png` | `physim preview worlds/{stem}.yaml -o media/{stem}.png` |
 """
 
 
@@ -64,5 +64,5 @@ def new_project(title: str, stem: str, world: str, schema: str) -> dict[str, str
         "worlds/world.schema.json": schema,
         "controllers/__init__.py": "",
         "controllers/cautious.py": CONTROLLER,
-        "media/README.md": MEDIA,
+        "media/README.md": MEDIA.format(stem=stem),
     }

@@ -23,7 +23,8 @@ def test_writes_a_world_and_the_schema_beside_it(tmp_path, capsys) -> None:
     done = physim("new", "my_corridor", capture=capsys)
     assert (done.code, done.err) == (0, "")
     assert done.out == (
-        "written: my_corridor.yaml, world.schema.json\nrun it: physim run my_corridor.yaml\n"
+        "written: my_corridor.yaml, world.schema.json\n"
+        "next: physim preview my_corridor.yaml, physim run my_corridor.yaml\n"
     )
     assert list(tree(tmp_path)) == ["my_corridor.yaml", "world.schema.json"]
     world = load_world("my_corridor.yaml")
@@ -35,7 +36,7 @@ def test_template_robots_and_place_are_chosen(tmp_path, capsys) -> None:
     (tmp_path / "w").mkdir()
     place = "w/one two.yaml"
     done = physim("new", "--template", "doorway", "--robots", 5, "-o", place, capture=capsys)
-    assert done.out.endswith("run it: physim run 'w/one two.yaml'\n")
+    assert done.out.endswith(", physim run 'w/one two.yaml'\n")
     world = load_world(place)
     assert (world.name, len(world.robots)) == ("one two", 5)
     assert list(tree(tmp_path)) == ["w", "w/one two.yaml", "w/world.schema.json"]
@@ -144,7 +145,7 @@ def test_the_commands_of_a_projects_readme_run(tmp_path) -> None:
         done = shell(*command[1:], folder=project)
         assert done.code == 0, done.out + done.err
     made = {name for name in set(tree(project)) - before if "__pycache__" not in name}
-    assert {"runs/bend/video.mp4", "runs/cautious/video.mp4", "media/cautious.mp4"} <= made
+    assert {"runs/bend/video.mp4", "runs/cautious/video.mp4", "media/bend.png"} <= made
     with Record.load(project / "runs/cautious/record.h5") as record:
         assert "controllers.cautious:Cautious" in record.world_text
     example = (project / "controllers" / "cautious.py").read_text()

@@ -19,7 +19,7 @@ def changed(old: str, new: str) -> str:
 
 
 WORLD_KEYS = (
-    "name, description, seed, time, corridor, boundaries, reference_path, robots, formation, "
+    "name, description, seed, time, corridor, boundaries, reference_path, start, robots, formation, "
     "controller, obstacles, expect, physics"
 )
 

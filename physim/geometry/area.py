@@ -15,7 +15,6 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import width_profile as width_profile
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16

@@ -44,6 +44,7 @@ LAYERS = {
     "physim.scene_builder": (2, 4),
     "physim.controllers": (2, 5),
     "physim.templates": (3, 0),
+    "physim.checking": (3, 0),
     "physim.physics": (3, 0),
     "physim.record": (3, 0),
     "physim.perception": (3, 0),

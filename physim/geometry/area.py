@@ -65,6 +65,8 @@ def accessible_area(
     if face.intersection(line).length <= 0.0:
         raise ValueError("no area enclosed by the boundaries contains the reference path")
     free = face.difference(unary_union([Polygon(ring) for ring in obstacles]))
+    if free.is_empty:
+        raise ValueError("the obstacles leave nothing of the area around the reference path")
     parts = shapely.get_parts(free)
     return Area(max(parts, key=lambda polygon: float(polygon.intersection(line).length)))
 

@@ -35,7 +35,7 @@ def check_formation(
     if not sketch.has_formation:
         leads = np.zeros(len(numbers))
     elif leads is None:
-        if stations is None:
+        if stations is None or not sketch.is_spacing_initial:
             return
         leads = stations - stations[0]
     if sketch.has_formation:
@@ -169,7 +169,7 @@ def _is_before(line: shapely.LineString, position: tuple[float, float]) -> bool:
     """Whether a place lies behind the first point of a path rather than beside it."""
     (ax, ay), (bx, by) = shapely.get_coordinates(line)[:2]
     along = (position[0] - ax) * (bx - ax) + (position[1] - ay) * (by - ay)
-    return along < -CONTACT
+    return bool(along < -CONTACT)
 
 
 def _name(sketch: Sketch, number: int) -> str:

@@ -230,7 +230,8 @@ def _gaps(lines: list[tuple[str, FloatArray]]) -> str:
             others = [(point.distance(s), lines[m][0]) for m, s in enumerate(shapes) if m != k]
             others.append((float(np.hypot(*(line[0] - line[-1]))), "its own other end"))
             size, other = min(others)
-            if size > 0.0:
+            is_told = any(size == gap[0] and {name, other} == {gap[1], gap[3]} for gap in gaps)
+            if size > 0.0 and not is_told:
                 gaps.append((size, name, point, other))
     if not gaps:
         return "boundaries must close a face around the reference path"

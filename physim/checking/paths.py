@@ -187,12 +187,10 @@ def check_room(
             f"{profile.inscribed:.4g} m from the reference point even at its narrowest"
         )
         is_wall = any(name == wall for wall, _ in ground.walls)
-        if is_wall and clearance > CONTACT:
-            told.error(
-                path_key(robot), f"{message}; lead the path further away, or widen the place"
-            )
-        elif clearance > CONTACT:
-            told.warn(path_key(robot), f"{message}; lead the path further away")
+        if clearance <= CONTACT:
+            continue  # it meets the wall: told as a path that leaves the area
+        tell = told.error if is_wall else told.warn
+        tell(path_key(robot), f"{message}; lead the path further away, or widen the place")
 
 
 def check_passage(

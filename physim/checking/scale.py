@@ -46,7 +46,8 @@ def check_scale(
         if isinstance(given, Mapping):
             _check_choices(("robots", k), given, told)
     controller = values.get("controller")
-    if isinstance(controller, Mapping):
+    is_sound = not any(fault.location[:1] == ("controller",) for fault in told.errors)
+    if isinstance(controller, Mapping) and is_sound:  # its own check knows more
         _check_choices(("controller",), controller, told)
     if sketch.duration is not None and sketch.duration > LONGEST_RUN:
         told.warn(
@@ -130,7 +131,7 @@ def _check_choices(where: Location, given: Mapping[str, Any], told: Told) -> Non
             if speed is not None and abs(speed) > 1.0:
                 told.warn(
                     (*where, "speeds", k),
-                    f"{speed:g}; speeds are multiples of the formation's speed nu, between -1 and 1",
+                    f"{speed:g}; speeds are multiples of the formation's nu, between -1 and 1",
                 )
     if omegas and None not in omegas:
         turns = [omega for omega in omegas if omega is not None]

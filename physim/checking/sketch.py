@@ -6,6 +6,7 @@ all faults arrive at once. What cannot be read stands as None, and the model say
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot
@@ -68,6 +69,7 @@ class Sketch:
     robots: tuple[RobotSketch, ...]
     leads: FloatArray | None
     """(N,) [m] wanted lead of each robot over the first, where the world lists them"""
+    is_spacing_initial: bool
     has_formation: bool
     formation_speed: float
     """[m/s] at which the robots move when in formation, 1 without one"""
@@ -84,6 +86,7 @@ def sketch_of(values: Mapping[str, Any]) -> Sketch:
         reference_key, (reference, _) = ("reference_path",), _polyline(values["reference_path"])
     drawn = values.get("boundaries")
     robots = _entries(values.get("robots"))
+    names = _names(robots)
     formation = _mapping(values, "formation")
     has_formation = "formation" in values
     speed = number(formation.get("speed", _default(Formation, "speed")), 1e-9, 1000.0)
@@ -103,8 +106,9 @@ def sketch_of(values: Mapping[str, Any]) -> Sketch:
         obstacles=tuple(_ring(ring) for ring in _entries(values.get("obstacles"))),
         reference=reference,
         reference_key=reference_key,
-        robots=tuple(_robot(i, robot) for i, robot in enumerate(robots)),
+        robots=tuple(_robot(i, robot, names[i]) for i, robot in enumerate(robots)),
         leads=_leads(formation.get("spacing"), len(robots)),
+        is_spacing_initial=formation.get("spacing", "initial") == "initial",
         has_formation=has_formation,
         formation_speed=speed if has_formation and speed is not None else 1.0,
         is_finish_expected=_mapping(values, "expect").get("finished") is True,
@@ -174,16 +178,25 @@ def _widths(value: Any, centreline: Any, kept: list[int]) -> FloatArray | None:
     return np.array(widths, dtype=np.float64)[kept]
 
 
-def _robot(i: int, given: Any) -> RobotSketch:
+def _names(robots: list[Any]) -> list[str]:
+    """Names of the robots; ``robots[2]`` where one is missing or not the only one of its kind."""
+    given = [robot.get("name") if isinstance(robot, Mapping) else None for robot in robots]
+    count = Counter(name for name in given if isinstance(name, str))
+    return [
+        name if isinstance(name, str) and name and count[name] == 1 else f"robots[{i}]"
+        for i, name in enumerate(given)
+    ]
+
+
+def _robot(i: int, given: Any, name: str) -> RobotSketch:
     robot = given if isinstance(given, Mapping) else {}
-    name = robot.get("name")
     pose, path, limits = robot.get("pose"), robot.get("path"), robot.get("limits", {})
     position, heading = _pose(pose)
     known: Mapping[str, Any] = limits if isinstance(limits, Mapping) else {"v": None, "omega": None}
     offset = path.get("offset") if isinstance(path, Mapping) and len(path) == 1 else None
     return RobotSketch(
         number=i,
-        name=name if isinstance(name, str) and name else f"robots[{i}]",
+        name=name,
         outline=_outline(robot.get("footprint")),
         position=position,
         heading=heading,

@@ -1,4 +1,4 @@
-"""Robots at the start: their shapes, where they stand, where they look, how far a step takes them."""
+"""Robots at the start: their shapes, where they stand and look, how far a step takes them."""
 
 from __future__ import annotations
 

@@ -103,8 +103,7 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     safe_distance = _safe_distance(judged.values)
     profiles = profiles_of(sketch, paths, outlines, ground, safe_distance)
     check_room(sketch, profiles, ground, told)
-    if not told.errors:
-        check_passage(sketch, paths, outlines, profiles, ground, told)
+    check_passage(sketch, paths, profiles, ground, told)
     _check_safe_area(ground, safe_distance, told)
     check_formation(sketch, paths, outlines, told)
     check_scale(sketch, judged.values, outlines, told)

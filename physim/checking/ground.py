@@ -223,7 +223,7 @@ def _gaps(lines: list[tuple[str, FloatArray]]) -> str:
     """Loose ends of boundaries, nearest to another wall first, with the size of the gap."""
     lines = lines[:MOST_SEARCHED]
     shapes = [shapely.LineString(line) for _, line in lines]
-    gaps = []
+    gaps: list[tuple[float, str, Any, str]] = []
     for k, (name, line) in enumerate(lines):
         for end in (0, -1):
             point = shapely.Point(line[end])

@@ -110,7 +110,7 @@ def _check_random_headings(
         if p.number not in faulty
     ]
     others = [*ground.walls, *ground.solids]
-    if not others and len(turning) < 2:
+    if not any(p.number in random for p in turning):
         return
     tree = shapely.STRtree([*(shape for _, shape in others), *(p.shape for p in turning)])
     names = [*(name for name, _ in others), *(shown(p.name) for p in turning)]

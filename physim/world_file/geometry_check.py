@@ -203,6 +203,8 @@ def wall_faults(
     ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
     ``accessible`` only contact is told.
     """
+    if not robots:
+        return []
     shapes = [robot.shape for robot in robots]
     tree = shapely.STRtree([shape for _, shape in (*walls, *solids)])
     near: list[list[int]] = [[] for _ in robots]
@@ -249,6 +251,8 @@ def _overlap(a: Any, b: Any, label: str) -> str:
 
 def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     """Pairs of robots that overlap or touch, told at the later one."""
+    if not robots:
+        return []
     shapes = [robot.shape for robot in robots]
     tree = shapely.STRtree(shapes)
     pairs = np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT))

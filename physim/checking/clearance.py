@@ -108,34 +108,68 @@ def inscribed_radius(outline: FloatArray) -> float:
     return float(shape.exterior.distance(origin)) if shape.covers(origin) else 0.0
 
 
+@dataclass(frozen=True)
+class Way:
+    """Room along a path, whoever takes it: K stations."""
+
+    station: FloatArray
+    """(K,) [m]"""
+    clearance: FloatArray
+    """(K,) [m]; negative outside the accessible area"""
+    narrowest: tuple[float, float, float, float]
+    """station, x, y and clearance [m]"""
+
+
+class Ways:
+    """Room along paths of one world; a path that several robots share is looked at once."""
+
+    def __init__(self, ground: Ground) -> None:
+        self._area = ground.area
+        self._pieces = _pieces([shape for _, shape in (*ground.walls, *ground.solids)])
+        self._tree = shapely.STRtree(self._pieces)
+        self._known: dict[bytes, Way] = {}
+
+    def along(self, path: FloatArray) -> Way:
+        """Room along a path (n, 2) [m]."""
+        key = path.tobytes()
+        if key not in self._known:
+            self._known[key] = self._look(path)
+        return self._known[key]
+
+    def _look(self, path: FloatArray) -> Way:
+        line = shapely.LineString(path)
+        stations = _stations(path)
+        points = line.interpolate(stations)
+        found = self._tree.query_nearest(points, return_distance=True, all_matches=False)
+        clearance = np.full(len(points), np.inf)
+        clearance[found[0][0]] = found[1]
+        narrowest = self._narrowest(line)
+        if self._area is not None:
+            outside = ~shapely.covers(self._area.polygon, points)
+            if outside.any():
+                clearance[outside] *= -1.0
+                k = int(np.argmin(clearance))
+                narrowest = (stations[k], points[k].x, points[k].y, clearance[k])
+        s, x, y, least = (float(value) for value in narrowest)
+        return Way(stations, clearance, (s, x, y, least))
+
+    def _narrowest(self, line: Any) -> tuple[float, float, float, float]:
+        """Station, place and clearance of the point of a path that has least room: exact."""
+        k = int(self._tree.query_nearest(line, all_matches=False)[0])
+        nearest = self._pieces[k]
+        place = shapely.get_point(shapely.shortest_line(line, nearest), 0)
+        return line.project(place), place.x, place.y, float(nearest.distance(line))
+
+
 def profile_of(
-    number: int,
-    name: str,
-    path: FloatArray,
-    outline: FloatArray,
-    ground: Ground,
-    safe_distance: float | None,
+    number: int, name: str, way: Way, outline: FloatArray, safe_distance: float | None
 ) -> ClearanceProfile:
-    """Clearance along a path (n, 2) [m], of a world whose accessible area is known."""
-    line = shapely.LineString(path)
-    stations = _stations(path)
-    points = line.interpolate(stations)
-    shapes = [shape for _, shape in (*ground.walls, *ground.solids)]
-    clearance = _distance(points, shapes)
-    narrowest = _narrowest(line, shapes)
-    if ground.area is not None:
-        area = ground.area.polygon
-        outside = ~shapely.covers(area, points)
-        if outside.any():
-            clearance[outside] *= -1.0
-            k = int(np.argmin(clearance))
-            narrowest = (stations[k], points[k].x, points[k].y, clearance[k])
+    """Room along a path against the radii of the robot that takes it."""
     r, R = inscribed_radius(outline), circumscribed_radius(outline)
-    s, x, y, least = (float(value) for value in narrowest)
+    stretches = _stretches(way.station, way.clearance, r, R)
     return ClearanceProfile(
-        number, name, stations, clearance, r, R, (s, x, y, least),
-        _stretches(stations, clearance, r, R), safe_distance,
-    )  # fmt: skip
+        number, name, way.station, way.clearance, r, R, way.narrowest, stretches, safe_distance
+    )
 
 
 def _stations(path: FloatArray) -> FloatArray:
@@ -145,15 +179,6 @@ def _stations(path: FloatArray) -> FloatArray:
     even = np.linspace(0.0, way[-1], count)
     stations = np.union1d(even, way) if len(way) <= MOST_STATIONS else even
     return np.asarray(stations[np.diff(stations, prepend=-1.0) > CONTACT])
-
-
-def _distance(points: Any, shapes: list[Any]) -> FloatArray:
-    """(K,) [m] from each point to the nearest of the shapes."""
-    tree = shapely.STRtree(_pieces(shapes))
-    (which, _), distance = tree.query_nearest(points, return_distance=True, all_matches=False)
-    found = np.full(len(points), np.inf)
-    found[which] = distance
-    return found
 
 
 def _pieces(shapes: list[Any]) -> list[Any]:
@@ -166,13 +191,6 @@ def _pieces(shapes: list[Any]) -> list[Any]:
         points = shapely.get_coordinates(shape)
         pieces += list(shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1)))
     return pieces
-
-
-def _narrowest(line: Any, shapes: list[Any]) -> tuple[float, float, float, float]:
-    """Station, place and clearance of the point of a path that has least room: exact."""
-    nearest = min(shapes, key=lambda shape: float(shape.distance(line)))
-    place = shapely.get_point(shapely.shortest_line(line, nearest), 0)
-    return line.project(place), place.x, place.y, float(nearest.distance(line))
 
 
 def _stretches(

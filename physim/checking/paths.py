@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.checking.clearance import NOT, ClearanceProfile, profile_of
+from physim.checking.clearance import NOT, ClearanceProfile, Ways, profile_of
 from physim.checking.ground import Ground
 from physim.checking.sketch import RobotSketch, Sketch
 from physim.checking.telling import MOST_ALIKE, Told
@@ -160,9 +160,10 @@ def profiles_of(
     """Room along the path of each robot whose path and footprint are sound."""
     if not ground.walls and not ground.solids:
         return ()
+    ways = Ways(ground)
     return tuple(
         profile_of(
-            number, sketch.robots[number].name, path, outlines[number], ground, safe_distance
+            number, sketch.robots[number].name, ways.along(path), outlines[number], safe_distance
         )
         for number, path in paths.items()
         if number in outlines

@@ -30,6 +30,8 @@ from physim.world.faults import shown
 
 MOST_TOLD = 3
 """Bodies that one robot overlaps which are told one by one."""
+MOST_PAIRS = 200
+"""Pairs of robots which are told one by one."""
 
 
 def shape_faults(world: World) -> list[Fault]:
@@ -257,7 +259,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     tree = shapely.STRtree(shapes)
     pairs = np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT))
     faults = []
-    for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j):
+    for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
         first, second = robots[i], robots[j]
         told = _overlap(second.shape, first.shape, shown(first.name))
         message = f"{shown(second.name)} {told} at the start; part them"

@@ -9,7 +9,7 @@ from typing import Any
 import shapely
 
 from physim.checking.clearance import ClearanceProfile
-from physim.checking.findings import Finding, Findings
+from physim.checking.findings import Finding, Findings, printable
 from physim.checking.formation import check_formation
 from physim.checking.ground import Ground, ground_of
 from physim.checking.paths import (
@@ -60,7 +60,7 @@ def check_world(
     errors += placed(_distinct(told.errors), document)
     source = document.source
     return Findings(
-        file=source,
+        file=printable(source),
         errors=_capped([Finding.of(fault, at, source) for fault, at in in_order(errors)], source),
         warnings=_capped(_warnings(told.warnings, document), source),
         clearance=profiles,
@@ -72,7 +72,7 @@ def _refused(error: WorldError, file: str) -> Findings:
     """Findings of a file that could not be read at all."""
     positions = error.positions or (None,) * len(error.faults)
     return Findings(
-        file=file,
+        file=printable(file),
         errors=tuple(
             Finding.of(fault, position, str(position.file) if position is not None else file)
             for fault, position in zip(error.faults, positions, strict=True)

@@ -27,7 +27,8 @@ class Finding:
 
     @classmethod
     def of(cls, fault: Fault, position: Position | None, file: str) -> Finding:
-        """A fault at its place."""
+        """A fault at its place; signs of the file's name that cannot be printed are replaced."""
+        file = printable(file)
         if position is None:
             message = fault.message.removeprefix(f"{file}: ")
             return cls(file, None, None, dotted(fault.location), message)
@@ -47,6 +48,11 @@ class Finding:
             "key": self.key,
             "message": self.message,
         }
+
+
+def printable(text: str) -> str:
+    """Return a text with U+FFFD for every sign that could break a line or a terminal."""
+    return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)
 
 
 @dataclass(frozen=True)

@@ -242,6 +242,7 @@ def test_every_snippet_is_handled_as_it_expects():
     stricter = {
         "walls_swapped": "our boundaries have no sides to swap",
         "poly_off_origin": "documented, and a warning",
+        "poly_concave": "decomposed: accepted",
         "robot_name_path": "a name is never used as a path",
         "robot_name_csv": "no CSV is written; plots and pages escape names",
         "duration_not_multiple": "refused with the nearest durations",

@@ -22,7 +22,13 @@ from physim.checking.paths import (
 )
 from physim.checking.scale import check_scale
 from physim.checking.sketch import Sketch, number, sketch_of
-from physim.checking.starts import check_headings, check_starts, check_step, sound_outlines
+from physim.checking.starts import (
+    check_headings,
+    check_starts,
+    check_step,
+    placed_by_seed,
+    sound_outlines,
+)
 from physim.checking.telling import Told
 from physim.errors import ControllerError, Fault, WorldError
 from physim.registry import find_controller, settings_model
@@ -96,6 +102,7 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     check_step(sketch, outlines, told)
     ground = ground_of(sketch, told)
     paths = own_paths(sketch, told)
+    sketch = placed_by_seed(sketch, judged.world, ground, outlines, paths, told)
     check_reference(sketch, told)
     check_starts(sketch, ground, outlines, told)
     check_headings(sketch, paths, told)

@@ -7,7 +7,7 @@ all faults arrive at once. What cannot be read stands as None, and the model say
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot
 from typing import Any
@@ -44,6 +44,8 @@ class RobotSketch:
     """[m/s] limit"""
     omega: float | None
     """[rad/s] limit"""
+    drawn: float | None = None
+    """[rad] heading of a robot that the seed has placed in a region"""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class Sketch:
     reference_key: Location
     """where the reference path stands"""
     robots: tuple[RobotSketch, ...]
+    regions: tuple[tuple[Location, FloatArray], ...]
+    """start regions in which the seed places robots"""
     leads: FloatArray | None
     """(N,) [m] wanted lead of each robot over the first, where the world lists them"""
     is_spacing_initial: bool
@@ -107,6 +111,7 @@ def sketch_of(values: Mapping[str, Any]) -> Sketch:
         reference=reference,
         reference_key=reference_key,
         robots=tuple(_robot(i, robot, names[i]) for i, robot in enumerate(robots)),
+        regions=tuple(_regions(values, robots)),
         leads=_leads(formation.get("spacing"), len(robots)),
         is_spacing_initial=formation.get("spacing", "initial") == "initial",
         has_formation=has_formation,
@@ -186,6 +191,16 @@ def _names(robots: list[Any]) -> list[str]:
         name if isinstance(name, str) and name and count[name] == 1 else f"robots[{i}]"
         for i, name in enumerate(given)
     ]
+
+
+def _regions(values: Mapping[str, Any], robots: list[Any]) -> Iterator[tuple[Location, FloatArray]]:
+    holders: list[tuple[Location, Any]] = [((), values)]
+    holders += [(("robots", i), robot) for i, robot in enumerate(robots)]
+    for where, holder in holders:
+        start = holder.get("start") if isinstance(holder, Mapping) else None
+        region = _ring(start.get("region")) if isinstance(start, Mapping) else None
+        if region is not None:
+            yield (*where, "start", "region"), region
 
 
 def _robot(i: int, given: Any, name: str) -> RobotSketch:

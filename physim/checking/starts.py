@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -10,11 +11,12 @@ import shapely
 from physim.checking.ground import Ground
 from physim.checking.sketch import RobotSketch, Sketch
 from physim.checking.telling import Told
-from physim.errors import Location
+from physim.errors import Location, WorldError
 from physim.geometry.polygon import circumscribed_radius, counter_clockwise
 from physim.geometry.shapes import FloatArray
-from physim.randomness import stream
+from physim.start_poses import drawn_heading, start_poses
 from physim.tolerances import LENGTH
+from physim.world import World
 from physim.world.faults import shown
 from physim.world_file.geometry_check import (
     Moving,
@@ -64,11 +66,53 @@ def check_step(sketch: Sketch, outlines: dict[int, FloatArray], told: Told) -> N
     told.errors += tunnelling(moving, sketch.step)
 
 
-def drawn_heading(sketch: Sketch, robot: RobotSketch) -> float:
+def placed_by_seed(
+    sketch: Sketch,
+    world: World | None,
+    ground: Ground,
+    outlines: dict[int, FloatArray],
+    paths: dict[int, FloatArray],
+    told: Told,
+) -> Sketch:
+    """The sketch with the robots that start in a region where the world's seed places them.
+
+    They are placed as for a run, so the rest of the world must be sound.
+    """
+    for where, region in sketch.regions:
+        if message := outline_fault(region):
+            told.error(where, message)
+    waiting = {robot.number for robot in sketch.robots if robot.position is None}
+    area, reference = ground.area, sketch.reference
+    if world is None or told.errors or not waiting or area is None or reference is None:
+        return sketch
+    try:
+        poses = start_poses(
+            world,
+            sketch.seed,
+            footprints=list(outlines.values()),
+            paths=list(paths.values()),
+            reference=reference,
+            boundaries=[shapely.get_coordinates(line) for _, line in ground.walls],
+            obstacles=[shapely.get_coordinates(solid)[:-1] for _, solid in ground.solids],
+            accessible=area.polygon,
+        )
+    except WorldError as error:
+        told.errors += error.faults
+        return sketch
+    robots = [
+        replace(robot, position=(float(poses[k, 0]), float(poses[k, 1])), drawn=float(poses[k, 2]))
+        if k in waiting
+        else robot
+        for k, robot in enumerate(sketch.robots)
+    ]
+    return replace(sketch, robots=tuple(robots))
+
+
+def _heading(sketch: Sketch, robot: RobotSketch) -> float:
     """Heading at the start [rad]: as written, or that of the world's seed."""
     if robot.heading is not None:
         return robot.heading
-    return float(stream(sketch.seed, "heading", robot.number).uniform(-pi, pi))
+    return drawn_heading(sketch.seed, robot.number) if robot.drawn is None else robot.drawn
 
 
 def check_starts(
@@ -78,7 +122,7 @@ def check_starts(
     placed = []
     for robot in sketch.robots:
         if robot.number in outlines and robot.position is not None:
-            pose = (*robot.position, drawn_heading(sketch, robot))
+            pose = (*robot.position, _heading(sketch, robot))
             shape = placed_outline(pose, outlines[robot.number])
             placed.append(Placed(robot.number, robot.name, shape))
     accessible = ground.area.polygon if ground.area is not None else None
@@ -101,7 +145,9 @@ def _check_random_headings(
     Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
     warning may be too cautious for a long robot.
     """
-    random = {robot.number for robot in sketch.robots if robot.heading is None}
+    random = {
+        robot.number for robot in sketch.robots if robot.heading is None and robot.drawn is None
+    }
     turning = [
         Placed(p.number, p.name, _circle(sketch.robots[p.number], outlines[p.number]))
         if p.number in random

@@ -47,9 +47,9 @@ def shape_faults(world: World) -> list[Fault]:
             known[outline] = outline_fault(outline)
         if known[outline]:
             faults.append(Fault(("robots", i, "footprint"), known[outline]))
-        if robot.start is not None and (message := _outline_fault(robot.start.region)):
+        if robot.start is not None and (message := outline_fault(robot.start.region)):
             faults.append(Fault(("robots", i, "start", "region"), message))
-    if world.start is not None and (message := _outline_fault(world.start.region)):
+    if world.start is not None and (message := outline_fault(world.start.region)):
         faults.append(Fault(("start", "region"), message))
     for k, obstacle in enumerate(world.obstacles):
         if message := outline_fault(obstacle):

@@ -42,6 +42,18 @@ formation: {spacing: [0.0, -3.0]}
 """
 
 
+REGION = """\
+name: region
+seed: 3
+time: {step: 0.01, duration: 60.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
+start: {region: [[0, -3.5], [12, -3.5], [12, 3.5], [0, 3.5]], min_gap: 0.4}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, path: {offset: 1.0}}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, path: {offset: -1.0}}
+"""
+
+
 def changed(text: str, *changes: tuple[str, str]) -> str:
     """A text with each first part replaced by the second; every one must be there."""
     for old, new in changes:

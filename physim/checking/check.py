@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import shapely
 
@@ -31,7 +30,7 @@ from physim.checking.starts import (
 )
 from physim.checking.telling import Told
 from physim.errors import ControllerError, Fault, WorldError
-from physim.registry import find_controller, settings_model
+from physim.registry import settings_model
 from physim.world_file import read_document
 from physim.world_file.file_text import file_text
 from physim.world_file.loading import Judged, in_order, judge, placed
@@ -107,7 +106,7 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     check_starts(sketch, ground, outlines, told)
     check_headings(sketch, paths, told)
     check_paths(sketch, paths, ground, told)
-    safe_distance = _safe_distance(judged.values)
+    safe_distance = _safe_distance(judged)
     profiles = profiles_of(sketch, paths, outlines, ground, safe_distance)
     check_room(sketch, profiles, ground, told)
     check_passage(sketch, paths, profiles, ground, told)
@@ -117,20 +116,17 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     return profiles
 
 
-def _safe_distance(values: Mapping[str, Any]) -> float | None:
+def _safe_distance(judged: Judged) -> float | None:
     """The L of the world's controller [m]: as set, else its default; None where it has none."""
-    choice = values.get("controller", {})
-    name = choice.get("type", "mode_switching") if isinstance(choice, Mapping) else None
-    if not isinstance(name, str):
-        return None
     try:
-        model = settings_model(find_controller(name))
+        model = settings_model(judged.controller) if judged.controller is not None else None
     except ControllerError:
         return None
     field = model.model_fields.get("safe_distance") if model is not None else None
     if field is None:
         return None
-    return number(choice.get("safe_distance", field.default), 1e-9, 1e6)
+    settings = judged.values.get("controller", {})
+    return number(settings.get("safe_distance", field.default), 1e-9, 1e6)
 
 
 def _check_safe_area(ground: Ground, safe_distance: float | None, told: Told) -> None:

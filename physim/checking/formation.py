@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
 
 from physim.checking.sketch import Sketch
-from physim.checking.starts import direction_near
 from physim.checking.telling import MOST_ALIKE, Told
 from physim.errors import Location
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.faults import shown
-from physim.world_file.geometry_check import placed_outline
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -69,12 +69,11 @@ def _check_spacing(
     if room <= 0.0:
         return  # told as a reference path that is too short
     met: dict[tuple[int, int], int] = {}
-    behind = -leads.min()
-    for base in np.linspace(behind, behind + room, PLACES):
-        shapes = [
-            _laid_out(line, base + leads[number], paths[number], outlines[number])
-            for number in shared
-        ]
+    bases = np.linspace(-leads.min(), -leads.min() + room, PLACES)
+    laid_out = np.array(
+        [_laid_out(line, bases + leads[n], paths[n], outlines[n]) for n in shared], dtype=object
+    )
+    for shapes in laid_out.T:
         tree = shapely.STRtree(shapes)
         for i, j in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
             if i < j:
@@ -100,13 +99,18 @@ def _check_spacing(
 
 
 def _laid_out(
-    line: shapely.LineString, station: float, path: FloatArray, outline: FloatArray
-) -> shapely.Polygon:
-    """Footprint on its own path, beside a station of the reference path, along the path."""
+    line: shapely.LineString, stations: FloatArray, path: FloatArray, outline: FloatArray
+) -> Any:
+    """Footprints (K,) on the robot's own path, beside stations (K,) of the reference path."""
     own = shapely.LineString(path)
-    point = own.interpolate(own.project(line.interpolate(station)))
-    heading = direction_near(path, (point.x, point.y))
-    return placed_outline((point.x, point.y, heading), outline)
+    along = own.project(line.interpolate(stations))
+    places = shapely.get_coordinates(own.interpolate(along))
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    k = np.clip(np.searchsorted(way, along, side="right") - 1, 0, len(path) - 2)
+    c, s = (np.diff(path, axis=0)[k] / np.diff(way)[k][:, None]).T
+    x, y = outline.T
+    turned = np.stack([np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)], axis=2)
+    return shapely.polygons(turned + places[:, None])
 
 
 def _check_length(

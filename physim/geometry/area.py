@@ -43,7 +43,7 @@ class Area:
         inside = self.polygon.intersection(line)
         ends = {0.0, line.length}
         for piece in shapely.get_parts(inside):
-            ends.update(line.project(shapely.Point(p)) for p in shapely.get_coordinates(piece))
+            ends.update(line.project(shapely.points(shapely.get_coordinates(piece))).tolist())
         stations = np.array(sorted(ends))
         middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
         outside = ~shapely.covers(self.polygon, middle) & (np.diff(stations) > LENGTH)

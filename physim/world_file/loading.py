@@ -79,7 +79,9 @@ def world_of(
     A ``controller`` given here replaces the one of the document and may be ``module:Class``; the
     document's settings are kept only if they belong to that controller.
     """
-    judged = judge(document, overrides=overrides, controller=controller)
+    judged = judge(
+        document, overrides=overrides, controller=controller, check_controller=check_controller
+    )
     if judged.world is None:
         raise located(judged.faults, judged.document)
     return judged.world, judged.document
@@ -97,10 +99,16 @@ class Judged:
     """every one of the model and the controller; those of the text are in the document"""
     world: World | None
     """None where there is any fault"""
+    controller: type[Any] | None
+    """class of the controller; None where it cannot be had"""
 
 
 def judge(
-    document: Document, *, overrides: Sequence[str] = (), controller: str | None = None
+    document: Document,
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+    check_controller: bool = True,
 ) -> Judged:
     """Hold a document against the model, and return the faults instead of raising them.
 
@@ -118,15 +126,17 @@ def judge(
         document = _with_controller(document, controller)
     document = apply_overrides(document, overrides)
     values = document.values()
+    chosen: type[Any] | None = None
     faults: list[Fault] = []
     if check_controller:
-        faults = _controller_faults(values, trusted=controller is not None)
+        chosen, faults = _controller(values, trusted=controller is not None)
     world: World | None = None
     try:
         world = World(**values)
     except WorldError as error:
         faults = [*error.faults, *faults]
-    return Judged(document, values, faults, None if faults or document.faults else world)
+    world = None if faults or document.faults else world
+    return Judged(document, values, faults, world, chosen)
 
 
 def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
@@ -188,19 +198,20 @@ def _with_controller(document: Document, name: str) -> Document:
     )
 
 
-def _controller_faults(values: dict[str, object], trusted: bool) -> list[Fault]:
-    """Faults of the controller's name and settings; nothing where the model says so already."""
+def _controller(values: dict[str, object], trusted: bool) -> tuple[type[Any] | None, list[Fault]]:
+    """Class of the controller, and faults of its name and settings that the model does not say."""
     choice = values.get("controller", {})
     if not isinstance(choice, dict):
-        return []
+        return None, []
     settings = {key: value for key, value in choice.items() if key != "type"}
     name = choice.get("type", "mode_switching")
     if not isinstance(name, str) or not name:
-        return []
+        return None, []
     try:
-        return checked_settings(find_controller(name, trusted), settings)[1]
+        found = find_controller(name, trusted)
+        return found, checked_settings(found, settings)[1]
     except ControllerError as error:
-        return [Fault(("controller", "type"), str(error))]
+        return None, [Fault(("controller", "type"), str(error))]
 
 
 __all__ = [

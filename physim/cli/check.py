@@ -4,20 +4,45 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+import time
+from pathlib import Path
 
 from physim.checking import ClearanceProfile, Finding, Findings, check_world
+from physim.errors import WorldError
+from physim.world_file.shipped import find_world
 
+INTERRUPTED = 130
 MOST_ROWS = 12
 """Robots in the table of room; of more, those with least room."""
 
 
 def check_command(options: argparse.Namespace) -> int:
     """Check worlds and print what is found; returns the exit code."""
-    if options.watch:
-        from physim.cli.watching import watch
+    return _watched(options) if options.watch else told(options.worlds, options.json)
 
-        return watch(options.worlds, lambda: told(options.worlds, options.json))
-    return told(options.worlds, options.json)
+
+def _watched(options: argparse.Namespace) -> int:
+    """Check now and after each save, until Ctrl-C."""
+    from physim.cli.progress import interrupts
+    from physim.cli.watching import watch
+
+    def check() -> None:
+        print(f"-- {time.strftime('%H:%M:%S')}")
+        told(options.worlds, options.json)
+        sys.stdout.flush()
+
+    with interrupts() as interrupt:
+        watch([_file(world) for world in options.worlds], check, interrupt)
+    return INTERRUPTED
+
+
+def _file(world: str) -> Path:
+    """File of a world; where there is none yet, the one that is waited for."""
+    try:
+        return find_world(world)
+    except WorldError:
+        return Path(world)
 
 
 def told(worlds: list[str], as_json: bool) -> int:

@@ -83,7 +83,7 @@ NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
     "physim.simulation", "physim.recording", "physim.warm_up", "physim.scene_builder",
     "physim.registry",
-    "physim.start_poses", "physim.places",
+    "physim.start_poses", "physim.places", "physim.checking",
 )  # fmt: skip
 
 SOURCES = sorted(

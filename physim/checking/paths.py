@@ -173,25 +173,40 @@ def profiles_of(
 def check_room(
     sketch: Sketch, profiles: tuple[ClearanceProfile, ...], ground: Ground, told: Told
 ) -> None:
-    """Refuse a path that runs so close to a boundary that its robot fits at no heading."""
+    """Tell of paths so close to a wall that the robot fits there at no heading.
+
+    An error where the controller follows the path itself; a warning where it keeps a safe distance
+    and moves the target into the safe area, or where an obstacle is in the way. Robots that share
+    a path are told once.
+    """
+    together: dict[tuple[float, ...], list[ClearanceProfile]] = {}
     for profile in profiles:
-        station, x, y, clearance = profile.narrowest
-        if profile.verdict != NOT or clearance < 0.0:  # outside the area: told as that
-            continue
+        # outside the area, or on a wall: told as a path that leaves the area
+        if profile.verdict == NOT and profile.narrowest[3] > CONTACT:
+            together.setdefault(profile.narrowest, []).append(profile)
+    for (station, x, y, clearance), group in together.items():
         point = shapely.Point(x, y)
         near = [(s.distance(point), name) for name, s in (*ground.walls, *ground.solids)]
         name = min(near)[1]
-        robot = sketch.robots[profile.number]
+        first = group[0]
+        others = f", shared with {len(group) - 1} more," if len(group) > 1 else ","
         message = (
-            f"{shown(robot.name)} does not fit at station {station:.2f} m of its path, at "
-            f"({x:.6g}, {y:.6g}): {clearance:.4g} m to {name}, while the footprint reaches "
-            f"{profile.inscribed:.4g} m from the reference point even at its narrowest"
+            f"{shown(sketch.robots[first.number].name)} does not fit at station {station:.2f} m of "
+            f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name}, while the "
+            f"footprint reaches {first.inscribed:.4g} m from the reference point even at its "
+            "narrowest"
         )
-        is_wall = any(name == wall for wall, _ in ground.walls)
-        if clearance <= CONTACT:
-            continue  # it meets the wall: told as a path that leaves the area
-        tell = told.error if is_wall else told.warn
-        tell(path_key(robot), f"{message}; lead the path further away, or widen the place")
+        where = path_key(sketch.robots[first.number])
+        if first.safe_distance is not None:
+            told.warn(
+                where,
+                f"{message}; the controller leads it through the safe area, "
+                f"{first.safe_distance:.4g} m from the boundaries, where there is one",
+            )
+        elif any(name == wall for wall, _ in ground.walls):
+            told.error(where, f"{message}; lead the path further away, or widen the place")
+        else:
+            told.warn(where, f"{message}; lead the path further away")
 
 
 def check_passage(

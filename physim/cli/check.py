@@ -93,7 +93,9 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     wide = max(5, *(len(profile.robot) for profile in shown))
     wide = min(wide, 30)
     lines = ["room on the paths [m]:"]
-    lines.append(f"  {'robot':<{wide}}  path   least room  at station  radii         in danger  ")
+    lines.append(
+        f"  {'robot':<{wide}}  path   least room  at station  radii         in danger  on its path"
+    )
     for p in shown:
         name = p.robot if len(p.robot) <= wide else p.robot[: wide - 1] + "…"
         share = "-" if p.danger_share is None else f"{100.0 * p.danger_share:.0f} %"

@@ -149,7 +149,8 @@ TRANSLATED = {
         BAD, "leaves the accessible area from",
     ),
     "path_clearance_too_small": (
-        walls("[[0, 0.55], [20, 0.55]]", "[[0, -3], [20, -3]]", "[[2, 0.4], [18, 0.4]]", SMALL),
+        walls("[[0, 0.55], [20, 0.55]]", "[[0, -3], [20, -3]]", "[[2, 0.4], [18, 0.4]]", SMALL)
+        + "controller: {type: path_following}\n",
         BAD, '"a" does not fit at station',
     ),
     "start_identical": (changed(CORRIDOR, ("[3.0, -1.0,", "[6.0, 1.0,")), BAD, "overlaps"),

@@ -36,7 +36,7 @@ def test_a_clean_world(capsys, here):
     assert (code, err) == (0, "")
     assert out.splitlines() == [
         "room on the paths [m]:",
-        "  robot  path   least room  at station  radii         in danger",
+        "  robot  path   least room  at station  radii         in danger  on its path",
         "  a      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
         "  b      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
         "",

@@ -106,13 +106,6 @@ def test_a_run_of_such_names_stays_in_its_folder(tmp_path, monkeypatch, capsys):
 
 
 def test_pictures_of_such_names(tmp_path, monkeypatch, capsys):
-    from physim.plots.style import styled
-
-    with styled():
-        import matplotlib
-
-        if matplotlib.rcParams["text.parse_math"]:
-            pytest.skip("dollar signs are still read as mathematics")
     monkeypatch.chdir(tmp_path)
     text = changed(CORRIDOR, ("duration: 60.0", "duration: 0.2"))
     text = changed(text, ("name: a", "name: " + quoted("$\\frac{ <b>")))

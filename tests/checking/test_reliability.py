@@ -51,8 +51,8 @@ def test_worlds_with_random_bytes_flipped_get_a_verdict(tmp_path):
     source = random.Random(2026)
     worlds = [CORRIDOR.encode(), DRAWN.encode()]
     worlds += [(shipped_folder() / f"{n}.yaml").read_bytes() for n in ("straight", "nonconvex")]
-    verdicts = [judged(tmp_path, damaged(source.choice(worlds), source)).ok for _ in range(1000)]
-    assert 50 < verdicts.count(True) < 500
+    verdicts = [judged(tmp_path, damaged(source.choice(worlds), source)).ok for _ in range(600)]
+    assert 30 < verdicts.count(True) < 300
 
 
 def damaged(data: bytes, source: random.Random) -> bytes:
@@ -77,7 +77,7 @@ def damaged(data: bytes, source: random.Random) -> bytes:
 def test_lines_of_shipped_worlds_left_out_get_a_verdict(tmp_path, name):
     lines = (shipped_folder() / f"{name}.yaml").read_bytes().splitlines(keepends=True)
     assert check_world(name).errors == ()
-    for k in range(len(lines)):
+    for k in range(0, len(lines), 1 if len(lines) < 40 else 4):
         judged(tmp_path, b"".join(lines[:k] + lines[k + 1 :]))
 
 

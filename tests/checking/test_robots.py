@@ -130,14 +130,21 @@ def test_a_path_through_a_wall_is_told_with_the_stretch(tmp_path):
     )
 
 
-def test_a_path_too_near_a_wall_is_refused_where_the_robot_does_not_fit(tmp_path):
+def test_a_path_too_near_a_wall_is_refused_where_the_robot_would_follow_it(tmp_path):
     dent = "[[33, 4], [17, 4], [15, 1.2], [13, 4], [-3, 4], [-3, -4]]"
-    error = only_error(tmp_path, changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent)))
-    assert error == (
+    text = changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent))
+    follower = "controller: {type: path_following}\n"
+    assert only_error(tmp_path, text + follower) == (
         '11:11 robots[0].path "a" does not fit at station 15.00 m of its path, at (15, 1): 0.2 m '
         "to boundaries[1], while the footprint reaches 0.5 m from the reference point even at its "
         "narrowest; lead the path further away, or widen the place"
     )
+    warning = only_warning(tmp_path, text)
+    assert warning.endswith(
+        "the controller leads it through the safe area, 1 m from the boundaries, where there is one"
+    )
+    shared = changed(text, ("{offset: -1.0}", "[[0, 1], [30, 1]]"), ("[0.0, -3.0]", "[0.0, -4.0]"))
+    assert "of its path, shared with 1 more, at (15, 1)" in only_warning(tmp_path, shared)
 
 
 def test_a_robot_wider_than_the_road_is_refused(tmp_path):
@@ -149,8 +156,10 @@ def test_a_robot_wider_than_the_road_is_refused(tmp_path):
         ("[[0, 1], [30, 1]]", "[[0, 1], [13, 0], [15, -3.6], [17, 0], [30, 1]]"),
         ("offset: -1.0", "offset: 0.0"),
     )
-    errors, _ = lines(check(tmp_path, text))
-    assert any('"a" does not fit at station' in error for error in errors)
+    errors, warnings = lines(check(tmp_path, text))
+    assert any('"a" does not fit at station' in warning for warning in warnings)
+    assert len(errors) == 2
+    assert 'there is no way for "a" from its start to the end of its path' in errors[0]
 
 
 @pytest.mark.parametrize(("slot", "is_way"), [(0.8, False), (1.2, True)])

@@ -196,8 +196,10 @@ def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
         where = ("formation", "neighbours", k)
         for m, name in enumerate(pair):
             if isinstance(name, str) and name not in known:
+                there = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
+                near = nearest(name[:100], names)
                 yield Fault(
-                    (*where, m), f"no robot has the name {shown(name)}{nearest(name[:100], names)}"
+                    (*where, m), f"no robot has the name {shown(name)}; there are {there}{near}"
                 )
         if pair[0] == pair[1]:
             yield Fault(where, f"{shown(pair[0])} cannot be its own neighbour")

@@ -44,6 +44,7 @@ LAYERS = {
     "physim.scene_builder": (2, 4),
     "physim.controllers": (2, 5),
     "physim.templates": (3, 0),
+    "physim.checking": (3, 0),
     "physim.physics": (3, 0),
     "physim.record": (3, 0),
     "physim.perception": (3, 0),
@@ -82,7 +83,7 @@ NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
     "physim.simulation", "physim.recording", "physim.warm_up", "physim.scene_builder",
     "physim.registry",
-    "physim.start_poses", "physim.places",
+    "physim.start_poses", "physim.places", "physim.checking",
 )  # fmt: skip
 
 SOURCES = sorted(

@@ -61,9 +61,11 @@ def _is_point(value: Any) -> bool:
 
 
 def _printable(text: str) -> str:
-    if text.isprintable():
-        return text
-    raise PydanticCustomError("label", "must not hold line breaks or control characters")
+    if not text.isprintable():
+        raise PydanticCustomError("label", "must not hold line breaks or control characters")
+    if text != text.strip():
+        raise PydanticCustomError("label", "must not begin or end with a space")
+    return text
 
 
 def _open_ring(corners: tuple[Point, ...]) -> tuple[Point, ...]:

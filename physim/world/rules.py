@@ -7,6 +7,7 @@ so they speak together with the faults of single values, and all arrive at once.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -18,6 +19,8 @@ from physim.world.kinds import plain
 
 MOST_STEPS = 100_000_000
 PLACES = ["pose", "start"]
+WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obstacle) [0-9]+")
+"""Names of boundaries and obstacles, which no robot may have"""
 
 
 def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
@@ -108,6 +111,11 @@ def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
                 ("robots", i, "name"),
                 f"{shown(name)} is the name of robots[{first[name]}] too; names must differ",
             )
+        if name is not None and WALL_NAMES.fullmatch(name):
+            yield Fault(
+                ("robots", i, "name"),
+                f"{shown(name)} is what reports call a wall; give the robot another name",
+            )
 
 
 def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
@@ -188,8 +196,10 @@ def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
         where = ("formation", "neighbours", k)
         for m, name in enumerate(pair):
             if isinstance(name, str) and name not in known:
+                there = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
+                near = nearest(name[:100], names)
                 yield Fault(
-                    (*where, m), f"no robot has the name {shown(name)}{nearest(name[:100], names)}"
+                    (*where, m), f"no robot has the name {shown(name)}; there are {there}{near}"
                 )
         if pair[0] == pair[1]:
             yield Fault(where, f"{shown(pair[0])} cannot be its own neighbour")

@@ -20,12 +20,19 @@ from physim.world import (
     Time,
     World,
 )
+from physim.world.rules import WALL_NAMES
 
 coordinates = st.floats(-1e6, 1e6)
 lengths = st.floats(1e-3, 100.0)
 points = st.tuples(coordinates, coordinates)
-labels = st.text(
-    st.characters(exclude_categories=["Cs", "Cc"]).filter(str.isprintable), min_size=1, max_size=12
+labels = (
+    st.text(
+        st.characters(exclude_categories=["Cs", "Cc"]).filter(str.isprintable),
+        min_size=1,
+        max_size=12,
+    )
+    .map(str.strip)
+    .filter(lambda name: name and not WALL_NAMES.fullmatch(name))
 )
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=30)
 settings = st.dictionaries(

@@ -198,7 +198,7 @@ def test_stem_is_safe_in_a_file_name():
     assert World(**values(name="//")).stem == "world"
 
 
-@given(st.text(min_size=1, max_size=100).filter(str.isprintable))
+@given(st.text(min_size=1, max_size=100).map(str.strip).filter(lambda s: s and s.isprintable()))
 def test_stem_of_any_name_is_one_plain_word(name):
     assert re.fullmatch(r"[\w-]+", World(**values(name=name)).stem)
 

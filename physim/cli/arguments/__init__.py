@@ -8,6 +8,7 @@ from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
     "new",
+    "check",
     "run",
     "video",
     "summary",

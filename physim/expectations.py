@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-import yaml
-
 from physim import metrics
 from physim.errors import RecordError
 from physim.record import Record
@@ -61,12 +59,7 @@ def _value(moment: metrics.Moment | None) -> float | None:
 
 
 def _wanted(record: Record) -> Mapping[str, Figure]:
-    try:
-        world = yaml.safe_load(record.world_text)
-    except yaml.YAMLError as error:
-        line = " ".join(str(error).split())
-        raise RecordError(f"world text of {record!r} cannot be read: {line}") from error
-    expect = world.get("expect") if isinstance(world, Mapping) else None
+    expect = metrics.world_settings(record).get("expect")
     if not isinstance(expect, Mapping):
         return {}
     for key, value in expect.items():

@@ -15,7 +15,10 @@ def plot(options: argparse.Namespace) -> int:
         only = tuple(name.strip() for name in options.only.split(","))
     folder = options.output or options.record.parent
     with Record.load(options.record) as record:
-        files = draw(record, folder, only=only, format=options.format, force=options.force)
+        files = draw(
+            record, folder, only=only, format=options.format, force=options.force,
+            snapshots=options.snapshots,
+        )  # fmt: skip
     for file in files:
         print(file)
     return 0

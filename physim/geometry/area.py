@@ -1,4 +1,4 @@
-"""The accessible area, its safe part, and the width along a path (shapely; not for the hot path).
+"""The accessible area and its safe part (shapely; not for the hot path).
 
 The accessible area is the bounded face between the boundaries that contains the reference path,
 less the obstacles. A point of it is *safe* when it is at least L from every boundary.
@@ -15,6 +15,7 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
+from physim.geometry.width import width_profile as width_profile
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
@@ -66,42 +67,6 @@ def accessible_area(
     free = face.difference(unary_union([Polygon(ring) for ring in obstacles]))
     parts = shapely.get_parts(free)
     return Area(max(parts, key=lambda polygon: float(polygon.intersection(line).length)))
-
-
-def width_profile(
-    points: FloatArray, directions: FloatArray, segments: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Shortest distance [m] to the left and to the right boundary at points of a path (Fig. 4).
-
-    ``points``, ``directions`` (K, 2) along the path, ``segments`` (S, 4) boundary segments
-    ax, ay, bx, by. *Left* is what lies in the half-plane left of the path's direction, so a
-    boundary on both sides of the path counts on each. The width is the sum; inf where a side is
-    open.
-    """
-    left, right = np.empty(len(points)), np.empty(len(points))
-    for k, (origin, (tx, ty)) in enumerate(zip(points, directions, strict=True)):
-        a, b = segments[:, :2] - origin, segments[:, 2:] - origin
-        side_a, side_b = tx * a[:, 1] - ty * a[:, 0], tx * b[:, 1] - ty * b[:, 0]
-        left[k] = _distance_in_half_plane(a, b, side_a, side_b)
-        right[k] = _distance_in_half_plane(a, b, -side_a, -side_b)
-    return left, right
-
-
-def _distance_in_half_plane(
-    a: FloatArray, b: FloatArray, side_a: FloatArray, side_b: FloatArray
-) -> float:
-    """Distance of the origin from the segments' parts whose ``side`` is not negative."""
-    keep = (side_a >= 0.0) | (side_b >= 0.0)
-    if not keep.any():
-        return float("inf")
-    a, b, side_a, side_b = a[keep], b[keep], side_a[keep], side_b[keep]
-    span = side_b - side_a
-    crossing = np.divide(-side_a, span, out=np.zeros_like(span), where=span != 0.0)
-    low = np.where(side_a >= 0.0, 0.0, crossing)
-    high = np.where(side_b >= 0.0, 1.0, crossing)
-    d = b - a
-    foot = np.clip(-(a * d).sum(axis=1) / (d * d).sum(axis=1), low, high)
-    return float(np.hypot(*(a + foot[:, None] * d).T).min())
 
 
 def _rings(shape: Polygon | MultiPolygon) -> list[FloatArray]:

@@ -1,93 +1,109 @@
-"""Distances and collision time over time, contacts marked."""
+"""Distances over time: of all pairs of robots, and the least of all; minima and contacts marked."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import contact_episodes, grazes
-from physim.plots.style import BLUE, GREEN, INK, VERMILION, WIDTH
+from physim.metrics import (
+    farthest_pair,
+    pair_distances,
+    shortest_boundary_distance,
+    shortest_distance,
+)
+from physim.plots.contacts import mark_contacts
+from physim.plots.courses import draw_bands
+from physim.plots.frame import (
+    LONGEST_NAME,
+    framed,
+    legend_beside,
+    mark,
+    names_of,
+    nothing,
+    time_axis,
+    zero_line,
+)
+from physim.plots.style import BLUE, GREEN, QUIET
 from physim.record import Record
 
 MOST_POINTS = 4000
 """Points of a curve; of more samples the least of each stretch is drawn, so no dip is lost."""
+MOST_PAIRS = 66
+"""Pairs that are drawn one by one: those of 12 robots; of more, bands of the nearest ones."""
 
 
 def distances(record: Record) -> Any:
-    """Figure: least distance robot to robot and robot to wall, and least collision time, over time.
+    """Figure: distances of all pairs of robots above the least distances [m], over time [s].
 
-    Distances below 0 are depths. Both are the least over all robots.
+    Above: each pair, or of many robots bands of each robot's distance to its nearest other, and
+    the largest. Below: the least of all robots to another and to a wall; below 0 are depths.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    figure.suptitle(
-        f"{record.name}, seed {record.seed}: distances and collision time",
-        x=0.01, ha="left", fontsize=10.5, fontweight="bold",
-    )  # fmt: skip
-    _distance_axis(above, record)
-    _time_axis(below, record)
-    _mark_contacts((above, below), record)
-    above.legend(loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=4, borderaxespad=0.0)
-    below.set_xlabel("time [s]")
-    end = max(record.steps_run, 1) * record.dt
-    below.set_xlim(0.0, end)
+    figure = framed(record, "Distances", "Figs. 3b, 6c", height=4.4)
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.set_ylabel("between robots [m]")
+    below.set_ylabel("least of all [m]")
+    time_axis(below, record)
+    handles = _pairs(above, record)
+    handles += _least(below, record)
+    handles += mark_contacts((above, below), record)
+    legend_beside(figure, handles)
     return figure
 
 
-def _distance_axis(axis: Any, record: Record) -> None:
+def _pairs(axis: Any, record: Record) -> list[Any]:
+    """Distances of every pair, thin, with the largest marked; bands of a crowd."""
+    farthest = farthest_pair(record)
+    if record.robots < 2 or not record.samples:
+        nothing(axis, "one robot alone" if record.robots == 1 else "no sample was recorded")
+        return []
+    if record.robots * (record.robots - 1) // 2 > MOST_PAIRS:
+        rows = np.unique(np.linspace(0, record.samples - 1, 1000).astype(int))
+        handles = draw_bands(
+            axis, record.time[rows], record.clearance[rows], "nearest-robot\ndistances"
+        )
+        axis.set_ylabel("to the nearest robot [m]")
+    else:
+        (time, values), _ = pair_distances(record)
+        handles = axis.plot(time, values, color=QUIET, linewidth=0.5, alpha=0.7)[:1]
+        handles[0].set_label("each pair")
+        if farthest is not None:
+            who = names_of(record, [farthest.a, farthest.b])
+            mark(axis, farthest.time, farthest.value, f"farthest {farthest.value:.3g} m ({who})")
+    axis.set_ylim(bottom=0.0)
+    axis.margins(y=0.15)
+    return list(handles)
+
+
+def _least(axis: Any, record: Record) -> list[Any]:
+    """Least distance over all robots to another robot and to a wall, each with its minimum."""
+    wall = shortest_boundary_distance(record)
     curves = (
-        (record.clearance, BLUE, "-", "robot to robot"),
-        (record.boundary_clearance, GREEN, "--", "robot to boundary or obstacle"),
+        (record.clearance, BLUE, "-", "robot to robot", shortest_distance(record)),
+        (record.boundary_clearance, GREEN, "--", "robot to wall", wall),
     )
-    for values, colour, dash, label in curves:
+    handles, told = [], []
+    for values, colour, dash, label, shortest in curves:
         least = values.min(axis=1) if values.size else np.zeros(0)
         if np.isfinite(least).any():
             time, least = thinned(np.asarray(record.time), least)
-            axis.plot(time, least, dash, color=colour, label=label)
-    axis.axhline(0.0, color=INK, linewidth=0.8)
-    axis.set_ylabel("least distance [m]")
-
-
-def _time_axis(axis: Any, record: Record) -> None:
-    """Least finite collision time among the decisions of each step."""
-    rows = record.updates
-    known = np.isfinite(rows["collision_time"])
-    steps, place = np.unique(rows["step"][known], return_inverse=True)
-    least = np.full(len(steps), np.inf)
-    np.minimum.at(least, place, rows["collision_time"][known])
-    axis.set_ylabel("least collision\ntime [s]")
-    axis.plot(steps * record.dt, least, ".", color=INK, markersize=2.5, markeredgewidth=0.0)
-    if not len(steps):
-        told = "no decision foresaw a collision"
-        if np.isnan(rows["collision_time"]).all():
-            told = "the controller reports no collision times"
-        axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center",
-                  backgroundcolor="white")  # fmt: skip
-        axis.set_yticks([])
-    else:
-        axis.set_ylim(bottom=0.0)
-
-
-def _mark_contacts(axes: tuple[Any, ...], record: Record) -> None:
-    """A band for as long as each contact lasts, with a line where it begins; dots for grazes."""
-    episodes = contact_episodes(record)
-    between = grazes(record)
-    for axis in axes:
-        for k, episode in enumerate(episodes):
-            label = f"contact ({len(episodes)})" if k == 0 and axis is axes[0] else None
-            last = episode.time + (episode.samples - 1) * record.dt
-            axis.axvspan(episode.time, last, color=VERMILION, alpha=0.15, linewidth=0.0, zorder=0.5)
-            style = {"color": VERMILION, "linewidth": 1.1, "zorder": 0.6}  # under the curves
-            axis.axvline(episode.time, label=label, **style)
-        for k, graze in enumerate(between):
-            named = k == 0 and axis is axes[0]
-            label = f"graze ({len(between)})" if named else None
-            style = {"color": VERMILION, "linewidth": 1.1, "zorder": 0.6}
-            axis.axvline(graze.time, linestyle=":", label=label, **style)
+            handles += axis.plot(time, least, dash, color=colour, label=label, linewidth=1.0)
+            if shortest is not None:
+                who = names_of(record, [shortest.a, shortest.b])
+                who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
+                handles[-1].set_label(f"{label},\nleast {shortest.value:.3g} m\n({who})")
+                told.append((shortest, colour))
+    if not handles:
+        nothing(axis, "no sample was recorded")
+        return []
+    zero_line(axis)
+    axis.margins(y=0.2)
+    for shortest, colour in told:
+        text = f"{shortest.value:.3g} m"
+        mark(axis, shortest.time, shortest.value, text, below=True, colour=colour)
+    return handles
 
 
 def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -95,5 +111,5 @@ def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArra
     if len(values) <= MOST_POINTS:
         return time, values
     edges = np.linspace(0, len(values), MOST_POINTS + 1).astype(int)
-    at = [a + int(np.argmin(values[a:b])) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    at = [a + int(np.argmin(values[a:b])) for a, b in pairwise(edges)]
     return time[at], values[at]

@@ -8,7 +8,8 @@ import numpy as np
 
 from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.plots.style import INK, QUIET, WIDTH, robot_mark
+from physim.plots.frame import framed, nothing, short
+from physim.plots.style import INK, QUIET, robot_mark
 from physim.record import Record
 
 MOST_NAMED = 12
@@ -51,15 +52,9 @@ def predictions(record: Record) -> Predictions:
 
 def prediction(record: Record) -> Any:
     """Figure: predicted against actual time to contact of every decision before a contact."""
-    from matplotlib.figure import Figure
-
     known = predictions(record)
-    figure = Figure(figsize=(WIDTH * 0.62, WIDTH * 0.62), layout="constrained")
+    figure = framed(record, "Predicted and actual contact", width=4.4, height=4.3)
     axis = figure.subplots()
-    figure.suptitle(
-        f"{record.name}, seed {record.seed}: predicted and actual contact",
-        x=0.01, ha="left", fontsize=10.5, fontweight="bold",
-    )  # fmt: skip
     axis.set_xlabel("actual time to the next contact [s]")
     axis.set_ylabel("predicted: collision time at the decision [s]")
     if not len(known.robot):
@@ -67,11 +62,10 @@ def prediction(record: Record) -> Any:
         began = contacts[contacts["kind"] == Kind.PHYSICAL]
         told = "no contact was foreseen" if len(began) else "no contact"
         if len(began) and np.isnan(record.updates["collision_time"]).all():
-            told = "the controller reports no collision times"
+            told = "the controller reports\nno collision times"
         if len(contacts) and not len(began):
-            told = "no contact at a sample, grazes between samples only"
-        axis.text(0.5, 0.5, told, transform=axis.transAxes, ha="center", va="center")
-        axis.set(xticks=[], yticks=[])
+            told = "no contact at a sample,\ngrazes between samples only"
+        nothing(axis, told)
         return figure
     _scatter(axis, record, known)
     most = 1.05 * float(known.actual.max())
@@ -93,7 +87,7 @@ def _scatter(axis: Any, record: Record, known: Predictions) -> None:
     robots = np.unique(known.robot)
     for k, robot in enumerate(robots):
         colour, marker = robot_mark(int(robot))
-        label = record.names[robot] if k < MOST_NAMED else None
+        label = short(record.names[robot]) if k < MOST_NAMED else None
         for kept in (0, 1):
             rows = (known.robot == robot) & (known.kept == kept)
             axis.plot(

@@ -19,11 +19,28 @@ VERMILION = "#d55e00"
 """contacts, as in the videos"""
 CYCLE = ("#0072b2", "#e69f00", "#009e73", "#cc5aa0", "#56b4e9", "#d55e00", "#22262c", "#b8ad00")
 """robots, by index"""
+ROBOTS = (*CYCLE, "#882255", "#332288", "#a6761d", "#999999")
+"""robots one by one, by index"""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 """robots, by index: colour is never the only mark"""
 
+MODES = {0: BLUE, 1: "#e69f00", 2: "#cc5aa0", 3: GREEN}
+"""modes, as in the videos"""
+MODE_WORDS = {
+    0: "safe",
+    1: "danger, by distance",
+    2: "danger, by collision time",
+    3: "arrived",
+}
+SAFE_AREA = "#d8eedf"
+DANGER_AREA = "#f2b8a2"
+"""darker than the safe area, so that the two differ without colour"""
+OBSTACLE = "#8c9197"
+
 WIDTH = 6.9
 """[in] two columns of a paper"""
+NARROW = 5.0
+"""[in] curves: their writing can still be read when set to one column of 3.4 in"""
 DPI = 200
 
 
@@ -52,6 +69,7 @@ def styled() -> Iterator[None]:
         "xtick.labelcolor": INK,
         "ytick.labelcolor": INK,
         "text.color": INK,
+        "text.parse_math": False,  # names are names, with $ and _
         "lines.linewidth": 1.3,
         "legend.frameon": False,
         "legend.fontsize": 8.5,
@@ -67,5 +85,10 @@ def styled() -> Iterator[None]:
 
 
 def robot_mark(index: int) -> tuple[str, str]:
-    """Colour and marker of a robot; the pair repeats only after 56 robots."""
-    return CYCLE[index % len(CYCLE)], MARKERS[(index + index // len(CYCLE)) % len(MARKERS)]
+    """Colour and marker of a robot; the pair repeats only after 24 robots."""
+    return robot_colour(index), MARKERS[index % len(MARKERS)]
+
+
+def robot_colour(index: int) -> str:
+    """Colour of a robot; it repeats after twelve."""
+    return ROBOTS[index % len(ROBOTS)]

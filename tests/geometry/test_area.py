@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.area import accessible_area, width_profile
+from physim.geometry.area import accessible_area
 from physim.geometry.corridor import corridor_boundaries, offset_polyline
 from physim.geometry.shapes import FloatArray
+from physim.geometry.width import width_profile
 
 STRAIGHT = np.array([[0.0, 0.0], [20.0, 0.0]])
 

@@ -14,6 +14,12 @@ def add(commands: Commands) -> None:
         help="summarise a record",
         description="Contacts, distances, collision times, formation errors and modes of a record.",
     )
-    summary.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+    summary.add_argument(
+        "record", metavar="RECORD", nargs="?", type=Path, help="record.h5 of a run"
+    )
     summary.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    summary.add_argument(
+        "--definitions", action="store_true",
+        help="print what each metric is, with its unit and equation or figure, and no record",
+    )  # fmt: skip
     summary.set_defaults(action=lazy("physim.cli.summary", "summary"))

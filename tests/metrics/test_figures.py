@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,43 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim import metrics
-from physim.contacts import CONTACT
 from physim.metrics import DangerShare, Moment
-from physim.record import Record, RecordWriter
-from physim.record.layout import EXTREME, FARTHEST, UPDATE
-from tests.records import make_record, make_scene
+from physim.record import Record
+from tests.metrics.histories import history
+from tests.records import make_record
 
 BEGAN, STAYS, ENDED = 0, 1, 2
-
-
-def history(
-    updates: Sequence[dict[str, Any]] = (),
-    contacts: Sequence[tuple[Any, ...]] = (),
-    *,
-    robots: int = 2,
-    steps_run: int = 100,
-    extremes: Sequence[tuple[Any, ...]] = (),
-    farthest: tuple[Any, ...] | None = None,
-) -> Record:
-    """Record with these rows; contacts are (step, a, b, phase, depth, impulse)."""
-    out = RecordWriter(None, make_scene(robots), "", name="by hand")
-    rows = np.zeros(len(updates), UPDATE)
-    rows["collision_time"] = np.inf
-    for row, values in zip(rows, updates, strict=True):
-        for key, value in values.items():
-            row[key] = value
-    out.append_updates(rows)
-    touching = np.zeros(len(contacts), CONTACT)
-    for name, column in zip(
-        ("step", "a", "b", "phase", "depth", "impulse"), zip(*contacts, strict=True), strict=False
-    ):
-        touching[name] = column
-    out.append_contacts(touching)
-    if extremes:
-        far = None if farthest is None else np.array(farthest, FARTHEST)
-        out.set_extremes(np.array(list(extremes), EXTREME), far)
-    out.close("duration", steps_run=steps_run, rejected=0, wall_clock={})
-    return out.record()
 
 
 def test_contact_episodes() -> None:

@@ -1,4 +1,4 @@
-"""The summary of a run: its figures as a value, as JSON and as a short table."""
+"""The summary of a run: its figures as a value and as JSON."""
 
 from __future__ import annotations
 
@@ -6,25 +6,11 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from types import MappingProxyType
 from typing import Any
 
 from physim import metrics
 from physim.expectations import Held, expectations
 from physim.record import Record
-
-SHOWN_ROBOTS = 12
-"""Robots whose own share of danger mode the table shows."""
-SHOWN_CONTACTS = 8
-"""Contacts that the table tells one by one."""
-ENDED = MappingProxyType(
-    {
-        "running": "not closed (killed, or still running)",
-        "duration": "time is up",
-        "error": "broken off by an error",
-    }
-)
-"""How a run ended, in words, where the record's own word does not say it."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +72,22 @@ class Danger:
 
 
 @dataclass(frozen=True)
+class Figure:
+    """One named metric of a run, see `metrics.DEFINITIONS`; None (in JSON absent) = not so."""
+
+    value: bool | int | float
+    unit: str
+    time_s: float | None
+    """[s] when, where it was taken at a moment"""
+    station_m: float | None
+    """[m] along the path of the body, where it belongs to a place"""
+    bodies: tuple[str, ...] | None
+    """names, where it belongs to some bodies"""
+    robots: tuple[float | None, ...] | None
+    """of each robot in file order, where each has its own"""
+
+
+@dataclass(frozen=True)
 class Summary:
     """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here."""
 
@@ -112,6 +114,8 @@ class Summary:
     messages: int
     collision_time_evaluations: int
     mean_speed_m_per_s: float | None
+    metrics: dict[str, Figure]
+    """every named metric that has a meaning here"""
     expectations: tuple[Held, ...]
     wall_clock: dict[str, float]
     """all else is the same in every run of the same world and seed"""
@@ -167,42 +171,20 @@ def summarise(record: Record) -> Summary:
         messages=metrics.messages(record),
         collision_time_evaluations=metrics.evaluations(record),
         mean_speed_m_per_s=metrics.mean_speed(record),
+        metrics={
+            name: Figure(
+                found.value,
+                found.unit,
+                found.time,
+                found.station,
+                tuple(names[i] for i in found.bodies) or None,
+                found.robots,
+            )
+            for name, found in metrics.measure(record).items()
+        },
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
     )
-
-
-def table(summary: Summary) -> str:
-    """Short table in plain text, one figure a line, ending with a line break."""
-    rows = table_rows(summary)
-    width = max(len(label) for label, _ in rows)
-    return "".join(f"{label:<{width}}  {text}\n" for label, text in rows)
-
-
-def table_rows(summary: Summary) -> list[tuple[str, str]]:
-    """Label and text of each line of the table, for whoever sets it out otherwise."""
-    s = summary
-    end = f"{ENDED.get(s.ended, s.ended)} after {s.simulated_s:.2f} s"
-    arrived = f"yes, at {s.time_to_finish_s:.2f} s" if s.time_to_finish_s is not None else "no"
-    factor = s.real_time_factor
-    no_time = "none" if s.collision_time_evaluations else "n/a (the controller works none out)"
-    robots = "1 robot" if s.robots == 1 else f"{s.robots} robots"
-    return [
-        ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
-        ("contacts", _contacts_text(s.contacts)),
-        *_contact_rows(s.contacts),
-        *_graze_rows(s.grazes),
-        ("shortest distance", _extreme_text(s.shortest_distance_m, "m", 4)),
-        ("shortest boundary distance", _extreme_text(s.shortest_boundary_distance_m, "m", 4)),
-        ("shortest collision time", _extreme_text(s.shortest_collision_time_s, "s", 3, no_time)),
-        ("farthest pair", _extreme_text(s.farthest_pair_m, "m", 2)),
-        ("formation error, peak", _extreme_text(s.formation_error_peak_m, "m", 2)),
-        ("formation error, final", _extreme_text(s.formation_error_final_m, "m", 2)),
-        ("danger mode, share of time", _danger_text(s)),
-        ("all robots arrived", arrived),
-        *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
-        ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
-    ]
 
 
 def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: float) -> Contacts:
@@ -222,80 +204,11 @@ def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: f
     )
 
 
-def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
-    """A line for each of the first contacts, and one that says how many more there are."""
-    rows = [
-        (
-            f"  {c.begin_s:.2f} s",
-            f"{c.bodies[0]} and {c.bodies[1]}, {c.duration_s:.2f} s long, "
-            f"{1e3 * c.max_depth_m:.1f} mm deep, impact {c.impact_ns:.1f} N s",
-        )
-        for c in contacts.episodes[:SHOWN_CONTACTS]
-    ]
-    more = contacts.count - len(rows)
-    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more else [])]
-
-
-def _graze_rows(grazes: tuple[Graze, ...]) -> list[tuple[str, str]]:
-    """Lines of the contacts between samples; none where there are none."""
-    if not grazes:
-        return []
-    rows = [("grazes between samples", f"{len(grazes)}, first at {grazes[0].time_s:.2f} s")]
-    rows += [
-        (
-            f"  {g.time_s:.2f} s",
-            f"{g.bodies[0]} and {g.bodies[1]}, {1e3 * g.max_depth_m:.3g} mm deep, "
-            "apart at the samples before and after",
-        )
-        for g in grazes[:SHOWN_CONTACTS]
-    ]
-    more = len(grazes) - SHOWN_CONTACTS
-    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more > 0 else [])]
-
-
-def _contacts_text(contacts: Contacts) -> str:
-    if not contacts.count:
-        return "0"
-    kinds = f"{contacts.between_robots} between robots, {contacts.with_boundaries} with boundaries"
-    return f"{contacts.count} ({kinds}), first at {contacts.first_s:.2f} s"
-
-
-def _extreme_text(extreme: Extreme | None, unit: str, digits: int, none: str = "n/a") -> str:
-    if extreme is None:
-        return none
-    who = " and ".join(extreme.bodies)
-    return f"{extreme.value:.{digits}f} {unit} ({who} at {extreme.time_s:.2f} s)"
-
-
-def _danger_text(summary: Summary) -> str:
-    if summary.danger_time_share is None:
-        return "n/a"
-    shown = summary.danger[:SHOWN_ROBOTS]
-    each = [f"{d.robot} " + ("n/a" if d.time is None else f"{d.time:.0%}") for d in shown]
-    more = len(summary.danger) - len(shown)
-    rest = f", and {more} more" if more else ""
-    return f"{summary.danger_time_share:.1%} ({', '.join(each)}{rest})"
-
-
-def _with(one: Held, summary: Summary) -> str:
-    return " (grazes included)" if one.key == "contacts" and summary.grazes else ""
-
-
-def _held_text(one: Held) -> str:
-    sign = "=" if one.key == "finished" else ">=" if one.key.startswith("min_") else "<="
-
-    def text(value: object) -> str:
-        if isinstance(value, bool):
-            return "true" if value else "false"
-        return (
-            "n/a" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
-        )
-
-    return f"{'held' if one.held else 'NOT HELD'}: {text(one.got)} {sign} {text(one.wanted)}"
-
-
 def _plain(value: Any) -> Any:
     """Value in types that JSON knows; infinite and NaN become None."""
+    if isinstance(value, Figure):
+        given = ((field.name, getattr(value, field.name)) for field in fields(value))
+        return {name: _plain(part) for name, part in given if part is not None}
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Held):
@@ -307,6 +220,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value
-
-
-__all__ = ["Contacts", "Danger", "Extreme", "Graze", "Summary", "summarise", "table", "table_rows"]

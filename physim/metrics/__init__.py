@@ -1,0 +1,120 @@
+"""Figures of one run, each from its `Record` alone.
+
+Named metrics: `measure` gives those that have a meaning for the run, `DEFINITIONS` tells each with
+unit and source::
+
+    found = physim.metrics.measure(record)
+    found["shortest_distance"].value, found["shortest_distance"].bodies
+
+Courses over time, along a path or by pair, for pictures and experiments: `formation_errors`,
+`formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `collision_times`,
+`pair_distances`, `corridor_width`.
+
+What has no meaning for a run (the distance between robots of a single one, say) is None or absent,
+not 0. "Fig." and numbers in parentheses refer to the paper.
+"""
+
+from __future__ import annotations
+
+from physim.metrics.contacts import Episode, Graze, contact_episodes, grazes
+from physim.metrics.definition import Definition, Metric
+from physim.metrics.distances import (
+    collision_times,
+    farthest_pair,
+    pair_distances,
+    placed,
+    shortest_boundary_distance,
+    shortest_collision_time,
+    shortest_distance,
+)
+from physim.metrics.effort import decisions, evaluations, messages, updates_per_second
+from physim.metrics.formation import (
+    desired_leads,
+    formation_energy,
+    formation_error_final,
+    formation_error_peak,
+    formation_error_rms,
+    formation_errors,
+    has_formation,
+)
+from physim.metrics.measure import definition, measure
+from physim.metrics.modes import (
+    danger_shares,
+    danger_time_share,
+    mode_spans,
+    mode_switches,
+    share_of_modes,
+)
+from physim.metrics.motion import (
+    AveragedSpeeds,
+    averaged_speeds,
+    deviation_peak,
+    deviation_rms,
+    deviations,
+    mean_speed,
+)
+from physim.metrics.registry import DEFINITIONS
+from physim.metrics.settings import world_settings
+from physim.metrics.values import DangerShare, Each, Moment, Place, Series
+from physim.metrics.way import (
+    arrival_steps,
+    column_over_time,
+    finished,
+    last_decisions,
+    time_to_finish,
+)
+from physim.metrics.width import Width, corridor_width
+
+__all__ = [
+    "DEFINITIONS",
+    "AveragedSpeeds",
+    "DangerShare",
+    "Definition",
+    "Each",
+    "Episode",
+    "Graze",
+    "Metric",
+    "Moment",
+    "Place",
+    "Series",
+    "Width",
+    "arrival_steps",
+    "averaged_speeds",
+    "collision_times",
+    "column_over_time",
+    "contact_episodes",
+    "corridor_width",
+    "danger_shares",
+    "danger_time_share",
+    "decisions",
+    "definition",
+    "desired_leads",
+    "deviation_peak",
+    "deviation_rms",
+    "deviations",
+    "evaluations",
+    "farthest_pair",
+    "finished",
+    "formation_energy",
+    "formation_error_final",
+    "formation_error_peak",
+    "formation_error_rms",
+    "formation_errors",
+    "grazes",
+    "has_formation",
+    "last_decisions",
+    "mean_speed",
+    "measure",
+    "messages",
+    "mode_spans",
+    "mode_switches",
+    "pair_distances",
+    "placed",
+    "share_of_modes",
+    "shortest_boundary_distance",
+    "shortest_collision_time",
+    "shortest_distance",
+    "time_to_finish",
+    "updates_per_second",
+    "world_settings",
+]

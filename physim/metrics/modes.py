@@ -1,0 +1,93 @@
+"""Modes over time: shares of safe and danger mode, switches between them (Fig. 8)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.control import Mode
+from physim.geometry.shapes import FloatArray
+from physim.metrics.values import DangerShare, Each
+from physim.metrics.way import Rows, rows_of_robots, under_way
+from physim.record import Record
+
+SPAN = np.dtype([("robot", "<i4"), ("mode", "i1"), ("begin", "<f8"), ("end", "<f8")])
+"""A stretch of time [s] in which a robot's decisions all had one mode."""
+
+
+def danger_shares(record: Record) -> tuple[DangerShare, ...]:
+    """Share of danger mode of each robot, by decisions and by time (Fig. 8).
+
+    Danger is mode 1 or 2; decisions of a robot that has arrived do not count at all.
+    """
+    rows, held = under_way(record)
+    pairs = zip(_shares(record, rows, np.ones(len(rows))), _shares(record, rows, held), strict=True)
+    return tuple(DangerShare(i, *pair) for i, pair in enumerate(pairs))
+
+
+def danger_time_share(record: Record) -> float | None:
+    """Share of danger mode of all robots together, by time [-]; arrived ones do not count."""
+    rows, held = under_way(record)
+    return float(held[is_danger(rows)].sum() / held.sum()) if held.sum() > 0 else None
+
+
+def share_of_modes(record: Record, danger: bool) -> Each | None:
+    """Share of danger or of safe mode by time [-], of all robots together and of each."""
+    share = danger_time_share(record)
+    if share is None:
+        return None
+    each = (one.time for one in danger_shares(record))
+    if danger:
+        return Each(share, tuple(each))
+    return Each(1.0 - share, tuple(None if one is None else 1.0 - one for one in each))
+
+
+def mode_switches(record: Record) -> Each | None:
+    """Changes between safe and danger mode a minute under way [1/min].
+
+    Of a mean robot (all changes over all robots' time) and of each; changes between the two kinds
+    of danger do not count.
+    """
+    minutes = time_under_way(record) / 60.0
+    if not minutes.sum() > 0:
+        return None
+    count = np.zeros(record.robots)
+    for robot, rows in enumerate(rows_of_robots(record)):
+        rows = rows[rows["mode"] != Mode.ARRIVED]
+        count[robot] = np.count_nonzero(np.diff(is_danger(rows)))
+    each = tuple(float(c / m) if m > 0 else None for c, m in zip(count, minutes, strict=True))
+    return Each(float(count.sum() / minutes.sum()), each)
+
+
+def mode_spans(record: Record) -> NDArray[np.void]:
+    """Stretches of one mode, rows of `SPAN`, by robot and time; they fill the run (Fig. 8)."""
+    end = record.steps_run * record.dt
+    spans = []
+    for robot, rows in enumerate(rows_of_robots(record)):
+        if not len(rows):
+            continue
+        first = np.flatnonzero(np.concatenate(([True], np.diff(rows["mode"]) != 0)))
+        mine = np.zeros(len(first), SPAN)
+        mine["robot"], mine["mode"] = robot, rows["mode"][first]
+        mine["begin"] = rows["step"][first] * record.dt
+        mine["end"] = np.append(mine["begin"][1:], max(end, float(mine["begin"][-1])))
+        spans.append(mine)
+    return np.concatenate(spans) if spans else np.zeros(0, SPAN)
+
+
+def time_under_way(record: Record) -> FloatArray:
+    """(N,) [s] that the decisions of each robot held before it had arrived."""
+    rows, held = under_way(record)
+    return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
+
+
+def is_danger(rows: Rows) -> NDArray[np.bool_]:
+    """Whether each decision is in danger mode, by distance or by collision time."""
+    danger: NDArray[np.bool_] = (rows["mode"] == Mode.DISTANCE) | (rows["mode"] == Mode.TIME)
+    return danger
+
+
+def _shares(record: Record, rows: Rows, weight: FloatArray) -> list[float | None]:
+    total = np.bincount(rows["robot"], weight, record.robots)
+    part = np.bincount(rows["robot"], weight * is_danger(rows), record.robots)
+    return [float(p / t) if t > 0 else None for p, t in zip(part, total, strict=True)]

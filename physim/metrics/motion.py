@@ -1,0 +1,114 @@
+"""How robots moved: deviation from their paths, speeds averaged over a window (Figs. 1, 2, 7)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from physim.geometry.shapes import FloatArray
+from physim.metrics.values import Each, Moment, Series
+from physim.metrics.way import GRID, arrival_steps, column_over_time, under_way
+from physim.record import Record
+
+WINDOW = 10.0
+"""[s] window of averaged speeds (paper)"""
+MOST_POSES = 2_000_000
+"""Poses that averaged speeds look at; of more, every second, third … sample."""
+
+
+class AveragedSpeeds(NamedTuple):
+    """Speeds averaged over a window about each moment, NaN where it is not wholly under way."""
+
+    time: FloatArray
+    """(K,) [s] middle of the window"""
+    forward: FloatArray
+    """(K, N) [m/s] along the heading, backwards negative"""
+    rotational: FloatArray
+    """(K, N) [rad/s] left positive"""
+
+
+def deviations(record: Record, every: float = GRID) -> Series:
+    """Signed deviation of each robot from its own path over time (Figs. 1b, 2c, 7d).
+
+    Values (K, N) [m], left of the path positive; exact at the robot's decisions, linear between.
+    """
+    return column_over_time(record, "deviation", every)
+
+
+def deviation_peak(record: Record) -> Moment | None:
+    """Deviation of greatest size at a decision, with its sign [m] (Figs. 1b, 2c, 7d)."""
+    size = np.abs(record.updates["deviation"])
+    if not np.isfinite(size).any():
+        return None
+    row = record.updates[int(np.nanargmax(size))]
+    step = int(row["step"])
+    return Moment(float(row["deviation"]), step, step * record.dt, int(row["robot"]))
+
+
+def deviation_rms(record: Record) -> Each | None:
+    """Root of the mean square deviation over the time under way [m], of all robots and of each."""
+    rows, held = under_way(record)
+    held = np.where(np.isfinite(rows["deviation"]), held, 0.0)
+    square = held * np.square(np.nan_to_num(rows["deviation"]))
+    total = np.bincount(rows["robot"], held, record.robots)
+    part = np.bincount(rows["robot"], square, record.robots)
+    if not total.sum() > 0:
+        return None
+    each = (float(np.sqrt(p / t)) if t > 0 else None for p, t in zip(part, total, strict=True))
+    return Each(float(np.sqrt(part.sum() / total.sum())), tuple(each))
+
+
+def mean_speed(record: Record) -> float | None:
+    """Mean given forward speed over time of all robots under way [m/s] (Fig. 7)."""
+    rows, held = under_way(record)
+    return float((rows["given_v"] * held).sum() / held.sum()) if held.sum() > 0 else None
+
+
+def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
+    """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
+
+    As the robots moved: the way along the heading and the turn between the ends of the window,
+    over its length. Defined where the whole window lies before the robot's arrival.
+    """
+    none = np.zeros((0, record.robots))
+    if record.samples < 2:
+        return AveragedSpeeds(np.zeros(0), none, none)
+    stride = max(1, record.samples * record.robots // MOST_POSES)
+    pose, time = record.pose[::stride], record.time[::stride]
+    way = np.concatenate((np.zeros((1, record.robots)), np.cumsum(_forward(pose), axis=0)))
+    end = float(time[-1])
+    count = max(0, int((end - window) / every + 1e-9) + 1)
+    middle: FloatArray = window / 2.0 + every * np.arange(float(count))
+    forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
+    arrived = arrival_steps(record) * record.dt
+    for i in range(record.robots):
+        last = arrived[i] if arrived[i] >= 0 else end
+        whole = middle + window / 2.0 <= last + 1e-9
+        for out, values in ((forward, way[:, i]), (rotational, pose[:, i, 2])):
+            ends = (np.interp(middle[whole] + s * window / 2.0, time, values) for s in (1, -1))
+            out[whole, i] = (next(ends) - next(ends)) / window
+    return AveragedSpeeds(middle, forward, rotational)
+
+
+def averaged_extreme(
+    time: FloatArray, values: FloatArray, dt: float, largest: bool
+) -> Moment | None:
+    """Largest or smallest of the averaged speeds (K, N) of robots."""
+    if not np.isfinite(values).any():
+        return None
+    place = int(np.nanargmax(values) if largest else np.nanargmin(values))
+    k, robot = np.unravel_index(place, values.shape)
+    at = float(time[k])
+    return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
+
+
+def _forward(pose: FloatArray) -> FloatArray:
+    """Way along the heading between consecutive poses (K, N, 3): (K - 1, N) [m].
+
+    The chord of the arc, lengthened to the arc (1).
+    """
+    step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
+    heading = pose[:-1, :, 2] + half
+    chord = step[:, :, 0] * np.cos(heading) + step[:, :, 1] * np.sin(heading)
+    return np.asarray(chord / np.sinc(half / np.pi))

@@ -1,0 +1,207 @@
+"""Every metric by name, with its definition, unit and source.
+
+A metric that has no meaning for a run (the distance between robots of a single one, say) is
+absent. Over all physics steps, also those that are not recorded: distances. Over all decisions:
+collision times, modes, deviations, peak and end of formation errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import MappingProxyType
+
+from physim.geometry.shapes import FloatArray
+from physim.metrics import contacts, distances, effort, formation, modes, motion, way, width
+from physim.metrics.definition import Definition, Found, Run
+from physim.metrics.values import Moment, Place
+from physim.record import Record
+
+
+def _contacts(record: Record, robots: bool | None = None) -> int | None:
+    if robots and record.robots < 2:
+        return None
+    episodes = contacts.contact_episodes(record)
+    return sum(robots is None or episode.robots is robots for episode in episodes)
+
+
+def _first_contact(record: Record) -> Moment | None:
+    episodes = contacts.contact_episodes(record)
+    if not episodes:
+        return None
+    first = episodes[0]
+    return Moment(first.time, first.step, first.time, first.a, first.b)
+
+
+def _deepest_contact(record: Record) -> Moment | None:
+    episodes = contacts.contact_episodes(record)
+    if not episodes:
+        return None
+    deepest = max(episodes, key=lambda episode: episode.depth)
+    return Moment(deepest.depth, deepest.step, deepest.time, deepest.a, deepest.b)
+
+
+def _energy(run: Run, last: bool) -> float | None:
+    course = run.energy
+    if course is None or not len(course.values):
+        return None
+    return float(course.values[-1] if last else course.values.max())
+
+
+def _averaged(run: Run, values: FloatArray, largest: bool) -> Moment | None:
+    return motion.averaged_extreme(run.averaged.time, values, run.record.dt, largest)
+
+
+def _width(run: Run, largest: bool) -> Place | None:
+    return None if run.width is None else width.width_extreme(run.width, 0, largest)
+
+
+def _of(find: Callable[[Record], Found]) -> Callable[[Run], Found]:
+    """Turn a function of a record into one of a `Run`."""
+    return lambda run: find(run.record)
+
+
+_ALL = (
+    Definition(
+        "simulated_time", "s", "simulated time of the run", "-",
+        lambda run: run.record.steps_run * run.record.dt,
+    ),
+    Definition(
+        "finished", "-", "whether every robot was at its stop station at the end", "-",
+        _of(way.finished),
+    ),
+    Definition(
+        "time_to_finish", "s", "time at which the last robot had arrived for good", "Section 1",
+        _of(way.time_to_finish),
+    ),
+    Definition(
+        "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch", "-",
+        _of(_contacts),
+    ),
+    Definition(
+        "contacts_between_robots", "-", "contact episodes of two robots", "-",
+        lambda run: _contacts(run.record, True),
+    ),
+    Definition(
+        "contacts_with_boundaries", "-", "contact episodes of a robot and a boundary or obstacle",
+        "-", lambda run: _contacts(run.record, False),
+    ),
+    Definition(
+        "grazes", "-", "contacts between two samples: apart at both, touching within the step", "-",
+        lambda run: len(contacts.grazes(run.record)),
+    ),
+    Definition(
+        "first_contact", "s", "time of the first sample of the first contact", "-",
+        _of(_first_contact),
+    ),
+    Definition(
+        "deepest_contact", "m", "greatest depth of any contact", "-", _of(_deepest_contact),
+    ),
+    Definition(
+        "shortest_distance", "m", "shortest distance between two robots; negative = depth",
+        "(11), Figs. 3b, 6c", _of(distances.shortest_distance),
+    ),
+    Definition(
+        "shortest_boundary_distance", "m",
+        "shortest distance of a robot to a boundary or obstacle; negative = depth", "(11)",
+        _of(distances.shortest_boundary_distance),
+    ),
+    Definition(
+        "farthest_distance", "m", "largest distance between the shapes of two robots", "Fig. 6c",
+        _of(distances.farthest_pair),
+    ),
+    Definition(
+        "shortest_collision_time", "s", "shortest collision time that decided, at any decision",
+        "(11), Figs. 3c, 6d", _of(distances.shortest_collision_time),
+    ),
+    Definition(
+        "formation_error_peak", "m", "largest size of a formation error at a decision",
+        "(10), Figs. 2b, 7a", _of(formation.formation_error_peak),
+    ),
+    Definition(
+        "formation_error_final", "m",
+        "largest size of the formation errors at each robot's last decision",
+        "(10), Figs. 2b, 7a", _of(formation.formation_error_final),
+    ),
+    Definition(
+        "formation_error_rms", "m", "root mean square of the formation errors over time",
+        "(10), Figs. 2b, 7a", _of(formation.formation_error_rms),
+    ),
+    Definition(
+        "formation_energy_peak", "m^2", "largest formation energy W", "(9)",
+        lambda run: _energy(run, last=False),
+    ),
+    Definition(
+        "formation_energy_final", "m^2", "formation energy W at the end", "(9)",
+        lambda run: _energy(run, last=True),
+    ),
+    Definition(
+        "deviation_peak", "m",
+        "deviation of greatest size from the own path at a decision; left positive",
+        "Figs. 1b, 2c, 7d", _of(motion.deviation_peak),
+    ),
+    Definition(
+        "deviation_rms", "m", "root mean square deviation from the own path, time under way",
+        "Figs. 1b, 2c, 7d", _of(motion.deviation_rms),
+    ),
+    Definition(
+        "mean_speed", "m/s", "mean given forward speed over the time under way", "Fig. 7c",
+        _of(motion.mean_speed),
+    ),
+    Definition(
+        "averaged_speed_min", "m/s",
+        "smallest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        lambda run: _averaged(run, run.averaged.forward, largest=False),
+    ),
+    Definition(
+        "averaged_speed_max", "m/s",
+        "largest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        lambda run: _averaged(run, run.averaged.forward, largest=True),
+    ),
+    Definition(
+        "averaged_rotation_min", "rad/s",
+        "smallest rotational speed averaged over 10 s under way: fastest turn to the right",
+        "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=False),
+    ),
+    Definition(
+        "averaged_rotation_max", "rad/s",
+        "largest rotational speed averaged over 10 s under way: fastest turn to the left",
+        "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=True),
+    ),
+    Definition(
+        "width_min", "m", "least corridor width along the first robot's path, every 0.1 m: "
+        "shortest distance to the left plus to the right boundary", "Fig. 4",
+        lambda run: _width(run, largest=False),
+    ),
+    Definition(
+        "width_max", "m", "greatest corridor width along the first robot's path, every 0.1 m",
+        "Fig. 4", lambda run: _width(run, largest=True),
+    ),
+    Definition(
+        "danger_share", "-", "share of danger mode in the time under way", "Figs. 5, 8",
+        lambda run: modes.share_of_modes(run.record, danger=True),
+    ),
+    Definition(
+        "safe_share", "-", "share of safe mode in the time under way", "Figs. 5, 8",
+        lambda run: modes.share_of_modes(run.record, danger=False),
+    ),
+    Definition(
+        "mode_switches", "1/min", "changes between safe and danger mode a minute under way",
+        "Figs. 5, 8", _of(modes.mode_switches),
+    ),
+    Definition("decisions", "-", "decisions of all robots", "(14)", _of(effort.decisions)),
+    Definition(
+        "updates_per_second", "1/s", "decisions a second of a robot under way", "(14)",
+        _of(effort.updates_per_second),
+    ),
+    Definition(
+        "messages", "-", "messages: one for each considered robot and decision", "(14)",
+        _of(effort.messages),
+    ),
+    Definition(
+        "collision_time_evaluations", "-", "collision times worked out by the decisions",
+        "(11), (14)", _of(effort.evaluations),
+    ),
+)  # fmt: skip
+
+DEFINITIONS = MappingProxyType({one.name: one for one in _ALL})
+"""Every metric by name, in the order of reports."""

@@ -1,0 +1,94 @@
+"""Safe and danger mode of each robot over time, with its share (Fig. 8)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray
+from physim.metrics import danger_time_share, mode_spans, share_of_modes
+from physim.plots.frame import framed, legend_below, nothing, short, time_axis
+from physim.plots.style import INK, MODE_WORDS, MODES, QUIET
+from physim.record import Record
+
+MOST_ROWS = 40
+"""Robots that have a row with name and share; of more, rows are thin and only some are named."""
+
+
+def modes(record: Record) -> Any:
+    """Figure: a row a robot, coloured by mode over time [s], its share of safe mode at the end."""
+    few = record.robots <= MOST_ROWS
+    row = 0.21 if few else max(0.03, 8.4 / record.robots)
+    tall = min(9.0, max(2.0, 1.25 + row * record.robots))
+    figure = framed(record, "Modes", "Fig. 8", height=tall, width=5.6, source_on_top=True)
+    axis = figure.subplots()
+    axis.grid(False)
+    time_axis(axis, record)
+    spans = mode_spans(record)
+    if not len(spans):
+        nothing(axis, "no decision was recorded")
+        return figure
+    _rows(axis, spans, 0.76 if few else 1.0)
+    axis.set_ylim(record.robots - 0.4, -0.6)
+    _names(axis, record, few)
+    _shares(axis, record, few)
+    share = danger_time_share(record)
+    if share is not None:
+        told = f"share of safe mode: {1.0 - share:.1%} of all robots' time under way"
+        axis.set_title(told, loc="right", fontsize=8.0, color=QUIET)
+    _legend(figure, spans)
+    return figure
+
+
+def _rows(axis: Any, spans: NDArray[np.void], height: float) -> None:
+    """Bars of each mode; danger over safe, since a short stretch of it matters most."""
+    from matplotlib.collections import PolyCollection
+
+    for mode in (0, 3, 1, 2):
+        mine = spans[spans["mode"] == mode]
+        left, right = mine["begin"], mine["end"]
+        low, high = mine["robot"] - height / 2.0, mine["robot"] + height / 2.0
+        corners: FloatArray = np.stack(
+            [
+                np.stack(pair, axis=-1)
+                for pair in ((left, low), (right, low), (right, high), (left, high))
+            ],
+            axis=1,
+        )
+        axis.add_collection(PolyCollection(list(corners), facecolor=MODES[mode], linewidth=0.0))
+
+
+def _names(axis: Any, record: Record, few: bool) -> None:
+    robots = range(record.robots)
+    if not few:
+        robots = range(0, record.robots, -(-record.robots // MOST_ROWS))
+    axis.set_yticks(list(robots), [short(record.names[i]) for i in robots])
+    axis.tick_params(axis="y", length=0, labelsize=8.0 if few else 6.5)
+    axis.set_ylabel("robot")
+
+
+def _shares(axis: Any, record: Record, few: bool) -> None:
+    """Share of safe mode at the end of each row, bold where it is less than half."""
+    found = share_of_modes(record, danger=False)
+    if found is None or not few:
+        return
+    for robot, share in enumerate(found.robots):
+        if share is not None:
+            axis.annotate(
+                f"{share:.0%}", (1.0, robot), xycoords=("axes fraction", "data"),
+                xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.0, color=INK,
+                fontweight="bold" if share < 0.5 else "normal", gid="share",
+            )  # fmt: skip
+    axis.annotate(
+        "safe", (1.0, 1.0), xycoords="axes fraction", xytext=(4, 1), textcoords="offset points",
+        fontsize=8.0, color=QUIET, va="bottom",
+    )  # fmt: skip
+
+
+def _legend(figure: Any, spans: NDArray[np.void]) -> None:
+    from matplotlib.patches import Patch
+
+    shown = [mode for mode in MODES if (spans["mode"] == mode).any()]
+    legend_below(figure, [Patch(facecolor=MODES[m], label=MODE_WORDS[m]) for m in shown], 4)

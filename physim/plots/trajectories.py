@@ -1,0 +1,219 @@
+"""Paths, trajectories and snapshots over the safe and danger areas (Figs. 1a, 2a, 3a, 6a, 6b)."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from physim.contacts import Phase
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.metrics import mode_spans
+from physim.plots.courses import MOST_LINES
+from physim.plots.frame import framed, legend_below, nothing, short
+from physim.plots.ground import draw_areas, frame_map, inside_and_out, lines_of
+from physim.plots.style import (
+    INK,
+    MODE_WORDS,
+    MODES,
+    QUIET,
+    VERMILION,
+    WIDTH,
+    robot_colour,
+)
+from physim.record import Record
+
+SNAPSHOTS = 10
+"""About as many snapshots as are drawn where nothing else is said."""
+MOST_SNAPSHOTS = 200
+COLUMNS = 5
+"""of the legend"""
+UP = np.array([0.0, 1.0])
+SIMPLE = (1.0, 2.0, 5.0)
+"""Leading figures of the time between snapshots."""
+POINTS = 1500
+"""Points of a trajectory, at most."""
+
+
+def trajectories(record: Record, snapshots: float | None = None) -> Any:
+    """Figure: a map [m] with paths, trajectories, and the robots every ``snapshots`` [s].
+
+    Where a path lies outside the safe area it is dashed. More than 12 robots are not told apart:
+    they are filled with the colours of their modes.
+    """
+    figure = framed(
+        record,
+        "Paths and trajectories",
+        "Figs. 1a, 2a, 3a, 6a, 6b",
+        width=WIDTH,
+        height=6.0,
+        source_on_top=True,
+    )
+    axis = figure.subplots()
+    tall = frame_map(axis, record, 6.5, 6.2)
+    handles = draw_areas(axis, record)
+    handles += _paths(axis, record)
+    if not record.samples:
+        nothing(axis, "no sample was recorded")
+        return figure
+    every = snapshot_interval(record) if snapshots is None else snapshots
+    at = snapshot_rows(record, every)
+    handles += _ways(axis, record)
+    handles += _snapshots(axis, record, at)
+    handles += _contacts(axis, record)
+    _times(axis, record, at)
+    axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
+    rows = legend_below(figure, handles, COLUMNS)
+    figure.set_size_inches(WIDTH, tall + 0.5 + 0.17 * rows)
+    return figure
+
+
+def snapshot_interval(record: Record) -> float:
+    """Time [s] between snapshots, 1, 2 or 5 times a power of ten.
+
+    About ten in the run, but so far apart that the cluster has left its place in between.
+    """
+    middle = np.median(record.pose[:: max(1, record.samples // 200), :, :2], axis=1)
+    way = float(np.hypot(*np.diff(middle, axis=0).T).sum())
+    halfway = record.pose[record.samples // 2, :, :2]
+    share = float(np.hypot(*np.ptp(halfway, axis=0))) / way if way > 0.0 else 0.0
+    duration = max(record.steps_run * record.dt, 1e-3)
+    least = duration * min(share, 0.5)
+    wanted = max(duration / SNAPSHOTS, least)
+    power = 10.0 ** np.floor(np.log10(wanted))
+    simple = [f * power for f in (*SIMPLE, 10.0) if f * power >= 0.9 * least]
+    return float(min(simple, key=lambda t: abs(np.log(t / wanted))))
+
+
+def snapshot_rows(record: Record, every: float) -> IntArray:
+    """Samples nearest to 0, ``every``, 2 ``every`` … [s]; at most `MOST_SNAPSHOTS`."""
+    count = min(int(record.time[-1] / every + 1e-9) + 1, MOST_SNAPSHOTS)
+    wanted = every * np.arange(count)
+    after = np.clip(np.searchsorted(record.time, wanted), 1, max(1, record.samples - 1))
+    after = np.minimum(after, record.samples - 1)
+    before = np.maximum(after - 1, 0)
+    nearer = wanted - record.time[before] <= record.time[after] - wanted
+    return np.unique(np.where(nearer, before, after))
+
+
+def _paths(axis: Any, record: Record) -> list[Any]:
+    """Own paths, thin: whole inside of the safe area, dashed outside."""
+    from matplotlib.collections import LineCollection
+
+    lines = lines_of(record.paths)
+    inside, outside = lines, list[FloatArray]()
+    if record.safe_distance > 0.0 and record.safe:
+        inside, outside = inside_and_out(lines, record.safe)
+    thin = 0.8 if record.robots <= MOST_LINES else 0.4
+    styles = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
+    handles = [
+        LineCollection(
+            pieces, color=QUIET, linewidth=thin, linestyle=dash, label=label, zorder=1.6, alpha=0.8
+        )
+        for pieces, dash, label in styles
+        if pieces
+    ]
+    for handle in handles:
+        axis.add_collection(handle)
+    return handles
+
+
+def _ways(axis: Any, record: Record) -> list[Any]:
+    """Where the robots went."""
+    from matplotlib.collections import LineCollection
+
+    rows = np.unique(np.linspace(0, record.samples - 1, POINTS).astype(int))
+    ways = record.pose[rows][:, :, :2].transpose(1, 0, 2)
+    if record.robots > MOST_LINES:
+        label = f"trajectories of\n{record.robots} robots"
+        lines = LineCollection(ways, color=INK, linewidth=0.5, alpha=0.35, label=label, zorder=2.0)
+        return [axis.add_collection(lines)]
+    return [
+        axis.plot(
+            *way.T, color=robot_colour(i), linewidth=1.2, label=short(record.names[i]), zorder=2.0
+        )[0]
+        for i, way in enumerate(ways)
+    ]
+
+
+def _snapshots(axis: Any, record: Record, at: IntArray) -> list[Any]:
+    """Robots at samples ``at``, in their own colours or, of a crowd, in those of their modes.
+
+    A tick shows the heading.
+    """
+    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.patches import Patch
+
+    crowd = record.robots > MOST_LINES
+    shapes, colours, ticks = [], [], []
+    modes = _modes_at(record, record.time[at])
+    reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]
+    for k, row in enumerate(at):
+        for robot, pose in enumerate(record.pose[row]):
+            colour = MODES.get(int(modes[k, robot]), QUIET) if crowd else robot_colour(robot)
+            for part in record.footprints[robot]:
+                shapes.append(_placed(part, pose))
+                colours.append(colour)
+            ticks.append(_placed(np.array([[0.0, 0.0], [reach[robot], 0.0]]), pose))
+    edge = 0.2 if crowd else 0.4
+    axis.add_collection(
+        PolyCollection(shapes, facecolor=colours, edgecolor=INK, linewidth=edge, zorder=3.0)
+    )
+    axis.add_collection(LineCollection(ticks, color="white", linewidth=2.0 * edge, zorder=3.1))
+    shown = [mode for mode in MODES if crowd and (modes == mode).any()]
+    return [Patch(facecolor=MODES[mode], label=f"robot, {MODE_WORDS[mode]}") for mode in shown]
+
+
+def _modes_at(record: Record, time: FloatArray) -> IntArray:
+    """Modes (K, N) at times (K,) [s]; -1 before a robot's first decision."""
+    found = np.full((len(time), record.robots), -1, dtype=np.int64)
+    spans = mode_spans(record)
+    ends = np.searchsorted(spans["robot"], np.arange(record.robots + 1))
+    for robot, (first, last) in enumerate(pairwise(ends)):
+        mine = spans[first:last]
+        place = np.searchsorted(mine["begin"], time + 1e-9, side="right") - 1
+        if len(mine):
+            found[:, robot] = np.where(place >= 0, mine["mode"][place], -1)
+    return found
+
+
+def _placed(points: FloatArray, pose: FloatArray) -> FloatArray:
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
+
+
+def _times(axis: Any, record: Record, at: IntArray) -> None:
+    """Time of each snapshot, left of its robots as they go."""
+    wide = float(np.ptp(axis.get_xlim()))
+    last: FloatArray | None = None
+    for row in at:
+        places = record.pose[row, :, :2]
+        middle = np.median(places, axis=0)
+        if last is not None and np.hypot(*(middle - last)) < 0.045 * wide:
+            continue  # it would be written over the one before
+        last = middle
+        around = np.clip([row - record.samples // 100, row + record.samples // 100], 0, None)
+        ends = np.median(record.pose[np.minimum(around, record.samples - 1), :, :2], axis=1)
+        ahead = np.hypot(*(ends[1] - ends[0]))
+        left = np.array([-1.0, 1.0]) * (ends[1] - ends[0])[::-1] / ahead if ahead > 0.0 else UP
+        near = np.hypot(*(places - middle).T) < 0.1 * wide
+        beside = float(((places[near] - middle) @ left).max()) if near.any() else 0.0
+        axis.annotate(
+            f"{record.time[row]:.3g} s", middle + beside * left, xytext=tuple(15.0 * left),
+            textcoords="offset points", ha="center", va="center", fontsize=7.5, color=INK,
+            zorder=6, gid="time",
+            bbox={"boxstyle": "square,pad=0.1", "fc": "white", "alpha": 0.75, "linewidth": 0},
+        )  # fmt: skip
+
+
+def _contacts(axis: Any, record: Record) -> list[Any]:
+    """Places at which contacts began."""
+    began = record.contacts[record.contacts["phase"] == Phase.BEGAN]
+    if not len(began):
+        return []
+    how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
+    return list(axis.plot(began["x"], began["y"], "x", label=f"contact ({len(began)})", **how))
+
+
+__all__ = ["snapshot_interval", "snapshot_rows", "trajectories"]

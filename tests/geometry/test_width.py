@@ -1,0 +1,47 @@
+"""Width on the two sides of a path, against half-planes cut out by shapely."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physim.geometry.width import width_feet, width_profile
+
+place = st.tuples(*[st.integers(-20, 20)] * 2)
+
+
+@given(st.lists(st.tuples(place, place), max_size=8), place, st.integers(0, 62))
+def test_sides_are_half_planes(
+    lines: list[tuple[tuple[int, int], tuple[int, int]]], origin: tuple[int, int], turn: int
+) -> None:
+    """The nearest point on each side, where the half-plane is a large box."""
+    lines = [line for line in lines if line[0] != line[1]]
+    segments = np.array(lines, dtype=float).reshape(-1, 4)
+    x, y = origin
+    c, s = np.cos(0.1 * turn), np.sin(0.1 * turn)
+    points, directions = np.array([[x, y]], dtype=float), np.array([[c, s]])
+    found = width_profile(points, directions, segments)
+    ends = segments.reshape(-1, 2) - points
+    border = (abs(c * ends[:, 1] - s * ends[:, 0]) < 1e-9).any()  # there rounding decides
+    for gap, side in zip(found, (1.0, -1.0), strict=True):
+        corners = [(-200, 0), (200, 0), (200, 200 * side), (-200, 200 * side)]
+        half = shapely.Polygon([(x + a * c - b * s, y + a * s + b * c) for a, b in corners])
+        part = shapely.MultiLineString(lines).intersection(half)
+        expected = np.inf if part.is_empty else part.distance(shapely.Point(x, y))
+        assert np.isclose(expected, gap[0], rtol=0, atol=1e-6) or border
+
+
+def test_feet_are_the_places_of_the_distances() -> None:
+    rng = np.random.default_rng(5)
+    segments = rng.uniform(-10, 10, (3000, 4))
+    points, angle = rng.uniform(-5, 5, (200, 2)), rng.uniform(0, 7, 200)
+    directions = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    left, right = width_feet(points, directions, segments)
+    gaps = width_profile(points, directions, segments)
+    for feet, gap, sign in ((left, gaps[0], 1), (right, gaps[1], -1)):
+        assert np.allclose(np.hypot(*(feet - points).T), gap)
+        side = directions[:, 0] * (feet - points)[:, 1] - directions[:, 1] * (feet - points)[:, 0]
+        assert (sign * side > -1e-9).all()
+    assert not np.isfinite(width_profile(points, directions, np.zeros((0, 4)))[0]).any()

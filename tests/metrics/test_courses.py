@@ -1,0 +1,138 @@
+"""Courses over time and along paths: speeds, deviations, modes, distances, width."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from physim import metrics
+from physim.errors import PhysimError
+from physim.geometry.shapes import FloatArray
+from physim.metrics.width import boundary_segments
+from tests.metrics.histories import history
+from tests.records import WIDTH, make_record
+
+
+def arcs(v: FloatArray, omega: FloatArray, samples: int, dt: float = 0.01) -> FloatArray:
+    """Poses (K, N, 3) on exact arcs from the origin, (1)."""
+    angle = omega * dt * np.arange(samples)[:, None]
+    radius = v / omega
+    return np.stack([radius * np.sin(angle), radius * (1 - np.cos(angle)), angle], axis=-1)
+
+
+def test_averaged_speeds_of_arcs_are_their_own() -> None:
+    v, omega = np.array([0.9, -0.4]), np.array([0.5, -1.5])
+    record = history(pose=arcs(v, omega, 2001), steps_run=2000)
+    found = metrics.averaged_speeds(record)
+    assert found.time[[0, -1]] == pytest.approx([5.0, 15.0])
+    assert np.allclose(found.forward, v, rtol=0, atol=1e-12)
+    assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
+
+
+def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
+    pose = np.zeros((1501, 2, 3))
+    pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
+    rows = [{"step": 0, "robot": 0}, {"step": 1200, "robot": 0, "mode": 3}, {"robot": 1}]
+    found = metrics.averaged_speeds(history(rows, pose=pose, steps_run=1500))
+    assert found.time[-1] == pytest.approx(10.0)
+    before = found.time <= 7.0 + 1e-9
+    assert np.allclose(found.forward[before, 0], 1.0)
+    assert np.isnan(found.forward[~before, 0]).all()
+    assert found.forward[-1, 1] == pytest.approx(0.5 * 7.0 / 10.0)
+
+
+def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:
+    record = history(pose=arcs(np.ones(2), np.ones(2), 900), steps_run=899)
+    assert len(metrics.averaged_speeds(record).time) == 0
+    assert "averaged_speed_max" not in metrics.measure(record)
+
+
+def test_deviations_and_their_root_mean_square() -> None:
+    rows = [
+        {"step": s, "robot": r, "deviation": d, "next_step": s + 10}
+        for s, r, d in [(0, 0, 1.0), (0, 1, 0.0), (10, 0, -3.0), (10, 1, 0.5)]
+    ]
+    record = history(rows, steps_run=20)
+    time, values = metrics.deviations(record, every=0.05)
+    assert values[:, 0] == pytest.approx([1.0, -1.0, -3.0, -3.0, -3.0])
+    assert values[:, 1] == pytest.approx([0.0, 0.25, 0.5, 0.5, 0.5])
+    assert time[-1] == pytest.approx(0.2)
+    assert metrics.deviation_peak(record) == metrics.Moment(-3.0, 10, 0.1, 0)
+    rms = metrics.deviation_rms(record)
+    assert rms is not None
+    assert rms.robots == pytest.approx([np.sqrt(5.0), np.sqrt(0.125)])
+
+
+def test_modes_fill_the_run_and_switches_are_counted() -> None:
+    told = [(0, 0, 0), (10, 0, 1), (20, 0, 2), (30, 0, 0), (60, 0, 3), (0, 1, 2)]
+    rows = [{"step": s, "robot": r, "mode": m, "next_step": s + 10} for s, r, m in told]
+    rows[3]["next_step"], rows[5]["next_step"] = 60, 100
+    record = history(rows, steps_run=100)
+    spans = metrics.mode_spans(record)
+    assert [tuple(span) for span in spans] == [
+        (0, 0, 0.0, 0.1), (0, 1, 0.1, 0.2), (0, 2, 0.2, pytest.approx(0.3)),
+        (0, 0, pytest.approx(0.3), 0.6), (0, 3, 0.6, 1.0), (1, 2, 0.0, 1.0),
+    ]  # fmt: skip
+    switches = metrics.mode_switches(record)
+    assert switches is not None
+    assert switches.robots == (pytest.approx(2 / 0.01), 0.0)
+    assert switches.value == pytest.approx(2 / (1.6 / 60))
+    safe = metrics.share_of_modes(record, danger=False)
+    assert safe is not None
+    assert safe.robots == (pytest.approx(4 / 6), 0.0)
+
+
+def test_updates_per_second_is_of_robots_under_way() -> None:
+    told = [(0, 0, 0, 10), (10, 0, 0, 20), (20, 0, 3, 30), (0, 1, 0, 20)]
+    rows = [{"step": s, "robot": r, "mode": m, "next_step": n} for s, r, m, n in told]
+    rate = metrics.updates_per_second(history(rows, robots=3, steps_run=40))
+    assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
+
+
+def test_collision_times_are_the_least_of_each_step() -> None:
+    nan, inf = np.nan, np.inf
+    told = [(0, 0, 3.0), (0, 1, 2.0), (10, 0, inf), (20, 0, nan), (20, 1, 5.0)]
+    rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in told]
+    time, values = metrics.collision_times(history(rows))
+    assert time == pytest.approx([0.0, 0.1, 0.2])
+    assert list(values) == [2.0, inf, 5.0]
+
+
+@pytest.mark.parametrize("robots", [2, 3])
+def test_pair_distances_hold_every_nearest_one(robots: int) -> None:
+    with make_record(robots=robots, contacts=False, seconds=3.0) as record:
+        (time, values), pairs = metrics.pair_distances(record)
+        for i in range(robots):
+            mine = values[:, (pairs == i).any(axis=1)]
+            assert np.allclose(mine.min(axis=1), record.clearance[:, i], rtol=0, atol=1e-9)
+        few, _ = metrics.pair_distances(record, most=10 * len(pairs))
+        assert len(few.time) == 10
+        assert few.time[[0, -1]] == pytest.approx(time[[0, -1]])
+        assert values.max() == pytest.approx(record.farthest["farthest"])
+
+
+def test_one_robot_has_no_pair() -> None:
+    with make_record(robots=1, seconds=1.0) as record:
+        (time, values), pairs = metrics.pair_distances(record)
+    assert (time.shape, values.shape, pairs.shape) == ((0,), (0, 0), (0, 2))
+
+
+def test_width_is_from_wall_to_wall() -> None:
+    """Against shapely: distances to the walls on either side of a straight stretch."""
+    with make_record(seconds=1.0) as record:
+        found = metrics.corridor_width(record, robot=1)
+        walls = shapely.linestrings(boundary_segments(record).reshape(-1, 2, 2))
+    assert np.allclose(np.diff(found.station), 0.1)
+    early = found.station < 8.0
+    assert np.allclose(found.width[early], WIDTH)
+    for feet in (found.left, found.right):
+        assert shapely.distance(shapely.points(feet)[:, None], walls).min(axis=1).max() < 1e-9
+    least = shapely.distance(shapely.points(found.points)[:, None], walls).min(axis=1)
+    gaps = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
+    assert np.allclose(np.minimum(*gaps), least)
+
+
+def test_width_of_no_robot() -> None:
+    with make_record(seconds=1.0) as record, pytest.raises(PhysimError, match="0 to 2"):
+        metrics.corridor_width(record, robot=3)

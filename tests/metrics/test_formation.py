@@ -1,0 +1,85 @@
+"""Formation errors and energy over time, against the controller's own formulas (9), (10)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from physim import metrics
+from physim.controllers.formation import formation_energy, formation_error
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from tests.metrics.histories import history
+
+LEAD = np.array([0.0, -4.0, -9.0, -30.0])
+STATIONS = np.array([[40.0, 35.0, 31.0, 11.0], [50.0, 46.0, 42.0, 18.0], [61.0, 57.0, 52.0, 30.5]])
+STEPS = (0, 10, 20)
+
+
+def drive(world: str, stations: FloatArray = STATIONS) -> Record:
+    """All robots decide every 10 steps, at these stations."""
+    rows = [
+        {
+            "step": step,
+            "robot": i,
+            "reference_station": s[i],
+            "formation_error": formation_error(s, LEAD)[i],
+            "next_step": step + 10,
+        }
+        for step, s in zip(STEPS, stations, strict=True)
+        for i in range(4)
+    ]
+    return history(rows, robots=4, steps_run=20, world=world)
+
+
+def test_errors_are_exact_at_decisions_and_linear_between() -> None:
+    time, errors = metrics.formation_errors(drive("formation: {}"), every=0.05) or (0, 0)
+    assert time == pytest.approx([0.0, 0.05, 0.1, 0.15, 0.2])
+    exact = np.array([formation_error(s, LEAD) for s in STATIONS])
+    assert np.allclose(errors[::2], exact, rtol=0, atol=1e-12)
+    assert np.allclose(errors[1], (exact[0] + exact[1]) / 2, rtol=0, atol=1e-12)
+
+
+def test_desired_leads_come_from_the_first_step() -> None:
+    lead = metrics.desired_leads(drive("formation: {}"))
+    assert lead == pytest.approx(LEAD - LEAD.mean())
+
+
+ALL = 1 - np.eye(4, dtype=np.int64)
+CHAIN = np.array([[0, 1, 0, 0], [1, 0, 0, 1], [0, 0, 0, 0], [0, 1, 0, 0]])
+
+
+@pytest.mark.parametrize(
+    ("neighbours", "adjacency"),
+    [
+        ("neighbours: all", [ALL, ALL, ALL]),
+        ("neighbours: [[r1, r2], [r4, r2]]", [CHAIN, CHAIN, CHAIN]),
+        ("range: 8.0", [abs(s[:, None] - s) <= 8.0 for s in STATIONS]),
+    ],
+)
+def test_energy_is_that_of_the_controller(neighbours: str, adjacency: list[FloatArray]) -> None:
+    course = metrics.formation_energy(drive(f"formation: {{{neighbours}}}"))
+    assert course is not None
+    expected = [
+        formation_energy(s, LEAD, a * ALL) for s, a in zip(STATIONS, adjacency, strict=True)
+    ]
+    assert course.values == pytest.approx(expected)
+    assert metrics.measure(drive(f"formation: {{{neighbours}}}"))[
+        "formation_energy_final"
+    ].value == pytest.approx(expected[-1])
+
+
+def test_where_not_all_decide_at_first_there_are_no_leads() -> None:
+    rows = [{"step": 10 * i, "robot": i} for i in range(2)]
+    record = history(rows)
+    assert metrics.desired_leads(record) is None
+    assert metrics.formation_energy(record) is None
+    assert metrics.formation_errors(record) is not None
+
+
+def test_rms_is_of_each_robot_and_of_all() -> None:
+    found = metrics.formation_error_rms(drive("formation: {}"))
+    exact = np.array([formation_error(s, LEAD) for s in STATIONS])
+    assert found is not None
+    assert found.robots == pytest.approx(np.sqrt((exact**2).mean(axis=0)))
+    assert found.value == pytest.approx(np.sqrt((exact**2).mean()))

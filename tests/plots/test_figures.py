@@ -1,0 +1,266 @@
+"""The figures of the paper: what they show is what the metrics say; odd records are no trouble."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from physim import metrics
+from physim.plots import NAMES, draw
+from physim.plots.collision_times import collision_times
+from physim.plots.courses import MOST_LINES, QUANTILES
+from physim.plots.deviation import deviation, sharp_turns
+from physim.plots.distances import distances
+from physim.plots.formation import formation
+from physim.plots.ground import inside_and_out
+from physim.plots.modes import modes
+from physim.plots.pictures import PICTURES
+from physim.plots.speeds import speeds
+from physim.plots.style import MODE_WORDS, MODES
+from physim.plots.trajectories import snapshot_rows, trajectories
+from physim.plots.width import width
+from physim.record import Record, RecordWriter
+from physim.scene import Body
+from physim.video import theme
+from tests.cli.commands import physim
+from tests.metrics.histories import history
+from tests.records import make_record, make_scene, poses, update_rows
+
+
+@pytest.fixture(scope="module")
+def record() -> Iterator[Record]:
+    with make_record(seconds=14.0) as made:
+        yield made
+
+
+def crowd(robots: int = 60) -> Record:
+    """Many robots with names that matplotlib or a file system could stumble over."""
+    scene = make_scene(robots, seconds=12.0, dt=0.05)
+    odd = (
+        "$x$",
+        "_hidden",
+        "a/b",
+        "<b>&amp;",
+        "二",
+        "a long, long name of a robot",
+        '"',
+        "%s",
+    )
+    names = [Body(i, "robot", odd[i] if i < len(odd) else f"r{i}") for i in range(robots)]
+    scene.bodies = (*names, *scene.bodies[robots:])
+    out = RecordWriter(None, scene, "formation: {range: 5}", name="$x_{$ crowd", safe_distance=0.0)
+    pose = poses(scene)
+    gaps = 0.5 + 0.1 * np.broadcast_to(np.arange(robots), pose.shape[:2])
+    out.append_steps(np.arange(len(pose)), pose, gaps, gaps + 1.0)
+    out.append_updates(update_rows(scene, pose))
+    out.close("duration", steps_run=scene.steps, rejected=0, wall_clock={})
+    return out.record()
+
+
+ODD = {
+    "nothing recorded": lambda: history(steps_run=0),
+    "one sample, no decision": lambda: history(pose=np.zeros((1, 2, 3)), steps_run=0),
+    "one robot": lambda: make_record(robots=1, seconds=1.0),
+    "no formation": lambda: make_record(seconds=1.0, world_text="name: x\n"),
+    "no contact": lambda: make_record(robots=2, seconds=1.0, contacts=False),
+    "killed": lambda: make_record(seconds=1.0, ended="running"),
+    "a crowd": crowd,
+}
+
+
+@pytest.mark.parametrize("kind", ODD)
+def test_every_figure_of_every_record_is_drawn(kind: str, tmp_path: Path) -> None:
+    with ODD[kind]() as made, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        files = draw(made, tmp_path)
+    assert [file.stem for file in files] == list(NAMES)
+    assert all(file.stat().st_size > 5000 for file in files)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_axis_has_its_unit_and_the_run_its_name(name: str, record: Record) -> None:
+    figure = PICTURES[name](record)
+    for axis in figure.axes:
+        for label in (axis.get_xlabel(), axis.get_ylabel()):
+            shared = label == "" and axis is not figure.axes[-1]
+            assert "[" in label or label == "robot" or shared, label
+    (source,) = (text.get_text() for text in figure.texts if text.get_gid() == "source")
+    assert source.startswith("made up, seed 3")
+    assert ("of the paper" in source) == (name != "prediction")
+
+
+def texts(figure: Any, kind: str) -> list[str]:
+    return [t.get_text() for axis in figure.axes for t in axis.texts if t.get_gid() == kind]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "told"),
+    [
+        ("deviation", "nothing recorded", "none: no decision was recorded"),
+        ("speeds", "nothing recorded", "none: no robot was under way for 10 s"),
+        ("formation", "one robot", "none: a robot alone has no formation"),
+        ("formation", "no formation", "none: the world has no formation"),
+        ("formation", "nothing recorded", "none: no decision was recorded"),
+        ("distances", "one robot", "none: one robot alone"),
+        ("collision_times", "nothing recorded", "none: no decision foresaw a collision"),
+        ("modes", "nothing recorded", "none: no decision was recorded"),
+        ("trajectories", "nothing recorded", "none: no sample was recorded"),
+        ("prediction", "no contact", "none: no contact"),
+    ],
+)
+def test_where_there_is_nothing_the_figure_says_none(name: str, kind: str, told: str) -> None:
+    with ODD[kind]() as made:
+        assert texts(PICTURES[name](made), "none")[0] == told
+
+
+def test_deviation_draws_the_metric_and_marks_its_peak(record: Record) -> None:
+    axis = deviation(record).axes[0]
+    time, values = metrics.deviations(record)
+    curves = {line.get_label(): line.get_xydata() for line in axis.lines}
+    for i, name in enumerate(record.names):
+        assert np.array_equal(curves[name], np.stack([time, values[:, i]], axis=1))
+    peak = metrics.deviation_peak(record)
+    assert peak is not None
+    assert texts(axis.figure, "mark") == [f"{peak.value:+.2f} m (r1)"]
+
+
+def test_sharp_turns_of_a_path() -> None:
+    bent = np.array([[0, 0], [10, 0], [20, 1], [20, 11], [10, 11.5], [0, 11]], dtype=float)
+    first = 10 + np.hypot(10, 1)
+    assert sharp_turns(bent) == pytest.approx([first, first + 10])
+
+
+def test_speeds_are_the_averaged_ones(record: Record) -> None:
+    above, below = speeds(record).axes
+    found = metrics.averaged_speeds(record)
+    for axis, values in ((above, found.rotational), (below, found.forward)):
+        drawn = {line.get_label(): line.get_ydata() for line in axis.lines}
+        assert np.array_equal(drawn["r2"], values[:, 1], equal_nan=True)
+
+
+def test_formation_marks_peak_and_end(record: Record) -> None:
+    figure = formation(record)
+    peak, final = (metrics.measure(record)[f"formation_error_{k}"] for k in ("peak", "final"))
+    assert texts(figure, "mark") == [f"{peak.value:.2f} m (r3)"]
+    assert figure.axes[0].get_title("right") == f"within {final.value:.2f} m of zero at the end"
+    energy = metrics.formation_energy(record)
+    assert energy is not None
+    assert np.array_equal(figure.axes[1].lines[0].get_ydata(), energy.values)
+
+
+def test_width_marks_the_narrowest_and_the_widest_place(record: Record) -> None:
+    figure = width(record)
+    found = metrics.measure(record)
+    assert texts(figure, "mark") == [
+        f"least {found['width_min'].value:.2f} m", f"greatest {found['width_max'].value:.2f} m"
+    ]  # fmt: skip
+    course = metrics.corridor_width(record)
+    assert np.array_equal(figure.axes[1].lines[0].get_ydata(), course.width)
+
+
+def test_distances_mark_the_farthest_and_the_shortest(record: Record) -> None:
+    found = metrics.measure(record)
+    told = texts(distances(record), "mark")
+    assert told == [
+        f"farthest {found['farthest_distance'].value:.3g} m (r1 and r3)",
+        f"{found['shortest_distance'].value:.3g} m",
+        f"{found['shortest_boundary_distance'].value:.3g} m",
+    ]
+
+
+def test_collision_times_show_every_decision_and_mark_the_shortest(record: Record) -> None:
+    axis = collision_times(record).axes[0]
+    rows = record.updates[np.isfinite(record.updates["collision_time"])]
+    for i, name in enumerate(record.names):
+        mine = rows[rows["robot"] == i]
+        for line in axis.lines:
+            if line.get_label() == name:
+                assert np.array_equal(line.get_ydata(), mine["collision_time"])
+    assert texts(axis.figure, "mark") == [f"{rows['collision_time'].min():.3g} s (r1)"]
+
+
+def test_modes_have_the_colours_of_the_videos() -> None:
+    for mode, colour in theme.MODES.items():
+        assert MODES[int(mode)] == "#{:02x}{:02x}{:02x}".format(*colour)
+        assert MODE_WORDS[int(mode)] == theme.MODE_WORDS[mode]
+
+
+def test_modes_tell_each_share(record: Record) -> None:
+    figure = modes(record)
+    safe = metrics.share_of_modes(record, danger=False)
+    assert safe is not None
+    assert texts(figure, "share") == [f"{share:.0%}" for share in safe.robots if share is not None]
+    area = 0.0
+    for bars in figure.axes[0].collections:
+        corners = [path.vertices for path in bars.get_paths()]
+        area += sum(float(np.ptp(c[:, 0])) for c in corners)
+    assert area == pytest.approx(3 * record.steps_run * record.dt)
+
+
+def test_snapshots_are_taken_when_asked(record: Record) -> None:
+    assert list(record.time[snapshot_rows(record, 4.0)]) == pytest.approx([0, 4, 8, 12])
+    axis = trajectories(record, 7.0).axes[0]
+    assert axis.get_title("right") == "robots every 7 s"
+    assert len(axis.get_legend_handles_labels()[1]) >= 3
+    assert set(texts(axis.figure, "time")) <= {"0 s", "7 s", "14 s"}
+
+
+def test_paths_are_cut_at_the_safe_area() -> None:
+    ring = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], dtype=float)
+    inside, outside = inside_and_out([np.array([[-1.0, 2.0], [6.0, 2.0]])], [ring])
+    assert [sorted(p[:, 0]) for p in inside] == [[0.0, 4.0]]
+    assert sorted(sorted(p[:, 0]) for p in outside) == [[-1.0, 0.0], [4.0, 6.0]]
+
+
+def test_a_crowd_is_drawn_as_bands() -> None:
+    with crowd() as made:
+        axis = deviation(made).axes[0]
+        _, values = metrics.deviations(made)
+    assert values.shape[1] > MOST_LINES
+    labels = [line.get_label() for line in axis.lines]
+    assert len(labels) < 8
+    median = next(line for line in axis.lines if line.get_label().startswith("median"))
+    assert np.allclose(median.get_ydata(), np.median(values, axis=1))
+    assert QUANTILES[3] == 0.5
+
+
+@pytest.mark.parametrize("fault", ["dataset", "version", "not a record"])
+def test_faulty_records_are_refused_in_one_line(
+    fault: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "r.h5"
+    make_record(path, seconds=1.0).close()
+    with h5py.File(path, "r+") as file:
+        if fault == "dataset":
+            del file["/updates"]
+        elif fault == "version":
+            file.attrs["version"] = 0
+        else:
+            del file.attrs["format"]
+    done = physim("plot", path, "-o", tmp_path / "out", capture=capsys)
+    assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
+    assert done.err.startswith(f"physim: {path}: ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_figure_is_refused_with_the_nearest(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "r.h5"
+    make_record(path, seconds=1.0).close()
+    done = physim("plot", path, "--only", "modes,speed", capture=capsys)
+    assert done.code == 2
+    assert 'no picture is called "speed"' in done.err
+    assert 'did you mean "speeds"?' in done.err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_help_tells_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
+    told = physim("plot", "--help", capture=capsys).out
+    assert all(f"\n  {name} " in told for name in NAMES)

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from physim.record import Record
+    from physim.world import World
 
 Measures = Mapping[str, float]
 """Figures of one run by name; nan where one has no meaning for it."""
@@ -38,13 +39,24 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Arm:
-    """One way of running: a shipped world with some values changed."""
+    """One way of running: a world, shipped or of the study's own, with some values changed."""
 
     label: str
     """as it stands on an axis or in a table"""
     world: str
     overrides: tuple[str, ...] = ()
     """``KEY=VALUE`` as for ``physim run --set``"""
+    text: Callable[[int], str] | None = None
+    """where the study has a world of its own: module-level function from the seed to the text of
+    its world file, which ``world`` names"""
+
+    def load(self, seed: int) -> World:
+        """World of this arm for one seed. Raises WorldError when its overrides don't fit."""
+        from physim.world_file import load_world, parse_world
+
+        if self.text is None:
+            return load_world(self.world, overrides=self.overrides)
+        return parse_world(self.text(seed), self.world, overrides=self.overrides)
 
 
 @dataclass(frozen=True)

@@ -58,6 +58,7 @@ LAYERS = {
     "physim.video": (6, 0),
     "physim.plots": (6, 0),
     "physim.preview": (6, 1),
+    "physim.reproduction": (6, 2),
     "physim.cli": (7, 0),
     "physim": (8, 0),
     "physim.__main__": (8, 0),

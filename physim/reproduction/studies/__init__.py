@@ -7,6 +7,16 @@ from physim.reproduction.study import Study
 
 def studies() -> tuple[Study, ...]:
     """All experiments, in the order of the paper."""
-    from physim.reproduction.studies import alpha, energy
+    from physim.reproduction.studies import (
+        alpha,
+        bends,
+        energy,
+        hysteresis,
+        operation,
+        routes,
+        switching,
+        updates,
+    )
 
-    return (alpha.STUDY, energy.STUDY)
+    modules = (alpha, energy, bends, routes, switching, hysteresis, updates, operation)
+    return tuple(module.STUDY for module in modules)

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from physim.plots.style import INK, NARROW, QUIET
-from physim.reproduction.studies.estimates import estimate
+from physim.plots.style import CYCLE, INK, MARKERS, NARROW, QUIET
+from physim.reproduction.studies.estimates import column, estimate
+from physim.reproduction.study import Measures
 
 
 def prepared(figure: Any, title: str, *, height: float = 3.2, width: float = NARROW) -> Any:
@@ -74,3 +75,45 @@ def reference_line(axis: Any, value: float, text: str) -> None:
         text, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 2),
         textcoords="offset points", ha="right", va="bottom", fontsize=8.0, color=QUIET,
     )  # fmt: skip
+
+
+def rows_of_measures(
+    figure: Any,
+    labels: Sequence[str],
+    arms: Sequence[Sequence[Measures]],
+    columns: Sequence[tuple[str, str, bool]],
+    notes: Sequence[str] = (),
+) -> None:
+    """One axis for each measure (name, axis label, logarithmic), a row for each arm.
+
+    Notes stand at the right end of the rows.
+    """
+    axes = figure.subplots(1, len(columns), sharey=True, squeeze=False)[0]
+    for k, (axis, (name, label, logarithmic)) in enumerate(zip(axes, columns, strict=True)):
+        for row, mine in enumerate(arms):
+            values = column(mine, name)
+            one = estimate(values)
+            spread = np.linspace(-0.2, 0.2, len(values)) if len(values) > 1 else np.zeros(1)
+            axis.plot(
+                values, row + spread, ".", color=QUIET, markersize=3.5, alpha=0.5,
+                markeredgewidth=0.0, zorder=3,
+            )  # fmt: skip
+            axis.errorbar(
+                [one.median], [row], xerr=[[one.median - one.low], [one.high - one.median]],
+                color=CYCLE[k], marker=MARKERS[k], markersize=5.0, elinewidth=1.3, capsize=3.0,
+                linestyle="none", zorder=4,
+            )  # fmt: skip
+        if logarithmic:
+            axis.set_xscale("log")
+            low, high = axis.get_xlim()
+            axis.set_xlim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
+        else:
+            axis.margins(x=0.12)
+            axis.locator_params(axis="x", nbins=4)
+        axis.set_xlabel(label)
+        arms_down(axis, labels)
+    for row, note in enumerate(notes):
+        axes[-1].annotate(
+            note, (1.03, row), xycoords=("axes fraction", "data"), va="center", fontsize=8.0,
+            annotation_clip=False,
+        )  # fmt: skip

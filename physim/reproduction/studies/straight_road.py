@@ -87,4 +87,5 @@ def formation_sums(ahead: FloatArray, matrix: FloatArray) -> FloatArray:
 
 def energies(ahead: FloatArray, matrix: FloatArray) -> FloatArray:
     """W (K,) [m^2] by (9)."""
-    return 0.5 * np.einsum("ij,kij->k", matrix, np.square(ahead[:, None, :] - ahead[:, :, None]))
+    square = np.square(ahead[:, None, :] - ahead[:, :, None])
+    return np.asarray(0.5 * np.einsum("ij,kij->k", matrix, square))

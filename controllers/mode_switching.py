@@ -156,7 +156,9 @@ def decide_one(
             rules.translation_only, -1.0,
         )  # fmt: skip
         evaluations += len(rows) + 1
-    hold = update_interval(interval, rules.beta, xi)  # (14)
+    hold = interval
+    if rules.event_triggered:
+        hold = update_interval(interval, rules.beta, xi)  # (14)
     goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
     report[0], report[1] = tx, ty
     report[2], report[3], report[4] = distance, boundary, xi

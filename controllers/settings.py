@@ -35,6 +35,7 @@ class Rules(NamedTuple):
     time_high: float
     boundary_low: float
     beta: float
+    event_triggered: bool
     horizon: float
     dwell: FloatArray
     reverse_in_safe_mode: bool
@@ -101,6 +102,11 @@ class ModeSwitchingSettings(BaseModel):
         default=0.5,
         description="[-] the update interval is at most beta times the collision time, (14)",
     )
+    event_triggered: bool = Field(
+        default=True,
+        description="whether a short collision time brings the next decision forward, (14); "
+        "otherwise every decision holds for update_period, whatever beta",
+    )
     horizon: Positive = Field(
         default=10.0, description="[s] collision times beyond this count as none (inf)"
     )
@@ -142,6 +148,7 @@ class ModeSwitchingSettings(BaseModel):
             time_high=self.time_high,
             boundary_low=self.boundary_low,
             beta=self.beta,
+            event_triggered=self.event_triggered,
             horizon=self.horizon,
             dwell=np.array(self.dwell_times),
             reverse_in_safe_mode=self.reverse_in_safe_mode,

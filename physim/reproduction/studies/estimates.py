@@ -1,0 +1,81 @@
+"""Medians over seeds with 95 % intervals, and shares with theirs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim.reproduction.study import Measures, Outcome
+from physim.validation.seeds import CONFIDENCE, clopper_pearson
+
+__all__ = ["Estimate", "column", "estimate", "freely", "outcome", "share_text"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Median of a sample, with an interval for the median of what it was drawn from."""
+
+    median: float
+    low: float
+    high: float
+    count: int
+    """values that have a meaning (are not nan)"""
+
+    def text(self, digits: int = 2, unit: str = "") -> str:
+        """ "1.23 [1.10, 1.31] m"; the median alone where all are equal, "none" of nothing."""
+        if not self.count:
+            return "none"
+        rounded = [f"{value:.{digits}f}" for value in (self.median, self.low, self.high)]
+        rounded = [f"{0.0:.{digits}f}" if float(r) == 0.0 else r for r in rounded]  # no "-0.00"
+        shown = rounded[0]
+        if len(set(rounded)) > 1:
+            shown += f" [{rounded[1]}, {rounded[2]}]"
+        return f"{shown} {unit}".strip()
+
+
+def estimate(values: Iterable[float]) -> Estimate:
+    """Median and its 95 % interval by order statistics, free of any distribution; nan is left out.
+
+    The interval lies between the k-th smallest and the k-th largest value, with the largest k
+    whose coverage is 95 % or more. Fewer than six values cannot reach that: all of them then.
+    """
+    given = np.sort([value for value in values if not math.isnan(value)])
+    n = len(given)
+    if not n:
+        return Estimate(math.nan, math.nan, math.nan, 0)
+    k = _rank(n)
+    return Estimate(float(np.median(given)), float(given[k]), float(given[n - 1 - k]), n)
+
+
+def _rank(n: int) -> int:
+    """Number of values beyond either end of the interval of the median."""
+    beyond, miss = 0, 2.0 * 0.5**n
+    while True:
+        miss += 2.0 * math.comb(n, beyond + 1) * 0.5**n
+        if miss > 1.0 - CONFIDENCE:
+            return beyond
+        beyond += 1
+
+
+def column(runs: Sequence[Measures], name: str) -> list[float]:
+    """One measure of every run of an arm, in the order of seeds."""
+    return [float(run[name]) for run in runs]
+
+
+def freely(runs: Sequence[Measures], name: str, fine: Callable[[float], bool]) -> tuple[int, int]:
+    """Number of runs whose measure is fine, and of all runs."""
+    return sum(fine(value) for value in column(runs, name)), len(runs)
+
+
+def share_text(good: int, of: int) -> str:
+    """ "19 of 20 [75 %, 100 %]", the interval by Clopper and Pearson."""
+    low, high = clopper_pearson(good, of)
+    return f"{good} of {of} [{100 * low:.0f} %, {100 * high:.0f} %]"
+
+
+def outcome(met: bool, partly: bool = False) -> Outcome:
+    """Outcome of a claim: met, else partly met, else not met."""
+    return Outcome.MET if met else Outcome.PARTLY if partly else Outcome.NOT_MET

@@ -1,0 +1,41 @@
+"""Named metrics of a run as plain numbers, and the few that only the experiments need."""
+
+from __future__ import annotations
+
+import math
+
+from physim.metrics import evaluations, messages, updates_per_second
+from physim.metrics import measure as take
+from physim.metrics.modes import time_under_way
+from physim.record import Record
+
+
+def figures(record: Record, *names: str) -> dict[str, float]:
+    """Metrics by name; nan where one has no meaning for the run."""
+    found = take(record, names)
+    values = {name: found[name].value if name in found else None for name in names}
+    return {name: math.nan if value is None else float(value) for name, value in values.items()}
+
+
+def safety(record: Record) -> dict[str, float]:
+    """Contacts, and the shortest distance [m] of any robot to another or to a wall."""
+    found = figures(record, "contacts", "shortest_distance", "shortest_boundary_distance")
+    kept = (found["shortest_distance"], found["shortest_boundary_distance"])
+    known = [value for value in kept if not math.isnan(value)]
+    return {
+        "contacts": found["contacts"],
+        "kept": min(known) if known else math.nan,
+        "between_robots": found["shortest_distance"],
+    }
+
+
+def work(record: Record) -> dict[str, float]:
+    """Updates, messages and collision times worked out, each a second of a robot under way."""
+    seconds = float(time_under_way(record).sum())
+    updates = updates_per_second(record)
+    each = seconds if seconds > 0.0 else math.nan
+    return {
+        "updates": math.nan if updates is None else updates.value,
+        "messages": messages(record) / each,
+        "evaluations": evaluations(record) / each,
+    }

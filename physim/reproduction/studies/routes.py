@@ -1,0 +1,131 @@
+"""Robots on outer routes exceed 1 m/s, those on inner routes fall below (Section 4, Fig. 7c).
+
+A robot's route is longer or shorter than the reference path by its offset times the curvature. Where
+that makes 5 % or more, averaged over the 10 m that a robot goes in the window of the averaged
+speeds, the robot counts as on an outer or an inner route.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from physim.geometry.shapes import FloatArray
+from physim.metrics import averaged_speeds, column_over_time
+from physim.plots.style import BLUE, GREEN, VERMILION
+from physim.record import Record
+from physim.reproduction.studies.drawing import arms_axis, points, prepared, reference_line, runs
+from physim.reproduction.studies.estimates import column, estimate, outcome
+from physim.reproduction.study import Arm, Measures, Study, Verdict
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WINDOW = 10.0
+"""[m] along the reference path over which its curvature is taken"""
+CLEAR = 0.05
+"""[-] by which a route must be longer or shorter to count"""
+STEADY = 1.0
+"""[m/s] nu_0"""
+
+
+def measure(record: Record) -> Measures:
+    """Mean averaged forward speed [m/s] on outer and inner routes and between, over all robots."""
+    speeds = averaged_speeds(record)
+    if not len(speeds.time):
+        return dict.fromkeys(("outer", "between", "inner", "per_percent"), math.nan)
+    grid, station = column_over_time(record, "reference_station")
+    longer = np.full(speeds.forward.shape, np.nan)
+    rows = np.searchsorted(record.time, speeds.time - 1e-9).clip(0, record.samples - 1)
+    for i in range(record.robots):
+        s = np.interp(speeds.time, grid, station[:, i])
+        longer[:, i] = extra_way(record.reference.points, s, record.pose[rows, i, :2])
+    known = np.isfinite(speeds.forward)
+    speed, longer = speeds.forward[known], longer[known]
+    slope = np.polyfit(longer, speed, 1)[0] if len(speed) > 1 else math.nan
+    return {
+        "outer": _mean(speed[longer >= CLEAR]),
+        "between": _mean(speed[np.abs(longer) < CLEAR]),
+        "inner": _mean(speed[longer <= -CLEAR]),
+        "per_percent": float(slope) / 100.0,
+    }
+
+
+def extra_way(line: FloatArray, station: FloatArray, position: FloatArray) -> FloatArray:
+    """How much longer a robot's route is than the reference path there, (K,) [-].
+
+    Minus the signed curvature times the offset, left positive both: on the outside of a bend this
+    is positive. Of stations (K,) [m] along a line (P, 2) and positions (K, 2).
+    """
+    way = np.diff(line, axis=0)
+    length = np.hypot(way[:, 0], way[:, 1])
+    ends = np.concatenate(([0.0], np.cumsum(length)))
+    heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+
+    def heading_at(s: FloatArray) -> FloatArray:
+        return np.asarray(heading[np.searchsorted(ends[1:-1], s, side="right")])
+
+    half = WINDOW / 2.0
+    curvature = (heading_at(station + half) - heading_at(station - half)) / WINDOW
+    here = np.searchsorted(ends[1:-1], station, side="right")
+    offset = np.cross(way[here] / length[here, None], position - line[here])
+    return np.asarray(-curvature * offset)
+
+
+def _mean(values: FloatArray) -> float:
+    return float(values.mean()) if len(values) else math.nan
+
+
+def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
+    """Whether speeds on outer routes lie above 1 m/s and on inner routes below, for each world."""
+    verdicts = []
+    for arm, mine in zip(STUDY.arms, arms, strict=True):
+        outer, inner = (estimate(column(mine, name)) for name in ("outer", "inner"))
+        verdicts.append(
+            Verdict(
+                f"Robots on outer routes exceed 1 m/s, those on inner routes fall below "
+                f"({arm.label})",
+                "above 1 m/s behind or outside, below 1 m/s ahead or inside",
+                f"averaged over 10 s: outer {outer.text(3, 'm/s')}, inner {inner.text(3, 'm/s')}, "
+                f"between {estimate(column(mine, 'between')).text(3, 'm/s')}",
+                outcome(
+                    outer.low > STEADY and inner.high < STEADY,
+                    outer.low > inner.high,
+                ),
+                "The paper's paths are lost; which robot is outside follows from ours.",
+            )
+        )
+    return tuple(verdicts)
+
+
+def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
+    """Averaged speeds of every seed on outer routes, between and on inner routes."""
+    prepared(figure, "Outside a bend robots go faster, inside slower")
+    axis = figure.subplots()
+    looks = (("outer", VERMILION, "^", -0.24, "outer route"),
+             ("between", BLUE, "o", 0.0, "neither"),
+             ("inner", GREEN, "v", 0.24, "inner route"))  # fmt: skip
+    for name, colour, marker, shift, label in looks:
+        places = [k + shift for k in range(len(arms))]
+        columns = [column(mine, name) for mine in arms]
+        for place, values in zip(places, columns, strict=True):
+            runs(axis, place, values, colour)
+        points(axis, places, columns, colour, marker, label)
+    reference_line(axis, STEADY, "ν₀")
+    arms_axis(axis, [arm.label for arm in STUDY.arms])
+    axis.set_ylabel("forward speed averaged over 10 s [m/s]")
+    figure.legend(loc="outside lower left", ncols=3)
+
+
+STUDY = Study(
+    name="routes",
+    title="Outer and inner routes",
+    claim="Robots on outer routes exceed 1 m/s, those on inner routes fall below.",
+    arms=(Arm("three robots", "three_robots"), Arm("ten robots", "ten_robots")),
+    measure=measure,
+    conclude=conclude,
+    draw=draw,
+)

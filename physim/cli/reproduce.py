@@ -96,11 +96,8 @@ def _verdicts(report: Report) -> str:
     for section in report.sections:
         for row in section.rows:
             if row.outcome is not Outcome.MET:
-                where = section.title.split(":")[0]
-                lines.append(
-                    f"{row.outcome.value:<11} {where}: {row.claim}: reported {row.reported}, "
-                    f"measured {row.measured}"
-                )
+                told = f"{row.outcome.value:<10}  {section.short}: {row.claim}"
+                lines.append(f"{told}: reported {row.reported}, measured {row.measured}")
     rows = report.rows
     count = ", ".join(f"{sum(r.outcome is one for r in rows)} {one.value}" for one in Outcome)
     return "\n".join([*lines, f"{len(rows)} claims: {count}"]) + "\n"

@@ -24,6 +24,8 @@ from physim.reproduction.document import (
 )
 from physim.reproduction.study import Outcome
 
+WIDE = 1000
+"""[px] Wider pictures (maps) have a line for themselves."""
 STYLE = """\
 :root { color-scheme: light; }
 body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 70rem; color: #22262c;
@@ -50,7 +52,8 @@ td:first-child { min-width: 14rem; }
 .partly-met { background: #fdeccb; color: #6b4200; }
 .not-met { background: #f9d9c8; color: #7a2600; }
 .pictures { display: flex; flex-wrap: wrap; gap: 1.25rem; align-items: flex-start; }
-figure { margin: 0; flex: 1 1 28rem; max-width: 100%; }
+figure { margin: 0; flex: 1 1 28rem; max-width: min(100%, 34rem); }
+figure.whole { flex-basis: 100%; max-width: min(100%, 56rem); }
 img, video { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #62686f; margin-top: .3rem; }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
@@ -85,7 +88,7 @@ def _gathered(pictures: list[str]) -> list[str]:
 
 
 def _figure(block: Picture | Film, folder: Path) -> str:
-    caption = escape(block.caption)
+    caption, kind = escape(block.caption), ""
     if isinstance(block, Film):
         file = escape(quote(block.file))
         shown = (
@@ -93,12 +96,20 @@ def _figure(block: Picture | Film, folder: Path) -> str:
             f'<figcaption>{caption} (<a href="{file}">{escape(block.file)}</a>)</figcaption>'
         )
     else:
-        data = base64.b64encode((folder / block.file).read_bytes()).decode("ascii")
+        content = (folder / block.file).read_bytes()
+        data = base64.b64encode(content).decode("ascii")
+        if _pixels_across(content) > WIDE:
+            kind = ' class="whole"'
         shown = (
             f'<img src="data:image/png;base64,{data}" alt="{caption}">'
             f"<figcaption>{caption}</figcaption>"
         )
-    return f"<figure>{shown}</figure>"
+    return f"<figure{kind}>{shown}</figure>"
+
+
+def _pixels_across(png: bytes) -> int:
+    """Width of a PNG, from its header."""
+    return int.from_bytes(png[16:20], "big")
 
 
 def _block(block: Heading | Paragraph | Commands | Table) -> str:

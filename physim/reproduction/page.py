@@ -73,7 +73,7 @@ def _overview(report: Report) -> Iterator[Block]:
             ("where", "claim", "reported", "measured", "verdict"),
             tuple(
                 (
-                    (Link(section.title.split(":")[0], f"#{anchor_of(section)}"),),
+                    (Link(section.short, f"#{anchor_of(section)}"),),
                     _claim(row), row.reported, row.measured, (row.outcome,),
                 )
                 for section, row in open_rows
@@ -99,7 +99,7 @@ def _section(section: Section) -> Iterator[Block]:
 
 def _table(rows: tuple[Row, ...]) -> Table:
     spread = any(row.spread for row in rows)
-    more = ("over seeds", "met in seeds") if spread else ()
+    more = ("median (range) over seeds", "met in") if spread else ()
     header = ("claim", "reported", "measured", *more, "verdict")
     cells: list[tuple[Words, ...]] = []
     for row in rows:

@@ -49,6 +49,12 @@ class Section:
     missing: str = ""
     """why it is not whole; empty when it is"""
 
+    @property
+    def short(self) -> str:
+        """What it is called in a line: "Figure 4", "study alpha"."""
+        what, _, _ = self.title.partition(":")
+        return f"study {self.key}" if what == "Study" else what
+
 
 @dataclass(frozen=True)
 class Report:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.metrics import arrival_steps, column_over_time, formation_errors, world_settings
 from physim.plots.style import CYCLE, QUIET
@@ -22,10 +23,12 @@ from physim.reproduction.studies.drawing import prepared
 from physim.reproduction.studies.estimates import column, estimate, outcome
 from physim.reproduction.studies.fits import root_mean_square, time_constant
 from physim.reproduction.study import Arm, Measures, Study, Verdict
+from physim.world_file import load_world
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+WORLD = "three_robots"
 SHARP = math.radians(15.0)
 """[rad] turn of the reference path that makes a corner"""
 NEAR = 3.0
@@ -46,12 +49,12 @@ def measure(record: Record) -> Measures:
     """Peak in bends and at the ends of straights, time constants, and the error along the way."""
     time, station = column_over_time(record, "reference_station")
     course = formation_errors(record)
-    if course is None or not len(course.values):
-        return {}
+    if course is None:
+        raise RecordError(f"{record!r} has no formation errors")
     arrived = arrival_steps(record) * record.dt
     under_way = time < np.where(arrived < 0, math.inf, arrived).min()
     size = root_mean_square(course.values)
-    straights = _straights(_in_bend(station, corners(record)), under_way)
+    straights = _straights(_in_bend(station, corners(record.reference.points)), under_way)
     gain = float(world_settings(record)["formation"]["gain"])
     found = [
         time_constant(time[a:b], size[a:b])
@@ -78,9 +81,9 @@ def measure(record: Record) -> Measures:
     return measures
 
 
-def corners(record: Record) -> FloatArray:
-    """Stations [m] of the corners of the reference path."""
-    way = np.diff(record.reference.points, axis=0)
+def corners(points: FloatArray) -> FloatArray:
+    """Stations [m] of the corners of a line (P, 2)."""
+    way = np.diff(points, axis=0)
     heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
     place = np.cumsum(np.hypot(way[:, 0], way[:, 1]))[:-1]
     return np.asarray(place[np.abs(np.diff(heading)) > SHARP])
@@ -107,7 +110,8 @@ def _pairs(
 
 
 def _share(values: Sequence[bool | np.bool_]) -> float:
-    return float(np.mean(values)) if values else math.nan
+    """Share [%] of what is true."""
+    return 100.0 * float(np.mean(values)) if values else math.nan
 
 
 def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
@@ -128,11 +132,11 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             "Formation errors spike in bends and converge after them",
             "errors increase at sharp path curvatures",
             f"root mean square error after a bend {after.text(2, 'm')}, at the end of the straight "
-            f"that follows {before.text(2, 'm')}; it rose in {100 * risen.median:.0f} % of the "
-            f"bends and fell on {100 * fallen.median:.0f} % of the straights; peak of one robot "
+            f"that follows {before.text(2, 'm')}; it rose in {risen.text(0, '%')} of the "
+            f"bends and fell on {fallen.text(0, '%')} of the straights; peak of one robot "
             f"{estimate(column(paper, 'peak')).text(2, 'm')}",
             outcome(
-                after.low > before.high and risen.median > 0.5 and fallen.median > 0.5,
+                after.low > before.high and risen.median > 50.0 and fallen.median > 50.0,
                 after.median > before.median,
             ),
             "In a bend against the one before it the errors may fall: routes change sides.",
@@ -154,7 +158,7 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
 
 
 def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
-    """Root mean square error along the way, median and quartiles of the seeds, with the bends."""
+    """Root mean square error along the way, median and range of the seeds, with the bends."""
     prepared(figure, "Formation errors spike in bends and converge after them", height=3.3)
     axis = figure.subplots()
     for k, (arm, runs) in enumerate(zip(STUDY.arms, arms, strict=True)):
@@ -163,7 +167,7 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
         low, high = np.min(at, axis=0), np.max(at, axis=0)
         axis.fill_between(STATIONS, low, high, color=CYCLE[k], alpha=0.2, linewidth=0.0)
         axis.plot(STATIONS, middle, color=CYCLE[k], label=arm.label, linestyle=("-", "--", ":")[k])
-    for place in CORNERS:
+    for place in corners(np.array(load_world(WORLD).reference)):
         axis.axvspan(place - NEAR, place + NEAR, color=QUIET, alpha=0.13, linewidth=0.0)
     axis.axvspan(0, 0, color=QUIET, alpha=0.13, label="corner of the reference path")
     axis.set_xlabel("place of the mean robot along the reference path [m]")
@@ -173,9 +177,6 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     figure.legend(loc="outside lower left", ncols=2)
 
 
-CORNERS = (24.0, 36.8, 54.8, 69.2, 87.2, 101.4, 119.4, 132.2)
-"""[m] stations of the corners of three_robots, for the plot"""
-
 _WIDE = "formation.limits=[0.5, 1.5]"
 
 STUDY = Study(
@@ -183,9 +184,9 @@ STUDY = Study(
     title="Formation errors in bends",
     claim="Formation errors spike in bends and converge after them.",
     arms=(
-        Arm("α = 0.02/s", "three_robots"),
-        Arm("α = 0.05/s", "three_robots", ("formation.gain=0.05", _WIDE)),
-        Arm("α = 0.1/s", "three_robots", ("formation.gain=0.1", _WIDE)),
+        Arm("α = 0.02/s", WORLD),
+        Arm("α = 0.05/s", WORLD, ("formation.gain=0.05", _WIDE)),
+        Arm("α = 0.1/s", WORLD, ("formation.gain=0.1", _WIDE)),
     ),
     measure=measure,
     conclude=conclude,

@@ -45,7 +45,7 @@ def points(
 def runs(axis: Any, place: float, values: Iterable[float], colour: str = QUIET) -> None:
     """Every single run as a small dot beside ``place``, spread in the order of seeds."""
     given = list(values)
-    spread = np.linspace(-0.16, 0.16, len(given)) if len(given) > 1 else np.zeros(1)
+    spread = np.linspace(-0.09, 0.09, len(given)) if len(given) > 1 else np.zeros(1)
     axis.plot(
         place + spread, given, ".", color=colour, markersize=4.0, alpha=0.55,
         markeredgewidth=0.0, zorder=3,
@@ -106,7 +106,9 @@ def rows_of_measures(
         if logarithmic:
             axis.set_xscale("log")
             low, high = axis.get_xlim()
-            axis.set_xlim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
+            decades = np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+            axis.set_xticks(10.0**decades, [f"{10.0**d:g}" for d in decades])
+            axis.minorticks_off()
         else:
             axis.margins(x=0.12)
             axis.locator_params(axis="x", nbins=4)

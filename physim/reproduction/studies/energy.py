@@ -133,8 +133,9 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
         Verdict(
             "W never grows on a straight road, down to a thousandth of its start",
             "dW/dt <= 0",
-            f"ideal motion: no growth from decision to decision in {share_text(*falls)} runs; robots "
-            f"that first turn onto their lanes: largest growth {grown.text(3)} % of W at the start",
+            f"ideal motion: no growth from decision to decision in {share_text(*falls)} runs; "
+            "robots that first turn onto their lanes: largest growth "
+            f"{grown.text(3)} % of W at the start",
             outcome(
                 falls[0] == falls[1] and grown.high <= 0.0,
                 falls[0] == falls[1] and grown.high <= 100.0 * SMALLEST,

@@ -11,8 +11,6 @@ import numpy as np
 from physim.reproduction.study import Measures, Outcome
 from physim.validation.seeds import CONFIDENCE, clopper_pearson
 
-__all__ = ["Estimate", "column", "estimate", "freely", "outcome", "share_text"]
-
 
 @dataclass(frozen=True)
 class Estimate:
@@ -28,8 +26,7 @@ class Estimate:
         """ "1.23 [1.10, 1.31] m"; the median alone where all are equal, "none" of nothing."""
         if not self.count:
             return "none"
-        rounded = [f"{value:.{digits}f}" for value in (self.median, self.low, self.high)]
-        rounded = [f"{0.0:.{digits}f}" if float(r) == 0.0 else r for r in rounded]  # no "-0.00"
+        rounded = [_rounded(value, digits) for value in (self.median, self.low, self.high)]
         shown = rounded[0]
         if len(set(rounded)) > 1:
             shown += f" [{rounded[1]}, {rounded[2]}]"
@@ -48,6 +45,14 @@ def estimate(values: Iterable[float]) -> Estimate:
         return Estimate(math.nan, math.nan, math.nan, 0)
     k = _rank(n)
     return Estimate(float(np.median(given)), float(given[k]), float(given[n - 1 - k]), n)
+
+
+def _rounded(value: float, digits: int) -> str:
+    """Number with so many digits, never "-0.00"; "never" for a time that is inf."""
+    if math.isinf(value):
+        return "never"
+    shown = f"{value:.{digits}f}"
+    return f"{0.0:.{digits}f}" if float(shown) == 0.0 else shown
 
 
 def _rank(n: int) -> int:

@@ -1,8 +1,8 @@
 """Less conservative, shorter operation time (Sections 1 and 4).
 
 The paper compares with other methods in words only. What can be compared without them: the same
-controller with thresholds so wide that robots avoid whatever is near, as a conservative method does,
-and with one speed for all robots in place of (7), the "uniform-speed models" of Section 4.
+controller with thresholds so wide that robots avoid whatever is near, as a conservative method
+does, and with one speed for all robots in place of (7), the "uniform-speed models" of Section 4.
 """
 
 from __future__ import annotations

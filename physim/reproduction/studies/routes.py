@@ -1,7 +1,7 @@
 """Robots on outer routes exceed 1 m/s, those on inner routes fall below (Section 4, Fig. 7c).
 
-A robot's route is longer or shorter than the reference path by its offset times the curvature. Where
-that makes 5 % or more, averaged over the 10 m that a robot goes in the window of the averaged
+A robot's route is longer or shorter than the reference path by its offset times the curvature.
+Where that makes 5 % or more, averaged over the 10 m that a robot goes in the window of the averaged
 speeds, the robot counts as on an outer or an inner route.
 """
 
@@ -116,7 +116,7 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
         points(axis, places, columns, colour, marker, label)
     reference_line(axis, STEADY, "ν₀")
     arms_axis(axis, [arm.label for arm in STUDY.arms])
-    axis.set_ylabel("forward speed averaged over 10 s [m/s]")
+    axis.set_ylabel("forward speed\naveraged over 10 s [m/s]")
     figure.legend(loc="outside lower left", ncols=3)
 
 

@@ -13,7 +13,10 @@ from physim.reproduction.study import Measures
 
 FIRST_SECONDS = 5.0
 """[s] in which alone the paper looked at collisions"""
-LOST = "The paper's shapes, waypoints and thresholds are lost, and with them its exact figure."
+LOST = (
+    "The paper's shapes, waypoints and thresholds are lost, and with them its exact figure: met "
+    f"is within {tol.SAME:.0%}, partly met within a factor of {tol.ORDER:.1f}."
+)
 
 
 def measure(record: Record) -> Measures:

@@ -9,6 +9,7 @@ from typing import Any
 
 from physim.errors import PhysimError, nearest
 from physim.reproduction.claims import Part, measures, parts
+from physim.reproduction.claims.effort import WORDS
 from physim.reproduction.jobs import PAPER, Film, Job, PicturedRun, Plot, Run, StudyPlot
 from physim.reproduction.studies import studies
 from physim.reproduction.study import Arm, Measures, Study
@@ -151,8 +152,8 @@ def _figure(figure: str, chosen: tuple[Part, ...]) -> tuple[Part, ...]:
     name = figure.lower().removeprefix("fig").lstrip(".ure ")
     if name == FLOW_CHART:
         raise PhysimError("--figure 5: Figure 5 is the flow chart of the rules; nothing is run")
-    known = [part.figure for part in chosen]
-    found = [part for part in chosen if part.figure == name]
+    known = [part.figure for part in chosen if part.figure != WORDS]
+    found = [part for part in chosen if part.figure == name != WORDS]
     if name.isdigit():
         found = [part for part in chosen if part.figure.rstrip("abcd") == name]
     if not found:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -32,7 +33,8 @@ class Quantity:
         """The figure with its unit; "none" for one that has no meaning."""
         if self.unit == "yes":
             return self._labelled("none" if math.isnan(value) else "yes" if value > 0 else "no")
-        return self._labelled(self._number(value), self.unit)
+        known = math.isfinite(value)
+        return self._labelled(self._number(value), self.unit if known else "")
 
     def spread(self, values: Sequence[float]) -> str:
         """Median and range over seeds, of those where the figure has a meaning."""
@@ -81,16 +83,20 @@ class Claim:
             q.spread([run.get(q.key, math.nan) for run in runs]) for q in self.quantities
         )
 
+    def graded(self, run: Measures) -> Outcome:
+        """How one run stands to the claim; figures that it does not have never meet it."""
+        return self.grade(defaultdict(lambda: math.nan, run))
+
     def met(self, runs: Sequence[Measures]) -> int:
         """In how many runs the claim is met."""
-        return sum(self.grade(run) is Outcome.MET for run in runs)
+        return sum(self.graded(run) is Outcome.MET for run in runs)
 
     def outcome(self, pictured: Measures, runs: Sequence[Measures]) -> Outcome:
         """Grade of the pictured run, taken down to *partly* where too few seeds meet the claim.
 
         And up to *partly* where the pictured run misses what nearly all seeds meet.
         """
-        grade = self.grade(pictured)
+        grade = self.graded(pictured)
         if not runs:
             return grade
         most = self.met(runs) >= MOST_SEEDS * len(runs)

@@ -1,0 +1,95 @@
+"""``physim reproduce``: one figure from end to end, bad input, Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from physim.reproduction.report import Report
+from tests.cli.commands import physim, started
+
+QUICK = ("reproduce", "--quick", "--no-video")
+PAGES = ("REPRODUCTION.md", "reproduction.html", "reproduction.json")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    files = (*folder.glob("*.*"), *folder.glob("figures/*"))
+    return {str(file.relative_to(folder)): file.read_bytes() for file in files}
+
+
+def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "a folder & more"
+    done = physim(*QUICK, "--figure", "1", "-o", out, capture=capsys)
+    assert done.code == 0
+    assert done.err == ""
+    assert "3 claims: " in done.out
+    assert f"written to {out}/: " in done.out
+    first = contents(out)
+    pictures = {f"figures/1-{name}.png" for name in ("trajectories", "deviation", "speeds")}
+    assert set(first) == {*PAGES, *pictures}
+    report = Report.from_json((out / PAGES[2]).read_text())
+    assert [section.key for section in report.sections] == ["1"]
+    assert not report.interrupted
+    assert report.command == "physim reproduce --figure 1 --quick"
+    assert all(row.met.endswith(" of 5") for row in report.rows)
+    assert (out / PAGES[1]).read_text().count("data:image/png;base64,") == 3
+    assert (out / "single_robot/record.h5").exists()
+
+    again = physim(*QUICK, "--figure", "1", "-o", out, capture=capsys)
+    assert again.code == 2
+    assert "is not empty; use --force" in again.err
+    assert contents(out) == first
+    assert physim(*QUICK, "--figure", "1", "-o", out, "--force", capture=capsys).code == 0
+    assert contents(out) == first  # the same figures, pictures and pages
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--figure", "9"), 'physim: --figure "9": not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8'),
+        (("--figure", "5"), "physim: --figure 5: Figure 5 is the flow chart"),
+        (("--study", "bend"), 'no study is called "bend"; allowed: '),
+        (("--workers", "0"), "physim: --workers 0: at least one process is needed"),
+        (("--figure", "1", "--study", "bends"), "not allowed with argument"),
+    ],
+)
+def test_bad_input(
+    arguments: tuple[str, ...], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim("reproduce", *arguments, "-o", tmp_path / "out", capture=capsys)
+    assert done.code == 2
+    assert told in done.err
+    assert len(done.err.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_in_the_place_of_the_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "out").write_text("mine")
+    done = physim("reproduce", "--force", "-o", tmp_path / "out", capture=capsys)
+    assert done.code == 2
+    assert "is a file; -o takes a folder" in done.err
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -> None:
+    process = started("reproduce", "--no-video", "--figure", "1", "-o", "out", folder=tmp_path)
+    try:
+        while process.poll() is None and not list(tmp_path.glob("out/figures/*.png")):
+            time.sleep(0.02)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130, (out, err)
+    assert "Traceback" not in err
+    report = Report.from_json((tmp_path / "out" / PAGES[2]).read_text())
+    assert report.interrupted
+    assert report.sections[0].missing
+    assert "It was interrupted" in (tmp_path / "out" / PAGES[0]).read_text()
+    assert not list(tmp_path.rglob("*.part"))

@@ -1,0 +1,180 @@
+"""Verdicts are computed: every claim can be met and can fail, and seeds count."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from physim.errors import PhysimError
+from physim.metrics.pair_times import pair_collision_times, shortest_pair_collision_time
+from physim.reproduction.claims import Part, parts
+from physim.reproduction.claims.claim import Claim, Quantity, holds, near, steps
+from physim.reproduction.plan import QUICK_SEEDS, SEEDS, make_plan, run_key
+from physim.reproduction.study import Arm, Measures, Outcome
+from tests.metrics.histories import history
+
+AS_REPORTED: dict[str, float] = {
+    "deviation_rms": 0.1, "finished": 1.0, "deviation_at_turns": 0.6, "deviation_elsewhere": 0.2,
+    "rotation_left_least": 0.1, "rotation_right_largest": -0.1,
+    "spread_start": 3.0, "spread_largest": 4.0, "error_in_bends": 1.0, "error_on_straights": 0.5,
+    "formation_error_peak": 2.0, "formation_error_final": 0.05, "deviation_peak_least": 0.2,
+    "deviation_peak_largest": 2.0, "deviation_left": 5.0, "deviation_right": 5.0,
+    "rotation_agrees": 0.95, "averaged_speed_min": 0.8, "averaged_speed_max": 1.3,
+    "behind_is_faster": 0.95, "ahead_is_slower": 0.99,
+    "shortest_distance": 0.2875, "farthest_distance": 21.5, "collision_time_decided": 0.2,
+    "contacts": 0.0, "contacts_early": 0.0, "start_right": 0.2, "start_top": 0.2,
+    "start_headings": 250.0,
+    "safe_share": 0.7, "safe_gap": 1.0, "safe_distance": 1.0, "width_min": 5.32, "width_max": 13.4,
+    "abreast_min": 2.0, "abreast_max": 4.0,
+    "safe_least_of_5_8_10": 0.9, "safe_least_of_others": 0.2, "safe_largest_of_others": 0.4,
+    "others_in_danger": 7.0, "both_modes": 10.0,
+    "messages": 1e5, "messages_share": 0.1, "evaluations": 1e5, "evaluations_share": 0.1,
+    "shorter_intervals": 0.01, "time_to_finish": 250.0, "time_at_steady_speed": 250.0,
+}  # fmt: skip
+"""A run as the paper tells it."""
+
+EVERY = [(part, claim) for part in parts() for claim in part.claims]
+each = pytest.mark.parametrize(
+    ("part", "claim"), EVERY, ids=[f"{p.figure}-{k}" for k, (p, _) in enumerate(EVERY)]
+)
+
+
+def as_reported(part: Part) -> Measures:
+    return {**AS_REPORTED, "collision_time_pairs": 0.102 if part.figure == "3" else 0.06}
+
+
+@each
+def test_a_run_as_reported_meets_every_claim(part: Part, claim: Claim) -> None:
+    run = as_reported(part)
+    assert claim.graded(run) is Outcome.MET
+    assert claim.outcome(run, [run] * 10) is Outcome.MET
+    assert "none" not in claim.measured(run)
+    assert claim.figure == part.figure
+
+
+@each
+def test_every_claim_can_fail(part: Part, claim: Claim) -> None:
+    """Some figure that is shown decides: far too large, far too small, or without meaning."""
+    run = as_reported(part)
+    far = [{**run, q.key: value} for q in claim.quantities for value in (1e9, -1e9, math.nan)]
+    assert any(claim.graded(one) is not Outcome.MET for one in far)
+    assert claim.graded({}) is Outcome.NOT_MET
+    assert claim.graded(dict.fromkeys(run, math.nan)) is Outcome.NOT_MET
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("deviation_elsewhere", 0.31, "sharp turns only"),
+        ("rotation_left_least", -0.01, "positive on left turns"),
+        ("spread_largest", 6.1, "one group"),
+        ("formation_error_final", 0.11, "converge to zero"),
+        ("error_in_bends", 0.49, "grow in bends"),
+        ("shortest_distance", 0.0, "always positive (Fig. 6c)"),
+        ("collision_time_decided", 0.0, "Collision times are always positive (Fig. 6d)"),
+        ("farthest_distance", 21.51, "21.5 m apart"),
+        ("contacts", 1.0, "no collisions"),
+        ("width_min", 5.36, "narrowest place (Fig. 4)"),
+        ("width_max", 13.34, "widest place"),
+        ("averaged_speed_max", 1.31, "0.8 and 1.3"),
+        ("safe_least_of_5_8_10", 0.5, "than in danger mode"),
+        ("others_in_danger", 0.0, "other robots"),
+        ("safe_gap", 0.98, "parted into a safe area"),
+    ],
+)
+def test_claims_fail_just_beyond_their_bounds(key: str, value: float, words: str) -> None:
+    found = [(part, claim) for part, claim in EVERY if words in claim.claim]
+    assert found
+    for part, claim in found:
+        assert claim.graded({**as_reported(part), key: value}) is not Outcome.MET
+
+
+def test_near_is_met_in_the_same_order_partly() -> None:
+    grade = near("x", 0.1, same=0.05, order=3.0)
+    values = (0.1, 0.1049, 0.106, 0.0951, 0.29, 0.034, 0.31, 0.033, math.nan)
+    met, partly, not_met = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET
+    expected = [met, met, partly, met, partly, partly, not_met, not_met, not_met]
+    assert [grade({"x": value}) for value in values] == expected
+
+
+def test_seeds_take_a_verdict_down_and_up() -> None:
+    claim = Claim("9", "c", "r", (Quantity("x"),), holds(lambda run: run["x"] > 0))
+    good, bad = {"x": 1.0}, {"x": -1.0}
+    assert claim.outcome(good, [good] * 9 + [bad]) is Outcome.MET
+    assert claim.outcome(good, [good] * 8 + [bad] * 2) is Outcome.PARTLY
+    assert claim.outcome(bad, [good] * 9 + [bad]) is Outcome.PARTLY
+    assert claim.outcome(bad, [good] * 8 + [bad] * 2) is Outcome.NOT_MET
+    assert claim.outcome(bad, []) is Outcome.NOT_MET
+    half = Claim("9", "c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
+    assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
+
+
+def test_figures_as_text() -> None:
+    share, yes = Quantity("x", "%", 1, "safe"), Quantity("x", "yes", label="arrives:")
+    assert share.text(0.1234) == "safe 12.3 %"
+    assert share.spread([0.1, math.nan, 0.3, 0.2]) == "safe 20.0 (10.0 to 30.0) %"
+    assert share.spread([0.1, 0.1]) == "safe 10.0 %"
+    assert (yes.text(1.0), yes.spread([1.0, 0.0])) == ("arrives: yes", "arrives: yes in 1 of 2")
+    assert Quantity("x", "s").text(math.inf) == "never"
+    assert share.text(math.nan) == share.spread([]) == "safe none"
+    assert Quantity("x", "messages", 0).text(64445.0) == "64,445 messages"
+
+
+def test_collision_time_of_a_pair_under_present_commands() -> None:
+    """Two unit squares that drive at each other at 1 and 2 m/s, 9 m apart: 3 s."""
+    pose = np.zeros((1, 2, 3))
+    pose[0, 1] = (10.0, 0.0, np.pi)
+    rows = [
+        {"step": 0, "robot": 0, "given_v": 1.0, "next_step": 10},
+        {"step": 0, "robot": 1, "given_v": 2.0, "next_step": 10},
+    ]
+    record = history(rows, pose=pose)
+    reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]
+    shortest = shortest_pair_collision_time(record)
+    assert shortest is not None
+    assert {shortest.a, shortest.b} == {0, 1}
+    assert math.isclose(shortest.value, (10.0 - sum(reach)) / 3.0, abs_tol=1e-6)
+    (time, least), _ = pair_collision_times(record, horizon=1.0)
+    assert time.tolist() == [0.0]
+    assert np.isinf(least).all()
+
+
+def test_plan_of_one_figure() -> None:
+    assert [part.figure for part in make_plan("3").parts] == ["3", "3a"]
+    assert [part.figure for part in make_plan("3a").parts] == ["3a"]
+    assert make_plan("Fig. 6").worlds == ("ten_robots",)
+    assert not make_plan("6").studies
+    assert (make_plan().seeds, make_plan(quick=True).seeds) == (SEEDS, QUICK_SEEDS)
+    assert len(make_plan().parts) == len(parts())
+    assert make_plan().studies
+
+
+@pytest.mark.parametrize(
+    ("figure", "told"),
+    [
+        ("5", "flow chart"),
+        ("9", "not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8"),
+        ("6b", 'allowed: 1, 2, 3, 3a, 4, 6, 7, 8; did you mean "6"?'),
+        ("", "not a figure"),
+        ("x" * 1000, "not a figure"),
+    ],
+)
+def test_unknown_figures(figure: str, told: str) -> None:
+    with pytest.raises(PhysimError) as error:
+        make_plan(figure)
+    assert told in str(error.value)
+    assert len(str(error.value)) < 250
+
+
+def test_an_unknown_study_tells_the_nearest() -> None:
+    with pytest.raises(PhysimError, match=r'no study is called "alfa"; allowed: alpha, .*"alpha"'):
+        make_plan(study="alfa")
+
+
+def test_runs_that_several_need_are_done_once() -> None:
+    keys = [key for key, _ in make_plan(quick=True).jobs(Path("x"))]
+    assert len(keys) == len(set(keys))
+    assert run_key(Arm("a", "w"), 1) == run_key(Arm("b", "w"), 1) != run_key(Arm("a", "w"), 2)

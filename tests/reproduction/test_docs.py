@@ -1,0 +1,146 @@
+"""docs/REPRODUCTION.md is what the code computes: written from its report, and a run agrees.
+
+Runs are chaotic: on another machine rounding may change when a robot switches its mode, and with
+that the extremes of a run. So what a robot does over its whole way is compared within `STEADY`, an
+extreme by its order, and every claim by the grade that the run gets.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from dataclasses import replace
+
+import pytest
+
+from physim.recording import simulate
+from physim.reproduction.claims import Part, measures, parts
+from physim.reproduction.claims.claim import MOST_SEEDS, Claim
+from physim.reproduction.claims.tolerances import ORDER
+from physim.reproduction.report import Report, Row
+from physim.reproduction.studies import studies
+from physim.reproduction.study import Measures, Outcome
+from physim.world_file import load_world
+from tests import reproduction_docs as docs
+
+STEADY = 0.1
+"""[-] relative difference of figures over a whole run"""
+STEADY_FIGURES = (
+    "deviation_rms", "deviation_at_turns", "error_in_bends", "spread_start", "spread_largest",
+    "averaged_speed_max", "farthest_distance", "start_headings", "safe_share", "width_min",
+    "width_max", "messages", "evaluations", "time_to_finish", "time_at_steady_speed",
+    "safe_least_of_5_8_10", "formation_error_peak",
+)  # fmt: skip
+EXTREMES = ("shortest_distance", "collision_time_pairs", "collision_time_decided")
+LARGEST_PICTURE = 150_000
+"""bytes"""
+WORLDS = ("single_robot", "three_robots", "ten_robots")
+
+report = pytest.fixture(scope="module")(
+    lambda: Report.from_json(docs.REPORT.read_text(encoding="utf-8"))
+)
+
+
+@functools.cache
+def fresh(world: str) -> Measures:
+    """Figures of the run in the pictures, run now."""
+    with simulate(load_world(world)) as record:
+        return measures(record)
+
+
+def claims_of(part: Part, report: Report) -> list[tuple[Claim, Row]]:
+    section = next(one for one in report.sections if one.key == part.figure)
+    return list(zip(part.claims, section.rows, strict=True))
+
+
+def test_page_is_written_from_its_report(report: Report) -> None:
+    assert docs.PAGE.read_text(encoding="utf-8") == docs.text_of(report), (
+        "python -m tests.reproduction_docs writes it anew"
+    )
+
+
+def test_every_part_and_study_is_there_whole(report: Report) -> None:
+    known = [part.figure for part in parts()] + [study.name for study in studies()]
+    assert [section.key for section in report.sections] == known
+    assert not report.interrupted
+    assert not any(one.missing for one in report.sections)
+    assert report.seeds == 100
+    assert all(section.rows for section in report.sections)
+
+
+def test_pictures_are_there_and_small(report: Report) -> None:
+    shown = re.findall(r"\]\((reproduction/[^)]*)\)", docs.PAGE.read_text(encoding="utf-8"))
+    files = {docs.DOCS / name for name in shown}
+    assert files == set(docs.PICTURES.glob("*.png"))
+    assert len(files) >= 19 + len(studies())
+    for file in files:
+        content = file.read_bytes()
+        assert content.startswith(b"\x89PNG"), file.name
+        assert len(content) <= LARGEST_PICTURE, file.name
+
+
+@pytest.mark.parametrize("part", parts(), ids=lambda part: str(part.figure))
+def test_rows_are_those_of_the_claims(part: Part, report: Report) -> None:
+    """Words, figures and verdict of each row follow from the figures that the report holds."""
+    figures = report.figures[part.world]
+    for claim, row in claims_of(part, report):
+        assert (row.claim, row.reported, row.remark) == (claim.claim, claim.reported, claim.remark)
+        assert row.measured == claim.measured(figures)
+        met, _, of = row.met.partition(" of ")
+        most = int(met) >= MOST_SEEDS * int(of)
+        grade = claim.graded(figures)
+        if grade is Outcome.MET:
+            expected = Outcome.MET if most else Outcome.PARTLY
+        else:
+            expected = Outcome.PARTLY if most else grade
+        assert row.outcome is expected, row.claim
+
+
+@pytest.mark.parametrize("part", parts(), ids=lambda part: str(part.figure))
+def test_a_run_gets_the_same_grades(part: Part, report: Report) -> None:
+    for claim, row in claims_of(part, report):
+        now = claim.graded(fresh(part.world))
+        assert now is claim.graded(report.figures[part.world]), f"{row.claim}: {now}"
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_run_gets_the_same_figures(world: str, report: Report) -> None:
+    told, now = report.figures[world], fresh(world)
+    assert set(told) == {name for name, value in now.items() if math.isfinite(value)}
+    for name in STEADY_FIGURES:
+        if name in told:
+            assert math.isclose(told[name], now[name], rel_tol=STEADY), name
+    for name in EXTREMES:
+        if name in told:
+            assert told[name] / ORDER <= now[name] <= told[name] * ORDER, name
+
+
+@pytest.mark.parametrize("name", ["energy"])
+def test_a_quick_study_does_not_contradict(name: str, report: Report) -> None:
+    """Two seeds instead of twenty: what was met may be less sure, but not the contrary."""
+    study = next(one for one in studies() if one.name == name)
+    table = []
+    for arm in study.arms:
+        row = []
+        for seed in range(study.quick_seeds):
+            with simulate(arm.load(seed), seed=seed) as record:
+                row.append(study.measure(record))
+        table.append(row)
+    rows = next(one for one in report.sections if one.key == name).rows
+    for row, verdict in zip(rows, study.conclude(table), strict=True):
+        assert row.claim == verdict.claim
+        assert {row.outcome, verdict.outcome} != {Outcome.MET, Outcome.NOT_MET}, row.claim
+
+
+def test_a_changed_figure_is_noticed(report: Report) -> None:
+    """The tests above can fail: a verdict that was typed, a figure that was."""
+    section = report.sections[0]
+    typed = replace(section.rows[0], outcome=Outcome.NOT_MET, measured="0.01 m")
+    changed = replace(
+        report,
+        sections=(replace(section, rows=(typed, *section.rows[1:])), *report.sections[1:]),
+    )
+    assert docs.text_of(changed) != docs.text_of(report)
+    with pytest.raises(AssertionError):
+        test_rows_are_those_of_the_claims(parts()[0], changed)

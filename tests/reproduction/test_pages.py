@@ -1,0 +1,129 @@
+"""The pages: nothing in a name has a meaning of its own, every picture is in them."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from physim.errors import PhysimError
+from physim.reproduction.html import html
+from physim.reproduction.markdown import markdown
+from physim.reproduction.page import anchor_of, page
+from physim.reproduction.report import Report, Row, Section
+from physim.reproduction.study import Outcome
+
+PNG = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+VOID = ("meta", "link", "img")
+HOSTILE = (
+    "<script>alert(1)</script> & \"q\" 'a' | `b` *c* _d_ [e](f) ![g](h) $x$ {{i}} # j \\ ~~k~~"
+)
+
+
+def report(text: str, outcome: Outcome = Outcome.NOT_MET) -> Report:
+    row = Row(text, text, text, outcome, text, text, text)
+    section = Section(
+        "1", f"Figure 1: {text}", text, (f"physim run {text}",), (row,),
+        ("figures/a b.png",), (text,), ("w&/video.mp4",), text,
+    )  # fmt: skip
+    return Report("0.1.0", f"physim reproduce {text}", 3, (section,), {"w": {"x": 1.5}})
+
+
+class Reader(HTMLParser):
+    """What a browser makes of a page: tags, attributes, visible text."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.words = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert tag in VOID or self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.words += data
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures/a b.png").write_bytes(PNG)
+    return tmp_path
+
+
+def test_names_in_html_are_only_names(folder: Path) -> None:
+    seen = Reader(html(page(report(HOSTILE)), HOSTILE, folder))
+    assert seen.open == []
+    assert "script" not in {tag for tag, _ in seen.tags}
+    assert seen.words.count(HOSTILE) >= 8
+    assert not any(name.startswith("on") for _, attributes in seen.tags for name in attributes)
+
+
+def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
+    text = html(page(report("x")), "t", folder)
+    links = [a.get(key) or "" for _, a in Reader(text).tags for key in ("src", "href") if key in a]
+    pictures = [link for link in links if link.startswith("data:image/png;base64,")]
+    assert base64.b64decode(pictures[0].split(",")[1]) == PNG
+    others = {link for link in links if not link.startswith(("data:", "#"))}
+    assert others == {"w%26/video.mp4"}
+    assert "//" not in "".join(others)
+    assert "http" not in text
+
+
+def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        html(page(report("x")), "t", tmp_path)
+
+
+def test_names_in_markdown_are_only_names() -> None:
+    """As a reader of Markdown sees them: the parser is the one that rich brings."""
+    parser = pytest.importorskip("markdown_it").MarkdownIt("commonmark").enable("table")
+    seen = Reader(parser.render(markdown(page(report(HOSTILE)))))
+    tags = {tag for tag, _ in seen.tags}
+    assert not tags & {"script", "em", "hr", "h4"}
+    assert {"table", "pre", "code", "h1"} <= tags
+    assert seen.words.count(HOSTILE) >= 8
+    links = [attributes.get("href") for tag, attributes in seen.tags if tag == "a"]
+    assert [link for link in links if not str(link).startswith("#")] == ["w%26/video.mp4"]
+    pictures = [attributes["src"] for tag, attributes in seen.tags if tag == "img"]
+    assert pictures == ["figures/a%20b.png"]
+    rows = [tag for tag, _ in seen.tags if tag in ("tr", "td")]
+    assert rows == ["tr", "tr", *["td"] * 5, "tr", "tr", *["td"] * 6]
+
+
+def test_links_lead_to_headings(folder: Path) -> None:
+    tags = Reader(html(page(report("one, two (3a): four")), "t", folder)).tags
+    anchors = {a["id"] for _, a in tags if "id" in a}
+    links = {(a["href"] or "")[1:] for tag, a in tags if tag == "a" and a["href"][:1] == "#"}
+    assert links
+    assert links <= anchors
+    section = Section("1", "Figure 6: ten robots, 3a!", "", (), ())
+    assert anchor_of(section) == "figure-6-ten-robots-3a"
+
+
+def test_claims_that_are_met_are_not_told_as_differences() -> None:
+    assert "Where we differ" in markdown(page(report("x", Outcome.PARTLY)))
+    assert "Where we differ" not in markdown(page(report("x", Outcome.MET)))
+    assert "interrupted" in markdown(page(replace(report("x"), interrupted=True)))
+
+
+def test_report_comes_back_from_json() -> None:
+    given = report(HOSTILE)
+    assert Report.from_json(given.to_json()) == given
+    for wrong in ("", "[]", "{}", given.to_json().replace("physim-reproduction", "other")):
+        with pytest.raises(PhysimError, match="no reproduction of this version"):
+            Report.from_json(wrong)

@@ -1,0 +1,62 @@
+"""docs/REPRODUCTION.md with its pictures: ``python -m tests.reproduction_docs [DIR]``.
+
+Without DIR everything is run, which takes about ten minutes on two cores; DIR is what
+``physim reproduce -o DIR`` wrote.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from physim.cli import main as physim
+from physim.reproduction.markdown import markdown
+from physim.reproduction.page import page
+from physim.reproduction.report import Report
+from physim.reproduction.reproduce import JSON
+
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "REPRODUCTION.md"
+PICTURES = DOCS / "reproduction"
+REPORT = PICTURES / JSON
+
+
+def text_of(report: Report) -> str:
+    """The page of a report, its pictures in docs/reproduction/, without videos."""
+    sections = tuple(
+        replace(one, films=(), pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
+        for one in report.sections
+    )
+    return markdown(page(replace(report, sections=sections)))
+
+
+def write(folder: Path) -> None:
+    """Take page, report and pictures from a folder that a reproduction wrote."""
+    report = Report.from_json((folder / JSON).read_text(encoding="utf-8"))
+    report = replace(report, command="physim reproduce")
+    PICTURES.mkdir(exist_ok=True)
+    for old in PICTURES.glob("*.png"):
+        old.unlink()
+    for section in report.sections:
+        for file in section.pictures:
+            (PICTURES / Path(file).name).write_bytes((folder / file).read_bytes())
+    REPORT.write_text(report.to_json(), encoding="utf-8")
+    PAGE.write_text(text_of(report), encoding="utf-8")
+
+
+def main() -> None:
+    """Write the page anew."""
+    if len(sys.argv) > 1:
+        write(Path(sys.argv[1]))
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        code = physim(["reproduce", "--no-video", "--force", "-o", folder])
+        if code:
+            sys.exit(code)
+        write(Path(folder))
+
+
+if __name__ == "__main__":
+    main()

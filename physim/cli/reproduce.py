@@ -60,8 +60,8 @@ def _folder(folder: Path, plan: Plan, force: bool) -> Path:
     try:
         for name in (PICTURES, *plan.worlds):
             (folder / name).mkdir(parents=True, exist_ok=True)
-        for name in PAGES:
-            (folder / name).unlink(missing_ok=True)
+        for old in (*(folder / name for name in PAGES), *(folder / PICTURES).glob("*.png")):
+            old.unlink(missing_ok=True)
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return folder

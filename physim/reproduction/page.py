@@ -70,11 +70,12 @@ def _overview(report: Report) -> Iterator[Block]:
     if open_rows:
         yield Heading(3, "Where we differ from the paper")
         yield Table(
-            ("where", "claim", "reported", "measured", "verdict"),
+            ("claim", "where", "reported", "measured", "verdict"),
             tuple(
                 (
+                    _claim(row),
                     (Link(section.short, f"#{anchor_of(section)}"),),
-                    _claim(row), row.reported, row.measured, (row.outcome,),
+                    row.reported, row.measured, (row.outcome,),
                 )
                 for section, row in open_rows
             ),

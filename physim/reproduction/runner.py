@@ -139,6 +139,8 @@ def _work(pipe: Connection, halt: Any) -> None:
             answer = ("done", job.do(halt.is_set))
         except PhysimError as error:
             answer = ("bad input", str(error))
+        except OSError as error:  # disk full, folder gone
+            answer = ("bad input", f"{job.note}: {error.strerror or error}")
         except Exception:
             answer = ("error", f"{job.note}:\n{traceback.format_exc()}")
         try:

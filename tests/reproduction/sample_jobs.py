@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import time
 from collections.abc import Callable
@@ -46,6 +47,14 @@ class Refused(Echo):
 
     def do(self, stop: Callable[[], bool]) -> int:
         raise PhysimError("what was given is wrong")
+
+
+@dataclass(frozen=True)
+class DiskFull(Echo):
+    """Nothing can be written any more."""
+
+    def do(self, stop: Callable[[], bool]) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
 
 
 @dataclass(frozen=True)

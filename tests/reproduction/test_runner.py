@@ -10,7 +10,7 @@ import pytest
 
 from physim.errors import PhysimError
 from physim.reproduction.runner import do_all
-from tests.reproduction.sample_jobs import Echo, Endless, Faulty, Killed, Process, Refused
+from tests.reproduction.sample_jobs import DiskFull, Echo, Endless, Faulty, Killed, Process, Refused
 
 
 def run(
@@ -60,6 +60,11 @@ def test_stopped_with_what_is_done() -> None:
 def test_bad_input_of_a_job_is_one_line() -> None:
     with pytest.raises(PhysimError, match=r"^what was given is wrong$"):
         run([(0, Refused(0)), (1, Endless(1))])
+
+
+def test_a_full_disk_is_one_line() -> None:
+    with pytest.raises(PhysimError, match=r"^echo: No space left on device$"):
+        run([(0, DiskFull(0))])
 
 
 def test_a_fault_of_the_program_tells_where() -> None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from physim._version import VERSION as __version__  # noqa: N811
+    from physim.checking import check_world
     from physim.contacts import Kind, Phase
     from physim.control import Controller, Decision, Mode, Observation, Report
     from physim.errors import ControllerError, Fault, PhysimError, RecordError, WorldError
@@ -50,6 +51,7 @@ _WHERE = {
     "World": "physim.world",
     "WorldError": "physim.errors",
     "build_scene": "physim.scene_builder",
+    "check_world": "physim.checking",
     "load_world": "physim.world_file",
     "parse_world": "physim.world_file",
     "render": "physim.video",
@@ -76,6 +78,7 @@ __all__ = [
     "WorldError",
     "__version__",
     "build_scene",
+    "check_world",
     "load_world",
     "parse_world",
     "render",

@@ -39,6 +39,11 @@ def controller_names() -> dict[str, str]:
     return found
 
 
+def shipped_controllers() -> list[str]:
+    """Names of the controllers that come with physim."""
+    return sorted(n for n, e in _entries().items() if e.value.startswith(f"{GROUP}."))
+
+
 def find_controller(name: str, trusted: bool = False) -> type[Any]:
     """Return the class of a controller: a registered name, or ``module:Class`` when trusted.
 

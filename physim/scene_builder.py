@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
 from typing import Literal
 
 import numpy as np
@@ -16,8 +15,8 @@ from physim.geometry.nearby import build_nearby
 from physim.geometry.path import Path
 from physim.geometry.polygon import convex_parts, counter_clockwise, signed_area
 from physim.geometry.shapes import FloatArray, IntArray, pack_polylines, pack_shapes
-from physim.randomness import stream
 from physim.scene import Body, FormationPlan, Scene
+from physim.start_poses import start_poses
 from physim.world import Offset, World
 from physim.world_file.geometry_check import geometry_faults, shape_faults
 
@@ -72,7 +71,16 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
         raise WorldError([Fault((key,), _leaves(outside))])
     footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
     paths = [_path(world, i, reference) for i in range(len(world.robots))]
-    start = _start(world, world.seed)
+    start = start_poses(
+        world,
+        world.seed,
+        footprints=footprints,
+        paths=paths,
+        reference=reference,
+        boundaries=list(drawn.values()),
+        obstacles=obstacles,
+        accessible=area.polygon,
+    )
     faults = geometry_faults(
         world,
         start=start,
@@ -133,7 +141,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
 
 def is_random(world: World) -> bool:
     """Whether anything in the world is drawn by the seed."""
-    return any(robot.pose[2] == "random" for robot in world.robots)
+    return any(robot.pose is None or robot.pose[2] == "random" for robot in world.robots)
 
 
 def _boundaries(world: World) -> dict[str, FloatArray]:
@@ -175,17 +183,6 @@ def _path(world: World, i: int, reference: FloatArray) -> FloatArray:
     except ValueError as error:
         fault = Fault(("robots", i, "path", "offset"), f"the reference path {error}")
         raise WorldError([fault]) from None
-
-
-def _start(world: World, seed: int) -> FloatArray:
-    """Start poses (N, 3); a random heading is uniform in [-pi, pi), one stream a robot."""
-    poses = np.empty((len(world.robots), 3))
-    for i, robot in enumerate(world.robots):
-        x, y, heading = robot.pose
-        if heading == "random":
-            heading = stream(seed, "heading", i).uniform(-pi, pi)
-        poses[i] = x, y, heading
-    return poses
 
 
 def _segments(line: FloatArray) -> list[FloatArray]:

@@ -16,6 +16,7 @@ from physim.world import (
     Limits,
     Physics,
     Robot,
+    Start,
     Time,
     World,
 )
@@ -24,6 +25,7 @@ SECTIONS: list[tuple[str, str, type[BaseModel]]] = [
     ("The world", "", World),
     ("`time`", "", Time),
     ("`corridor`", "", Corridor),
+    ("`start`, of the world or of one robot", "", Start),
     ("Each of `robots`", "", Robot),
     ("`footprint` of a robot, as a box", "", Box),
     ("`limits` of a robot", "", Limits),

@@ -1,5 +1,5 @@
 """The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``crashtest``,
-``plot``, ``preview``, ``list``."""
+``plot``, ``preview``, ``import``, ``list``."""
 
 from __future__ import annotations
 

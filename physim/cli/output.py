@@ -36,6 +36,14 @@ def output_folder(folder: Path, force: bool) -> Path:
     return folder
 
 
+def new_file(path: Path, force: bool) -> None:
+    """Raise PhysimError where something exists already and ``force`` is not set."""
+    if path.is_dir():
+        raise PhysimError(f"{path}: is a folder; -o takes a file")
+    if os.path.lexists(path) and not force:
+        raise PhysimError(f"{path}: exists; use --force to write over it, or -o for another file")
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
     part = path.with_name(f".{path.name}.part")

@@ -12,7 +12,7 @@ Run corridor worlds of polygon robots on real rigid-body physics, and see what h
 
   physim list                     shipped worlds and controllers
   physim run ten_robots           run one: record, video and summary in runs/
-  physim run my_world.yaml        run your own
+  physim new my_world             write a world to begin with, then run it
   physim validate ten_robots      judge its safety: contacts, exact checks, who was responsible
 """
 
@@ -44,9 +44,10 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def _words(parser: argparse.ArgumentParser) -> set[str]:
-    """Every option and command of a parser and of its commands."""
+    """Every option, value of a choice and command of a parser and of its commands."""
     words = {option for action in parser._actions for option in action.option_strings}
     for action in parser._actions:
+        words |= {str(choice) for choice in action.choices or ()}
         if isinstance(action, argparse._SubParsersAction):
             for name, command in action.choices.items():
                 words |= {name} | _words(command)

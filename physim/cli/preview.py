@@ -64,7 +64,7 @@ def _watched(options: argparse.Namespace, path: Path) -> int:
             _tell(f"{path} drawn", sys.stdout)
 
     with interrupts() as interrupt:
-        watch(find_world(options.world), draw, interrupt)
+        watch([find_world(options.world)], draw, interrupt)
     print("physim: interrupted", file=sys.stderr)
     return INTERRUPTED
 

@@ -1,25 +1,25 @@
-"""Watching a file for changes by looking at it now and then: it works on every file system."""
+"""Watching files for changes by looking at them now and then: it works on every file system."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 EVERY = 0.15
 """[s] between two looks"""
 
 
-def watch(path: Path, changed: Callable[[], None], stop: Callable[[], bool]) -> None:
-    """Call ``changed`` now and after every change of a file, until ``stop``.
+def watch(paths: Sequence[Path], changed: Callable[[], None], stop: Callable[[], bool]) -> None:
+    """Call ``changed`` now and after every change of the files, until ``stop``.
 
-    A change counts when the file stays as it is from one look to the next, so that a file is
+    A change counts when the files stay as they are from one look to the next, so that a file is
     seldom read half-written; when it is nonetheless, its completion is the next change.
     """
     handled: object = None
-    before = state(path)
+    before = [state(path) for path in paths]
     while not stop():
-        now = state(path)
+        now = [state(path) for path in paths]
         if now == before and (handled is None or now != handled):
             handled = now  # before the call: what is saved meanwhile is a change
             changed()

@@ -15,7 +15,6 @@ from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import width_profile as width_profile
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
@@ -43,7 +42,7 @@ class Area:
         inside = self.polygon.intersection(line)
         ends = {0.0, line.length}
         for piece in shapely.get_parts(inside):
-            ends.update(line.project(shapely.Point(p)) for p in shapely.get_coordinates(piece))
+            ends.update(line.project(shapely.points(shapely.get_coordinates(piece))).tolist())
         stations = np.array(sorted(ends))
         middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
         outside = ~shapely.covers(self.polygon, middle) & (np.diff(stations) > LENGTH)
@@ -65,6 +64,8 @@ def accessible_area(
     if face.intersection(line).length <= 0.0:
         raise ValueError("no area enclosed by the boundaries contains the reference path")
     free = face.difference(unary_union([Polygon(ring) for ring in obstacles]))
+    if free.is_empty:
+        raise ValueError("the obstacles leave nothing of the area around the reference path")
     parts = shapely.get_parts(free)
     return Area(max(parts, key=lambda polygon: float(polygon.intersection(line).length)))
 

@@ -1,7 +1,6 @@
 """Width of a corridor along a path, with the nearest points on both sides (Fig. 4).
 
-Plain numpy, many places at once: for pictures and for the author of a world. The half-planes are
-those of `physim.geometry.area.width_profile`, with which it agrees.
+Stations and narrow places of a path; the nearest points are those of `physim.geometry.width`.
 """
 
 from __future__ import annotations
@@ -12,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
+from physim.geometry.width import width_feet
 
-AT_ONCE = 200_000
-"""Pairs of place and segment worked on together: some tens of MB."""
 EVEN = 1.0e-9
 """Share by which widths may differ and still count as equal."""
 DIPS = 6
@@ -83,13 +81,8 @@ def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> W
     direction = np.diff(path, axis=0) / length[:, None]
     tangent = direction[leg]
     point = path[leg] + (stations - along[leg])[:, None] * tangent
-    found: list[list[FloatArray]] = [[], []]
-    step = max(1, AT_ONCE // max(len(segments), 1))
-    for k in range(0, len(stations), step):
-        part = slice(k, k + step)
-        for side, sign in zip(found, (1.0, -1.0), strict=True):
-            side.append(_feet(point[part], sign * tangent[part], segments))
-    feet = [np.concatenate(side) if side else np.zeros((0, 2)) for side in found]
+    found = width_feet(point, tangent, segments)
+    feet = [np.where(np.isfinite(foot), foot, np.nan) for foot in found]
     gaps = [np.nan_to_num(np.hypot(*(foot - point).T), nan=np.inf) for foot in feet]
     return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1])
 
@@ -135,29 +128,3 @@ def _legs(path: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     path = path[np.concatenate(([True], steps > 0.0))]
     length = np.hypot(*np.diff(path, axis=0).T)
     return path, length, np.concatenate(([0.0], np.cumsum(length)))
-
-
-def _feet(point: FloatArray, tangent: FloatArray, segments: FloatArray) -> FloatArray:
-    """Nearest points (K, 2) of all segments' parts left of each directed point; nan if none."""
-    a = segments[None, :, :2] - point[:, None]
-    b = segments[None, :, 2:] - point[:, None]
-    tx, ty = tangent[:, :1], tangent[:, 1:]
-    side_a = tx * a[..., 1] - ty * a[..., 0]
-    side_b = tx * b[..., 1] - ty * b[..., 0]
-    span = side_b - side_a
-    crossing = np.divide(-side_a, span, out=np.zeros_like(span), where=span != 0.0)
-    low = np.where(side_a >= 0.0, 0.0, crossing)
-    high = np.where(side_b >= 0.0, 1.0, crossing)
-    way = b - a
-    squares = np.maximum((way * way).sum(axis=2), np.finfo(float).tiny)
-    share = np.clip(-(a * way).sum(axis=2) / squares, low, high)
-    foot = a + share[..., None] * way
-    gap = np.hypot(foot[..., 0], foot[..., 1])
-    gap[(side_a < 0.0) & (side_b < 0.0)] = np.inf
-    rows = np.arange(len(point))
-    if not len(segments):
-        return np.full((len(point), 2), np.nan)
-    best = np.argmin(gap, axis=1)
-    nearest: FloatArray = foot[rows, best] + point
-    nearest[~np.isfinite(gap[rows, best])] = np.nan
-    return nearest

@@ -41,6 +41,24 @@ def width_feet(
     return left, right
 
 
+def nearest_feet(points: FloatArray, segments: FloatArray) -> FloatArray:
+    """Nearest points (K, 2) [m] of segments (S, 4) to points (K, 2); not finite without any."""
+    feet = np.full((len(points), 2), np.inf)
+    block = max(1, BLOCK // max(1, len(segments)))
+    for first in range(0, len(points) if len(segments) else 0, block):
+        part = points[first : first + block]
+        ax, ay = segments[:, 0] - part[:, :1], segments[:, 1] - part[:, 1:]
+        dx, dy = segments[:, 2] - segments[:, 0], segments[:, 3] - segments[:, 1]
+        square = dx * dx + dy * dy
+        along = -(ax * dx + ay * dy) / np.where(square > 0.0, square, 1.0)
+        at = np.minimum(np.maximum(along, 0.0), 1.0)
+        x, y = ax + at * dx, ay + at * dy
+        best = (x * x + y * y).argmin(axis=1)
+        row = np.arange(len(part))
+        feet[first : first + block] = part + np.stack([x[row, best], y[row, best]], axis=1)
+    return feet
+
+
 def _feet(
     points: FloatArray,
     directions: FloatArray,

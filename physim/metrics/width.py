@@ -8,15 +8,15 @@ import numpy as np
 
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import width_feet
+from physim.geometry.width import nearest_feet, width_feet
 from physim.metrics.settings import world_settings
 from physim.metrics.values import Place
 from physim.record import Record
 
 EVERY = 0.1
 """[m] between two places at which the width is taken"""
-CAPS = ("start cap", "end cap")
-"""What closes the ends of a ``corridor``: across the path, on neither side of it."""
+SIDES = ("left wall", "right wall")
+"""Boundaries of a ``corridor``; the caps that close its ends lie on neither side of a path."""
 
 
 class Width(NamedTuple):
@@ -37,8 +37,10 @@ class Width(NamedTuple):
 def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
     """Width along a robot's path, every 0.1 m (Fig. 4).
 
-    *Left* is the half-plane left of the path's direction. The caps of a corridor do not count.
-    Raises PhysimError for a robot that is not there.
+    In a world with a corridor: to its left and to its right wall. Obstacles, and boundaries of
+    other worlds, are left where they lie in the half-plane left of the path's direction, and so
+    for right; a path close to a bent boundary may find the same one on both sides there. Raises
+    PhysimError for a robot that is not there.
     """
     if not 0 <= robot < record.robots:
         raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
@@ -49,7 +51,11 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
     k = np.clip(np.searchsorted(station, at, side="right") - 1, 0, len(station) - 2)
     along = np.diff(points, axis=0) / np.diff(station)[:, None]
     places = points[k] + (at - station[k])[:, None] * along[k]
-    left, right = width_feet(places, along[k], boundary_segments(record))
+    walls, obstacles = sides_of(record)
+    left, right = width_feet(places, along[k], obstacles)
+    if walls is not None:
+        left = _nearer(places, left, nearest_feet(places, walls[0]))
+        right = _nearer(places, right, nearest_feet(places, walls[1]))
     width = np.hypot(*(left - places).T) + np.hypot(*(right - places).T)
     return Width(at, places, left, right, width)
 
@@ -63,17 +69,34 @@ def width_extreme(course: Width, robot: int, largest: bool) -> Place | None:
     return Place(float(width[k]), float(course.station[k]), robot)
 
 
-def boundary_segments(record: Record) -> FloatArray:
-    """Segments (S, 4) ax, ay, bx, by [m] of boundaries and obstacles, without a corridor's caps."""
-    walls, robots = record.walls, record.robots
+def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, FloatArray]:
+    """Segments (S, 4) ax, ay, bx, by [m] of a corridor's two walls, and of all else.
+
+    None for a world without a corridor. Its caps are left out.
+    """
     corridor = world_settings(record).get("corridor") is not None
+    named: dict[str, FloatArray] = {}
+    others = [np.zeros((0, 4))]
+    for body in record.bodies[record.robots :]:
+        if corridor and body.kind == "boundary":
+            named[body.name] = _segments(record, body.id)
+        else:
+            others.append(_segments(record, body.id))
+    if set(SIDES) <= set(named):
+        return (named[SIDES[0]], named[SIDES[1]]), np.concatenate(others)
+    return None, np.concatenate([*named.values(), *others])
+
+
+def _segments(record: Record, body: int) -> FloatArray:
+    walls, k = record.walls, body - record.robots
     found = []
-    for body in record.bodies[robots:]:
-        if corridor and body.kind == "boundary" and body.name in CAPS:
-            continue
-        first, last = walls.body_start[body.id - robots : body.id - robots + 2]
-        for part in range(first, last):
-            points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
-            ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
-            found.append(np.hstack((points[: len(ends)], ends)))
+    for part in range(walls.body_start[k], walls.body_start[k + 1]):
+        points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
+        ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
+        found.append(np.hstack((points[: len(ends)], ends)))
     return np.concatenate(found) if found else np.zeros((0, 4))
+
+
+def _nearer(places: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
+    gaps = [np.hypot(*(feet - places).T) for feet in (first, second)]
+    return np.where((gaps[0] < gaps[1])[:, None], first, second)

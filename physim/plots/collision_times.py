@@ -23,6 +23,8 @@ MOST_MARKS = 4_000
 
 def collision_times(record: Record) -> Any:
     """Figure: collision time [s] of each decision that foresaw one, over time [s], log axis."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     figure = framed(record, "Collision times at decisions", "Figs. 3c, 6d")
     axis = figure.subplots()
     axis.set_ylabel("collision time [s]")
@@ -49,7 +51,9 @@ def collision_times(record: Record) -> Any:
         )  # fmt: skip
     axis.set_yscale("log")
     axis.set_ylim(min(0.5 * max(shortest.value, FLOOR), 0.5), 1.25 * rows["collision_time"].max())
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_minor_formatter(NullFormatter())
     handles += mark_contacts([axis], record)
     text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
     mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)

@@ -100,9 +100,11 @@ def _least(axis: Any, record: Record) -> list[Any]:
         return []
     zero_line(axis)
     axis.margins(y=0.2)
+    low = min((shortest.value for shortest, _ in told), default=0.0)
+    close = len(told) == 2 and abs(told[0][0].time - told[1][0].time) < 0.3 * record.time[-1]
     for shortest, colour in told:
-        text = f"{shortest.value:.3g} m"
-        mark(axis, shortest.time, shortest.value, text, below=True, colour=colour)
+        text, below = f"{shortest.value:.3g} m", not close or shortest.value == low
+        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour)
     return handles
 
 

@@ -75,7 +75,6 @@ def styled() -> Iterator[None]:
         "legend.fontsize": 8.5,
         "savefig.dpi": DPI,
         "svg.hashsalt": "physim",
-        "text.parse_math": False,  # a dollar sign in a name is a dollar sign
         "svg.fonttype": "none",
         "pdf.fonttype": 42,
         "path.simplify_threshold": 0.2,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.contacts import Phase
+from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics import mode_spans
 from physim.plots.courses import MOST_LINES
@@ -30,7 +30,7 @@ MOST_SNAPSHOTS = 200
 COLUMNS = 5
 """of the legend"""
 UP = np.array([0.0, 1.0])
-SIMPLE = (1.0, 2.0, 5.0)
+SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
 POINTS = 1500
 """Points of a trajectory, at most."""
@@ -70,7 +70,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
 
 
 def snapshot_interval(record: Record) -> float:
-    """Time [s] between snapshots, 1, 2 or 5 times a power of ten.
+    """Time [s] between snapshots, 1, 2, 3 or 5 times a power of ten.
 
     About ten in the run, but so far apart that the cluster has left its place in between.
     """
@@ -208,12 +208,17 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
 
 
 def _contacts(axis: Any, record: Record) -> list[Any]:
-    """Places at which contacts began."""
-    began = record.contacts[record.contacts["phase"] == Phase.BEGAN]
-    if not len(began):
-        return []
-    how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
-    return list(axis.plot(began["x"], began["y"], "x", label=f"contact ({len(began)})", **how))
+    """Places at which contacts began, and those of grazes between two samples."""
+    rows = record.contacts
+    began = rows[(rows["phase"] == Phase.BEGAN) & (rows["kind"] == Kind.PHYSICAL)]
+    swept = rows[rows["kind"] == Kind.SWEPT]
+    handles = []
+    for found, marker, word in ((began, "x", "contact"), (swept, "+", "graze")):
+        if len(found):
+            how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
+            label = f"{word} ({len(found)})"
+            handles += axis.plot(found["x"], found["y"], marker, label=label, **how)
+    return handles
 
 
 __all__ = ["snapshot_interval", "snapshot_rows", "trajectories"]

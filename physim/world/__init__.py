@@ -1,19 +1,15 @@
 """The world as its author writes it: frozen models whose attributes are the keys of the file."""
 
+from physim.world.controller_choice import ControllerChoice
+from physim.world.expectation import Expectation
+from physim.world.formation import Formation
 from physim.world.frozen import FrozenMapping, thawed
-from physim.world.model import (
-    Box,
-    ControllerChoice,
-    Corridor,
-    Expectation,
-    Formation,
-    Limits,
-    Offset,
-    Physics,
-    Robot,
-    Time,
-    World,
-)
+from physim.world.material import Physics
+from physim.world.model import World
+from physim.world.road import Corridor
+from physim.world.robot import Box, Limits, Offset, Robot
+from physim.world.start import Start
+from physim.world.time_grid import Time
 
 __all__ = [
     "Box",
@@ -26,6 +22,7 @@ __all__ = [
     "Offset",
     "Physics",
     "Robot",
+    "Start",
     "Time",
     "World",
     "thawed",

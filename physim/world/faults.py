@@ -128,6 +128,8 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     if kind in _BOUNDS:
         sign, key = _BOUNDS[kind]
         return f"must be {sign} {context[key]:.15g}; given {shown(given)}"
+    if kind == "value_error":  # a rule between values, in the words of the model
+        return str(context.get("error", details["msg"]))
     if kind in _SPECIAL:
         return _SPECIAL[kind](context, given)
     return f"{details['msg']}; given {shown(given)}"

@@ -21,6 +21,10 @@ MOST_CORNERS = 2_000
 """Corners of one footprint or obstacle."""
 MOST_NAME = 100
 """Characters of a name."""
+MOST_ROBOTS = 10_000
+MOST_WALLS = 10_000
+"""Boundaries, and obstacles as many again."""
+MOST_SEED = 10**15
 
 
 def plain(value: Any) -> Any:
@@ -57,9 +61,11 @@ def _is_point(value: Any) -> bool:
 
 
 def _printable(text: str) -> str:
-    if text.isprintable():
-        return text
-    raise PydanticCustomError("label", "must not hold line breaks or control characters")
+    if not text.isprintable():
+        raise PydanticCustomError("label", "must not hold line breaks or control characters")
+    if text != text.strip():
+        raise PydanticCustomError("label", "must not begin or end with a space")
+    return text
 
 
 def _open_ring(corners: tuple[Point, ...]) -> tuple[Point, ...]:
@@ -76,6 +82,8 @@ def is_word(value: Any) -> str:
 
 Number = Annotated[float, BeforeValidator(plain), Field(strict=True, allow_inf_nan=False)]
 Whole = Annotated[int, BeforeValidator(plain), Field(strict=True)]
+Length = Annotated[Number, Field(gt=0.0, le=1.0e6)]
+Distance = Annotated[Number, Field(ge=0.0, le=1.0e6)]
 Flag = Annotated[bool, BeforeValidator(plain), Field(strict=True)]
 Text = Annotated[str, Field(strict=True, max_length=10_000)]
 Label = Annotated[

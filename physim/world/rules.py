@@ -7,6 +7,7 @@ so they speak together with the faults of single values, and all arrive at once.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -17,11 +18,17 @@ from physim.world.faults import shown
 from physim.world.kinds import plain
 
 MOST_STEPS = 100_000_000
+PLACES = ["pose", "start"]
+WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obstacle) [0-9]+")
+"""Names of boundaries and obstacles, which no robot may have"""
 
 
 def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
     """Every fault between values of ``data``, the raw values of a `World`."""
-    rules = (_time, _walls, _width, _names, _omegas, _formation, _spacing, _neighbours, _distinct)
+    rules = (
+        _time, _walls, _width, _names, _starts, _omegas, _formation, _spacing, _neighbours,
+        _distinct,
+    )  # fmt: skip
     return [fault for rule in rules for fault in rule(data)]
 
 
@@ -71,9 +78,8 @@ def _time(data: Mapping[str, Any]) -> Iterator[Fault]:
 def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
     corridor, boundaries = _get(data, "corridor"), _get(data, "boundaries")
     if corridor is None and boundaries is None:
-        walls = ["corridor", "boundaries"]
-        if any(nearest(key.lower(), walls) for key in data if key not in walls):
-            return  # a misspelt key, which is a fault of its own
+        if _misspelt(data, ["corridor", "boundaries"]):
+            return
         yield Fault((), "neither corridor nor boundaries; a world needs one of them")
     elif corridor is not None and boundaries is not None:
         yield Fault(("boundaries",), "given beside corridor; a world has one of them, not both")
@@ -105,6 +111,34 @@ def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
                 ("robots", i, "name"),
                 f"{shown(name)} is the name of robots[{first[name]}] too; names must differ",
             )
+        if name is not None and WALL_NAMES.fullmatch(name):
+            yield Fault(
+                ("robots", i, "name"),
+                f"{shown(name)} is what reports call a wall; give the robot another name",
+            )
+
+
+def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Every robot has one place: a pose, or a region of its own or of the world."""
+    shared = _get(data, "start") is not None or _misspelt(data, ["start"])
+    for i, robot in enumerate(_list(data, "robots") or ()):
+        if not isinstance(robot, Mapping) and not hasattr(robot, "pose"):
+            continue
+        pose, start = _get(robot, "pose"), _get(robot, "start")
+        if pose is not None and start is not None:
+            yield Fault(("robots", i, "start"), "given beside pose; a robot has one of them")
+        elif (pose, start) == (None, None) and not shared and not _misspelt(robot, PLACES):
+            yield Fault(
+                ("robots", i, "pose"),
+                "missing; needed: [m, m, rad] start x, y and heading, or a start region, here or "
+                "for the whole world",
+            )
+
+
+def _misspelt(holder: Any, keys: list[str]) -> bool:
+    """Whether a mapping holds one of ``keys`` misspelt, which is a fault of its own."""
+    given = holder if isinstance(holder, Mapping) else {}
+    return any(nearest(str(key).lower(), keys) for key in given if key not in keys)
 
 
 def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
@@ -162,8 +196,10 @@ def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
         where = ("formation", "neighbours", k)
         for m, name in enumerate(pair):
             if isinstance(name, str) and name not in known:
+                there = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
+                near = nearest(name[:100], names)
                 yield Fault(
-                    (*where, m), f"no robot has the name {shown(name)}{nearest(name[:100], names)}"
+                    (*where, m), f"no robot has the name {shown(name)}; there are {there}{near}"
                 )
         if pair[0] == pair[1]:
             yield Fault(where, f"{shown(pair[0])} cannot be its own neighbour")

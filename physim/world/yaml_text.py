@@ -13,8 +13,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from physim.errors import PhysimError
+from physim.world.controller_choice import ControllerChoice
 from physim.world.frozen import thawed
-from physim.world.model import ControllerChoice, World
+from physim.world.model import World
 
 LINE = 100
 """Columns after which a list is broken."""
@@ -68,7 +69,7 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
             flat = {"type": value.type, **thawed(value.settings)}
             yield f"{space}{key}:"
             for name, setting in flat.items():
-                yield from _entry(f"{space}  {_text(name)}", setting, "", indent + 2)
+                yield from _entry(f"{space}  {scalar_text(name)}", setting, "", indent + 2)
         elif isinstance(value, BaseModel):
             lines = list(_block(value, indent + 2))
             yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
@@ -114,9 +115,9 @@ def _flow(value: Any) -> str:
     if isinstance(value, int):
         return int.__repr__(value)
     if isinstance(value, str):
-        return _text(value)
+        return scalar_text(value)
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
+        return "{" + ", ".join(f"{scalar_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):
         return "[" + ", ".join(_flow(item) for item in value) + "]"
     raise PhysimError(f"a value of type {type(value).__name__} cannot stand in a world file")
@@ -132,7 +133,7 @@ def _float(value: float) -> str:
     return f"{mantissa}{dot}e{exponent}"
 
 
-def _text(text: str) -> str:
+def scalar_text(text: str) -> str:
     """Plain where no reader could take it for something else, else in double quotes."""
     if _PLAIN.fullmatch(text) and text.lower() not in _NOT_PLAIN:
         return text

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -30,6 +30,8 @@ from physim.world.faults import shown
 
 MOST_TOLD = 3
 """Bodies that one robot overlaps which are told one by one."""
+MOST_PAIRS = 200
+"""Pairs of robots which are told one by one."""
 
 
 def shape_faults(world: World) -> list[Fault]:
@@ -42,13 +44,21 @@ def shape_faults(world: World) -> list[Fault]:
     for i, robot in enumerate(world.robots):
         outline = robot.outline
         if outline not in known:
-            known[outline] = _outline_fault(outline)
+            known[outline] = outline_fault(outline)
         if known[outline]:
             faults.append(Fault(("robots", i, "footprint"), known[outline]))
+        if robot.start is not None and (message := outline_fault(robot.start.region)):
+            faults.append(Fault(("robots", i, "start", "region"), message))
+    if world.start is not None and (message := outline_fault(world.start.region)):
+        faults.append(Fault(("start", "region"), message))
     for k, obstacle in enumerate(world.obstacles):
-        if message := _outline_fault(obstacle):
+        if message := outline_fault(obstacle):
             faults.append(Fault(("obstacles", k), message))
-    return faults or _tunnelling(world)
+    moving = [
+        Moving(i, robot.name, robot.outline, robot.limits.v, robot.limits.omega)
+        for i, robot in enumerate(world.robots)
+    ]
+    return faults or tunnelling(moving, world.time.step)
 
 
 def geometry_faults(
@@ -78,12 +88,31 @@ def geometry_faults(
         where: Location = ("boundaries",) if world.boundaries is not None else ("corridor",)
         message = "the boundaries close no face around the reference path; join their ends"
         return [*faults, Fault(where, message)]
-    placed = [placed_outline(p, f) for p, f in zip(np.asarray(start), footprints, strict=True)]
-    walls = [shapely.LineString(np.asarray(line)) for line in boundaries]
-    solids = [shapely.Polygon(np.asarray(ring)) for ring in obstacles]
-    faults += _wall_faults(world, placed, walls, solids, accessible)
-    faults += _robot_faults(world, placed)
+    placed = [
+        Placed(i, world.robots[i].name, placed_outline(pose, footprint))
+        for i, (pose, footprint) in enumerate(zip(np.asarray(start), footprints, strict=True))
+    ]
+    drawn = world.boundaries is not None
+    walls = [
+        (f"boundaries[{k}]" if drawn else "the edge of the corridor", shapely.LineString(line))
+        for k, line in enumerate(map(np.asarray, boundaries))
+    ]
+    solids = [
+        (f"obstacles[{k}]", shapely.Polygon(ring))
+        for k, ring in enumerate(map(np.asarray, obstacles))
+    ]
+    faults += wall_faults(placed, walls, solids, accessible)
+    faults += robot_faults(placed)
     return faults
+
+
+class Placed(NamedTuple):
+    """A robot where it starts."""
+
+    number: int
+    name: str
+    shape: Any
+    """its outline as a shapely polygon in the world frame"""
 
 
 def corners_of_line(line: ArrayLike) -> FloatArray:
@@ -101,7 +130,7 @@ def placed_outline(pose: ArrayLike, footprint: ArrayLike) -> Any:
     return shapely.Polygon(np.asarray(footprint) @ np.array([[c, s], [-s, c]]) + (x, y))
 
 
-def _outline_fault(outline: ArrayLike) -> str:
+def outline_fault(outline: ArrayLike) -> str:
     """What is wrong with an outline; empty when it is simple and encloses an area."""
     points = corners(outline)
     if len(points) < 3:
@@ -118,28 +147,44 @@ def _outline_fault(outline: ArrayLike) -> str:
     return f"crosses or touches itself{near}; the corners must go once round the outline"
 
 
-def _tunnelling(world: World) -> list[Fault]:
+class Moving(NamedTuple):
+    """What says how far a robot may move in one step."""
+
+    number: int
+    name: str
+    outline: ArrayLike
+    """simple, (n, 2) [m] in the robot's frame"""
+    v: float
+    """[m/s]"""
+    omega: float
+    """[rad/s]"""
+
+
+def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
     """Refuse (v + r |omega|) dt beyond a quarter of the smallest width: see physics, time step."""
-    widths: dict[Any, float] = {}
-    for robot in world.robots:
-        if robot.outline not in widths:
-            widths[robot.outline] = smallest_width(convex_parts(robot.outline))
-    narrowest = min(world.robots, key=lambda robot: widths[robot.outline])
-    limit = TUNNEL_FRACTION * widths[narrowest.outline]
+    if not robots:
+        return []
+    outlines = [np.asarray(robot.outline, dtype=np.float64) for robot in robots]
+    keys = [outline.tobytes() for outline in outlines]
+    different = dict(zip(keys, outlines, strict=True))
+    known = {key: smallest_width(convex_parts(outline)) for key, outline in different.items()}
+    widths = [known[key] for key in keys]
+    narrowest = robots[int(np.argmin(widths))]
+    limit = TUNNEL_FRACTION * min(widths)
     faults = []
-    for i, robot in enumerate(world.robots):
+    for robot in robots:
         radius = circumscribed_radius(robot.outline)
-        speed = robot.limits.v + radius * robot.limits.omega
-        advance = speed * world.time.step
+        speed = robot.v + radius * robot.omega
+        advance = speed * step
         if advance > limit:
             message = (
                 f"{shown(robot.name)} could move {advance:.4g} m in one step of "
-                f"{world.time.step:.6g} s (v {robot.limits.v:.6g} m/s + {radius:.4g} m x omega "
-                f"{robot.limits.omega:.6g} rad/s); at most {limit:.4g} m are allowed, a quarter "
+                f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
+                f"{robot.omega:.6g} rad/s); at most {limit:.4g} m are allowed, a quarter "
                 f"of the smallest width, that of {shown(narrowest.name)}; "
                 f"use a step of at most {_floored(limit / speed)} s or lower limits"
             )
-            faults.append(Fault(("robots", i, "limits"), message))
+            faults.append(Fault(("robots", robot.number, "limits"), message))
     return faults
 
 
@@ -149,26 +194,38 @@ def _floored(value: float) -> str:
     return f"{math.floor(value / unit) * unit:.3g}"
 
 
-def _wall_faults(
-    world: World, placed: list[Any], walls: list[Any], solids: list[Any], accessible: Any
+def wall_faults(
+    robots: Sequence[Placed],
+    walls: Sequence[tuple[str, Any]],
+    solids: Sequence[tuple[str, Any]],
+    accessible: Any | None,
 ) -> list[Fault]:
-    """Robots in or against a boundary or obstacle, or outside the accessible area."""
-    tree = shapely.STRtree([*walls, *solids])
-    shapely.prepare(accessible)
-    near: list[list[int]] = [[] for _ in placed]
-    for i, k in np.transpose(tree.query(placed, predicate="dwithin", distance=CONTACT)):
+    """Robots in or against a boundary or obstacle, or outside the accessible area.
+
+    ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
+    ``accessible`` only contact is told.
+    """
+    if not robots:
+        return []
+    shapes = [robot.shape for robot in robots]
+    tree = shapely.STRtree([shape for _, shape in (*walls, *solids)])
+    near: list[list[int]] = [[] for _ in robots]
+    for i, k in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
         near[i].append(int(k))
+    if accessible is not None:
+        shapely.prepare(accessible)
     faults = []
-    for i, shape in enumerate(placed):
-        where: Location = ("robots", i, "pose")
-        name = shown(world.robots[i].name)
+    for i, (number, given, shape) in enumerate(robots):
+        where: Location = ("robots", number, "pose")
+        name = shown(given)
         for k in sorted(near[i])[:MOST_TOLD]:
             if k < len(walls):
-                told = _boundary_message(world, shape, k, walls[k], accessible)
+                told = _boundary_message(shape, *walls[k], accessible)
             else:
-                told = _overlap(shape, solids[k - len(walls)], f"obstacles[{k - len(walls)}]")
+                label, solid = solids[k - len(walls)]
+                told = _overlap(shape, solid, label)
             faults.append(Fault(where, f"{name} {told} at the start; move it away"))
-        if not near[i] and not accessible.covers(shape):
+        if not near[i] and accessible is not None and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
             message = f"{name} starts outside the accessible area{away}; move it inside"
@@ -176,8 +233,9 @@ def _wall_faults(
     return faults
 
 
-def _boundary_message(world: World, shape: Any, k: int, wall: Any, accessible: Any) -> str:
-    label = f"boundaries[{k}]" if world.boundaries is not None else "the edge of the corridor"
+def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any | None) -> str:
+    if accessible is None:
+        return f"crosses {label}" if shape.intersection(wall).length > 0.0 else f"touches {label}"
     beyond = shape.difference(accessible)
     if beyond.is_empty or not shape.intersects(wall):
         return f"touches {label}"
@@ -193,13 +251,17 @@ def _overlap(a: Any, b: Any, label: str) -> str:
     return f"overlaps {label} by {depth:.4g} m" if depth > CONTACT else f"touches {label}"
 
 
-def _robot_faults(world: World, placed: list[Any]) -> list[Fault]:
+def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     """Pairs of robots that overlap or touch, told at the later one."""
-    tree = shapely.STRtree(placed)
-    pairs = np.transpose(tree.query(placed, predicate="dwithin", distance=CONTACT))
+    if not robots:
+        return []
+    shapes = [robot.shape for robot in robots]
+    tree = shapely.STRtree(shapes)
+    pairs = np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT))
     faults = []
-    for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j):
-        first, second = shown(world.robots[i].name), shown(world.robots[j].name)
-        told = _overlap(placed[j], placed[i], first)
-        faults.append(Fault(("robots", j, "pose"), f"{second} {told} at the start; part them"))
+    for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
+        first, second = robots[i], robots[j]
+        told = _overlap(second.shape, first.shape, shown(first.name))
+        message = f"{shown(second.name)} {told} at the start; part them"
+        faults.append(Fault(("robots", second.number, "pose"), message))
     return faults

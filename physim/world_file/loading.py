@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
 from physim.registry import checked_settings, find_controller
@@ -77,6 +79,42 @@ def world_of(
     A ``controller`` given here replaces the one of the document and may be ``module:Class``; the
     document's settings are kept only if they belong to that controller.
     """
+    judged = judge(
+        document, overrides=overrides, controller=controller, check_controller=check_controller
+    )
+    if judged.world is None:
+        raise located(judged.faults, judged.document)
+    return judged.world, judged.document
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A document held against the model."""
+
+    document: Document
+    """with the overrides in it"""
+    values: dict[str, Any]
+    """what stands in it, valid or not"""
+    faults: list[Fault]
+    """every one of the model and the controller; those of the text are in the document"""
+    world: World | None
+    """None where there is any fault"""
+    controller: type[Any] | None
+    """class of the controller; None where it cannot be had"""
+
+
+def judge(
+    document: Document,
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+    check_controller: bool = True,
+) -> Judged:
+    """Hold a document against the model, and return the faults instead of raising them.
+
+    Raises `WorldError` only where there are no values to judge: no mapping, or an override that
+    cannot be read.
+    """
     if document.root.members is None:
         raise refused(
             document.source,
@@ -88,17 +126,17 @@ def world_of(
         document = _with_controller(document, controller)
     document = apply_overrides(document, overrides)
     values = document.values()
+    chosen: type[Any] | None = None
     faults: list[Fault] = []
     if check_controller:
-        faults = _controller_faults(values, trusted=controller is not None)
+        chosen, faults = _controller(values, trusted=controller is not None)
     world: World | None = None
     try:
         world = World(**values)
     except WorldError as error:
         faults = [*error.faults, *faults]
-    if faults or document.faults or world is None:
-        raise located(faults, document)
-    return world, document
+    world = None if faults or document.faults else world
+    return Judged(document, values, faults, world, chosen)
 
 
 def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
@@ -109,15 +147,25 @@ def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
     """
     if document is None:
         return WorldError(_capped(list(faults)))
-    told = list(zip(document.faults, document.fault_positions, strict=True))
-    for fault in faults:
-        if not _is_void(fault.location, document):
-            key = isinstance(fault, KeyFault)
-            told.append((fault, document.position(fault.location, key)))
-    told.sort(key=lambda pair: (pair[1].line, pair[1].column))
+    told = [*zip(document.faults, document.fault_positions, strict=True)]
+    told = in_order([*told, *placed(faults, document)])
     kept = _capped([fault for fault, _ in told])
     positions = [position for _, position in told][: len(kept)]
     return WorldError(kept, positions)
+
+
+def placed(faults: Iterable[Fault], document: Document) -> list[tuple[Fault, Position]]:
+    """Each fault with its place, but for those of values that could not even be read."""
+    return [
+        (fault, document.position(fault.location, isinstance(fault, KeyFault)))
+        for fault in faults
+        if not _is_void(fault.location, document)
+    ]
+
+
+def in_order(told: list[tuple[Fault, Position]]) -> list[tuple[Fault, Position]]:
+    """Faults in the order in which they stand in the file."""
+    return sorted(told, key=lambda pair: (pair[1].line, pair[1].column))
 
 
 def _is_void(location: Location, document: Document) -> bool:
@@ -150,19 +198,31 @@ def _with_controller(document: Document, name: str) -> Document:
     )
 
 
-def _controller_faults(values: dict[str, object], trusted: bool) -> list[Fault]:
-    """Faults of the controller's name and settings; nothing where the model says so already."""
+def _controller(values: dict[str, object], trusted: bool) -> tuple[type[Any] | None, list[Fault]]:
+    """Class of the controller, and faults of its name and settings that the model does not say."""
     choice = values.get("controller", {})
     if not isinstance(choice, dict):
-        return []
+        return None, []
     settings = {key: value for key, value in choice.items() if key != "type"}
     name = choice.get("type", "mode_switching")
     if not isinstance(name, str) or not name:
-        return []
+        return None, []
     try:
-        return checked_settings(find_controller(name, trusted), settings)[1]
+        found = find_controller(name, trusted)
+        return found, checked_settings(found, settings)[1]
     except ControllerError as error:
-        return [Fault(("controller", "type"), str(error))]
+        return None, [Fault(("controller", "type"), str(error))]
 
 
-__all__ = ["Position", "load_world", "located", "parse_world", "read_world", "world_of"]
+__all__ = [
+    "Judged",
+    "Position",
+    "in_order",
+    "judge",
+    "load_world",
+    "located",
+    "parse_world",
+    "placed",
+    "read_world",
+    "world_of",
+]

@@ -241,6 +241,8 @@ class _Reader:
         if self._expects_key():
             raise refused(self.source, line, column, "a list or mapping cannot be a key")
         self._check_tag(event, line, column)
+        if event.tag is not None:
+            self.void.add(self._here())  # what it would have been is not judged, too
         is_list = isinstance(event, yaml.SequenceStartEvent)
         node = Node(line, column, items=[] if is_list else None, members=None if is_list else {})
         if event.anchor is not None:

@@ -19,8 +19,8 @@ def changed(old: str, new: str) -> str:
 
 
 WORLD_KEYS = (
-    "name, description, seed, time, corridor, boundaries, reference_path, robots, formation, "
-    "controller, obstacles, expect, physics"
+    "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
+    "formation, controller, obstacles, expect, physics"
 )
 
 REGISTERED = ", ".join(controller_names())

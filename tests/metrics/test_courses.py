@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
 
 from physim import metrics
 from physim.errors import PhysimError
-from physim.geometry.shapes import FloatArray
-from physim.metrics.width import boundary_segments
+from physim.geometry.corridor import offset_polyline
+from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
+from physim.metrics.width import sides_of
+from physim.record import Record, RecordWriter
+from physim.scene import Body
 from tests.metrics.histories import history
-from tests.records import WIDTH, make_record
+from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 
 
 def arcs(v: FloatArray, omega: FloatArray, samples: int, dt: float = 0.01) -> FloatArray:
@@ -122,7 +127,7 @@ def test_width_is_from_wall_to_wall() -> None:
     """Against shapely: distances to the walls on either side of a straight stretch."""
     with make_record(seconds=1.0) as record:
         found = metrics.corridor_width(record, robot=1)
-        walls = shapely.linestrings(boundary_segments(record).reshape(-1, 2, 2))
+        walls = shapely.linestrings(sides_of(record)[1].reshape(-1, 2, 2))
     assert np.allclose(np.diff(found.station), 0.1)
     early = found.station < 8.0
     assert np.allclose(found.width[early], WIDTH)
@@ -136,3 +141,41 @@ def test_width_is_from_wall_to_wall() -> None:
 def test_width_of_no_robot() -> None:
     with make_record(seconds=1.0) as record, pytest.raises(PhysimError, match="0 to 2"):
         metrics.corridor_width(record, robot=3)
+
+
+def corridor(path_offset: float, obstacle: bool = False) -> Record:
+    """One robot on a path beside the centreline of a bent corridor with caps."""
+    scene = make_scene(1)
+    left, right = (offset_polyline(CENTRELINE, np.full(4, s * WIDTH / 2)) for s in (1, -1))
+    lines = [left, right, np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
+    names = ["left wall", "right wall", "start cap", "end cap"]
+    bodies = [list(pairwise(line)) for line in lines]
+    kinds = ["boundary"] * 4
+    if obstacle:
+        bodies.append([np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])])
+        names, kinds = [*names, "box"], [*kinds, "obstacle"]
+    scene.walls = pack_shapes(bodies)
+    rows = zip(kinds, names, strict=True)
+    others = [Body(1 + k, kind, name) for k, (kind, name) in enumerate(rows)]
+    scene.bodies = (scene.bodies[0], *others)
+    scene.paths = pack_polylines([offset_polyline(CENTRELINE, np.full(4, path_offset))])
+    out = RecordWriter(None, scene, "corridor: {width: 8.0}", name="corridor")
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    return out.record()
+
+
+@pytest.mark.parametrize("offset", [0.0, 3.9, -3.9])
+def test_caps_of_a_corridor_do_not_narrow_it_and_a_path_along_a_wall_sees_both(
+    offset: float,
+) -> None:
+    found = metrics.corridor_width(corridor(offset))
+    assert found.width.min() == pytest.approx(WIDTH, abs=1e-9)
+    assert found.width[0] == pytest.approx(WIDTH)
+    assert found.width.max() < 1.2 * WIDTH
+
+
+def test_an_obstacle_narrows_a_corridor_on_its_side() -> None:
+    found = metrics.corridor_width(corridor(0.0, obstacle=True))
+    k = int(np.argmin(abs(found.station - 5.5)))
+    assert found.width[k] == pytest.approx(4.0 + 2.0)
+    assert found.right[k] == pytest.approx([5.5, -2.0])

@@ -69,6 +69,7 @@ ODD = {
     "one robot": lambda: make_record(robots=1, seconds=1.0),
     "no formation": lambda: make_record(seconds=1.0, world_text="name: x\n"),
     "no contact": lambda: make_record(robots=2, seconds=1.0, contacts=False),
+    "no collision times": lambda: history([{"robot": 1, "collision_time": np.nan}]),
     "killed": lambda: make_record(seconds=1.0, ended="running"),
     "a crowd": crowd,
 }
@@ -109,6 +110,7 @@ def texts(figure: Any, kind: str) -> list[str]:
         ("formation", "nothing recorded", "none: no decision was recorded"),
         ("distances", "one robot", "none: one robot alone"),
         ("collision_times", "nothing recorded", "none: no decision foresaw a collision"),
+        ("collision_times", "no collision times", "none: the controller reports none"),
         ("modes", "nothing recorded", "none: no decision was recorded"),
         ("trajectories", "nothing recorded", "none: no sample was recorded"),
         ("prediction", "no contact", "none: no contact"),

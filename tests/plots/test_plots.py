@@ -23,13 +23,14 @@ def record() -> Record:
 
 @pytest.mark.parametrize("format", FORMATS)
 def test_the_same_record_gives_the_same_files(record: Record, tmp_path: Path, format: str) -> None:
-    first = draw(record, tmp_path / "a", format=format)
-    second = draw(record, tmp_path / "b", format=format)
-    assert [path.name for path in first] == [f"{name}.{format}" for name in NAMES]
+    only = NAMES if format == "png" else ("trajectories", "distances", "modes")
+    first = draw(record, tmp_path / "a", format=format, only=only)
+    second = draw(record, tmp_path / "b", format=format, only=only)
+    assert [path.name for path in first] == [f"{name}.{format}" for name in only]
     for one, two in zip(first, second, strict=True):
         assert one.stat().st_size > 2000
         assert one.read_bytes() == two.read_bytes()
-    assert len(list((tmp_path / "a").iterdir())) == len(NAMES)
+    assert len(list((tmp_path / "a").iterdir())) == len(only)
 
 
 def test_nothing_is_written_over_without_force(record: Record, tmp_path: Path) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.area import width_profile
 from physim.geometry.corridor_width import sampled_widths, widths_at
+from physim.geometry.width import width_profile
 from physim.preview.contents import contents
 from physim.scene_builder import build_scene, lay_out
 from physim.world_file import load_world, parse_world

@@ -16,15 +16,23 @@ from physim.world import (
     Offset,
     Physics,
     Robot,
+    Start,
     Time,
     World,
 )
+from physim.world.rules import WALL_NAMES
 
 coordinates = st.floats(-1e6, 1e6)
 lengths = st.floats(1e-3, 100.0)
 points = st.tuples(coordinates, coordinates)
-labels = st.text(
-    st.characters(exclude_categories=["Cs", "Cc"]).filter(str.isprintable), min_size=1, max_size=12
+labels = (
+    st.text(
+        st.characters(exclude_categories=["Cs", "Cc"]).filter(str.isprintable),
+        min_size=1,
+        max_size=12,
+    )
+    .map(str.strip)
+    .filter(lambda name: name and not WALL_NAMES.fullmatch(name))
 )
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=30)
 settings = st.dictionaries(
@@ -46,16 +54,27 @@ polylines = st.lists(points, min_size=2, max_size=6).map(tuple).filter(_apart)
 polygons = st.lists(points, min_size=3, max_size=6).map(tuple).filter(lambda p: p[0] != p[-1])
 
 
+starts = st.builds(
+    Start,
+    region=polygons,
+    heading=st.floats(-1000, 1000) | st.sampled_from(["random", "along"]),
+    min_gap=st.floats(0, 100),
+    abreast=st.none() | st.integers(1, 9),
+)
+
+
 @st.composite
-def robots(draw, name):
+def robots(draw, name, shared):
+    pose = st.tuples(coordinates, coordinates, st.floats(-1000, 1000) | st.just("random"))
+    nowhere = [st.just((None, None))] if shared else []
+    where = draw(
+        st.one_of(st.tuples(pose, st.none()), st.tuples(st.none(), starts), *nowhere),
+    )
     return Robot(
         name=name,
         footprint=draw(st.builds(Box, length=lengths, width=lengths) | polygons),
-        pose=(
-            draw(coordinates),
-            draw(coordinates),
-            draw(st.floats(-1000, 1000) | st.just("random")),
-        ),
+        pose=where[0],
+        start=where[1],
         path=draw(polylines | st.builds(Offset, offset=coordinates)),
         limits=Limits(v=draw(st.floats(0.1, 100.0)), omega=draw(st.floats(0.1, 100.0))),
         mass=draw(st.none() | lengths),
@@ -70,6 +89,7 @@ def worlds(draw):
     pairs = [(a, b) for i, a in enumerate(names) for b in names[:i]]
     step = draw(st.sampled_from([0.01, 0.05, 1e-5, 0.1]))
     has_corridor = draw(st.booleans())
+    shared = draw(st.none() | starts)
     leads = (0.0, *draw(st.tuples(*[coordinates for _ in names[1:]])))
     formation = Formation(
         gain=draw(st.floats(0, 10)),
@@ -91,7 +111,8 @@ def worlds(draw):
         corridor=draw(corridor) if has_corridor else None,
         boundaries=None if has_corridor else draw(st.lists(polylines, min_size=1, max_size=3)),
         reference_path=draw(st.none() | polylines) if has_corridor else draw(polylines),
-        robots=[draw(robots(name)) for name in names],
+        start=shared,
+        robots=[draw(robots(name, shared is not None)) for name in names],
         formation=draw(st.none() | st.just(formation)),
         controller=ControllerChoice(
             type=draw(st.sampled_from(["mode_switching", "odd: one"])), settings=draw(settings)

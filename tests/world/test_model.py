@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.errors import WorldError
-from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, World
+from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, Start, World
 from tests.world.strategies import worlds
 
 ROBOT = {
@@ -20,6 +20,7 @@ ROBOT = {
     "pose": [3.0, 1.0, 0.0],
     "path": [[0.0, 1.0], [30.0, 1.0]],
 }
+START = {"region": [[0, -3], [9, -3], [9, 3], [0, 3]]}
 
 
 def values(**changes):
@@ -118,6 +119,13 @@ def test_all_faults_come_at_once_in_our_words():
         ({"formation": {"neighbours": [["r1", "r2"], ["r2", "r1"]]}},
          ("formation", "neighbours", 1), "twice"),
         ({"robots": []}, ("robots",), "at least 1"),
+        ({"robots": [{**ROBOT, "pose": None}]}, ("robots", 0, "pose"), "or a start region"),
+        ({"robots": [{**ROBOT, "start": START}]}, ("robots", 0, "start"), "beside pose"),
+        ({"start": {**START, "heading": "alon"}}, ("start", "heading"), 'mean "along"?'),
+        ({"start": {**START, "regoin": 1}}, ("start", "regoin"), 'mean "region"?'),
+        ({"start": {**START, "min_gap": -1}}, ("start", "min_gap"), "at least 0"),
+        ({"start": {**START, "abreast": 1.5}}, ("start", "abreast"), "whole number"),
+        ({"start": {}}, ("start", "region"), "needed: [m] corners"),
         ({"robots": {}}, ("robots",), "must be a list; given a mapping"),
         ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), "beyond"),
         ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), "repeats"),
@@ -143,6 +151,23 @@ def test_each_fault_has_its_place_and_says_what_is_allowed(changes, location, te
     found = faults(**changes)
     assert text in found[location]
     assert len(found) == 1 or text == "must be a list; given 1"
+
+
+def test_a_misspelt_pose_or_start_is_told_once():
+    nowhere = {key: value for key, value in ROBOT.items() if key != "pose"}
+    assert list(faults(robots=[{**nowhere, "psoe": [1, 2, 3]}])) == [("robots", 0, "psoe")]
+    assert list(faults(robots=[nowhere], strat=START)) == [("strat",)]
+
+
+def test_a_robot_starts_by_its_pose_its_own_region_or_the_worlds():
+    nowhere = {key: value for key, value in ROBOT.items() if key != "pose"}
+    own = {"region": [[1, 1], [2, 1], [2, 2]], "abreast": 2}
+    robots = [ROBOT, {**nowhere, "name": "r2", "start": own}, {**nowhere, "name": "r3"}]
+    world = World(**values(robots=robots, start=START))
+    assert world.start_of(0) is None
+    assert world.start_of(1) == Start(**own)
+    assert world.start_of(2) == world.start
+    assert (world.start.heading, world.start.min_gap, world.start.abreast) == ("random", 0.3, None)
 
 
 def test_parts_raise_the_same_error_on_their_own():
@@ -173,7 +198,7 @@ def test_stem_is_safe_in_a_file_name():
     assert World(**values(name="//")).stem == "world"
 
 
-@given(st.text(min_size=1, max_size=100).filter(str.isprintable))
+@given(st.text(min_size=1, max_size=100).map(str.strip).filter(lambda s: s and s.isprintable()))
 def test_stem_of_any_name_is_one_plain_word(name):
     assert re.fullmatch(r"[\w-]+", World(**values(name=name)).stem)
 

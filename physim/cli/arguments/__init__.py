@@ -7,6 +7,8 @@ from importlib import import_module
 from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
+    "new",
+    "check",
     "run",
     "video",
     "summary",
@@ -14,7 +16,9 @@ IN_ORDER = (
     "crashtest",
     "plot",
     "preview",
+    "importing",
     "listing",
+    "schema",
 )
 """Modules of this package, in the order in which the help tells their commands."""
 

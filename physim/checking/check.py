@@ -1,0 +1,161 @@
+"""Check a world file: everything that is wrong with it, at once, without running it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+import shapely
+
+from physim.checking.clearance import ClearanceProfile
+from physim.checking.findings import Finding, Findings, printable
+from physim.checking.formation import check_formation
+from physim.checking.ground import Ground, ground_of
+from physim.checking.paths import (
+    check_passage,
+    check_paths,
+    check_reference,
+    check_room,
+    own_paths,
+    profiles_of,
+)
+from physim.checking.scale import check_scale
+from physim.checking.sketch import Sketch, number, sketch_of
+from physim.checking.starts import (
+    check_headings,
+    check_starts,
+    check_step,
+    placed_by_seed,
+    sound_outlines,
+)
+from physim.checking.telling import Told
+from physim.errors import ControllerError, Fault, WorldError
+from physim.registry import settings_model
+from physim.world_file import read_document
+from physim.world_file.file_text import file_text
+from physim.world_file.loading import Judged, in_order, judge, placed
+from physim.world_file.nodes import Document
+from physim.world_file.shipped import find_world
+
+MOST_TOLD = 100
+"""Errors, and likewise warnings, of one world that are told one by one."""
+
+
+def check_world(
+    path: str | os.PathLike[str],
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+) -> Findings:
+    """Check a world file, or a shipped world by its name; never raises for a bad world.
+
+    ``overrides`` and ``controller`` are as the command line gives them. What `physim run` refuses
+    is among the errors; so is what would run but cannot be meant, as a path through a wall.
+    """
+    try:
+        found = find_world(path)
+        document = read_document(file_text(found), str(found))
+        judged = judge(document, overrides=overrides, controller=controller)
+    except WorldError as error:
+        return _refused(error, str(path))
+    told = Told(errors=judged.faults)
+    profiles = _check_geometry(judged, told)
+    document = judged.document
+    errors = [*zip(document.faults, document.fault_positions, strict=True)]
+    errors += placed(_distinct(told.errors), document)
+    source = document.source
+    return Findings(
+        file=printable(source),
+        errors=_capped([Finding.of(fault, at, source) for fault, at in in_order(errors)], source),
+        warnings=_capped(_warnings(told.warnings, document), source),
+        clearance=profiles,
+        world=judged.world,
+    )
+
+
+def _refused(error: WorldError, file: str) -> Findings:
+    """Findings of a file that could not be read at all."""
+    positions = error.positions or (None,) * len(error.faults)
+    return Findings(
+        file=printable(file),
+        errors=tuple(
+            Finding.of(fault, position, str(position.file) if position is not None else file)
+            for fault, position in zip(error.faults, positions, strict=True)
+        ),
+    )
+
+
+def _check_geometry(judged: Judged, told: Told) -> tuple[ClearanceProfile, ...]:
+    """Everything that lies in where things are; what cannot be read is passed over."""
+    sketch = sketch_of(judged.values)
+    try:
+        return _checked(sketch, judged, told)
+    except shapely.errors.ShapelyError as error:
+        reason = " ".join(str(error).split())[:100]
+        told.error((), f"the geometry is beyond what can be computed ({reason})")
+        return ()
+
+
+def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfile, ...]:
+    outlines = sound_outlines(sketch, told)
+    check_step(sketch, outlines, told)
+    ground = ground_of(sketch, told)
+    paths = own_paths(sketch, told)
+    sketch = placed_by_seed(sketch, judged.world, ground, outlines, paths, told)
+    check_reference(sketch, told)
+    check_starts(sketch, ground, outlines, told)
+    check_headings(sketch, paths, told)
+    check_paths(sketch, paths, ground, told)
+    safe_distance = _safe_distance(judged)
+    profiles = profiles_of(sketch, paths, outlines, ground, safe_distance)
+    check_room(sketch, profiles, ground, told)
+    check_passage(sketch, paths, profiles, ground, told)
+    _check_safe_area(ground, safe_distance, told)
+    check_formation(sketch, paths, outlines, told)
+    check_scale(sketch, judged.values, outlines, told)
+    return profiles
+
+
+def _safe_distance(judged: Judged) -> float | None:
+    """The L of the world's controller [m]: as set, else its default; None where it has none."""
+    try:
+        model = settings_model(judged.controller) if judged.controller is not None else None
+    except ControllerError:
+        return None
+    field = model.model_fields.get("safe_distance") if model is not None else None
+    if field is None:
+        return None
+    settings = judged.values.get("controller", {})
+    return number(settings.get("safe_distance", field.default), 1e-9, 1e6)
+
+
+def _check_safe_area(ground: Ground, safe_distance: float | None, told: Told) -> None:
+    """Warn where no place is as far from the boundaries as the controller wants to be."""
+    if ground.area is None or safe_distance is None:
+        return
+    if ground.area.polygon.buffer(-safe_distance, quad_segs=4).is_empty:
+        circle = shapely.maximum_inscribed_circle(ground.area.polygon, tolerance=1e-3)
+        told.warn(
+            ("controller", "safe_distance"),
+            f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
+            f"the roomiest place is {circle.length:.4g} m from them; widen the corridor, or set "
+            "safe_distance below that",
+        )
+
+
+def _distinct(faults: list[Fault]) -> list[Fault]:
+    """Faults without those told twice."""
+    return list(dict.fromkeys(faults))
+
+
+def _warnings(faults: list[Fault], document: Document) -> list[Finding]:
+    told = in_order(placed(_distinct(faults), document))
+    return [Finding.of(fault, position, document.source) for fault, position in told]
+
+
+def _capped(findings: list[Finding], source: str) -> tuple[Finding, ...]:
+    if len(findings) <= MOST_TOLD:
+        return tuple(findings)
+    left = len(findings) - MOST_TOLD + 1
+    more = Finding(source, None, None, "", f"and {left} more; mend these first")
+    return (*findings[: MOST_TOLD - 1], more)

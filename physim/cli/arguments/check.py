@@ -1,0 +1,37 @@
+"""Arguments of ``physim check``."""
+
+from __future__ import annotations
+
+import argparse
+
+from physim.cli.arguments.commands import Commands, lazy
+
+EPILOG = """\
+exit codes:
+  0    no errors; there may be warnings
+  2    errors: each with file, line and column
+  130  interrupted (Ctrl-C), the way to end --watch
+
+examples:
+  physim check my_world.yaml
+  physim check worlds/*.yaml --json
+  physim check my_world.yaml --watch
+"""
+
+
+def add(commands: Commands) -> None:
+    """Add the command to the parser."""
+    check = commands.add_parser(
+        "check",
+        help="find every fault of a world before running it",
+        description="Read worlds strictly and look at their geometry: all errors and warnings at "
+        "once, each with file, line and column, and the room that each robot has on its path.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    check.add_argument(
+        "worlds", nargs="+", metavar="WORLD", help="a world file, or the name of a shipped world"
+    )
+    check.add_argument("--json", action="store_true", help="print everything as JSON")
+    check.add_argument("--watch", action="store_true", help="check again whenever a file is saved")
+    check.set_defaults(action=lazy("physim.cli.check", "check_command"))

@@ -1,0 +1,119 @@
+"""What a reader makes of a source: lines in metres, and what it has to say about them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physim.errors import PhysimError
+from physim.geometry.shapes import FloatArray
+
+DIGITS = 3
+"""Digits after the point of every coordinate written: millimetres."""
+
+MOST_LISTED = 20
+"""Things of one kind that are listed one by one."""
+
+
+class ImportSourceError(PhysimError):
+    """A source that cannot be imported: what, where in it, and what to do."""
+
+
+@dataclass(frozen=True)
+class DrawnRobot:
+    """A robot as drawn: its outline (n, 2) [m], world frame."""
+
+    name: str
+    outline: FloatArray
+
+
+@dataclass
+class Drawing:
+    """Lines of a source [m], world frame, x right and y up.
+
+    ``boundaries`` are polylines, closed ones with the first point repeated; ``obstacles`` are
+    rings without that; ``area`` is the shapely polygon that robots may use, once it is known.
+    ``facts`` say what was read and how; ``changes`` every line that was dropped or repaired.
+    """
+
+    kind: str
+    boundaries: list[FloatArray] = field(default_factory=list)
+    obstacles: list[FloatArray] = field(default_factory=list)
+    reference: FloatArray | None = None
+    robots: list[DrawnRobot] = field(default_factory=list)
+    paths: dict[str, FloatArray] = field(default_factory=dict)
+    area: Any = None
+    facts: list[str] = field(default_factory=list)
+    changes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the user asked for; None where the source or the import decides.
+
+    Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
+    track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
+    unit of the source], ``specks`` [m²] the largest occupied patch that is left out.
+    """
+
+    format: str | None = None
+    scale: float | None = None
+    tolerance: float | None = None
+    specks: float | None = None
+    start: float | None = None
+    gap: float | None = None
+    origin: tuple[float, float] | None = None
+    goal: tuple[float, float] | None = None
+    robots: int | None = None
+    lanes: int | None = None
+    robot: tuple[float, float] | None = None
+    name: str | None = None
+
+
+def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
+    """Error at a source, or at a line of it (from 1)."""
+    place = printable(str(source)) if line is None else f"{printable(str(source))}:{line}"
+    return ImportSourceError(f"{place}: {message}")
+
+
+def printable(text: str) -> str:
+    """One line of a text: what cannot be printed is replaced, and quotes stay what they are."""
+    return "".join(c if c.isprintable() else "�" for c in text)
+
+
+def listed(entries: Sequence[str]) -> list[str]:
+    """The first of many entries, and how many more there are."""
+    if len(entries) <= MOST_LISTED:
+        return list(entries)
+    return [*entries[:MOST_LISTED], f"and {len(entries) - MOST_LISTED} more"]
+
+
+def place(point: Sequence[float] | FloatArray) -> str:
+    """``(x, y)`` in metres."""
+    x, y = (round(float(v), 2) + 0.0 for v in point[:2])
+    return f"({x:.2f}, {y:.2f})"
+
+
+def rounded(points: FloatArray) -> FloatArray:
+    """Points to the millimetre, neighbours that become one point merged."""
+    near: FloatArray = np.asarray(points, dtype=np.float64).round(DIGITS) + 0.0
+    if len(near) < 2:
+        return near
+    keep = np.concatenate(([True], (np.diff(near, axis=0) != 0.0).any(axis=1)))
+    return np.asarray(near[keep])
+
+
+def number(value: float) -> str:
+    """Shortest decimal of at most three digits after the point; always with a point."""
+    text = f"{value:.{DIGITS}f}".rstrip("0")
+    text = text + "0" if text.endswith(".") else text
+    return "0.0" if text == "-0.0" else text
+
+
+def plural(count: int, one: str, many: str = "") -> str:
+    """``1 robot``, ``2 robots``."""
+    return f"{count} {one if count == 1 else many or one + 's'}"

@@ -1,0 +1,187 @@
+"""Robots on their paths: abreast in lanes, in rows one behind the other, apart at the start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.geometry.polygon import counter_clockwise
+from physim.geometry.shapes import FloatArray
+from physim.importing.drawing import Drawing, Options, number, refused
+from physim.importing.fit import Fit
+from physim.importing.lanes import Lane, lane
+from physim.importing.line import directions_at, points_at, stations
+
+LANE = 2.0
+"""[m] from lane to lane at size 1"""
+ROW, COLUMN = 4.0, 3.2
+"""[m] from robot to robot of a lane at size 1, with lanes beside it and alone"""
+GAP = 0.5
+"""[m] least distance between two robots at the start at size 1"""
+WALL_GAP = 0.15
+"""[m] least distance of a robot to a wall at the start at size 1"""
+MOST_SHARE = 0.6
+"""[-] share of the path that the group may take up at the start"""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """One robot of the world: footprint in its own frame, a (length, width) or outline (n, 2)."""
+
+    name: str
+    footprint: tuple[float, float] | FloatArray
+    pose: tuple[float, float, float]
+    path: float | FloatArray
+    """offset [m] from the reference path, or points (n, 2)"""
+
+
+def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[Placed]:
+    """Place ``--robots`` boxes in ``--lanes`` lanes, the first of them furthest ahead.
+
+    Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
+    of each other. Raises ImportSourceError when there is no room for so many.
+    """
+    count = options.robots or options.lanes or 1
+    lanes = min(1 if options.lanes is None else options.lanes, count)
+    made = [
+        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, drawing.area,
+             found.room, found.size)
+        for k in range(lanes)
+    ]  # fmt: skip
+    for one in made:
+        if not one.is_plain:
+            drawing.changes.append(
+                f"lane {one.offset:+.2f} m beside the path is drawn in to {one.narrowest:.2f} m "
+                "where the corridor is narrow or bends tightly"
+            )
+    order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
+    files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
+    step = found.size * (COLUMN if files else ROW / lanes)  # in one file where lanes are drawn in
+    slots = [order[(count - 1 - n) % lanes] for n in range(count)]
+    poses = _poses(path, drawing.area, found, [made[k] for k in slots], step)
+    return [
+        Placed(f"r{count - n}", found.box, poses[n], one.offset if one.is_plain else one.line)
+        for n, one in reversed(list(enumerate(made[k] for k in slots)))
+    ]
+
+
+def _poses(
+    path: Path, area: Any, found: Fit, lanes: list[Lane], step: float
+) -> list[tuple[float, float, float]]:
+    """Poses from the rear to the front: each as far back as the gaps allow."""
+    length = float(stations(found.reference)[-1])
+    inner = area.buffer(-WALL_GAP * found.size)
+    shapely.prepare(inner)
+    poses: list[tuple[float, float, float]] = []
+    shapes: list[Any] = []
+    station = 0.0
+    for one in lanes:
+        while True:
+            if station > MOST_SHARE * length:
+                raise refused(
+                    path,
+                    f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "
+                    f"{number(found.box[1])} m on the first {MOST_SHARE * length:.1f} m of the "
+                    "path; fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH",
+                )
+            pose = _pose(found, one, station)
+            shape = box_at(pose, found.box)
+            if inner.covers(shape) and not (
+                shapes and shapely.distance(shape, shapes).min() < GAP * found.size
+            ):
+                break
+            station += 0.1 * found.size
+        poses.append(pose)
+        shapes.append(shape)
+        station += step
+    return poses
+
+
+def _pose(found: Fit, one: Lane, station: float) -> tuple[float, float, float]:
+    """Place on a lane beside a station of the reference path, heading along the lane."""
+    beside = points_at(found.reference, np.array([station]))[0]
+    if one.offset != 0.0:
+        tx, ty = directions_at(found.reference, np.array([station]), found.size)[0]
+        beside = beside + one.offset * np.array([-ty, tx])
+    own = float(shapely.LineString(one.line).project(shapely.Point(beside)))
+    x, y = points_at(one.line, np.array([own]))[0]
+    tx, ty = directions_at(one.line, np.array([own]), found.size)[0]
+    return round(float(x), 3), round(float(y), 3), round(atan2(ty, tx), 4)
+
+
+def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
+    """Rectangle of a robot as a shapely polygon, world frame."""
+    x, y, heading = pose
+    a, b = 0.5 * box[0], 0.5 * box[1]
+    corners = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
+    c, s = cos(heading), sin(heading)
+    return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y))
+
+
+def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
+    """Robots where they are drawn, each on its own path or beside the reference path.
+
+    A robot heads along its path: of the four directions of the smallest rectangle about its
+    outline the one nearest to the direction of the path. Its reference point is the middle of
+    that rectangle.
+    """
+    reference = shapely.LineString(found.reference)
+    placed = []
+    for robot in drawing.robots:
+        rectangle = shapely.Polygon(robot.outline).minimum_rotated_rectangle
+        centre = np.array(rectangle.centroid.coords[0]).round(3)
+        own = drawing.paths.get(robot.name)
+        line = found.reference if own is None else own
+        station = np.array([shapely.LineString(line).project(shapely.Point(centre))])
+        tx, ty = directions_at(line, station, found.size)[0]
+        edge = np.diff(np.array(rectangle.exterior.coords)[:2], axis=0)[0]
+        axis = atan2(edge[1], edge[0])
+        turned = [axis + k * np.pi / 2.0 for k in range(4)]
+        heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
+        heading = float((heading + np.pi) % (2.0 * np.pi) - np.pi)
+        heading = round(heading, 4)
+        follows: float | FloatArray
+        if own is not None:
+            follows = own
+        else:
+            beside = points_at(line, station)[0]
+            gap = round(float(reference.distance(shapely.Point(centre))), 2)
+            left = tx * (centre[1] - beside[1]) - ty * (centre[0] - beside[0]) >= 0.0
+            follows = _own_lane(drawing, found, robot.name, gap if left else -gap)
+        placed.append(
+            Placed(
+                robot.name,
+                _footprint(robot.outline, centre, heading),
+                (float(centre[0]), float(centre[1]), heading),
+                follows,
+            )
+        )
+    return placed
+
+
+def _footprint(
+    outline: FloatArray, centre: FloatArray, heading: float
+) -> tuple[float, float] | FloatArray:
+    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
+    c, s = cos(heading), sin(heading)
+    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
+    half = np.abs(own).max(axis=0)
+    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
+        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
+    return own
+
+
+def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float | FloatArray:
+    one = lane(found.reference, offset, drawing.area, found.room, found.size)
+    if one.is_plain:
+        return one.offset
+    drawing.changes.append(
+        f"path of {name}, {offset:+.2f} m beside the reference path, is drawn in to "
+        f"{one.narrowest:.2f} m where the corridor is narrow or bends tightly"
+    )
+    return one.line

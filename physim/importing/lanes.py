@@ -1,0 +1,88 @@
+"""Paths of robots abreast: beside the reference path, drawn in where the corridor is narrow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.geometry.corridor import offset_polyline
+from physim.geometry.shapes import FloatArray
+from physim.importing.drawing import rounded
+from physim.importing.line import clearances, directions_at, points_at, samples, stations
+from physim.importing.loops import CrossingError, without_loops
+
+SLOPE = 0.2
+"""[-] How fast a lane may draw in, across over along."""
+FRACTIONS = 41
+"""Steps in which a lane's offset is tried, from nothing to all of it."""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Path of a lane (n, 2) [m]; ``offset`` [m], left positive, where it holds throughout."""
+
+    line: FloatArray
+    offset: float
+    is_plain: bool
+    narrowest: float
+    """[m] least offset along it, without sign"""
+
+
+def lane(reference: FloatArray, offset: float, area: Any, room: float, size: float) -> Lane:
+    """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
+
+    Where there is not, it is drawn in towards the reference path, which is taken to have it.
+    """
+    if offset == 0.0:
+        return Lane(reference, 0.0, True, 0.0)
+    plain = _plain(reference, offset, area, room)
+    if plain is not None:
+        return Lane(plain, offset, True, abs(offset))
+    at = samples(float(stations(reference)[-1]), 0.5 * size)
+    base = points_at(reference, at)
+    direction = directions_at(reference, at, 2.0 * abs(offset))
+    normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    share = np.zeros(len(at))
+    for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
+        moved = base + fraction * offset * normal
+        share = np.where(
+            (share >= fraction - 1.5 / FRACTIONS) & (clearances(moved, area) >= room),
+            fraction,
+            share,
+        )
+    share = _gentle(share, at, SLOPE / abs(offset))
+    line = base + (share * offset)[:, None] * normal
+    try:
+        line = without_loops(line, float("inf"))[0]
+    except CrossingError:  # too many loops: no lane of its own
+        return Lane(reference, offset, False, 0.0)
+    simple = shapely.simplify(shapely.LineString(line), 0.02 * size)
+    return Lane(
+        rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
+    )
+
+
+def _plain(reference: FloatArray, offset: float, area: Any, room: float) -> FloatArray | None:
+    """The mitred offset line, where it neither folds nor comes too near a wall; None otherwise."""
+    try:
+        line = offset_polyline(reference, np.full(len(reference), offset))
+    except ValueError:
+        return None
+    along = (np.diff(line, axis=0) * np.diff(reference, axis=0)).sum(axis=1)
+    if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
+        return None
+    at = samples(float(stations(line)[-1]), 0.25 * room)
+    return line if (clearances(points_at(line, at), area) >= room - 1e-6).all() else None
+
+
+def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
+    """Largest function below ``share`` that changes by at most ``slope`` [1/m]."""
+    low = share.copy()
+    for k in range(1, len(low)):
+        low[k] = min(low[k], low[k - 1] + slope * (at[k] - at[k - 1]))
+    for k in range(len(low) - 2, -1, -1):
+        low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
+    return low

@@ -1,0 +1,203 @@
+"""Outlines of the free cells of a map: exact along the edges of cells, then simplified and checked.
+
+Free cells that meet at a corner alone do not make a passage.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import shapely
+
+from physim.geometry.shapes import FloatArray
+from physim.importing.drawing import DIGITS, Drawing, Options, listed, place, refused
+
+SPECK = 2.0
+"""[cells] Occupied patches up to this many are left out unless the user says otherwise."""
+MOST_LOST = 0.1
+"""[-] share of its area that a ring may lose or gain when it is simplified"""
+MOST_EDGES = 1_000_000
+MOST_CORNERS = 2_000
+"""Corners of one obstacle of a world; a longer outline becomes a closed boundary."""
+
+
+def outline_map(
+    path: Path,
+    drawing: Drawing,
+    free: Any,
+    cell: float,
+    origin: tuple[float, float, float],
+    options: Options,
+) -> None:
+    """Fill in boundaries, obstacles and area of a drawing from free cells.
+
+    ``free`` (rows, columns) bool, the lowest row first; ``cell`` [m] the side of a cell;
+    ``origin`` x, y [m] and yaw [rad] of the lower left corner.
+    """
+    tolerance = cell if options.tolerance is None else options.tolerance
+    specks = SPECK * cell * cell if options.specks is None else options.specks
+    free = free.copy()
+    if not free.any():
+        raise refused(path, "no cell of the map is free; see negate and free_thresh")
+    centre = _Centres(cell, origin)
+    drawing.changes += _fill_specks(free, specks, cell, centre)
+    region = _region(path, drawing, free, cell, centre, options.origin)
+    exact = _polygon(path, region)
+    exact = shapely.transform(exact, lambda points: centre.placed(points * cell))
+    polygon = _simplified(exact, tolerance)
+    moved = max(_farthest(polygon, exact), _farthest(exact, polygon))
+    drawing.facts.append(
+        f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
+        f"{moved:.4f} m (Hausdorff distance), area {exact.area:.2f} to {polygon.area:.2f} m²"
+    )
+    _put(drawing, polygon)
+
+
+class _Centres:
+    """From cells to the world."""
+
+    def __init__(self, cell: float, origin: tuple[float, float, float]) -> None:
+        self.cell, self.origin = cell, origin
+
+    def placed(self, points: FloatArray) -> FloatArray:
+        """Points [m] from the lower left corner in the frame of the world."""
+        x, y, yaw = self.origin
+        c, s = cos(yaw), sin(yaw)
+        return np.asarray(points @ np.array([[c, s], [-s, c]]) + (x, y))
+
+    def of(self, cells: FloatArray) -> FloatArray:
+        """Middles of cells (column, row)."""
+        return self.placed((np.asarray(cells) + 0.5) * self.cell)
+
+    def column_row(self, point: tuple[float, float]) -> tuple[int, int]:
+        """Cell that a point of the world lies in."""
+        x, y, yaw = self.origin
+        c, s = cos(yaw), sin(yaw)
+        dx, dy = point[0] - x, point[1] - y
+        return int((c * dx + s * dy) // self.cell), int((-s * dx + c * dy) // self.cell)
+
+
+def _fill_specks(free: Any, most: float, cell: float, centre: _Centres) -> list[str]:
+    """Free the cells of small occupied patches; returns what was left out, largest first."""
+    count, labels, stats, middles = cv2.connectedComponentsWithStats(
+        (~free).astype(np.uint8), connectivity=8
+    )
+    area = stats[:, cv2.CC_STAT_AREA] * cell * cell
+    small = (area <= most * (1.0 + 1e-9)) & (np.arange(count) > 0)
+    free |= small[labels] & ~free
+    order = np.flatnonzero(small)[np.argsort(-area[small], kind="stable")]
+    told = [
+        f"speck of {area[k]:.4g} m² at {place(centre.of(middles[k]))}: left out (--specks)"
+        for k in order[:1000]
+    ]
+    more = [f"and {len(order) - 1000} more specks"] if len(order) > 1000 else []
+    return listed(told + more) if len(order) <= 1000 else [*listed(told[:20]), _more(len(order))]
+
+
+def _more(count: int) -> str:
+    return f"and {count - 20} more specks"
+
+
+def _region(
+    path: Path,
+    drawing: Drawing,
+    free: Any,
+    cell: float,
+    centre: _Centres,
+    inside: tuple[float, float] | None,
+) -> Any:
+    """Cells of the largest free region, or of the one at ``inside``; the others are listed."""
+    _, labels, stats, middles = cv2.connectedComponentsWithStats(
+        free.astype(np.uint8), connectivity=4
+    )
+    area = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
+    area[0] = -1.0
+    chosen = int(np.argmax(area))
+    if inside is not None:
+        column, row = centre.column_row(inside)
+        rows, columns = free.shape
+        if not (0 <= column < columns and 0 <= row < rows) or not free[row, column]:
+            raise refused(path, f"--from {place(inside)}: not in a free cell of the map")
+        chosen = int(labels[row, column])
+    others = [k for k in np.argsort(-area, kind="stable") if k not in (0, chosen)]
+    drawing.changes += listed(
+        [
+            f"free region of {area[k] * cell * cell:.4g} m² about "
+            f"{place(centre.of(middles[k]))}: not connected, left out"
+            for k in others[:20]
+        ]
+    )
+    if len(others) > 20:
+        rest = area[others[20:]].sum() * cell * cell
+        drawing.changes.append(f"and {len(others) - 20} more free regions of {rest:.4g} m² in all")
+    return labels == chosen
+
+
+def _polygon(path: Path, region: Any) -> Any:
+    """Exact outline of a region [cells], lower left corner of the map at (0, 0)."""
+    padded = np.pad(region, 1)
+    rows, columns = np.nonzero(padded[1:, :] != padded[:-1, :])
+    flat = np.stack([columns - 1, rows, columns, rows], axis=1)
+    rows, columns = np.nonzero(padded[:, 1:] != padded[:, :-1])
+    steep = np.stack([columns, rows - 1, columns, rows], axis=1)
+    edges = np.vstack([flat, steep]).astype(np.float64)
+    if len(edges) > MOST_EDGES:
+        raise refused(
+            path,
+            f"the outline of the free region has {len(edges)} edges, at most {MOST_EDGES} are "
+            "read; larger --specks or a smoother map",
+        )
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(edges.reshape(-1, 2, 2))))
+    inner = shapely.get_coordinates(shapely.point_on_surface(faces))
+    column, row = (np.floor(inner[:, k]).astype(int) for k in (0, 1))
+    own = faces[region[row, column]]
+    # Cells of one region may meet at a corner: one polygon still, joined there.
+    return own[0] if len(own) == 1 else max(own, key=lambda face: float(face.area))
+
+
+def _simplified(exact: Any, tolerance: float) -> Any:
+    """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one."""
+    grid = 10.0**-DIGITS
+    for share in (1.0, 0.5, 0.25, 0.0):
+        rings = [
+            _simple_ring(ring, max(share * tolerance - grid, 0.0))
+            for ring in (exact.exterior, *exact.interiors)
+        ]
+        simple = shapely.set_precision(shapely.Polygon(rings[0], rings[1:]), grid)
+        kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
+        if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
+            return simple
+    parts = shapely.get_parts(simple)
+    return max(parts, key=lambda part: float(part.area))
+
+
+def _simple_ring(ring: Any, tolerance: float) -> Any:
+    """Ring with fewer corners; a small one keeps its area, with a smaller tolerance."""
+    exact = shapely.Polygon(ring)
+    for share in (1.0, 0.5, 0.25):
+        simple = shapely.simplify(exact, share * tolerance, preserve_topology=True)
+        if abs(simple.area - exact.area) <= MOST_LOST * exact.area:
+            return simple.exterior
+    return shapely.simplify(ring, 0.0)
+
+
+def _farthest(a: Any, b: Any) -> float:
+    """[m] Largest distance of a corner of ``a`` to the outline of ``b``."""
+    edge = b.boundary
+    shapely.prepare(edge)
+    return float(shapely.distance(edge, shapely.points(shapely.get_coordinates(a))).max())
+
+
+def _put(drawing: Drawing, polygon: Any) -> None:
+    drawing.area = polygon
+    drawing.boundaries = [shapely.get_coordinates(polygon.exterior)]
+    for ring in polygon.interiors:
+        points = shapely.get_coordinates(ring)
+        if len(points) - 1 <= MOST_CORNERS:
+            drawing.obstacles.append(points[:-1])
+        else:
+            drawing.boundaries.append(points)

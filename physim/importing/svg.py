@@ -1,0 +1,227 @@
+"""An SVG drawing: lines in layers or with ids ``boundary``, ``obstacle``, ``path`` and ``robot``.
+
+svgelements reads it: transforms, units and the viewBox are applied. The y axis is turned up, with
+the lower edge of the page at y = 0.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import svgelements
+
+from physim.geometry.shapes import FloatArray
+from physim.importing.curves import subpaths
+from physim.importing.drawing import (
+    Drawing,
+    DrawnRobot,
+    Options,
+    listed,
+    place,
+    printable,
+    refused,
+    rounded,
+)
+from physim.importing.gaps import join_ends
+from physim.importing.source import read_text
+from physim.importing.svg_guard import SvgLook, look_at
+
+TOLERANCE = 0.01
+"""[m] chords of curves, unless the user says otherwise"""
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+ROLE = re.compile(
+    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
+)
+ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
+         "rob": "robot"}  # fmt: skip
+UNITS = ("mm", "cm", "in", "pt", "pc")
+METRES_PER_PIXEL = 0.0254 / 96.0
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One polyline of a drawing [m] with what it is for."""
+
+    role: str
+    name: str
+    points: FloatArray
+    is_closed: bool
+
+
+def read_svg(path: Path, options: Options) -> Drawing:
+    """Read a drawing; raises ImportSourceError with file:line where there is one."""
+    text = read_text(path)
+    look = look_at(path, text)
+    drawing = Drawing(kind="SVG drawing")
+    drawing.changes += listed(look.left_out)
+    try:
+        root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
+    except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
+        raise refused(path, f"cannot be read as SVG: {printable(str(error))[:100]}") from None
+    frame = _Frame.of(path, root, look, options)
+    tolerance = TOLERANCE if options.tolerance is None else options.tolerance
+    lines: list[_Line] = []
+    unsaid: list[str] = []
+    for element, role, name in _shapes(root, "", ""):
+        label = _named(element)
+        where = f"{label!r}" if label else f"<{element.__class__.__name__.lower()}>"
+        if not role:
+            unsaid.append(
+                f"{printable(where)}: in no layer boundary, obstacle, path or robot, left out"
+            )
+            continue
+        try:
+            found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
+        except (ValueError, ArithmeticError) as error:
+            line = look.lines.get(str(element.id or ""))
+            raise refused(
+                path, f"{printable(where)}: {printable(str(error))[:100]}", line
+            ) from None
+        for points, closed in found:
+            placed = rounded(frame.placed(points))
+            if len(placed) < 2:
+                unsaid.append(f"{printable(where)}: a line of no length, left out")
+            else:
+                lines.append(_Line(role, name, placed, closed))
+    drawing.changes += listed(unsaid)
+    drawing.facts.append(
+        f"{frame.told}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
+        "left corner is (0, 0)"
+    )
+    _sort(path, drawing, lines, look)
+    return drawing
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """From pixels of svgelements to metres of the world."""
+
+    metres: float
+    height: float
+    told: str
+
+    @classmethod
+    def of(cls, path: Path, root: Any, look: SvgLook, options: Options) -> _Frame:
+        matrix = svgelements.Matrix(root.viewbox_transform or "")
+        units = sorted((abs(float(matrix.a)), abs(float(matrix.d))))
+        if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
+            raise refused(path, "width, height and viewBox stretch the page; give it one scale")
+        pixels = units[0]  # of one user unit
+        unit = re.sub(r"[-+0-9.eE\s]", "", look.size.get("width", "")).lower()
+        if options.scale is not None:
+            metres = options.scale / pixels
+            told = f"{options.scale:g} m per user unit (--scale)"
+        elif unit in UNITS:
+            metres = METRES_PER_PIXEL
+            told = f"real-world units of the page ({unit}): {pixels * metres:.6g} m per user unit"
+        else:
+            raise refused(
+                path,
+                "the page has no real-world units; --scale M says how many metres a user unit is",
+                1,
+            )
+        height = float(root.height or 0.0)
+        if not np.isfinite(height) or height <= 0.0:
+            height = 0.0
+        return cls(metres, height, told)
+
+    def placed(self, points: FloatArray) -> FloatArray:
+        return np.stack([points[:, 0], self.height - points[:, 1]], axis=1) * self.metres
+
+
+def _named(element: Any) -> str:
+    own = getattr(element, "values", {}).get("attributes", {})
+    return str(own.get(LABEL) or own.get("id") or "")
+
+
+def _role(element: Any) -> tuple[str, str]:
+    """Role of an element and the rest of its name; ids such as path42 are Inkscape's own."""
+    own = element.values.get("attributes", {})
+    for key in (LABEL, "id"):
+        text = str(own.get(key) or "").strip().lower()
+        found = ROLE.match(text)
+        if found is None or (key == "id" and re.fullmatch(r"path-?\d[\d-]*", text)):
+            continue
+        label = str(own[key]).strip()
+        return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")
+    return "", ""
+
+
+def _shapes(group: Any, role: str, name: str) -> Any:
+    """Every shape below a group, with the role and name that it or its layer has."""
+    for element in group:
+        own, rest = _role(element)
+        if isinstance(element, svgelements.Group | svgelements.Use):
+            yield from _shapes(element, own or role, rest or name)
+        elif isinstance(element, svgelements.Shape):
+            if own and role and own != role and not rest:
+                own = role
+            label = element.values.get("attributes", {}).get(LABEL)
+            yield element, own or role, rest or (str(label) if label and not own else name)
+
+
+def _sort(path: Path, drawing: Drawing, lines: list[_Line], look: SvgLook) -> None:
+    """Give every line its place in the drawing."""
+    named_paths: list[_Line] = []
+    for line in lines:
+        if line.role == "boundary":
+            drawing.boundaries.append(line.points)
+        elif line.role == "obstacle":
+            if len(line.points) < 3 or not line.is_closed:
+                drawing.changes.append(
+                    f"obstacle at {place(line.points[0])} is not closed: closed by a straight line"
+                )
+            ring = line.points[:-1] if (line.points[0] == line.points[-1]).all() else line.points
+            drawing.obstacles.append(ring)
+        elif line.role == "path":
+            named_paths.append(line)
+        else:
+            ring = line.points[:-1] if (line.points[0] == line.points[-1]).all() else line.points
+            if len(ring) < 3:
+                raise refused(path, f"a robot at {place(ring[0])} has no area; draw its outline")
+            number = len(drawing.robots) + 1
+            drawing.robots.append(DrawnRobot(_free_name(line.name, number, drawing), ring))
+    _paths(drawing, named_paths)
+    drawing.changes += join_ends(drawing.boundaries)
+    if not drawing.boundaries:
+        raise refused(
+            path,
+            "no line is a boundary; put the walls into a layer named boundary, or give them the "
+            "id boundary",
+        )
+
+
+def _free_name(name: str, number: int, drawing: Drawing) -> str:
+    name = printable(name)[:80] or f"r{number}"
+    taken = {robot.name for robot in drawing.robots}
+    while name in taken:
+        name = f"{name}_{number}"
+    return name
+
+
+def _paths(drawing: Drawing, paths: list[_Line]) -> None:
+    """A path with a robot's name is that robot's; the first of the others is the reference."""
+    robots = {robot.name for robot in drawing.robots}
+    for line in paths:
+        points = line.points
+        if line.is_closed:
+            points = points[:-1]
+            drawing.changes.append(
+                f"path at {place(points[0])} is closed: cut open there, before its last stretch"
+            )
+        if line.name in robots:
+            drawing.paths[line.name] = points
+        elif drawing.reference is None:
+            drawing.reference = points
+        else:
+            drawing.changes.append(
+                f"path from {place(points[0])} to {place(points[-1])}: belongs to no robot, "
+                "left out"
+            )
+    if drawing.reference is None and drawing.paths:
+        drawing.reference = next(iter(drawing.paths.values()))

@@ -1,0 +1,134 @@
+"""A centreline with widths, in the race-track convention: ``x_m, y_m, w_tr_right_m, w_tr_left_m``.
+
+The first line may name the columns, with or without ``#``; commas or semicolons between values.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from physim.errors import nearest
+from physim.geometry.shapes import FloatArray
+from physim.importing.drawing import listed, printable, refused
+
+COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
+MOST_POINTS = 100_000
+LARGEST = 1.0e6
+"""[m] largest coordinate of a world"""
+
+
+@dataclass(frozen=True)
+class TrackFile:
+    """The rows of a track: points (n, 2) [m], widths (n,) [m], and the line each stands on."""
+
+    points: FloatArray
+    right: FloatArray
+    left: FloatArray
+    lines: tuple[int, ...]
+    changes: tuple[str, ...]
+
+
+def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
+    """Read the rows; ``scale`` [m per unit of the file].
+
+    Raises ImportSourceError with file:line for what is no number, not finite, out of range, or a
+    width that is not positive. A point that repeats the one before it is dropped and listed.
+    """
+    rows = [(k, row.strip()) for k, row in enumerate(text.split("\n"), start=1)]
+    rows = [(k, row) for k, row in rows if row]
+    order, separator, extra = _columns(path, rows)
+    changes = [f"columns left out: {', '.join(extra)}"] if extra else []
+    values: list[list[float]] = []
+    lines: list[int] = []
+    repeated: list[str] = []
+    for k, row in rows:
+        if row.startswith("#") or not _is_data(row):
+            if values and not row.startswith("#"):
+                raise refused(path, f'"{printable(row[:40])}" is not a row of numbers', k)
+            continue
+        value = [v * scale for v in _numbers(path, k, row, separator, order)]
+        _check(path, k, value)
+        if values and math.dist(values[-1][:2], value[:2]) <= 1e-6:
+            repeated.append(f"line {k}: repeats the point before it, dropped")
+            continue
+        values.append(value)
+        lines.append(k)
+        if len(values) > MOST_POINTS:
+            raise refused(path, f"more than {MOST_POINTS} points", k)
+    if len(values) < 2:
+        raise refused(path, f"{len(values)} points; a centreline needs at least 2")
+    table = np.array(values)
+    changes += listed(repeated)
+    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(lines), tuple(changes))
+
+
+def _is_data(row: str) -> bool:
+    """Whether a row holds values rather than names: it does not begin with a letter."""
+    first = row.lstrip("\"'")[:3].lower()
+    return not first[:1].isalpha() or first in ("nan", "inf")
+
+
+def _columns(path: Path, rows: list[tuple[int, str]]) -> tuple[list[int], str, list[str]]:
+    """Which columns hold x, y, right and left width; the separator; names of other columns."""
+    data = next(((k, row) for k, row in rows if not row.startswith("#") and _is_data(row)), None)
+    if data is None:
+        raise refused(path, "no row of numbers; columns: " + ", ".join(COLUMNS))
+    separator = ";" if ";" in data[1] else ","
+    header: list[str] = []
+    header_line = 1
+    for k, row in rows:
+        if k >= data[0]:
+            break
+        names = [name.strip(" \"'#\t").lower() for name in row.replace(";", ",").split(",")]
+        if "x_m" in names or len(set(names) & set(COLUMNS)) >= 2:
+            header, header_line = names, k
+    if not header:
+        count = len(data[1].split(separator))
+        if separator == "," and count == 1 and len(data[1].split()) == 4:
+            raise refused(path, "values stand apart by spaces; put commas between them", data[0])
+        if count != 4:
+            raise refused(
+                path, f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}", data[0]
+            )
+        return [0, 1, 2, 3], separator, []
+    for name in COLUMNS:
+        if name not in header:
+            near = nearest(name, header)
+            raise refused(path, f"no column {name}; there: {', '.join(header)}{near}", header_line)
+    twice = next((name for name in COLUMNS if header.count(name) > 1), None)
+    if twice is not None:
+        raise refused(path, f"two columns {twice}", header_line)
+    extra = [printable(name) for name in header if name and name not in COLUMNS]
+    return [header.index(name) for name in COLUMNS], separator, extra
+
+
+def _numbers(path: Path, line: int, row: str, separator: str, order: list[int]) -> list[float]:
+    cells = [cell.strip() for cell in row.split(separator)]
+    if separator == ";" and any("," in cell for cell in cells):
+        raise refused(path, "numbers with a decimal comma; write a point", line)
+    if len(cells) <= max(order):
+        raise refused(path, f"{len(cells)} values; {max(order) + 1} are needed", line)
+    values = []
+    for name, k in zip(COLUMNS, order, strict=True):
+        try:
+            value = float(cells[k]) if "_" not in cells[k] else math.nan
+        except ValueError:
+            shown = printable(cells[k][:40])
+            raise refused(path, f'{name}: "{shown}" is not a number', line) from None
+        values.append(value)
+    return values
+
+
+def _check(path: Path, line: int, value: list[float]) -> None:
+    for name, v in zip(COLUMNS, value, strict=True):
+        if not math.isfinite(v):
+            raise refused(path, f"{name}: {v} is not a finite number", line)
+        if abs(v) > LARGEST:
+            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; mind the --scale", line)
+    for name, v in zip(COLUMNS[2:], value[2:], strict=True):
+        if v <= 0.0:
+            raise refused(path, f"{name}: a width of {v:g} m; it must be greater than 0", line)

@@ -1,0 +1,193 @@
+"""What placing robots at random rests on: the ground they stand on, and where to look for room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
+from physim.world import Start
+
+OUTLINE_STEP = 0.25
+"""[m] apart are the points of a region's outline by which its stretch of road is found"""
+
+
+class Ground:
+    """Walls, obstacles and the robots that stand already; footprints (n, 2) in their frames."""
+
+    def __init__(
+        self,
+        footprints: Sequence[FloatArray],
+        boundaries: Sequence[FloatArray],
+        obstacles: Sequence[FloatArray],
+        accessible: shapely.Polygon,
+    ) -> None:
+        self.footprints = [np.asarray(footprint) for footprint in footprints]
+        self.accessible = accessible
+        shapes = [shapely.LineString(line) for line in boundaries]
+        shapes += [shapely.Polygon(ring) for ring in obstacles]
+        self.walls = shapely.GeometryCollection(shapes)
+        shapely.prepare(self.walls)
+        count = len(self.footprints)
+        self.radius = np.array([circumscribed_radius(f) for f in self.footprints])
+        self.outline = np.empty(count, dtype=object)
+        self.place = np.full((count, 2), np.inf)
+        self.gap = np.zeros(count)
+
+    def stand(self, i: int, pose: FloatArray, gap: float) -> None:
+        """Robot i stands at a pose and wants others ``gap`` [m] away."""
+        self.outline[i] = self.outlines(i, np.asarray(pose)[None])[0]
+        self.place[i] = pose[:2]
+        self.gap[i] = gap
+
+    def leave(self, robots: Iterable[int]) -> None:
+        """These robots stand no more."""
+        self.place[list(robots)] = np.inf
+
+    def outlines(self, i: int, poses: FloatArray) -> FloatArray:
+        """Outlines (B,) of robot i at poses (B, 3), shapely polygons in the world frame."""
+        c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+        x, y = self.footprints[i].T
+        points = np.stack(
+            [poses[:, :1] + c * x - s * y, poses[:, 1:2] + s * x + c * y],
+            axis=-1,
+        )
+        return np.asarray(shapely.polygons(points))
+
+    def room(self, i: int, poses: FloatArray, free: shapely.Geometry, gap: float) -> FloatArray:
+        """Room [m] beyond ``gap`` around robot i at poses (B, 3): negative where it does not fit.
+
+        It must lie in ``free``. Each distance asks for the larger gap of the two robots.
+        """
+        room = np.full(len(poses), -1.0)
+        outlines = self.outlines(i, poses)
+        inside = np.flatnonzero(shapely.covers(free, outlines))
+        room[inside] = shapely.distance(self.walls, outlines[inside]) - gap
+        reach = self.radius[i] + self.radius + np.maximum(self.gap, gap)
+        for k in inside[room[inside] >= 0.0]:
+            away = np.hypot(*(self.place - poses[k, :2]).T)
+            near = np.flatnonzero(away <= reach + room[k])
+            if len(near):
+                wanted = np.maximum(self.gap[near], gap)
+                spare = shapely.distance(self.outline[near], outlines[k]) - wanted
+                room[k] = min(room[k], spare.min())
+        return room
+
+    def kept_clear(self, gap: float) -> shapely.Geometry:
+        """Where nothing may stand: within ``gap`` of walls and standing robots."""
+        standing = self.outline[np.isfinite(self.place[:, 0])]
+        return shapely.union_all([self.walls.buffer(gap), *shapely.buffer(standing, gap)])
+
+
+class Along:
+    """The reference path, prolonged straight on at both ends: stations, deviations, headings."""
+
+    def __init__(self, reference: FloatArray) -> None:
+        points = np.asarray(reference, dtype=np.float64)
+        steps = np.diff(points, axis=0)
+        far = 10.0 * float(np.ptp(points, axis=0).max()) + 1000.0
+        first = points[0] - far * steps[0] / np.hypot(*steps[0])
+        last = points[-1] + far * steps[-1] / np.hypot(*steps[-1])
+        self.points = np.vstack([first, points, last])
+        self.line = shapely.LineString(self.points)
+        steps = np.diff(self.points, axis=0)
+        length = np.hypot(*steps.T)
+        self.station = np.concatenate([[0.0], np.cumsum(length)])
+        self.direction = steps / length[:, None]
+
+    def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Stations (B,) and deviations (B,), left positive, of points (B, 2) [m]."""
+        station = shapely.line_locate_point(self.line, shapely.points(points))
+        origin, direction = self.at(station)
+        apart = points - origin
+        return station, direction[:, 0] * apart[:, 1] - direction[:, 1] * apart[:, 0]
+
+    def at(self, station: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Points (B, 2) and directions (B, 2) at stations."""
+        last = len(self.direction) - 1
+        k = np.clip(np.searchsorted(self.station, station, side="right") - 1, 0, last)
+        direction = self.direction[k]
+        return self.points[k] + (station - self.station[k])[:, None] * direction, direction
+
+
+class Spots:
+    """Where to look for room for each robot of a group: anywhere in the region, or its own cell.
+
+    In rows every robot has a cell, in which the middle of its footprint lies: the region's stretch
+    of the reference path is cut into as many parts as there are rows, each row into as many bands
+    as it has robots. In a row they stand in the order of their paths from right to left.
+    """
+
+    def __init__(
+        self,
+        start: Start,
+        members: Sequence[int],
+        free: shapely.Geometry,
+        along: Along,
+        paths: Sequence[FloatArray],
+        ground: Ground,
+    ) -> None:
+        self.start, self.along, self.ground, self.free = start, along, ground, free
+        self.cells: dict[int, tuple[float, float, float, float]] = {}
+        if start.abreast is not None:
+            self._cut(members, start.abreast, paths)
+
+    def draw(self, i: int, draw: np.random.Generator, size: int, heading: float) -> FloatArray:
+        """Poses (size, 3) to try for robot i, whose random heading would be ``heading``."""
+        if i in self.cells:
+            low, high, right, left = self.cells[i]
+            origin, direction = self.along.at(draw.uniform(low, high, size))
+            normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+            place = origin + draw.uniform(right, left, size)[:, None] * normal
+            headings = self._headings(place, heading)
+            return np.column_stack([place - self._middle(i, headings), headings])
+        place = draw.uniform(*self._box(i, heading), (size, 2))
+        return np.column_stack([place, self._headings(place, heading)])
+
+    def _middle(self, i: int, headings: FloatArray) -> FloatArray:
+        """Middle (B, 2) of footprint i from its reference point, at headings (B,)."""
+        low, high = shapely.bounds(shapely.Polygon(self.ground.footprints[i])).reshape(2, 2)
+        x, y = 0.5 * (low + high)
+        c, s = np.cos(headings), np.sin(headings)
+        return np.stack([c * x - s * y, s * x + c * y], axis=1)
+
+    def _headings(self, place: FloatArray, heading: float) -> FloatArray:
+        wanted = self.start.heading
+        if wanted == "along":
+            _, direction = self.along.at(self.along.project(place)[0])
+            return np.asarray(np.arctan2(direction[:, 1], direction[:, 0]))
+        return np.full(len(place), heading if wanted == "random" else wanted)
+
+    def _box(self, i: int, heading: float) -> tuple[FloatArray, FloatArray]:
+        """Corners between which the reference point of robot i must lie to be in the region."""
+        low, high = np.array(self.free.bounds).reshape(2, 2)
+        if self.start.heading == "along":
+            return low - self.ground.radius[i], high + self.ground.radius[i]
+        angle = heading if self.start.heading == "random" else self.start.heading
+        bounds = shapely.bounds(self.ground.outlines(i, np.array([[0.0, 0.0, angle]]))[0])
+        low, high = low - bounds[:2], high - bounds[2:]
+        return np.minimum(low, high), np.maximum(low, high)
+
+    def _cut(self, members: Sequence[int], abreast: int, paths: Sequence[FloatArray]) -> None:
+        outline = shapely.get_coordinates(shapely.segmentize(self.free, OUTLINE_STEP))
+        station, deviation = self.along.project(outline)
+        rows = [members[k : k + abreast] for k in range(0, len(members), abreast)]
+        ends = np.linspace(station.max(), station.min(), len(rows) + 1)
+        for row, (high, low) in zip(rows, pairwise(ends), strict=True):
+            margin = OUTLINE_STEP
+            here = deviation[(station >= low - margin) & (station <= high + margin)]
+            bands = np.linspace(here.min(), here.max(), len(row) + 1)
+            ordered = sorted(row, key=lambda i: (self._lane(paths[i], 0.5 * (low + high)), i))
+            for i, (right, left) in zip(ordered, pairwise(bands), strict=True):
+                self.cells[i] = (float(low), float(high), float(right), float(left))
+
+    def _lane(self, path: FloatArray, station: float) -> float:
+        """Deviation [m] of a robot's own path from the reference path near a station."""
+        origin, direction = self.along.at(np.array([station]))
+        line = shapely.LineString(path)
+        x, y = line.interpolate(line.project(shapely.Point(origin[0]))).coords[0]
+        return float(direction[0, 0] * (y - origin[0, 1]) - direction[0, 1] * (x - origin[0, 0]))

@@ -1,0 +1,164 @@
+"""Start poses: as written, or placed by the seed in a region, apart from everything.
+
+Each robot draws from streams of its own: its heading from (seed, "heading", i), its place from
+(seed, "start", i). Places are drawn and dropped until one fits, so that every place that fits is
+equally likely; where robots crowd, the tightest of many is taken instead. A footprint is kept
+``min_gap`` from robots, boundaries and obstacles, `SLACK` on the safe side. Needs shapely alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+import shapely
+
+from physim.errors import Fault, Location, WorldError
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
+from physim.places import Along, Ground, Spots
+from physim.randomness import stream
+from physim.tolerances import CONTACT
+from physim.world import Start, World
+
+SLACK = 2.0 * CONTACT
+"""[m] by which a gap is larger than asked for, so that no rounding makes it smaller"""
+LOOSE_ROUNDS, TIGHT_ROUNDS = 12, 8
+"""Times that a group is placed anew: at first where a place is found, then as tight as can be."""
+BATCHES = (32, 128, 512, 2048)
+"""Places drawn for one robot before its round is given up"""
+TIGHT_BATCH = 1024
+FILLED = 0.4
+"""[-] share of a region that robots with half their gap around them fill at random with ease"""
+
+
+def start_poses(
+    world: World,
+    seed: int,
+    *,
+    footprints: Sequence[FloatArray],
+    paths: Sequence[FloatArray],
+    reference: FloatArray,
+    boundaries: Sequence[FloatArray],
+    obstacles: Sequence[FloatArray],
+    accessible: shapely.Polygon,
+) -> FloatArray:
+    """Start poses (N, 3) [m, m, rad] of a world; a random heading is uniform in [-pi, pi).
+
+    ``footprints`` outlines (n, 2), robot's frame; ``paths``, ``reference``, ``boundaries`` and
+    ``obstacles`` as drawn, world frame. Raises WorldError when a region does not hold its robots.
+    """
+    poses = np.zeros((len(world.robots), 3))
+    ground = Ground(footprints, boundaries, obstacles, accessible)
+    along = Along(reference)
+    groups: dict[tuple[Start, Location], list[int]] = {}
+    for i, robot in enumerate(world.robots):
+        if robot.pose is not None:
+            x, y, heading = robot.pose
+            poses[i] = x, y, drawn_heading(seed, i) if heading == "random" else heading
+            ground.stand(i, poses[i], gap=0.0)
+            continue
+        start = world.start_of(i)
+        if start is None:
+            raise WorldError([Fault(("robots", i), "neither a pose nor a start region")])
+        own = robot.start is not None
+        groups.setdefault((start, () if own else ("start",)), []).append(i)
+    faults = []
+    for (start, where), members in groups.items():
+        fault = _Group(start, members, where, ground, along, seed).place(poses, paths, world)
+        faults += [fault] if fault is not None else []
+    if faults:
+        raise WorldError(faults)
+    return poses
+
+
+def drawn_heading(seed: int, robot: int) -> float:
+    """Random heading [rad] of a robot, uniform in [-pi, pi)."""
+    return float(stream(seed, "heading", robot).uniform(-pi, pi))
+
+
+class _Group:
+    """Robots that share a region."""
+
+    def __init__(
+        self, start: Start, members: list[int], where: Location, ground: Ground, along: Along,
+        seed: int,
+    ) -> None:  # fmt: skip
+        self.start, self.members, self.where = start, members, where
+        self.ground, self.along, self.seed = ground, along, seed
+        self.free = shapely.intersection(shapely.Polygon(start.region), ground.accessible)
+        shapely.prepare(self.free)
+
+    def place(self, poses: FloatArray, paths: Sequence[FloatArray], world: World) -> Fault | None:
+        """Fill in the poses of the group; the fault that says why not otherwise."""
+        if self.free.area <= 0.0:
+            return self._fault("none of it lies in the accessible area; draw it inside")
+        start = self.start
+        spots = Spots(start, self.members, self.free, self.along, paths, self.ground)
+        streams = {i: stream(self.seed, "start", i) for i in self.members}
+        radius = {i: circumscribed_radius(self.ground.footprints[i]) for i in self.members}
+        order = sorted(self.members, key=lambda i: -radius[i])
+        if start.abreast is not None:
+            order = self.members
+        most, stuck = -1, order[0]
+        for attempt in range(LOOSE_ROUNDS + TIGHT_ROUNDS):
+            placed: list[int] = []
+            for i in order:
+                pose = self._found(i, spots, streams[i], tight=attempt >= LOOSE_ROUNDS)
+                if pose is None:
+                    break
+                poses[i] = pose
+                self.ground.stand(i, pose, start.min_gap)
+                placed.append(i)
+            if len(placed) == len(order):
+                return None
+            if len(placed) > most:
+                most, stuck = len(placed), order[len(placed)]
+            self.ground.leave(placed)
+            if not placed and attempt >= 1:
+                break
+        return self._fault(self._crowded(most, world.robots[stuck].name))
+
+    def _found(
+        self, i: int, spots: Spots, draw: np.random.Generator, tight: bool
+    ) -> FloatArray | None:
+        """Pose at which robot i is apart from all: the first that is drawn, or the tightest."""
+        heading = drawn_heading(self.seed, i)
+        for size in (TIGHT_BATCH,) if tight else BATCHES:
+            poses = spots.draw(i, draw, size, heading)
+            room = self.ground.room(i, poses, self.free, self.start.min_gap + SLACK)
+            fits = np.flatnonzero(room >= 0.0)
+            if len(fits):
+                best = fits[np.argmin(room[fits])] if tight else fits[0]
+                return np.asarray(poses[best])
+        return None
+
+    def _crowded(self, placed: int, name: str) -> str:
+        """What to do about robots that do not fit: in figures."""
+        gap, n = self.start.min_gap, len(self.members)
+        free = self.free.difference(self.ground.kept_clear(gap)).area
+        need = sum(
+            shapely.Polygon(self.ground.footprints[i]).buffer(0.5 * gap).area for i in self.members
+        )
+        told = (
+            f"{placed} of {n} robots could be placed in it with gaps of {gap:.6g} m, then none "
+            f'for "{name}"; {free:.3g} m² of it are free, and the robots with half the gap around '
+            f"them take {need:.3g} m²"
+        )
+        if need > FILLED * free:
+            return (
+                f"{told}; about {_rounded_up(need / FILLED)} m² are enough: enlarge the region, "
+                "or use a smaller min_gap or fewer robots"
+            )
+        rows = ", fewer abreast or none" if self.start.abreast is not None else ""
+        return f"{told}, but not in this shape; use a wider region{rows} or a smaller min_gap"
+
+    def _fault(self, message: str) -> Fault:
+        where = self.where or ("robots", self.members[0], "start")
+        return Fault((*where, "region"), message)
+
+
+def _rounded_up(area: float) -> str:
+    unit = 10.0 ** max(np.floor(np.log10(area)) - 1.0, 0.0)
+    return f"{np.ceil(area / unit) * unit:.0f}"

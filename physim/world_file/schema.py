@@ -1,0 +1,133 @@
+"""JSON Schema of a world file, made from the models, for completion and hover text in editors.
+
+It is of draft 7, which YAML editors understand, and holds no references: the text that an editor
+shows for a key is that of the key, with its unit and default. It checks keys, kinds and bounds;
+what lies between several values (either corridor or boundaries, leads as many as robots) and all
+geometry is left to reading.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from physim.registry import controller_names, find_controller, settings_model, shipped_controllers
+from physim.world import ControllerChoice, World
+
+FILE = "world.schema.json"
+"""Name of the schema where it stands beside worlds."""
+
+Schema = dict[str, Any]
+
+_KEPT = (
+    "type", "const", "enum", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum",
+    "minLength", "maxLength", "minItems", "maxItems", "required", "additionalProperties",
+)  # fmt: skip
+_RENAMED = {
+    "ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum",
+}  # fmt: skip
+_DEFAULT_CONTROLLER = str(ControllerChoice.model_fields["type"].default)
+
+
+def schema_text(controllers: Sequence[str] | None = None) -> str:
+    """Text of the schema file, for these controllers or all that are registered."""
+    return json.dumps(world_schema(controllers), indent=1, ensure_ascii=False) + "\n"
+
+
+def shipped_schema_text() -> str:
+    """Text of the schema that is shipped: for the controllers that come with physim."""
+    return schema_text(shipped_controllers())
+
+
+def world_schema(controllers: Sequence[str] | None = None) -> Schema:
+    """Schema of a world file, as `json.dumps` takes it.
+
+    A controller that cannot be imported may be named, its settings are not checked.
+    """
+    raw = World.model_json_schema()
+    schema = _plain(raw, raw["$defs"])
+    names = list(controller_names()) if controllers is None else list(controllers)
+    schema["properties"]["controller"] = _controller(schema["properties"]["controller"], names)
+    head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "physim world"}
+    return {**head, **schema}
+
+
+def _plain(raw: Schema, models: Schema) -> Schema:
+    """Schema without references, null and titles, tuples as draft 7 writes them."""
+    if "$ref" in raw:
+        rest = {key: value for key, value in raw.items() if key != "$ref"}
+        return _plain({**models[raw["$ref"].rpartition("/")[2]], **rest}, models)
+    given = raw.get("anyOf") or raw.get("oneOf") or []
+    options = [option for option in given if option.get("type") != "null"]
+    if len(options) == 1:
+        rest = {key: value for key, value in raw.items() if key not in ("anyOf", "oneOf")}
+        return _plain({**options[0], **rest}, models)
+    told = _described(raw)
+    schema: Schema = {"description": told} if told else {}
+    schema |= {key: raw[key] for key in _KEPT if key in raw}
+    schema |= {key: raw[bound] for bound, key in _RENAMED.items() if bound in raw}
+    if options:
+        schema["oneOf"] = [_plain(option, models) for option in options]
+    if "properties" in raw:
+        schema["properties"] = {k: _plain(v, models) for k, v in raw["properties"].items()}
+    if raw.get("type") == "array":
+        _array(schema, raw, models)
+    return schema
+
+
+def _array(schema: Schema, raw: Schema, models: Schema) -> None:
+    if "prefixItems" in raw:
+        schema["items"] = [_plain(item, models) for item in raw["prefixItems"]]
+        schema["additionalItems"] = False
+    elif "items" in raw:
+        schema["items"] = _plain(raw["items"], models)
+    for length, items in (("minLength", "minItems"), ("maxLength", "maxItems")):
+        if length in schema:
+            schema[items] = schema.pop(length)
+
+
+def _described(raw: Schema) -> str:
+    """Meaning, unit and default of a key, as an editor shows it."""
+    text = str(raw.get("description", ""))
+    default = raw.get("default")
+    if default in (None, "", [], ()) or isinstance(default, dict):
+        return text
+    told = default if isinstance(default, str) else json.dumps(default)
+    return f"{text}. Default: {told}"
+
+
+def _controller(plain: Schema, names: Sequence[str]) -> Schema:
+    """Schema of ``controller:``, whose keys depend on its type."""
+    kind = {**plain["properties"]["type"], "enum": list(names)}
+    rules = []
+    for name in names:
+        chosen: Schema = {"properties": {"type": {"const": name}}}
+        if name != _DEFAULT_CONTROLLER:
+            chosen["required"] = ["type"]  # without a type the condition would hold, too
+        keys = _settings(name)
+        if keys is not None:
+            then = {"properties": {"type": True, **keys}, "additionalProperties": False}
+            rules.append({"if": chosen, "then": then})
+    described = f"{plain['description']}; its keys are those of its type"
+    return {
+        "description": described,
+        "type": "object",
+        "properties": {"type": kind},
+        "allOf": rules,
+    }
+
+
+def _settings(name: str) -> Schema | None:
+    """Keys of a controller's settings; None where they cannot be found out."""
+    from physim.errors import ControllerError
+
+    try:
+        model = settings_model(find_controller(name))
+    except ControllerError:
+        return None
+    if model is None:
+        return {}
+    raw = model.model_json_schema()
+    keys: Schema = _plain(raw, raw.get("$defs", {})).get("properties", {})
+    return keys

@@ -1,0 +1,309 @@
+"""The shared collections of bad inputs, handled as they expect.
+
+The 400 YAML texts stand as whole worlds. The 72 small faults are in neutral keys, so each is
+translated into a world of ours: either the snippet's own bytes stand as the file (``WHOLE``), or a
+good world gets the same fault in our keys (``TRANSLATED``). ``BAD`` refuses, ``GOOD`` accepts,
+``DOUBTFUL`` accepts with a warning; with what the message must say.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from physim.checking import Findings, check_world
+from tests.checking.worlds import CORRIDOR, DRAWN, changed
+
+CASES = Path(__file__).parents[2].parent / "shared" / "cases" / "bad_worlds"
+needs_cases = pytest.mark.skipif(not CASES.exists(), reason="the shared cases are not here")
+
+BAD, GOOD, DOUBTFUL = "refuse", "accept", "accept with a warning"
+
+WHOLE = {
+    "empty": (BAD, "the file is empty"),
+    "null_document": (BAD, "a world is a mapping of keys to values"),
+    "top_level_scalar": (BAD, "a world is a mapping of keys to values"),
+    "duplicate_key": (BAD, "key given twice, first on line 1"),
+    "tab_indent": (BAD, "a tab in the indentation"),
+    "unknown_alias": (BAD, "no anchor &nowhere before it"),
+    "self_alias_map": (BAD, "alias *w contains itself"),
+    "quadratic_blowup": (BAD, "unknown key"),
+    "deep_block": (BAD, "nested deeper than 50 levels"),
+    "custom_tag": (BAD, 'tag "!include" is not allowed'),
+    "latin1": (BAD, "byte 0xe9 is not UTF-8; save the file as UTF-8"),
+    "control_char": (BAD, "character U+0007 is not allowed in YAML"),
+    "unknown_key": (BAD, 'did you mean "corridor"?'),
+    "key_case": (BAD, 'did you mean "robots"?'),
+    "key_null": (BAD, "unknown key"),
+    "version_string": (BAD, "unknown key"),
+    "output_escape": (BAD, "unknown key"),
+    "file_ref_self": (BAD, "unknown key"),
+}
+
+PLACE = "boundaries:\n  - [[-3, -4], [33, -4], [33, 4]]\n"
+BOX = "length: 1.8, width: 1.0}\n    pose: [6.0"
+FIRST = "footprint: {length: 1.8, width: 1.0}\n    pose: [6.0, 1.0, 0.0]"
+PATH = "path: {offset: 1.0}"
+
+
+def number(given: str) -> str:
+    """A world whose first robot has this length."""
+    return changed(CORRIDOR, (BOX, BOX.replace("1.8", given)))
+
+
+def boundary(given: str) -> str:
+    """A world with one more boundary."""
+    return changed(DRAWN, (PLACE, f"{PLACE}  - {given}\n"))
+
+
+def outline(given: str, pose: str = "[6.0, 1.0, 0.0]") -> str:
+    """A world whose first robot has these corners."""
+    return changed(CORRIDOR, (FIRST, f"footprint: {given}\n    pose: {pose}"))
+
+
+def path(given: str) -> str:
+    """A world whose first robot has this path."""
+    return changed(CORRIDOR, (PATH, f"path: {given}"), ("formation: {spacing: [0.0, -3.0]}\n", ""))
+
+
+def walls(left: str, right: str, given: str, box: str = "{length: 1.8, width: 1.0}") -> str:
+    """A world between two walls with closed ends, and one robot on a path."""
+    ends = [line.strip("[]").split("], [") for line in (left, right)]
+    first, last = ([f"[{line[k]}]" for line in ends] for k in (0, -1))
+    return (
+        f"name: w\ntime: {{step: 0.01, duration: 5.0}}\nboundaries:\n  - {left}\n  - {right}\n"
+        f"  - [{', '.join(first)}]\n  - [{', '.join(last)}]\nreference_path: {given}\n"
+        f"robots: [{{name: a, footprint: {box}, pose: [2, 0, 0], path: {given}}}]\n"
+    )
+
+
+def robot(given: str) -> str:
+    """A world whose first robot has these keys, too."""
+    return changed(CORRIDOR, (PATH, f"{PATH}\n    {given}"))
+
+
+SMALL = "{length: 0.6, width: 0.4}"
+TRANSLATED = {
+    "utf8_bom": ("\ufeff" + CORRIDOR, GOOD, ""),
+    "emoji_name": (changed(CORRIDOR, ("name: corridor", 'name: "corridor 🤖"')), GOOD, ""),
+    "num_nan": (number(".nan"), BAD, ".nan is not a finite number"),
+    "num_neg_inf": (number("-.inf"), BAD, "-.inf is not a finite number"),
+    "num_inf_word": (number("Infinity"), BAD, 'must be a number; given "Infinity"; it must be fin'),
+    "num_exp_dot": (number("1.0e3"), BAD, "1.0e3 is a text to many YAML readers; write 1.0e+3"),
+    "num_octal": (number("010"), BAD, "010 may be read as octal; write it without leading zeros"),
+    "num_quoted": (number('"1.0"'), BAD, "which is a text; write the number without quotes"),
+    "num_yes": (number("yes"), BAD, "yes may be read as true"),
+    "num_huge": (number("1.0e+308"), BAD, "must be at most 1000; given 1e+308"),
+    "num_bigint": (number("1" + "0" * 400), BAD, "an integer of 401 digits; at most 18"),
+    "num_hex": (number("0x10"), BAD, "0x10 is not decimal; write 16"),
+    "num_null": (number("~"), BAD, "empty value; give one"),
+    "num_list": (number("[1.0]"), BAD, "must be a number; given a list of 1"),
+    "num_coord_nan": (boundary("[[0, 0], [.nan, 1], [2, 0]]"), BAD, "boundaries[1][1][0]"),
+    "num_one_coord": (boundary("[[0], [1]]"), BAD, "one more number is needed here"),
+    "num_flat": (boundary("[0, 0, 1, 0]"), BAD, "must be a list; given 0"),
+    "num_point_map": (boundary("[{x: 0, y: 0}, {x: 1, y: 0}]"), BAD, "must be a list; given a map"),
+    "boundary_one_point": (boundary("[[0, 0]]"), BAD, "must have at least 2 entries"),
+    "boundary_duplicate_neighbour": (
+        boundary("[[0, 3], [1, 3], [1, 3], [2, 3]]"), BAD, "repeats the point before it",
+    ),
+    "boundary_self_crossing": (
+        boundary("[[0, 2], [1, 3], [1, 2], [0, 3]]"), DOUBTFUL, "crosses itself at (0.5, 2.5)",
+    ),
+    "boundary_huge_offset": (
+        boundary("[[1.0e+9, 1.0e+9], [1.0e+9, 1.000000001e+9]]"), BAD, "must be at most 1000000",
+    ),
+    "boundary_tiny": (boundary("[[0, 3], [1.0e-12, 3]]"), BAD, "repeats the point before it"),
+    "walls_swapped": (
+        # boundaries have no sides here: whatever encloses the path is the road
+        walls("[[0, -3], [20, -3]]", "[[0, 3], [20, 3]]", "[[2, 0], [18, 0]]"), GOOD, "",
+    ),
+    "walls_touch": (
+        walls("[[0, 3], [10, 0], [20, 3]]", "[[0, -3], [10, 0], [20, -3]]", "[[2, 0], [18, 0]]"),
+        BAD, "crosses boundaries[0] at (10, 0)",
+    ),
+    "too_narrow": (
+        walls("[[0, 0.1], [20, 0.1]]", "[[0, -0.1], [20, -0.1]]", "[[2, 0], [18, 0]]", SMALL),
+        BAD, '"a" does not fit at station',
+    ),
+    "poly_collinear": (outline("[[0, 0], [1, 0], [2, 0]]"), BAD, "encloses no area"),
+    "poly_concave": (outline("[[0, 0], [1, 0], [0.5, 0.2], [0.5, 1]]"), GOOD, ""),
+    "poly_closed": (outline("[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]"), GOOD, ""),
+    "poly_off_origin": (
+        changed(outline("[[5, 0], [6, 0], [6, 1], [5, 1]]"), ("step: 0.01", "step: 0.005")),
+        DOUBTFUL, "lies 5 m outside the footprint",
+    ),
+    "poly_5000": (
+        outline(f"[{', '.join(f'[{k / 5000}, {(k % 2) / 100}]' for k in range(5000))}, [0, 1]]"),
+        BAD, "must have at most 2000 entries",
+    ),
+    "path_repeat": (path("[[0, 1], [1, 1], [1, 1], [30, 1]]"), BAD, "repeats the point before it"),
+    "path_u_turn": (path("[[0, 1], [20, 1], [0, 1]]"), GOOD, ""),
+    "path_hits_wall_mid_segment": (
+        walls(
+            "[[0, 3], [8, 3], [10, -0.2], [12, 3], [20, 3]]", "[[0, -3], [20, -3]]",
+            "[[2, 0], [18, 0]]",
+        ),
+        BAD, "leaves the accessible area from",
+    ),
+    "path_clearance_too_small": (
+        walls("[[0, 0.55], [20, 0.55]]", "[[0, -3], [20, -3]]", "[[2, 0.4], [18, 0.4]]", SMALL)
+        + "controller: {type: path_following}\n",
+        BAD, '"a" does not fit at station',
+    ),
+    "start_identical": (changed(CORRIDOR, ("[3.0, -1.0,", "[6.0, 1.0,")), BAD, "overlaps"),
+    "start_in_wall": (changed(CORRIDOR, ("[6.0, 1.0,", "[6.0, 4.0,")), BAD, "over the edge of"),
+    "start_backwards": (
+        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0, 3.14159]")), DOUBTFUL, "facing 180 deg",
+    ),
+    "pose_missing_heading": (
+        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")), BAD, "one more number is needed here",
+    ),
+    "robots_is_map": (
+        CORRIDOR[: CORRIDOR.index("robots:")] + "robots: {a: {pose: [0, 0, 0]}}\n",
+        BAD, "must be a list; given a mapping",
+    ),
+    "robot_duplicate_name": (changed(CORRIDOR, ("name: b", "name: a")), BAD, "names must differ"),
+    "robot_name_path": (changed(CORRIDOR, ("name: b", 'name: "../../etc/x"')), GOOD, ""),
+    "robot_name_csv": (changed(CORRIDOR, ("name: b", 'name: "=1+1,b"')), GOOD, ""),
+    "robot_name_no": (changed(CORRIDOR, ("name: b", "name: no")), BAD, "no may be read as false"),
+    "formation_unknown_robot": (
+        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, zed]]}")), BAD, 'has the name "zed"',
+    ),
+    "formation_cycle": (
+        # neighbours are pairs, not a chain: one given in both senses is one pair twice
+        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, b], [b, a]]}")), BAD, "given twice",
+    ),
+    "formation_zero": (
+        changed(CORRIDOR, ("-3.0]}", "0.0]}"), ("offset: -1.0", "offset: 1.0")),
+        BAD, "less than their footprints need",
+    ),
+    "formation_count": (
+        changed(CORRIDOR, ("-3.0]}", "-3.0, -6.0]}")), BAD, "3 leads for 2 robots",
+    ),
+    "dt_zero": (changed(CORRIDOR, ("step: 0.01", "step: 0")), BAD, "must be greater than 0"),
+    "dt_larger_than_duration": (
+        changed(CORRIDOR, ("step: 0.01, duration: 60.0", "step: 10, duration: 1")),
+        BAD, "longer than the duration",
+    ),
+    "duration_not_multiple": (
+        # stricter than asked: the nearest two durations are told
+        changed(CORRIDOR, ("step: 0.01, duration: 60.0", "step: 0.03, duration: 1.0")),
+        BAD, "nearest are 0.99 and 1.02",
+    ),
+    "speeds_negative_only": (robot("speeds: [-0.5]"), DOUBTFUL, "there is no way forward"),
+    "omegas_no_zero": (robot("omegas: [-1.0, 1.0]"), DOUBTFUL, "there is no way straight on"),
+    "speed_huge": (robot("speeds: [0, 1.0e+6]"), BAD, "beyond limits.v = 1.5"),
+}  # fmt: skip
+
+
+def outcome(found: Findings) -> str:
+    if not found.ok:
+        return BAD
+    return DOUBTFUL if found.warnings else GOOD
+
+
+@pytest.mark.parametrize("name", TRANSLATED)
+def test_translated_snippets(tmp_path, name):
+    text, expected, told = TRANSLATED[name]
+    file = tmp_path / "w.yaml"
+    file.write_text(text, encoding="utf-8")
+    found = check_world(file)
+    lines = [str(finding) for finding in (*found.errors, *found.warnings)]
+    assert outcome(found) == expected, lines
+    assert all(len(line) < 700 for line in lines)
+    if told:
+        assert any(told in line for line in lines), lines
+    for finding in found.errors:
+        assert finding.line is not None, finding
+
+
+@needs_cases
+@pytest.mark.parametrize("name", WHOLE)
+def test_whole_snippets(name):
+    expected, told = WHOLE[name]
+    found = check_world(CASES / "snippets" / f"{name}.yaml")
+    lines = [str(finding) for finding in found.errors]
+    assert outcome(found) == expected
+    assert any(told in line for line in lines), lines
+    assert all(len(line) < 700 for line in lines)
+    assert all(finding.line is not None for finding in found.errors)
+
+
+@needs_cases
+def test_every_snippet_is_handled_as_it_expects():
+    """The collection says "refuse", "accept or …" or "… or warn"; our outcome is among them."""
+    cases = json.loads((CASES / "snippets_index.json").read_text(encoding="utf-8"))["cases"]
+    cases = [case for case in cases if case["file"]]  # the others: test_files_of_other_kinds
+    names = [Path(case["file"]).stem for case in cases]
+    assert len(names) == 72
+    assert sorted(names) == sorted([*WHOLE, *TRANSLATED])
+    stricter = {
+        "walls_swapped": "our boundaries have no sides to swap",
+        "poly_off_origin": "documented, and a warning",
+        "poly_concave": "decomposed: accepted",
+        "robot_name_path": "a name is never used as a path",
+        "robot_name_csv": "no CSV is written; plots and pages escape names",
+        "duration_not_multiple": "refused with the nearest durations",
+        "num_exp_dot": "refused as a text, with the way to write it",
+        "num_hex": "refused, with the decimal number",
+        "speeds_negative_only": "documented, and a warning",
+    }
+    for case, name in zip(cases, names, strict=True):
+        ours = WHOLE[name][0] if name in WHOLE else TRANSLATED[name][1]
+        head = case["expect"].partition(":")[0]
+        wanted = head if head.startswith(("refuse", "accept")) else case["expect"]
+        kinds = {BAD: "refuse", GOOD: "accept", DOUBTFUL: "warn"}
+        doubtful = ours == DOUBTFUL and ("accept" in wanted or "warn" in wanted)
+        assert kinds[ours] in wanted or doubtful or name in stricter, (name, case["expect"], ours)
+
+
+@needs_cases
+def test_every_yaml_text_is_no_world_and_refused_in_lines_with_a_place(tmp_path):
+    cases = json.loads((CASES / "yaml_test_suite.json").read_text(encoding="utf-8"))["cases"]
+    assert len(cases) >= 400
+    for case in cases:
+        file = tmp_path / "w.yaml"
+        file.write_bytes(case["yaml"].encode("utf-8", "surrogatepass"))
+        found = check_world(file)
+        assert not found.ok, case["id"]
+        for finding in found.errors:
+            assert finding.line is not None, case["id"]
+            assert str(finding).isprintable(), case["id"]
+            assert len(str(finding)) < 700, case["id"]
+
+
+def test_files_of_other_kinds(tmp_path):
+    (tmp_path / "dangling.yaml").symlink_to(tmp_path / "nowhere")
+    (tmp_path / "loop.yaml").symlink_to(tmp_path / "loop.yaml")
+    (tmp_path / "folder.yaml").mkdir()
+    os.mkfifo(tmp_path / "pipe.yaml")
+    told = {
+        "missing.yaml": "no such file",
+        "dangling.yaml": "no such file",
+        "loop.yaml": "cannot be read: Too many levels of symbolic links",
+        "folder.yaml": "is a folder, not a world file",
+        "pipe.yaml": "is not a regular file",
+        "missing/w.yaml": "no such file; there is no folder",
+        "/dev/zero": "is not a regular file",
+        "a\0b.yaml": "cannot be read: embedded null byte",
+        "x" * 300 + ".yaml": "cannot be read: File name too long",
+    }
+    for name, message in told.items():
+        found = check_world(tmp_path / name)
+        assert [finding.message[: len(message)] for finding in found.errors] == [message]
+        assert found.clearance == ()
+        assert str(found.errors[0]).isprintable()
+
+
+def test_file_names_cannot_break_a_message(tmp_path):
+    for name in ("two words.yaml", 'it\'s "quoted".yaml', "a\nb.yaml", "<b>.yaml", "\x1b[2J.yaml"):
+        file = tmp_path / name
+        file.write_text(changed(CORRIDOR, ("name: b", "nam: b")))
+        found = check_world(file)
+        assert len(found.errors) == 1
+        assert str(found.errors[0]).isprintable()
+        assert found.file.isprintable()
+        assert found.errors[0].line == 9

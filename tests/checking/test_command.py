@@ -1,0 +1,197 @@
+"""``physim check``: what it prints, its exit codes, and --watch as a real process."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from physim.cli import main
+from tests.checking.worlds import CORRIDOR, DRAWN, changed
+
+
+def run(capsys, *arguments: object) -> tuple[int, str, str]:
+    capsys.readouterr()
+    code = main(["check", *map(str, arguments)])
+    done = capsys.readouterr()
+    return code, done.out, done.err
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_clean_world(capsys, here):
+    (here / "w.yaml").write_text(CORRIDOR)
+    code, out, err = run(capsys, "w.yaml")
+    assert (code, err) == (0, "")
+    assert out.splitlines() == [
+        "room on the paths [m]:",
+        "  robot  path   least room  at station  radii         in danger  on its path",
+        "  a      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
+        "  b      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
+        "",
+        "w.yaml: no errors, no warnings",
+    ]
+
+
+def test_errors_and_warnings_stand_apart_in_the_order_of_the_file(capsys, here):
+    text = changed(CORRIDOR, ("pose: [3.0", "posee: [3.0"), ("name: b", "name: a"))
+    text = changed(
+        text, ("1.0, 0.0]\n    path: {offset: 1.0}", "3.5, 45]\n    path: {offset: 1.0}")
+    )
+    (here / "w.yaml").write_text(text)
+    code, out, err = run(capsys, "w.yaml")
+    assert (code, err) == (2, "")
+    lines = out.splitlines()
+    assert lines[0] == "errors:"
+    assert lines[1].startswith('  w.yaml:7:11: robots[0].pose: "robots[0]" reaches ')
+    assert lines[2].startswith('  w.yaml:9:11: robots[1].name: "a" is the name of robots[0] too')
+    assert lines[3].startswith("  w.yaml:11:5: robots[1].posee: unknown key; allowed: name")
+    assert lines[3].endswith('; did you mean "pose"?')
+    assert lines[4:6] == ["", "warnings:"]
+    assert lines[6].startswith("  w.yaml:7:22: robots[0].pose[2]: 45 rad is more than a full turn")
+    assert lines[-1] == "w.yaml: 3 errors, 1 warning"
+
+
+def test_several_worlds_and_names_of_shipped_ones(capsys, here):
+    (here / "w.yaml").write_text(CORRIDOR)
+    code, out, _ = run(capsys, "straight", "w.yaml", "missing.yaml")
+    assert code == 2
+    assert "straight.yaml: no errors, no warnings\n" in out
+    assert "\nw.yaml: no errors, no warnings\n" in out
+    assert "  missing.yaml: no such file; world files there: w.yaml\n" in out
+
+
+def test_json(capsys, here):
+    (here / "w.yaml").write_text(changed(CORRIDOR, ("width: 8.0", "width: -8")))
+    (here / "v.yaml").write_text(DRAWN)
+    code, out, _ = run(capsys, "w.yaml", "v.yaml", "--json")
+    found = json.loads(out)
+    assert code == 2
+    assert (found["format"], found["version"]) == ("physim-check", 1)
+    assert (found["errors"], found["warnings"]) == (1, 0)
+    first, second = found["worlds"]
+    assert first["errors"] == [
+        {
+            "file": "w.yaml",
+            "line": 3,
+            "column": 50,
+            "key": "corridor.width",
+            "message": "must be greater than 0; given -8",
+        }
+    ]
+    assert second["errors"] == []
+    profile = second["clearance"][0]
+    assert profile["robot"] == "a"
+    assert profile["verdict"] == "fits at any heading"
+    assert len(profile["station"]) == len(profile["clearance"]) > 100
+
+
+def test_a_file_that_cannot_be_read_is_an_error_without_a_place(capsys, here):
+    code, out, _ = run(capsys, "missing.yaml", "--json")
+    assert code == 2
+    error = json.loads(out)["worlds"][0]["errors"][0]
+    assert error["line"] is None
+    assert error["message"].startswith("no such file")
+
+
+def test_many_robots_do_not_flood_the_table(capsys, here):
+    start = CORRIDOR.index("  - name: b")
+    rows = "".join(
+        f"  - {{name: r{k}, footprint: {{length: 0.5, width: 0.4}}, pose: [{k}, -2, 0], "
+        "path: {offset: -2}}\n"
+        for k in range(25)
+    )
+    (here / "w.yaml").write_text(CORRIDOR[:start] + rows)
+    code, out, _ = run(capsys, "w.yaml")
+    assert code == 0
+    assert len([line for line in out.splitlines() if "fits at any heading" in line]) == 12
+    assert "  and 14 more with more room (--json has all)" in out
+
+
+class Watching:
+    """``physim check --watch`` as a process; its rounds arrive in a queue."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        command = [sys.executable, "-m", "physim", "check", *arguments, "--watch"]
+        self.process = subprocess.Popen(
+            command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self.lines: queue.Queue[str] = queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.put(line.rstrip("\n"))
+
+    def until(self, ending: str) -> list[str]:
+        """Lines up to the next one with this ending."""
+        found = [self.lines.get(timeout=60)]
+        while not found[-1].endswith(ending):
+            found.append(self.lines.get(timeout=60))
+        return found
+
+
+@pytest.fixture
+def watching(here):
+    (here / "w.yaml").write_text(CORRIDOR)
+    started = Watching(here, "w.yaml")
+    try:
+        yield started
+    finally:
+        if started.process.poll() is None:
+            started.process.kill()
+        started.process.wait()
+        for stream in (started.process.stdout, started.process.stderr):
+            if stream is not None:
+                stream.close()
+
+
+def test_watch_checks_again_on_save_and_ends_quietly(watching, here):
+    file = here / "w.yaml"
+    watching.until("w.yaml: no errors, no warnings")
+    file.write_text(changed(CORRIDOR, ("width: 8.0", "width: eight")))
+    watching.until("w.yaml: 1 error, no warnings")
+    file.write_text(CORRIDOR[:40])  # half written
+    assert any("not valid YAML" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    file.unlink()
+    assert any("no such file" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    (here / "new").write_text(CORRIDOR)
+    os.replace(here / "new", file)  # as editors do
+    watching.until("w.yaml: no errors, no warnings")
+    file.write_bytes(b"\xff\xfe")
+    assert any("is not UTF-8" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    watching.process.send_signal(signal.SIGINT)
+    assert watching.process.wait(timeout=30) == 130
+    assert watching.process.stderr is not None
+    assert watching.process.stderr.read() == ""
+
+
+def test_an_unchanged_file_is_checked_once(watching, here):
+    watching.until("w.yaml: no errors, no warnings")
+    with pytest.raises(queue.Empty):
+        watching.lines.get(timeout=1.0)
+
+
+def test_watching_a_missing_file_waits_for_it(here):
+    started = Watching(here, "later.yaml")
+    try:
+        started.until("later.yaml: 1 error, no warnings")
+        (here / "later.yaml").write_text(CORRIDOR)
+        started.until("later.yaml: no errors, no warnings")
+        started.process.send_signal(signal.SIGINT)
+        assert started.process.wait(timeout=30) == 130
+    finally:
+        started.process.kill()
+        started.process.communicate()

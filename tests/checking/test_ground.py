@@ -1,0 +1,166 @@
+"""Boundaries, obstacles and the area between them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
+
+SECOND = "  - [[33, 4], [-3, 4], [-3, -4]]\n"
+
+
+@pytest.mark.parametrize("text", [CORRIDOR, DRAWN])
+def test_good_worlds_have_no_finding(tmp_path, text):
+    found = check(tmp_path, text)
+    assert lines(found) == ([], [])
+    assert found.ok
+    assert found.world is not None
+    assert [profile.robot for profile in found.clearance] == ["a", "b"]
+
+
+@pytest.mark.parametrize(
+    "drawn",
+    [
+        "[[-3, -4], [33, -4], [33, 4], [-3, 4], [-3, -4]]",
+        "[[-3, -4], [33, -4], [33, 4], [-3, 4], [-3, -3.9], [0, -4]]",
+    ],
+)
+def test_a_polyline_may_close_even_onto_its_own_middle(tmp_path, drawn):
+    start = DRAWN.index("  - [[-3")
+    end = DRAWN.index("reference_path")
+    text = DRAWN[:start] + f"  - {drawn}\n" + DRAWN[end:]
+    assert lines(check(tmp_path, text)) == ([], [])
+
+
+def test_boundaries_may_touch(tmp_path):
+    text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 4], [10, 3]]\n"))
+    assert lines(check(tmp_path, text)) == ([], [])
+
+
+@pytest.mark.parametrize("value", [".nan", "nan", "NaN"])
+def test_nan_is_refused_at_its_place(tmp_path, value):
+    errors, _ = lines(check(tmp_path, changed(DRAWN, ("[-3, 4], [-3", f"[{value}, 4], [-3"))))
+    assert [error.split(" ")[:2] for error in errors] == [["5:16", "boundaries[1][1][0]"]]
+    assert "finite" in errors[0]
+
+
+def test_a_repeated_neighbour_is_told_and_the_rest_still_looked_at(tmp_path):
+    text = changed(DRAWN, ("[33, 4], [-3, 4]", "[33, 4], [33, 4], [-3, 4]"), ("[6.0,", "[3.0,"))
+    text = changed(text, ("pose: [3.0, -1.0", "pose: [3.0, 0.5"))
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 2
+    assert errors[0] == ("5:15 boundaries[1][1] repeats the point before it; leave one of them out")
+    assert '"b" overlaps "a" by 0.5 m at the start' in errors[1]
+
+
+def test_a_boundary_that_crosses_itself_is_told_where(tmp_path):
+    text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 2], [12, 3], [12, 2], [10, 3], [10, 2]]\n"))
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == [
+        "6:5 boundaries[2] crosses itself at (11, 2.5); boundaries may touch and close, but not "
+        "cross"
+    ]
+    assert warnings == []
+
+
+def test_a_boundary_that_turns_back_on_itself_is_told(tmp_path):
+    text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 2], [12, 2], [11, 2]]\n"))
+    errors, warnings = lines(check(tmp_path, text))
+    assert "boundaries[2] crosses itself at" in "".join(errors + warnings)
+
+
+def test_boundaries_that_cross_each_other_are_told_where(tmp_path):
+    ring = "  - [[10, 3], [12, 3], [12, 5], [10, 5], [10, 3]]\n"
+    errors, _ = lines(check(tmp_path, changed(DRAWN, (SECOND, SECOND + ring))))
+    assert len(errors) == 1
+    assert errors[0].startswith("6:5 boundaries[2] crosses boundaries[1] at (")
+
+
+def test_an_end_beyond_a_corner_is_only_a_warning(tmp_path):
+    text = changed(DRAWN, ("[33, -4], [33, 4]]", "[33, -4], [33, 4.5]]"))
+    text = changed(text, ("[[33, 4], [-3, 4]", "[[33.5, 4], [-3, 4]"))
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == []
+    assert warnings == [
+        "5:5 boundaries[1] crosses boundaries[0] at (33, 4) and ends beyond it; let it end there"
+    ]
+
+
+def test_a_wall_drawn_twice_does_no_harm(tmp_path):
+    text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 4], [5, 4]]\n"))
+    assert lines(check(tmp_path, text)) == ([], [])
+
+
+def test_gaps_are_told_with_their_size_and_place(tmp_path):
+    errors, _ = lines(
+        check(tmp_path, changed(DRAWN, ("[[33, 4], [-3, 4]", "[[33, 3.75], [-3, 4]")))
+    )
+    assert lines(check(tmp_path, DRAWN)) == ([], [])
+    assert errors == []  # its end lies on the other boundary
+    errors, _ = lines(check(tmp_path, changed(DRAWN, ("[[33, 4], [-3, 4]", "[[32, 4], [-3, 4]"))))
+    assert len(errors) == 1
+    assert errors[0].startswith("4:3 boundaries the boundaries enclose no area; join the ends: ")
+    assert "boundaries[0] ends at (33, 4), 1 m from boundaries[1]" in errors[0]
+
+
+def test_obstacles_are_polygons(tmp_path):
+    text = DRAWN + "obstacles: [[[10, 3], [12, 3], [10, 3.5], [12, 3.5]]]\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1
+    assert errors[0].startswith("17:13 obstacles[0] crosses or touches itself at (11, 3.25)")
+
+
+def test_obstacles_that_fill_the_road_are_told(tmp_path):
+    text = DRAWN + "obstacles: [[[-9, -9], [50, -9], [50, 9], [-9, 9]]]\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert "the obstacles leave nothing of the area around the reference path" in errors[0]
+
+
+def test_a_centreline_that_crosses_itself_is_told(tmp_path):
+    text = changed(
+        CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [40, 0], [40, 30], [20, 30], [20, -30]]")
+    )
+    errors, _ = lines(check(tmp_path, text))
+    assert any(
+        error.startswith("3:24 corridor.centreline the centreline crosses itself at (20, 0)")
+        for error in errors
+    )
+
+
+def test_a_bend_tighter_than_the_width_is_a_warning(tmp_path):
+    bend = "[[0, 0], [20, 0], [21, 0.5], [21.5, 1.5], [21.5, 20]]"
+    errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", bend))))
+    assert errors == []
+    assert any("the left wall crosses itself at (" in warning for warning in warnings)
+
+
+def test_a_centreline_that_turns_back_is_told(tmp_path):
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [30, 0], [0, 1]]"))
+    errors, _ = lines(check(tmp_path, text))
+    assert errors[0].startswith(
+        "3:24 corridor.centreline the centreline turns by 178 degrees at waypoint"
+    )
+
+
+def test_walls_that_touch_leave_no_way(tmp_path):
+    text = changed(
+        DRAWN,
+        ("[[-3, -4], [33, -4], [33, 4]]", "[[-3, -4], [15, 0], [33, -4], [33, 4]]"),
+        ("[[33, 4], [-3, 4], [-3, -4]]", "[[33, 4], [15, 0], [-3, 4], [-3, -4]]"),
+    )
+    errors, _ = lines(check(tmp_path, text))
+    assert any("crosses boundaries[0] at (15, 0)" in error for error in errors)
+    assert any("reference path leaves the accessible area from" in error for error in errors)
+
+
+def test_a_corridor_narrower_than_the_safe_distance_has_no_safe_area(tmp_path):
+    narrow = changed(CORRIDOR, ("width: 8.0", "width: 1.9"), ("1.0, 0.0]", "0.0, 0.0]"))
+    narrow = changed(narrow, ("-0.0, 0.0]", "0.0, 0.0]"), ("offset: 1.0", "offset: 0.0"))
+    narrow = changed(narrow, ("offset: -1.0", "offset: 0.0"))
+    errors, warnings = lines(check(tmp_path, narrow))
+    assert errors == []
+    assert len(warnings) == 1
+    assert "no place is 1 m from every boundary" in warnings[0]
+    assert "the roomiest place is 0.95 m from them" in warnings[0]
+    mended = narrow + "controller: {type: mode_switching, safe_distance: 0.6}\n"
+    assert lines(check(tmp_path, mended)) == ([], [])

@@ -1,0 +1,101 @@
+"""Each pitfall of YAML is told with its place and the way to write what is meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from physim.checking import check_world
+from tests.checking.worlds import CORRIDOR, changed
+
+
+def only(folder: Path, data: bytes) -> str:
+    """The one error of a file, as ``line:column key message``."""
+    file = folder / "w.yaml"
+    file.write_bytes(data)
+    (found,) = check_world(file).errors
+    return f"{found.line}:{found.column} {found.key} {found.message}".replace("  ", " ")
+
+
+def width(given: str) -> bytes:
+    return changed(CORRIDOR, ("width: 8.0", f"width: {given}")).encode()
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("1e3", "1e3 is a text to many YAML readers; write 1.0e+3 or 1000"),
+        ("1:30", '1:30 may be read in base 60; write a plain number, or "1:30" for a text'),
+        ("yes", 'yes may be read as true; write true, or "yes" for a text'),
+        ("010", "010 may be read as octal; write it without leading zeros"),
+        (".nan", ".nan is not a finite number; finite ones are allowed"),
+        ("1_000", "1_000 has underscores; write 1000"),
+        ("0x1F", "0x1F is not decimal; write 31"),
+        ("9" * 5000, "an integer of 5000 digits; at most 18 are allowed"),
+        ("~", "empty value; give one, or leave the key out"),
+        ("!!float 8", 'tag "tag:yaml.org,2002:float" is not allowed; write the bare value'),
+        ("!!python/object/apply:os.getcwd []",
+         'tag "tag:yaml.org,2002:python/object/apply:os…" is not allowed; write the bare value'),
+    ],
+)  # fmt: skip
+def test_values_that_readers_take_differently(tmp_path, given, told):
+    error = only(tmp_path, width(given))
+    assert error.startswith("3:50 corridor.width ")
+    assert told in error
+
+
+@pytest.mark.parametrize("given", ["nan", "NaN", "inf", "-Infinity"])
+def test_nan_and_infinity_as_text(tmp_path, given):
+    text = changed(CORRIDOR, ("step: 0.01", f"step: {given}")).encode()
+    assert only(tmp_path, text) == (
+        f'2:14 time.step must be a number; given "{given}"; it must be finite'
+    )
+
+
+def test_duplicate_keys(tmp_path):
+    text = changed(CORRIDOR, ("formation:", "name: again\nformation:")).encode()
+    assert only(tmp_path, text) == "13:1 name key given twice, first on line 1; keep one"
+
+
+def test_tabs(tmp_path):
+    text = changed(CORRIDOR, ("    pose: [6.0", "\tpose: [6.0")).encode()
+    assert only(tmp_path, text) == "7:1 a tab in the indentation; indent with spaces"
+
+
+def test_two_documents(tmp_path):
+    text = f"{CORRIDOR}---\n{CORRIDOR}".encode()
+    assert only(tmp_path, text) == "14:1 a second document; a world file holds one"
+
+
+def test_anchors_that_loop(tmp_path):
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", "&line [[0, 0], *line]")).encode()
+    assert only(tmp_path, text) == "3:39 alias *line contains itself"
+
+
+def test_billion_laughs(tmp_path):
+    text = "a: &a [1,1,1,1,1,1,1,1,1]\n" + "".join(
+        f"{b}: &{b} [{','.join([f'*{a}'] * 9)}]\n"
+        for a, b in zip("abcdefgh", "bcdefghi", strict=True)
+    )
+    assert only(tmp_path, text.encode()).endswith("more than 500000 values, aliases written out")
+
+
+def test_deep_nesting(tmp_path):
+    deep = "[" * 60 + "]" * 60
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", deep)).encode()
+    assert only(tmp_path, text) == f"3:{25 + 47} nested deeper than 50 levels"
+
+
+def test_other_encodings(tmp_path):
+    text = changed(CORRIDOR, ("name: corridor", "name: café"))
+    assert only(tmp_path, text.encode("latin-1")) == (
+        "1:10 byte 0xe9 is not UTF-8; save the file as UTF-8"
+    )
+    assert "is not UTF-8; save the file as UTF-8" in only(tmp_path, text.encode("utf-16"))
+
+
+def test_no_yaml_at_all(tmp_path):
+    error = only(tmp_path, changed(CORRIDOR, ("width: 8.0}", "width: 8.0")).encode())
+    assert error.startswith("4:7 not valid YAML: ")
+    assert "while parsing a flow mapping that begins on line 3" in error

@@ -1,0 +1,78 @@
+"""Worlds to check: one with a corridor, one with drawn boundaries, and ways to change them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from physim.checking import Findings, check_world
+
+CORRIDOR = """\
+name: corridor
+time: {step: 0.01, duration: 60.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
+robots:
+  - name: a
+    footprint: {length: 1.8, width: 1.0}
+    pose: [6.0, 1.0, 0.0]
+    path: {offset: 1.0}
+  - name: b
+    footprint: {length: 1.8, width: 1.0}
+    pose: [3.0, -1.0, 0.0]
+    path: {offset: -1.0}
+formation: {spacing: [0.0, -3.0]}
+"""
+
+DRAWN = """\
+name: drawn
+time: {step: 0.01, duration: 60.0}
+boundaries:
+  - [[-3, -4], [33, -4], [33, 4]]
+  - [[33, 4], [-3, 4], [-3, -4]]
+reference_path: [[0, 0], [30, 0]]
+robots:
+  - name: a
+    footprint: {length: 1.8, width: 1.0}
+    pose: [6.0, 1.0, 0.0]
+    path: [[0, 1], [30, 1]]
+  - name: b
+    footprint: {length: 1.8, width: 1.0}
+    pose: [3.0, -1.0, 0.0]
+    path: {offset: -1.0}
+formation: {spacing: [0.0, -3.0]}
+"""
+
+
+REGION = """\
+name: region
+seed: 3
+time: {step: 0.01, duration: 60.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
+start: {region: [[0, -3.5], [12, -3.5], [12, 3.5], [0, 3.5]], min_gap: 0.4}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, path: {offset: 1.0}}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, path: {offset: -1.0}}
+"""
+
+
+def changed(text: str, *changes: tuple[str, str]) -> str:
+    """A text with each first part replaced by the second; every one must be there."""
+    for old, new in changes:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def check(folder: Path, text: str) -> Findings:
+    """Check a text as the file ``w.yaml``."""
+    file = folder / "w.yaml"
+    file.write_text(text, encoding="utf-8")
+    return check_world(file)
+
+
+def lines(findings: Findings) -> tuple[list[str], list[str]]:
+    """Errors and warnings as ``line:column key message``."""
+    told = [
+        [f"{f.line}:{f.column} {f.key} {f.message}" for f in group]
+        for group in (findings.errors, findings.warnings)
+    ]
+    return told[0], told[1]

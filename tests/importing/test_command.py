@@ -1,0 +1,113 @@
+"""``physim import`` as a user's shell sees it."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from physim.importing import FORMATS, Options, import_world
+from physim.world_file import load_world
+from tests.cli.commands import physim
+from tests.importing.plans import SAMPLES, svg
+
+GIVEN = tuple(sorted(p.name for p in SAMPLES.iterdir() if p.suffix != ".png"))
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for file in SAMPLES.iterdir():
+        shutil.copy(file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", GIVEN)
+def test_samples(name: str, here: Path, capture: pytest.CaptureFixture[str]) -> None:
+    scale = ["--scale", "0.1"] if name == "hall.svg" else []
+    done = physim("import", name, "-o", "w.yaml", *scale, capture=capture)
+    assert (done.code, done.err) == (0, "")
+    assert done.out.startswith(f"{name}: ")
+    assert done.out.endswith("written to w.yaml; next: physim run w.yaml\n")
+    assert "dropped or repaired:" in done.out
+    text = (here / "w.yaml").read_text()
+    assert text.startswith(f"# Imported from {name}: ")
+    assert max(len(line) for line in text.splitlines()) <= 160
+    for told in done.out.splitlines()[1:3]:
+        assert told.split(";")[0].strip()[:60] in text.replace("\n#   ", " ")
+    world = load_world(here / "w.yaml")
+    assert world.name == Path(name).stem
+    assert (
+        world.to_yaml()
+        == import_world(here / name, Options(scale=0.1 if scale else None)).world.to_yaml()
+    )
+
+
+@pytest.fixture
+def capture(capsys: pytest.CaptureFixture[str]) -> pytest.CaptureFixture[str]:
+    return capsys
+
+
+def test_existing_files_need_force(here: Path, capture: pytest.CaptureFixture[str]) -> None:
+    (here / "w.yaml").write_text("mine")
+    done = physim("import", "track.csv", "-o", "w.yaml", capture=capture)
+    assert done.code == 2
+    assert done.err == (
+        "physim: w.yaml: exists; use --force to write over it, or -o for another file\n"
+    )
+    assert (here / "w.yaml").read_text() == "mine"
+    assert physim("import", "track.csv", "-o", "w.yaml", "--force", "--quiet", capture=capture) == (
+        0, "", "",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["office.yaml", "-o", "office.yaml", "--force"], "office.yaml: is the source itself"),
+        (["track.csv", "-o", "no/w.yaml"], "no/w.yaml: there is no folder no"),
+        (["track.csv", "-o", "w.txt"], "w.txt: a world file ends in .yaml"),
+        (["nothing.csv", "-o", "w.yaml"], "nothing.csv: no such file"),
+        (["track.csv", "-o", "w.yaml", "--format", "svg"], "track.csv:1: not valid XML"),
+        (["track.csv", "-o", "w.yaml", "--robots", "0"], '"0" is not a whole number from 1'),
+        (["track.csv", "-o", "w.yaml", "--robot", "1"], '"1" is not'),
+        (["track.csv", "-o", "w.yaml", "--from", "1;2"], '"1;2" is not X,Y'),
+        (["track.csv", "-o", "w.yaml", "--scale", "nan"], '"nan" is not a number greater than 0'),
+        (["track.csv"], "-o/--output"),
+    ],
+)
+def test_bad_input_writes_nothing(
+    arguments: list[str], message: str, here: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    before = sorted(p.name for p in here.iterdir())
+    done = physim("import", *arguments, capture=capture)
+    assert done.code == 2
+    assert done.out == ""
+    assert message in done.err
+    assert done.err.count("\n") == 1
+    assert sorted(p.name for p in here.iterdir()) == before
+
+
+def test_names_from_outside_are_only_names(here: Path, capture: pytest.CaptureFixture[str]) -> None:
+    """Quotes, HTML, colons and line breaks in names of files and robots."""
+    walls = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+    names = ["a: b", "no", "../../x", "&lt;b&gt;&quot;", "1e3", "tab&#9;tab", "- x", "#", "ü"]
+    robots = "".join(
+        f'<rect x="{1 + 2.4 * k}" y="6" width="1.8" height="1" inkscape:label="robot {name}"/>'
+        for k, name in enumerate(names)
+    )
+    source = here / 'o"d: #d <b>.svg'
+    source.write_text(svg(walls + robots))
+    done = physim("import", source, "-o", "w.yaml", "--scale", "1", capture=capture)
+    assert (done.code, done.err) == (0, "")
+    world = load_world(here / "w.yaml")
+    assert world.name == 'o"d: #d <b>'
+    assert [robot.name for robot in world.robots][:5] == ["a: b", "no", "../../x", '<b>"', "1e3"]
+    assert len(world.robots) == len(names)
+
+
+def test_formats_of_the_command_line_are_those_of_the_import() -> None:
+    from physim.cli.arguments.importing import FORMATS as OFFERED
+
+    assert OFFERED == FORMATS

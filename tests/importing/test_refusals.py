@@ -1,0 +1,309 @@
+"""Sources that cannot be imported: one message that says what, where and what to do."""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim.errors import PhysimError
+from physim.importing import ImportSourceError, Options, import_world
+from tests.importing.plans import SAMPLES, map_yaml, pgm, svg
+
+HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
+ROUND = np.linspace(0.0, 6.28, 200)
+ROWS = "".join(f"{x},0,3,3\n" for x in range(0, 40, 2))
+
+
+def refusal(path: Path, options: Options | None = None) -> str:
+    with pytest.raises(PhysimError) as caught:
+        import_world(path, options)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(str(path))
+    return message.removeprefix(str(path))
+
+
+TRACKS = {
+    "nan": (HEADER + "0,0,3,3\n5,nan,3,3\n", ":3: y_m: nan is not a finite number"),
+    "infinite": (HEADER + "0,0,3,3\n5,0,inf,3\n", ":3: w_tr_right_m: inf is not a finite number"),
+    "negative width": (HEADER + "0,0,3,3\n5,0,3,-1\n", ":3: w_tr_left_m: a width of -1 m"),
+    "no width": (HEADER + "0,0,0,3\n5,0,3,1\n", ":2: w_tr_right_m: a width of 0 m"),
+    "text": (HEADER + "0,0,3,3\n5,zero,3,3\n", ':3: y_m: "zero" is not a number'),
+    "underscore": (HEADER + "0,0,3,3\n5,1_0,3,3\n", ":3: y_m: nan is not"),
+    "cut row": (HEADER + "0,0,3,3\n5,0\n", ":3: 2 values; 4 are needed"),
+    "decimal comma": ("0,5;0;3;3\n1;0;3;3\n", ":1: numbers with a decimal comma; write a point"),
+    "spaces": ("0 0 3 3\n1 0 3 3\n", ":1: values stand apart by spaces; put commas between them"),
+    "other columns": ("# s_m; x_m; y_m; psi_rad\n0;0;0;0\n", ":1: no column w_tr_right_m; there:"),
+    "two columns": ("0,0\n1,0\n", ":1: 2 columns and no names; 4 are needed: x_m"),
+    "empty": ("", ": no row of numbers; columns: x_m"),
+    "one point": (HEADER + "0,0,3,3\n", ": 1 points; a centreline needs at least 2"),
+    "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: x_m: 5e+06 m is beyond 1e+06 m"),
+    "words below": (HEADER + ROWS + "the end\n", ':22: "the end" is not a row of numbers'),
+    "figure of eight": (
+        HEADER + "".join(f"{np.sin(a) * 30},{np.sin(2 * a) * 15},2,2\n" for a in ROUND),
+        ": the left edge crosses itself at",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRACKS)
+def test_tracks(tmp_path: Path, name: str) -> None:
+    text, message = TRACKS[name]
+    path = tmp_path / "t.csv"
+    path.write_text(text)
+    assert message in refusal(path)
+
+
+def huge_png(width: int, height: int) -> bytes:
+    """A PNG that says it is that large, and holds next to nothing."""
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        )
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    body = chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(b"\0")) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + body
+
+
+def maps() -> dict[str, tuple[str, bytes | None, str]]:
+    good = pgm(np.full((40, 60), 254))
+    png = cv2.imencode(".png", np.random.default_rng(1).integers(0, 255, (40, 60)))[1].tobytes()
+    yaml = map_yaml("map.pgm", 0.05, (0, 0))
+    return {
+        "missing image": (yaml.replace("map.pgm", "mop.pgm"), good,
+                          ':1: image: no file "mop.pgm" in'),
+        "nearest image": (yaml.replace("map.pgm", "mop.pgm"), good, 'did you mean "map.pgm"?'),
+        "escape": (yaml.replace("map.pgm", "../../etc/passwd"), good,
+                   ':1: image: "../../etc/passwd" lies outside the folder of the map'),
+        "absolute": (yaml.replace("map.pgm", "/etc/passwd"), good, "lies outside the folder"),
+        "no image": (yaml.replace("image: map.pgm\n", ""), good, ":1: image: missing"),
+        "misspelt": (yaml.replace("resolution", "resolutoin"), good, 'did you mean "resolutoin"?'),
+        "resolution": (yaml.replace("0.05", "0.0"), good, ":2: resolution: 0 m a cell"),
+        "text": (yaml.replace("resolution: 0.05", "resolution: five"), good,
+                 ':2: resolution: "five" is not a number'),
+        "origin": (yaml.replace("[0.0, 0.0, 0.0]", "0.0"), good, ":3: origin: must be [x, y, yaw]"),
+        "negate": (yaml.replace("negate: 0", "negate: maybe"), good, ":4: negate: must be 0 or 1"),
+        "thresholds": (yaml.replace("0.196", "0.9"), good, ":6: free_thresh: 0.9 is above"),
+        "share": (yaml.replace("0.65", "65.0"), good, ":5: occupied_thresh: 65; must be"),
+        "mode": (yaml + "mode: binary\n", good, ":7: mode: must be trinary, scale, raw"),
+        "nan": (yaml.replace("0.65", ".nan"), good, ":5:18: occupied_thresh: .nan is not a finite"),
+        "duplicate": (yaml + "negate: 1\n", good, ":7:1: negate: key given twice"),
+        "a list": ("- image: map.pgm\n", good, ":1: a map is a mapping of keys"),
+        "empty": ("", good, ":1: the file is empty"),
+        "no YAML": ("image: [", good, ": not valid YAML"),
+        "tag": ("image: !!python/object/apply:os.system [ls]\n", good, "tag"),
+        "not an image": (yaml, b"hello", "map.pgm: is neither PGM (P2, P5) nor PNG"),
+        "cut PGM": (yaml, good[:-1], "map.pgm: cut short: 2399 of 2400 pixels"),
+        "cut plain PGM": (yaml, pgm(np.full((4, 6), 254), True)[:-4], "cut short: 23 of 24 pixels"),
+        "header": (yaml, b"P5\n60 forty\n255\n", 'PGM header: height is "forty"'),
+        "header only": (yaml, b"P5\n60", 'PGM header: height is "nothing"'),
+        "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "pixels; at most 100 000 000 are"),
+        "huge PNG": (yaml, huge_png(100_000, 100_000), "100000 x 100000 pixels"),
+        "cut PNG": (yaml, png[: len(png) // 2], "cut short: the PNG ends after"),
+        "damaged PNG": (yaml, png[:60] + b"X" + png[61:], "the check sum of the PNG is wrong"),
+        "nothing free": (yaml, pgm(np.zeros((40, 60))), ": no cell of the map is free"),
+        "an image for a folder": (yaml.replace("map.pgm", "."), good, "is a folder; name a file"),
+    }  # fmt: skip
+
+
+MAPS = maps()
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_maps(tmp_path: Path, name: str) -> None:
+    text, image, message = MAPS[name]
+    path = tmp_path / "map.yaml"
+    path.write_text(text)
+    if image is not None:
+        (tmp_path / "map.pgm").write_bytes(image)
+    with pytest.raises(PhysimError) as caught:
+        import_world(path)
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_link_out_of_the_folder_is_no_way_out(tmp_path: Path) -> None:
+    folder = tmp_path / "maps"
+    folder.mkdir()
+    (tmp_path / "secret.pgm").write_bytes(pgm(np.full((40, 60), 254)))
+    (folder / "map.pgm").symlink_to(tmp_path / "secret.pgm")
+    (folder / "map.yaml").write_text(map_yaml("map.pgm", 0.05, (0, 0)))
+    assert "lies outside the folder of the map" in refusal(folder / "map.yaml")
+
+
+BILLION = (
+    '<?xml version="1.0"?>\n<!DOCTYPE svg [\n<!ENTITY a "aaaaaaaaaa">\n'
+    + "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">\n' for a, b in pairwise("abcdefghi"))
+    + ']>\n<svg xmlns="http://www.w3.org/2000/svg">&i;</svg>'
+)  # fmt: skip
+DOUBLING = "".join(
+    f'<g id="g{k}"><use href="#g{k - 1}"/><use href="#g{k - 1}"/></g>' for k in range(1, 40)
+)
+
+DRAWINGS = {
+    "entity bomb": (BILLION, ":3: declares an XML entity"),
+    "external entity": (
+        '<!DOCTYPE svg [<!ENTITY x SYSTEM "file:///etc/passwd">]>\n<svg>&x;</svg>',
+        ":1: declares an XML entity",
+    ),
+    "copies of copies": (svg(f'<path id="g0" d="M 0,0 1,1"/>{DOUBLING}'), "more than 100000"),
+    "copies itself": (svg('<g id="a"><use href="#a"/></g>'), '"a" copies itself (use)'),
+    "copy from outside": (svg('<use href="other.svg#a"/>'), ':2: refers to "other.svg#a"'),
+    "not XML": ("<svg><path</svg>", ":1: not valid XML"),
+    "not SVG": ("<html></html>", ":1: the root is <html>, not <svg>"),
+    "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: nested deeper than 100 levels"),
+    "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: path data: "garbage"'),
+    "beyond numbers": (
+        svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "is not a finite number"
+    ),
+    "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), ": no line is a boundary"),
+    "open boundary": (
+        svg('<path id="boundary" d="M 0,0 24,0 24,14"/>'), "the boundaries enclose no area"
+    ),
+    "no units": (
+        svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>', 'width="240" height="140"'),
+        ":1: the page has no real-world units; --scale",
+    ),
+    "path outside": (
+        svg(
+            '<path id="boundary" d="M 0,0 24,0 24,14 Z"/><path id="path" d="M 0,20 24,20"/>',
+            'width="24000mm" height="14000mm" viewBox="0 0 24 14"',
+        ),
+        "no area that the boundaries enclose contains the path",
+    ),
+    "too small": (
+        svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>'), "the place is 0.24 x 0.14 m; --scale"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_drawings(tmp_path: Path, name: str) -> None:
+    text, message = DRAWINGS[name]
+    path = tmp_path / "d.svg"
+    path.write_text(text)
+    scale = 1.0 if name in ("beyond numbers", "open boundary") else None
+    assert message in refusal(path, Options(scale=scale))
+
+
+SQUARE = [[0, 0], [20, 0], [20, 10], [0, 10], [0, 0]]
+DEGREES = [[13.4049, 52.52], [13.4052, 52.52], [13.4052, 52.5201], [13.4049, 52.52]]
+
+
+def polygon(ring: Any, **more: Any) -> str:
+    return json.dumps({"type": "Polygon", "coordinates": [ring], **more})
+
+
+POLYGONS = {
+    "degrees.geojson": (polygon(DEGREES), "are degrees of longitude and latitude"),
+    "crs.geojson": (
+        polygon(SQUARE, crs={"type": "name", "properties": {"name": "OGC:1.3:CRS84"}}),
+        "are degrees of longitude and latitude (the crs of the file)",
+    ),
+    "cut.geojson": (polygon(SQUARE)[:-5], ":1: not valid JSON"),
+    "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN is not a finite number"),
+    "list.geojson": ("[1]", 'not GeoJSON: an object with "type" is needed'),
+    "kind.geojson": ('{"type": "Circle", "coordinates": [0, 0]}', 'geometry "Circle"'),
+    "text.geojson": (polygon("abc"), 'geometry "Polygon" cannot be read'),
+    "none.geojson": ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
+    "features.geojson": ('{"type": "FeatureCollection"}', '"features" must be a list'),
+    "deep.geojson": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),
+    "line.wkt": ("LINESTRING (0 0, 10 0)", "holds no polygon; one says where robots may go"),
+    "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: not valid WKT"),
+    "srid.wkt": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", ":1: coordinates are degrees"),
+    "empty.wkt": ("\n", "holds no geometry"),
+    "curve.wkt": ("CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", ":1:"),
+    "thin.wkt": ("POLYGON ((0 0, 10 0, 5 0, 0 0))", "encloses no area"),
+    "far.wkt": ("POLYGON ((0 0, 1e9 0, 1e9 1e9, 0 0))", ":1: a coordinate of 1e+09 m is beyond"),
+    "nan.wkt": ("POLYGON ((0 0, nan 0, 10 10, 0 0))", ":1:"),
+    "deep.wkt": ("GEOMETRYCOLLECTION(" * 500 + "POINT(0 0)" + ")" * 500, "nested deeper than"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", POLYGONS)
+def test_polygons(tmp_path: Path, name: str) -> None:
+    text, message = POLYGONS[name]
+    path = tmp_path / name
+    path.write_text(text)
+    assert message in refusal(path)
+
+
+FILES = {
+    "missing.csv": (None, ": no such file"),
+    "image.png": (b"\x89PNG", ": an image alone has no scale; name the map.yaml"),
+    "drawing.svgz": (b"\x1f\x8b", ": is compressed; unpack it first"),
+    "latin.csv": ("gr\xfc\xdfe,1\n".encode("latin-1"), ":1: byte 0xfc is not UTF-8"),
+    "what.txt": (b"hello", ": neither name nor content says what it is; --format track|ros-map"),
+}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files(tmp_path: Path, name: str) -> None:
+    content, message = FILES[name]
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    assert message in refusal(tmp_path / name)
+
+
+def test_folder_and_pipe(tmp_path: Path) -> None:
+    assert ": is a folder" in refusal(tmp_path, Options(format="wkt"))
+
+
+OPTIONS = {
+    "start beyond": (Options(start=1e4), "--start 10000: the track is 248.1 m long"),
+    "gap beyond": (Options(gap=200.0), "--gap 200: more than 0 and less than half of 248.1 m"),
+    "too many": (Options(robots=200), "of 200 robots of 1.8 x 1.0 m on the first"),
+    "too wide": (Options(robot=(9.0, 8.0)), "a robot 8 m wide does not fit"),
+    "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00): not in the area"),
+}
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_options(name: str) -> None:
+    options, message = OPTIONS[name]
+    assert message in refusal(SAMPLES / "track.csv", options)
+
+
+SOURCES = {
+    name: (SAMPLES / name).read_bytes() for name in ("office.wkt", "hall.svg", "office.geojson")
+}
+SOURCES["short.csv"] = (HEADER + ROWS).encode()
+
+
+@settings(max_examples=150)
+@given(data=st.data())
+def test_cut_and_flipped_sources_give_a_world_or_one_message(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    """Never a traceback: only PhysimError leaves the import."""
+    name = data.draw(st.sampled_from(sorted(SOURCES)))
+    content = bytearray(SOURCES[name])
+    if data.draw(st.booleans()):
+        content = content[: data.draw(st.integers(0, len(content)))]
+    for _ in range(data.draw(st.integers(0, 3))):
+        if content:
+            content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path = tmp_path_factory.mktemp("broken") / name
+    path.write_bytes(bytes(content))
+    message = told(path, Options(scale=0.1 if name == "hall.svg" else None))
+    assert message is None or (message.startswith(str(path)) and "\n" not in message)
+
+
+def told(path: Path, options: Options) -> str | None:
+    try:
+        import_world(path, options)
+    except ImportSourceError as error:
+        return str(error)
+    return None

@@ -1,0 +1,254 @@
+"""What is dropped or repaired is listed with its place and size, and the rest stays as it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import shapely
+
+from physim.importing import Imported, ImportSourceError, Options, import_world
+from physim.importing.loops import CrossingError, without_loops
+from tests.importing.plans import CELL, free_cells, map_yaml, pgm, svg, write_map
+
+ONE = Options(scale=1.0)
+ROOM = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+
+
+def drawn(folder: Path, body: str, options: Options = ONE) -> Imported:
+    path = folder / "d.svg"
+    path.write_text(svg(body))
+    return import_world(path, options)
+
+
+def only(imported: Imported, word: str) -> str:
+    """The one change that speaks of something."""
+    found = [change for change in imported.changes if word in change]
+    assert len(found) == 1, imported.changes
+    assert found[0] in imported.text.replace("\n#   ", " ")
+    return found[0]
+
+
+def test_walls_that_cross_themselves_in_a_tight_bend_are_cut_clean(tmp_path: Path) -> None:
+    """A right angle within a metre, in a road whose inner half is 3 m wide."""
+    path = tmp_path / "bend.csv"
+    sharp = np.array([(0.0, 0.0), (20.0, 0.0), (20.5, 0.1), (20.8, 0.4), (20.9, 0.9), (20.9, 20.0)])
+    rows = [f"{x},{y},3.0,3.0" for x, y in sharp]
+    path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
+    imported = import_world(path)
+    told = only(imported, "crossed itself in a tight bend")
+    assert told.startswith("left wall crossed itself in a tight bend at (17.91, 2.99): loop of ")
+    left = shapely.LineString((imported.world.boundaries or ())[0])
+    assert left.is_simple
+    line = shapely.LineString(sharp)
+    near = line.offset_curve(3.0, join_style="mitre")
+    assert left.hausdorff_distance(near) < 0.4
+
+
+def test_which_tracks_are_closed(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    for degrees, closed in ((360, True), (345, True), (240, False)):
+        angle = np.radians(np.arange(0, degrees, 15))
+        rows = [f"{20 * x},{20 * y},2,2" for x, y in zip(np.cos(angle), np.sin(angle), strict=True)]
+        path.write_text("\n".join(rows))
+        imported = import_world(path)
+        assert any("cut open" in change for change in imported.changes) == closed
+    path.write_text("0,0,2,2\n20,0,2,2\n20,20,2,2\n0,20,2,2")
+    assert not any("cut open" in change for change in import_world(path).changes)
+    only(import_world(path, Options(start=10.0)), "cut open at station 10 m, (10.00, 0.00)")
+    path.write_text("0,0,2,2\n20,0,2,2\n40,0,2,2")
+    with pytest.raises(ImportSourceError, match="this one is open"):
+        import_world(path, Options(start=10.0))
+
+
+def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:
+    """A hairpin of radius 2 m with an inner half of 3 m: either leg lies in the other's road."""
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 40)
+    bend = 2.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + (30.0, 2.0)
+    points = np.vstack([[(0.0, 0.0), (15.0, 0.0)], bend, [(15.0, 4.0), (0.0, 4.0)]])
+    path = tmp_path / "hairpin.csv"
+    rows = [f"{x},{y},1.9,3.0" for x, y in points]
+    path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
+    told = only(import_world(path, Options(robot=(0.6, 0.3))), "folds")
+    assert told.startswith("left wall comes within 1.00 m of the centreline at (")
+    assert "3.00 m are stated" in told
+
+
+def test_loops_up_to_a_length_are_cut_and_longer_ones_refused() -> None:
+    line = np.array([(0, 0), (4, 0), (4, 1), (3, 1), (3, -1), (8, -1)], dtype=float)
+    clean, cut = without_loops(line, 5.0)
+    assert clean.tolist() == [[0, 0], [3, 0], [3, -1], [8, -1]]
+    assert [(point.tolist(), length) for point, length in cut] == [([3, 0], 4.0)]
+    with pytest.raises(CrossingError):
+        without_loops(line, 3.9)
+    straight, none = without_loops(line[:3], 5.0)
+    assert straight is line[:3] or (straight == line[:3]).all()
+    assert none == []
+
+
+def test_repeated_points_and_further_columns_of_a_track(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(
+        "y_m;bank;x_m;w_tr_left_m;w_tr_right_m\n0;9;0;3;2\n0;9;0;3;2\n0;9;20;3;2\n0;9;40;3;2\n"
+    )
+    imported = import_world(path)
+    assert only(imported, "line 3") == "line 3: repeats the point before it, dropped"
+    assert only(imported, "columns") == "columns left out: bank"
+    left, right = (imported.world.boundaries or ())[:2]
+    assert {y for _, y in left} == {3.0}
+    assert {y for _, y in right} == {-2.0}
+
+
+def test_specks_regions_and_doors_of_a_map(tmp_path: Path) -> None:
+    plan = shapely.box(0, 0, 12, 8)
+    free, corner = free_cells(plan, margin=30)
+    free[60, 60:62] = False  # two cells: left out
+    free[80:83, 80] = False  # three: kept
+    free[2:5, 2:6] = True  # outside: another region
+    imported = import_world(write_map(tmp_path, free, corner))
+    rows = len(free)
+    x, y = corner[0] + 61.0 * CELL, corner[1] + (rows - 60.5) * CELL
+    assert only(imported, "speck") == f"speck of 0.02 m² at ({x:.2f}, {y:.2f}): left out (--specks)"
+    assert only(imported, "region").startswith("free region of 0.12 m² about (-2.60, ")
+    assert [len(ring) for ring in imported.world.obstacles] == [4]
+    kept = import_world(tmp_path / "map.yaml", Options(specks=1e-6))
+    assert len(kept.world.obstacles) == 2
+    there = import_world(tmp_path / "map.yaml", Options(specks=0.031))
+    assert len(there.world.obstacles) == 0
+
+
+def test_cells_that_meet_at_a_corner_are_no_passage(tmp_path: Path) -> None:
+    free = np.zeros((80, 120), dtype=bool)
+    free[5:40, 5:60] = True
+    free[40:75, 60:115] = True
+    free[40:70, 5:60] = False
+    world = import_world(write_map(tmp_path, free, (0.0, 0.0))).world
+    assert shapely.Polygon((world.boundaries or ())[0]).area == pytest.approx(5.5 * 3.5)
+
+
+GREY = np.array([254, 205, 128, 100, 10, 0])
+"""Free, unknown to map_server, between the thresholds, ..., occupied"""
+
+
+@pytest.mark.parametrize(
+    ("more", "free"),
+    [
+        ({}, [1, 0, 0, 0, 0, 0]),
+        ({"free_thresh": 0.25}, [1, 1, 0, 0, 0, 0]),
+        ({"negate": 1}, [0, 0, 0, 0, 1, 1]),
+        ({"mode": "scale"}, [1, 0, 0, 0, 0, 0]),
+        ({"mode": "raw"}, [0, 0, 0, 0, 1, 1]),
+        ({"mode": "raw", "free_thresh": 0.05}, [0, 0, 0, 0, 0, 1]),
+    ],
+)
+@pytest.mark.parametrize("kind", ["P5", "P2", "png", "png16", "colour"])
+def test_thresholds_and_modes(
+    tmp_path: Path, more: dict[str, Any], free: list[int], kind: str
+) -> None:
+    """Bands of grey, 20 cells each: the free ones are the world."""
+    pixels = np.repeat(np.repeat(GREY[None], 40, axis=0), 20, axis=1)
+    if kind in ("P5", "P2"):
+        data = pgm(pixels, kind == "P2")
+    else:
+        image = pixels.astype(np.uint8)
+        if kind == "png16":
+            image = image.astype(np.uint16) * 257
+        elif kind == "colour":
+            image = np.stack([image, image, image, np.full_like(image, 255)], axis=2)
+        data = cv2.imencode(".png", image)[1].tobytes()
+    (tmp_path / "map.img").write_bytes(data)
+    (tmp_path / "map.yaml").write_text(map_yaml("map.img", 0.5, (0, 0), **more))
+    imported = import_world(tmp_path / "map.yaml", Options(tolerance=0.1))
+    x0, y0, x1, y1 = shapely.LineString((imported.world.boundaries or ())[0]).bounds
+    bands = np.flatnonzero(free)
+    assert (x0, x1) == (10.0 * bands[0], 10.0 * (bands[-1] + 1))
+    assert (y0, y1) == (0.0, 20.0)
+
+
+def test_transparent_cells_are_unknown_in_scale_mode(tmp_path: Path) -> None:
+    image = np.full((40, 80, 4), 255, dtype=np.uint8)
+    image[:, 40:, 3] = 0
+    cv2.imwrite(str(tmp_path / "map.png"), image)
+    for mode, width in (("scale", 20.0), ("trinary", 40.0)):
+        (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.5, (0, 0), mode=mode))
+        line = shapely.LineString((import_world(tmp_path / "map.yaml").world.boundaries or ())[0])
+        assert line.bounds == (0.0, 0.0, width, 20.0)
+
+
+def test_hidden_and_nameless_lines_of_a_drawing(tmp_path: Path) -> None:
+    imported = drawn(
+        tmp_path,
+        ROOM
+        + '\n<g inkscape:label="boundary" style="display:none"><path d="M 3,3 5,5"/></g>'
+        + '\n<path id="path17" d="M 1,1 2,2"/>\n<text x="1" y="2">Hall 7</text>',
+    )
+    assert only(imported, "hidden") == "line 3: hidden <g> boundary, left out"
+    assert only(imported, "path17") == (
+        "'path17': in no layer boundary, obstacle, path or robot, left out"
+    )
+    assert only(imported, "text") == "line 5: <text> holds no lines, left out"
+    assert len(imported.world.boundaries or ()) == 1
+
+
+def test_ends_that_nearly_meet_are_joined(tmp_path: Path) -> None:
+    imported = drawn(tmp_path, '<path id="walls" d="M 0,0 24,0 24,14 0,14 0,0.05"/>')
+    assert only(imported, "apart") == "wall ends 0.050 m apart at (0.00, 14.00) joined"
+
+
+def test_two_open_walls_get_caps(tmp_path: Path) -> None:
+    imported = drawn(tmp_path, '<g id="boundary"><path d="M 0,0 24,0"/><path d="M 24,8 0,8"/></g>')
+    assert "two open walls closed by a cap from (0.00, 14.00) to (0.00, 6.00)" in imported.changes
+    assert len(imported.world.boundaries or ()) == 4
+
+
+def test_lines_away_from_the_area_are_dropped(tmp_path: Path) -> None:
+    imported = drawn(
+        tmp_path,
+        ROOM + '<path id="wall-2" d="M 30,1 33,1 33,5"/>'
+        '<rect id="obstacle" x="30" width="2" height="1"/>',
+    )
+    assert only(imported, "boundary of 7.00 m from (30.00, 13.00) to (33.00, 9.00)")
+    assert only(imported, "obstacle of 2.000 m² at (31.00, 13.50)")
+
+
+def test_a_polygon_that_crosses_itself_is_mended(tmp_path: Path) -> None:
+    path = tmp_path / "p.wkt"
+    path.write_text("POLYGON ((0 0, 20 0, 20 10, 4 10, 4 12, 3 12, 3 10, 6 10, 0 10, 0 0))")
+    told = only(import_world(path), "mended")
+    assert told.startswith("polygon mended (Self-intersection[")
+    path.write_text("MULTIPOLYGON (((0 0, 20 0, 20 10, 0 10, 0 0)), ((30 0, 34 0, 34 2, 30 0)))")
+    assert only(import_world(path), "polygon of 4.000 m² at")
+
+
+def test_lanes_are_drawn_in_where_the_corridor_is_narrow(tmp_path: Path) -> None:
+    """Two lanes of boxes of 1 m through a door of 2.4 m: side by side before and after it."""
+    plan = shapely.box(0, 0, 40, 8).difference(
+        shapely.MultiPolygon([shapely.box(19, 0, 21, 2.8), shapely.box(19, 5.2, 21, 8)])
+    )
+    path = tmp_path / "p.wkt"
+    path.write_text(f"{plan.wkt}\nLINESTRING (1 4, 39 4)\n")
+    imported = import_world(path, Options(robots=4, lanes=2, robot=(1.0, 0.6)))
+    assert sum("drawn in" in change for change in imported.changes) == 2
+    lines = [np.array(robot.path) for robot in imported.world.robots[:2]]
+    for line in lines:
+        points = shapely.points(line)
+        assert shapely.distance(plan.boundary, points).min() > 0.3
+        assert 0.5 < np.abs(line[:, 1] - 4.0).max() < 1.2
+        close = shapely.get_coordinates(shapely.segmentize(shapely.LineString(line), 0.1))
+        inside = close[(close[:, 0] > 19) & (close[:, 0] < 21)]
+        assert np.abs(inside[:, 1] - 4.0).max() < 0.7
+
+
+def test_robots_are_counted_from_the_front_and_stop_apart(tmp_path: Path) -> None:
+    path = tmp_path / "p.wkt"
+    path.write_text("POLYGON ((0 0, 80 0, 80 9, 0 9, 0 0))\nLINESTRING (1 4.5, 79 4.5)")
+    world = import_world(path, Options(robots=5, lanes=2)).world
+    along = [robot.pose[0] for robot in world.robots]
+    assert [robot.name for robot in world.robots] == ["r1", "r2", "r3", "r4", "r5"]
+    assert along == sorted(along, reverse=True)
+    assert np.diff(along).max() <= -1.5  # none stops abreast of another
+    assert {robot.pose[1] for robot in world.robots} == {3.5, 5.5}
+    assert {robot.pose[2] for robot in world.robots} == {0.0}

@@ -1,0 +1,121 @@
+"""Every template, with one robot up to as many as fit, is a sound world that keeps its promise."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+import shapely
+import yaml
+from jsonschema import Draft7Validator
+
+from physim.cli.arguments.new import TEMPLATES
+from physim.controllers.settings import ModeSwitchingSettings
+from physim.recording import simulate
+from physim.scene_builder import build_scene
+from physim.summary import summarise
+from physim.templates import ROADS, fitted, lanes_of, most_robots, world_text
+from physim.templates.group import LANE
+from physim.world import Formation, World
+from physim.world_file import parse_world
+from physim.world_file.schema import world_schema
+
+every_template = pytest.mark.parametrize("template", ROADS)
+
+
+def test_the_command_offers_what_there_is() -> None:
+    assert tuple(ROADS) == TEMPLATES
+    assert {name: most_robots(name) for name in ROADS} == {
+        "corridor": 22, "bend": 22, "doorway": 10, "s_bend": 22, "roundabout": 15, "warehouse": 15,
+    }  # fmt: skip
+
+
+@every_template
+@pytest.mark.parametrize("robots", [1, 3, 8, "most"])
+def test_runs_contact_free_to_what_it_promises(template: str, robots: int | str) -> None:
+    count = most_robots(template) if robots == "most" else int(robots)
+    world = parse_world(world_text("a new one", template, count))
+    assert (world.name, len(world.robots)) == ("a new one", count)
+    with simulate(world) as record:
+        assert [one for one in summarise(record).expectations if not one.held] == []
+        assert record.ended == "finished"
+        assert record.boundary_clearance.min() > 0.3
+        assert record.clearance.min() > 0.5  # never in danger mode for distance, so never close
+    assert world.expect is not None
+    assert (world.expect.contacts, world.expect.finished) == (0, True)
+
+
+@every_template
+def test_every_number_of_robots_stands_apart_on_a_sound_road(template: str) -> None:
+    schema = Draft7Validator(world_schema())
+    for robots in range(1, most_robots(template) + 1):
+        text = world_text("w", template, robots)
+        scene = build_scene(parse_world(text))
+        assert list(schema.iter_errors(yaml.safe_load(text))) == []
+        assert all(len(stretches) == 0 for stretches in scene.outside)
+        assert scene.start[0, 0] == scene.start[:, 0].max()
+        safe = scene.area.polygon.buffer(-1.0)
+        places = shapely.points(scene.start[:, :2])
+        assert shapely.covers(safe.buffer(1e-6), places).all()
+
+
+@every_template
+def test_one_more_than_fit_are_refused(template: str) -> None:
+    most = most_robots(template)
+    with pytest.raises(ValueError, match=f"{most} do"):
+        fitted(template, most + 1)
+
+
+def test_lanes_are_as_many_as_the_width_has_room_for() -> None:
+    assert [lanes_of(width) for width in (1.5, 4.5, 4.6, 6.6, 8.0, 8.6)] == [1, 1, 2, 3, 3, 4]
+    for template in ROADS:
+        road, group = fitted(template, most_robots(template))
+        offsets = sorted({place.offset for place in group})
+        assert len(offsets) == lanes_of(road.narrowest)
+        assert np.diff(offsets) == pytest.approx([LANE] * (len(offsets) - 1))
+        assert max(offsets) == pytest.approx(-min(offsets))
+
+
+@every_template
+def test_text_explains_every_key_with_its_unit(template: str) -> None:
+    text = world_text("w", template, 4)
+    lines = text.splitlines()
+    assert lines[0] == "# yaml-language-server: $schema=world.schema.json"
+    assert max(map(len, lines)) <= 110
+    seen = set()
+    for line in lines:
+        key = re.match(r" *(?:- )?([a-z_]+):", line)
+        if key and key[1] not in seen:
+            seen.add(key[1])
+            explained = "# " in line or key[1] in ("time", "robots", "controller", "description")
+            assert explained or key[1] == "contacts", line
+    fields = World.model_fields.keys() | Formation.model_fields.keys()
+    for key in fields & seen - {"robots", "controller"}:
+        field = World.model_fields.get(key) or Formation.model_fields[key]
+        unit = re.match(r"\[[^\]]+\]", field.description or "")
+        if unit and key != "spacing":
+            line = next(line for line in lines if re.match(rf" *{key}:", line))
+            assert unit[0] in line, line
+
+
+@every_template
+def test_values_written_out_are_the_defaults(template: str) -> None:
+    """So that a key taken out of the file changes nothing."""
+    world = parse_world(world_text("w", template, 4))
+    assert world.formation == Formation()
+    settings = ModeSwitchingSettings()
+    for key, value in world.controller.settings.items():
+        assert getattr(settings, key) == value
+
+
+@every_template
+def test_the_start_region_that_is_offered_holds_the_robots(template: str) -> None:
+    """Taken out of its comment, in the place of the poses."""
+    for robots in (1, 4, most_robots(template)):
+        text = world_text("w", template, robots)
+        text = re.sub(r"\n    pose: .*", "", text)
+        (offered,) = re.findall(r"^#   (start: .*)$", text, flags=re.MULTILINE)
+        world = parse_world(f"{text}{offered}\n")
+        first, second = build_scene(world, 1).start, build_scene(world, 2).start
+        assert (first != second).all()

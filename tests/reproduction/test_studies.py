@@ -168,6 +168,7 @@ def test_hysteresis_can_fail() -> None:
 
     assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 5.0, 15.0)) is MET
     assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 15.0, 5.0)) is PARTLY
+    assert verdict_of(hysteresis.STUDY, arms(10.0, 10.05, 5.0, 15.0)) is PARTLY  # not clear
     assert verdict_of(hysteresis.STUDY, arms(20.0, 10.0, 15.0, 5.0)) is NOT_MET
 
 

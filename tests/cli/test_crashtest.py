@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from physim.crashtest import crash_test
+from physim.plots import NAMES
 from physim.record import Record
 from tests.cli.commands import physim, shell, tree
 from tests.crashtest.sabotage import two_steps_late
@@ -92,14 +93,14 @@ def test_plot_draws_beside_the_record(
     done = physim("plot", "record.h5", "--only", "distances", "-o", "pictures", capture=capsys)
     assert done == (0, "pictures/distances.png\n", "")
     done = physim("plot", "record.h5", "--format", "svg", capture=capsys)
-    assert done == (0, "distances.svg\nprediction.svg\n", "")
+    assert done == (0, "".join(f"{name}.svg\n" for name in NAMES), "")
     refused = physim("plot", "record.h5", "--format", "svg", capture=capsys)
     assert refused.code == 2
-    assert refused.err.startswith("physim: distances.svg: exists; use --force")
+    assert refused.err.startswith("physim: trajectories.svg: exists; use --force")
     unknown = physim("plot", "record.h5", "--only", "distance", capture=capsys)
     assert unknown.code == 2
     assert unknown.err == (
-        'physim: no picture is called "distance"; there are distances, prediction; '
+        f'physim: no picture is called "distance"; there are {", ".join(NAMES)}; '
         'did you mean "distances"?\n'
     )
     missing = physim("plot", "none.h5", capture=capsys)

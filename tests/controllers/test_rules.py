@@ -130,6 +130,25 @@ def test_touching_shapes_part_by_distance() -> None:
     assert next_mode(0, 0.01, 0.01, FAR, RULES) == Mode.TIME
 
 
+@given(st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.integers(0, 2))
+def test_thresholds_of_zero_switch_one_off(
+    distance: float, collision_time: float, boundary: float, previous: int
+) -> None:
+    """Shapes that don't touch: by time alone no distance matters, by distance alone no time."""
+    time_only = ModeSwitchingSettings(distance_low=0.0, distance_high=0.0, boundary_low=0.0)
+    distance_only = ModeSwitchingSettings(time_low=0.0, time_high=0.0)
+    neither = ModeSwitchingSettings(
+        distance_low=0.0, distance_high=0.0, boundary_low=0.0, time_low=0.0, time_high=0.0
+    )
+    by_time = next_mode(previous, distance, collision_time, boundary, time_only.rules())
+    assert by_time == next_mode(previous, FAR, collision_time, FAR, time_only.rules())
+    assert by_time != Mode.DISTANCE
+    by_distance = next_mode(previous, distance, collision_time, boundary, distance_only.rules())
+    assert by_distance == next_mode(previous, distance, FAR, boundary, distance_only.rules())
+    assert by_distance != Mode.TIME
+    assert next_mode(previous, distance, collision_time, boundary, neither.rules()) == Mode.SAFE
+
+
 def test_update_interval_14() -> None:
     assert update_interval(0.1, 0.5, FAR) == 0.1
     assert update_interval(0.1, 0.5, 0.06) == 0.03

@@ -99,8 +99,8 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             "Formation errors die away as the linear theory of (7) says",
             "errors follow de/dt = -alpha L e (from (7) and (8))",
             f"time constant over that of the theory: {low:.3f} to {high:.3f}, medians of "
-            f"{len(each)} arms; at most {100.0 * bound:.1f} % of a run's decisions at a speed limit or "
-            "in danger mode",
+            f"{len(each)} arms; at most {100.0 * bound:.1f} % of a run's decisions at a "
+            "speed limit or in danger mode",
             outcome(all(near), any(near)),
         ),
     )

@@ -111,7 +111,7 @@ def _pairs(
 
 def _share(values: Sequence[bool | np.bool_]) -> float:
     """Share [%] of what is true."""
-    return 100.0 * float(np.mean(values)) if values else math.nan
+    return 100.0 * float(np.mean(np.array(values))) if values else math.nan
 
 
 def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:

@@ -71,7 +71,8 @@ def extra_way(line: FloatArray, station: FloatArray, position: FloatArray) -> Fl
     half = WINDOW / 2.0
     curvature = (heading_at(station + half) - heading_at(station - half)) / WINDOW
     here = np.searchsorted(ends[1:-1], station, side="right")
-    offset = np.cross(way[here] / length[here, None], position - line[here])
+    along, across = way[here] / length[here, None], position - line[here]
+    offset = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
     return np.asarray(-curvature * offset)
 
 

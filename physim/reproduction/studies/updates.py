@@ -81,8 +81,8 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             "Event-triggered updates take less work than a fixed period of 0.1 s",
             "in words only",
             f"updates a robot and second {updates[SHORT].text(2)} at beta 0.5, "
-            f"{updates[SHORT + 1].text(2)} at beta 0.1, against {updates[FIXED].text(2)}; free of contact {share_text(*_free(event))} against "
-            f"{share_text(*_free(fixed))}",
+            f"{updates[SHORT + 1].text(2)} at beta 0.1, against {updates[FIXED].text(2)}; free of "
+            f"contact {share_text(*_free(event))} against {share_text(*_free(fixed))}",
             outcome(updates[SHORT].high < updates[FIXED].low),
             "By (14) no interval is longer than 0.1 s, so updates can only be added to those of "
             "that period.",

@@ -1,0 +1,293 @@
+"""The experiments: verdicts from made-up measures, plots of them, and what is measured."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import numpy as np
+import pytest
+
+from physim import simulate
+from physim.plots.style import styled
+from physim.reproduction.studies import (
+    alpha,
+    bends,
+    energy,
+    hysteresis,
+    operation,
+    routes,
+    studies,
+    switching,
+    updates,
+)
+from physim.reproduction.studies.straight_road import world_text
+from physim.reproduction.study import Arm, Measures, Outcome, Study
+
+MET, PARTLY, NOT_MET = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET
+STUDIES = {study.name: study for study in studies()}
+SEEDS = 8
+
+Arms = Sequence[Mapping[str, float]]
+
+
+def seeds(arms: Arms, spread: float = 0.01) -> list[list[Measures]]:
+    """Every arm's measures for each of `SEEDS` seeds, a little apart where they are no counts."""
+    factors = np.linspace(1.0 - spread, 1.0 + spread, SEEDS)
+
+    def value(name: str, given: float, factor: float) -> float:
+        return given if name in ("contacts", "finished", "growth") else given * factor
+
+    return [[{n: value(n, v, f) for n, v in arm.items()} for f in factors] for arm in arms]
+
+
+def verdict_of(study: Study, arms: Arms, number: int = 0) -> Outcome:
+    return study.conclude(seeds(arms))[number].outcome
+
+
+def alpha_arms(taus: Sequence[float], theory: Sequence[float]) -> Arms:
+    return [
+        {"time_constant": t, "theory": e, "held": 0.0, "danger": 0.0}
+        for t, e in zip(taus, theory, strict=True)
+    ]
+
+
+FALLING = (12.5, 5.0, 2.5, 1.25, 25.0, 10.0, 5.0, 2.5)
+
+
+def test_alpha_can_fail() -> None:
+    assert verdict_of(alpha.STUDY, alpha_arms(FALLING, FALLING)) is MET
+    flat = (5.0,) * 8
+    assert verdict_of(alpha.STUDY, alpha_arms(flat, FALLING)) is NOT_MET
+    assert verdict_of(alpha.STUDY, alpha_arms(FALLING, FALLING), 1) is MET
+    twice = [2.0 * tau for tau in FALLING]
+    assert verdict_of(alpha.STUDY, alpha_arms(twice, FALLING), 1) is NOT_MET
+
+
+def energy_arms(worst: float = 1e-12, slope: float = 1.0, growth: float = -1.0) -> Arms:
+    one = {"slope_ratio": slope, "time_constant": 2.5, "theory": 2.5, "growth": growth}
+    ideal = {**one, "worst_step": worst, "slope_ratio": 1.0}
+    return [ideal, ideal, ideal, {**one, "worst_step": math.nan}]
+
+
+def test_energy_can_fail() -> None:
+    for number in range(3):
+        assert verdict_of(energy.STUDY, energy_arms(), number) is MET
+    assert verdict_of(energy.STUDY, energy_arms(worst=1e-3)) is NOT_MET
+    assert verdict_of(energy.STUDY, energy_arms(worst=math.nan)) is NOT_MET
+    assert verdict_of(energy.STUDY, energy_arms(slope=2.0), 1) is PARTLY
+    assert verdict_of(energy.STUDY, energy_arms(growth=0.5), 2) is NOT_MET
+
+
+def bends_arms(after: float, before: float, tau: float, final: float) -> Arms:
+    places = {f"at_{s}": 1.0 for s in bends.STATIONS}
+    one = {
+        "peak": 3.0, "after_bends": after, "end_of_straights": before, "risen": 80.0,
+        "fallen": 80.0, "time_constant": tau, "theory": 16.0, "final": final, **places,
+    }  # fmt: skip
+    return [one, one, one]
+
+
+def test_bends_can_fail() -> None:
+    for number in range(3):
+        assert verdict_of(bends.STUDY, bends_arms(1.0, 0.5, 16.0, 0.05), number) is MET
+        assert verdict_of(bends.STUDY, bends_arms(0.5, 1.0, 40.0, 2.0), number) is NOT_MET
+
+
+def routes_arms(outer: float, inner: float) -> Arms:
+    return [{"outer": outer, "between": 1.0, "inner": inner}] * 2
+
+
+def test_routes_can_fail() -> None:
+    assert verdict_of(routes.STUDY, routes_arms(1.2, 0.8)) is MET
+    assert verdict_of(routes.STUDY, routes_arms(0.95, 0.8)) is PARTLY
+    assert verdict_of(routes.STUDY, routes_arms(0.8, 1.2)) is NOT_MET
+    assert verdict_of(routes.STUDY, routes_arms(math.nan, math.nan)) is NOT_MET
+
+
+def updates_arms(rates: Sequence[float], touching: Sequence[int] = ()) -> Arms:
+    return [
+        {
+            "updates": rate, "messages": rate, "evaluations": 2.0 * rate, "kept": 0.1,
+            "contacts": float(k in touching), "shortest_collision_time": 0.3,
+        }
+        for k, rate in enumerate(rates)
+    ]  # fmt: skip
+
+
+RATES = (100.0, 10.0, 8.0, 9.0, 2.0, 5.0, 4.0, 3.0, 2.5, 2.2)
+
+
+def test_updates_can_fail() -> None:
+    for number in range(4):
+        assert verdict_of(updates.STUDY, updates_arms(RATES), number) is MET
+        flat = updates_arms((10.0,) * len(RATES))
+        assert verdict_of(updates.STUDY, flat, number) is not MET
+    slower = updates_arms(RATES, touching=(updates.SHORT, updates.MIDDLE))
+    assert verdict_of(updates.STUDY, slower, 0) is PARTLY
+    assert verdict_of(updates.STUDY, slower, 2) is NOT_MET
+
+
+def way(kept: float, contacts: float = 0.0, finished: float = 1.0) -> Mapping[str, float]:
+    took = 100.0 if finished else math.nan
+    return {
+        "kept": kept, "contacts": contacts, "finished": finished, "time_to_finish": took,
+        "danger_share": 0.2,
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("both", "alone", "expected"),
+    [
+        (way(0.2), way(0.1), MET),
+        (way(0.2), way(0.2, contacts=1.0), MET),
+        (way(0.2), way(0.2, finished=0.0), MET),
+        (way(0.1), way(0.2), NOT_MET),
+        (way(0.2), way(0.2), NOT_MET),
+        (way(0.2, finished=0.0), way(0.1), NOT_MET),
+    ],
+)
+def test_switching_can_fail(
+    both: Mapping[str, float], alone: Mapping[str, float], expected: Outcome
+) -> None:
+    for number in range(2):
+        assert verdict_of(switching.STUDY, [both, alone, alone] * 2, number) is expected
+
+
+def test_switching_better_in_one_world_only_is_partly_met() -> None:
+    arms = [way(0.2), way(0.1), way(0.1), way(0.1), way(0.2), way(0.2)]
+    assert verdict_of(switching.STUDY, arms) is PARTLY
+
+
+def test_hysteresis_can_fail() -> None:
+    def arms(*rates: float) -> Arms:
+        rest = {"danger_share": 0.2, "contacts": 0.0, "kept": 0.1}
+        return [{"mode_switches": rate, **rest} for rate in rates]
+
+    assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 5.0, 15.0)) is MET
+    assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 15.0, 5.0)) is PARTLY
+    assert verdict_of(hysteresis.STUDY, arms(10.0, 10.05, 5.0, 15.0)) is PARTLY  # not clear
+    assert verdict_of(hysteresis.STUDY, arms(20.0, 10.0, 15.0, 5.0)) is NOT_MET
+
+
+def operation_arms(*took: float) -> Arms:
+    rest = {"contacts": 0.0, "danger_share": 0.2, "messages": 20.0, "farthest_distance": 20.0}
+    return [
+        {
+            "operation": t, "time_to_finish": t if t < math.inf else math.nan,
+            "formation_error_peak": t / 10.0, **rest,
+        }
+        for t in took
+    ]  # fmt: skip
+
+
+def test_operation_can_fail() -> None:
+    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 250.0)) is MET
+    assert verdict_of(operation.STUDY, operation_arms(250.0, math.inf, 250.0)) is MET
+    assert verdict_of(operation.STUDY, operation_arms(300.0, 250.0, 250.0)) is NOT_MET
+    assert verdict_of(operation.STUDY, operation_arms(math.inf, 250.0, 250.0)) is NOT_MET
+    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 200.0), 1) is NOT_MET
+    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 290.0), 1) is PARTLY
+
+
+MADE_UP: Mapping[str, Callable[[], Arms]] = {
+    "alpha": lambda: alpha_arms(FALLING, FALLING),
+    "energy": energy_arms,
+    "bends": lambda: bends_arms(1.0, 0.5, 16.0, 0.05),
+    "routes": lambda: routes_arms(1.2, 0.8),
+    "switching": lambda: [way(0.2), way(0.1), way(0.1, finished=0.0)] * 2,
+    "hysteresis": lambda: [
+        {"mode_switches": 9.0, "danger_share": 0.2, "contacts": 0.0, "kept": 0.1}
+    ] * 4,
+    "updates": lambda: updates_arms(RATES),
+    "operation": lambda: operation_arms(250.0, math.inf, 260.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_plot_has_units_and_nothing_unnamed(name: str) -> None:
+    from matplotlib.figure import Figure
+
+    study = STUDIES[name]
+    with styled():
+        figure = Figure()
+        study.draw(figure, seeds(MADE_UP[name]()))
+        figure.draw_without_rendering()
+    assert figure.get_suptitle()
+    for axis in figure.axes:
+        assert axis.get_xlabel() or axis.get_ylabel()
+        for label in (axis.get_xlabel(), axis.get_ylabel()):
+            assert not label or "[" in label
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_studies_without_a_meaningful_figure_conclude_and_draw(name: str) -> None:
+    """Every measure nan, one seed: no claim may come out met, and nothing may break."""
+    from matplotlib.figure import Figure
+
+    study = STUDIES[name]
+    arms = [[dict.fromkeys(arm, math.nan)] for arm in MADE_UP[name]()]
+    assert MET not in [verdict.outcome for verdict in study.conclude(arms)]
+    with styled():
+        study.draw(Figure(), arms)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_arm_loads_and_can_be_sent_to_a_worker(name: str) -> None:
+    study = STUDIES[name]
+    assert pickle.loads(pickle.dumps(study.measure)) is study.measure
+    labels = [arm.label for arm in study.arms]
+    assert len(set(labels)) == len(labels)
+    for arm in study.arms:
+        same = pickle.loads(pickle.dumps(arm))
+        assert same.load(3) == arm.load(3)
+
+
+def test_worlds_of_two_seeds_differ() -> None:
+    arm = alpha.STUDY.arms[0]
+    assert arm.load(1) != arm.load(2)
+
+
+def test_overrides_hold_for_a_world_of_the_study_too() -> None:
+    text = partial(world_text, name="road", gain=0.05)
+    assert Arm("one", "road", ("time.duration=5",), text).load(1).time.duration == 5.0
+
+
+def measured(study: Study, arm: int, seconds: float) -> Measures:
+    world = Arm("", "road", (f"time.duration={seconds}",), study.arms[arm].text).load(4)
+    with simulate(world, seed=4) as record:
+        return study.measure(record)
+
+
+def test_energy_changes_by_the_discrete_form_of_10_in_every_step() -> None:
+    for arm in (0, 1):
+        found = measured(energy.STUDY, arm, 12.0)
+        assert found["worst_step"] < 1e-9
+        assert found["slope_ratio"] == pytest.approx(1.0, abs=0.02)
+        assert found["time_constant"] == pytest.approx(found["theory"], rel=0.02)
+        assert found["growth"] < 0.0
+
+
+def test_errors_on_a_straight_road_die_away_as_the_theory_says() -> None:
+    found = measured(alpha.STUDY, 2, 15.0)
+    assert found["theory"] == pytest.approx(1.0 / (0.1 * 4), rel=1e-6)
+    assert found["time_constant"] == pytest.approx(found["theory"], rel=0.1)
+    assert found["held"] == found["danger"] == 0.0
+
+
+def test_outside_of_a_bend_the_way_is_longer() -> None:
+    angle = np.linspace(0.0, 1.0, 101)
+    arc = 50.0 * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))  # to the left
+    centre = np.array([0.0, 50.0])
+    middle = centre + 50.0 * np.array([[np.sin(0.5), -np.cos(0.5)]])
+    outside = centre + 52.0 * np.array([[np.sin(0.5), -np.cos(0.5)]])
+    station = np.array([25.0])
+    assert routes.extra_way(arc, station, outside) == pytest.approx(2.0 / 50.0, rel=0.03)
+    assert routes.extra_way(arc, station, middle) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_corners_are_where_the_path_turns_sharply() -> None:
+    line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 9.0], [3.1, 12.0]])
+    assert bends.corners(line) == pytest.approx([5.0])

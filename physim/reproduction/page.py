@@ -47,8 +47,8 @@ def _opening(report: Report) -> Iterator[Block]:
         "measured figure is that of one run, the one in the pictures; beside it stand the median "
         f"and, in parentheses, the range over other random headings (seeds 0 to {report.seeds - 1})"
         " and in how many of these runs the claim is met. A claim is met when the run in the "
-        "pictures and nine tenths of the others meet it, partly met when only one of the two does "
-        "or a weaker form of it holds."
+        "pictures and nine tenths of the others meet it (all of them, where the paper says always "
+        "or never), partly met when only one of the two does or a weaker form of it holds."
     )
 
 

@@ -108,6 +108,9 @@ def test_seeds_take_a_verdict_down_and_up() -> None:
     assert claim.outcome(bad, [good] * 9 + [bad]) is Outcome.PARTLY
     assert claim.outcome(bad, [good] * 8 + [bad] * 2) is Outcome.NOT_MET
     assert claim.outcome(bad, []) is Outcome.NOT_MET
+    always = Claim("9", "c", "r", (), holds(lambda run: run["x"] > 0), needed=1.0)
+    assert always.outcome(good, [good] * 99 + [bad]) is Outcome.PARTLY
+    assert always.outcome(good, [good] * 100) is Outcome.MET
     half = Claim("9", "c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
     assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
 

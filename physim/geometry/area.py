@@ -18,7 +18,8 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
-"""Segments a quarter circle of the drawn safe area: it errs by at most 0.0012 L, to the inside."""
+"""Segments a quarter circle of the drawn safe area. Its edge errs either way: 0.0012 L by these
+chords, and by what shapely drops of the outline before (below 0.01 L; 0.0026 L in ten_robots)."""
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from physim.errors import Fault, Location, Position, WorldError
+from physim.world import World
+from physim.world.describe import field_at
 from physim.world.faults import shown
 from physim.world_file.nodes import Document, Member, Node, OverridePosition
 from physim.world_file.reading import read_document
+
+NULL = ("null", "~")
+"""Values that leave a key out. In a file they are refused: there one leaves the key out."""
 
 _KEY = re.compile(r"[^.\[\]=]+(?:\.[^.\[\]=]+|\[[0-9]+\])*")
 
@@ -19,7 +24,8 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
 
     Each override is ``key=YAML``, the key written ``robots.0.pose`` or ``robots[0].pose``. Keys
     that do not exist are made, so that the check of the model finds them as unknown keys, at
-    ``--set key``. Raises `WorldError` for an override that cannot be read or placed.
+    ``--set key``. ``key=null`` leaves a key out that may be left out, as though the file did not
+    have it. Raises `WorldError` for an override that cannot be read or placed.
     """
     for override in overrides:
         document = _applied(document, override)
@@ -37,7 +43,10 @@ def _applied(document: Document, override: str) -> Document:
         raise WorldError([Fault((), message)], [place])
     location = _location(key)
     if not text.strip():
-        raise WorldError([Fault(location, "no value after the =")], [place])
+        message = "no value after the =; null leaves a key out"
+        raise WorldError([Fault(location, message)], [place])
+    if text.strip() in NULL:
+        return _left_out(document, location, place)
     try:
         value = read_document(text, document.source)
     except WorldError as error:
@@ -45,6 +54,42 @@ def _applied(document: Document, override: str) -> Document:
     _mark(value.root, key)
     root = _placed(document.root, location, 0, value.root, place)
     return _without(document, location, replace(value, root=root), place)
+
+
+def _left_out(document: Document, location: Location, place: OverridePosition) -> Document:
+    """Take a key out; one that no world has is made, for the check of the model to find it."""
+    field = field_at(World, location)
+    if isinstance(location[-1], int):
+        raise WorldError(
+            [Fault(location, "null leaves a key out, not an entry of a list")], [place]
+        )
+    if field is not None and field.is_required():
+        message = f"null leaves optional keys out; this one is needed: {field.description}"
+        raise WorldError([Fault(location, message)], [place])
+    root = _cut(document.root, location)
+    if root is document.root and field is None:
+        root = _placed(root, location, 0, Node(1, 1, override=place.key), place)
+    changed = Document(document.source, root)
+    return _without(document, location, changed, place)
+
+
+def _cut(node: Node, location: Location) -> Node:
+    """Copy of a tree without the key at ``location``; the tree itself where there is none."""
+    part, rest = location[0], location[1:]
+    if node.members is not None and str(part) in node.members:
+        members = dict(node.members)
+        if not rest:
+            del members[str(part)]
+            return replace(node, members=members)
+        old = members[str(part)]
+        child = _cut(old.node, rest)
+        members[str(part)] = replace(old, node=child)
+        return node if child is old.node else replace(node, members=members)
+    if node.items is not None and isinstance(part, int) and part < len(node.items) and rest:
+        child = _cut(node.items[part], rest)
+        items = [*node.items[:part], child, *node.items[part + 1 :]]
+        return node if child is node.items[part] else replace(node, items=items)
+    return node
 
 
 def _location(key: str) -> Location:

@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from physim.errors import WorldError
+from physim.world import Limits
 from physim.world_file import apply_overrides, parse_world, read_document
 from tests.worlds_by_hand import STRAIGHT
 
@@ -51,6 +52,24 @@ def test_one_alias_is_replaced_alone():
     assert [robot.footprint.width for robot in world.robots] == [0.5, 1.0]
 
 
+def test_null_leaves_a_key_out():
+    text = STRAIGHT.replace("seed: 3", "seed: 1e3")
+    overrides = ["formation=null", "seed=~", "robots.1.limits= null", "expect=null", "obstacles=~"]
+    world = parse_world(text, overrides=overrides)
+    assert parse_world(STRAIGHT).formation is not None
+    assert (world.formation, world.expect, world.seed, world.obstacles) == (None, None, 0, ())
+    assert world.robots[1].limits == Limits()
+    assert "formation" not in world.to_yaml()
+    again = parse_world(STRAIGHT, overrides=["formation=null", "formation.gain=0.1"])
+    assert again.formation is not None
+    assert again.formation.gain == 0.1
+
+
+def test_null_for_a_setting_of_the_controller():
+    assert parse_world(STRAIGHT).controller.settings == {"look_ahead": 2.0}
+    assert parse_world(STRAIGHT, overrides=["controller.look_ahead=null"]).controller.settings == {}
+
+
 @pytest.mark.parametrize(
     ("override", "expected"),
     [
@@ -64,6 +83,14 @@ def test_one_alias_is_replaced_alone():
         ("seed.x=1", '--set seed.x: seed: there is no "x" in it'),
         ("robots.0.pose=[1, 2, up]", "--set robots.0.pose: robots[0].pose[2]: must be"),
         ("controller.look_ahed=1", "--set controller.look_ahed: unknown"),
+        ("fromation=null", "--set fromation: unknown key"),
+        ("fromation=null", 'did you mean "formation"?'),
+        ("robots.0.limit=null", "--set robots.0.limit: robots[0].limit: unknown key"),
+        ("controller.look_ahed=~", "--set controller.look_ahed: unknown"),
+        ("time=null", "--set time: null leaves optional keys out; this one is needed: step and"),
+        ("robots.1.path=null", "--set robots.1.path: robots[1].path: null leaves optional"),
+        ("robots.1=null", "--set robots.1: robots[1]: null leaves a key out, not an entry"),
+        ("expect={contacts: null}", "--set expect: expect.contacts: empty value"),
         ("seed", '--set seed: "seed" is not KEY=VALUE'),
         ("=3", "is not KEY=VALUE"),
         ("a..b=3", "is not KEY=VALUE"),

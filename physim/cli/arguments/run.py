@@ -49,7 +49,8 @@ def add(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="change one value of the world, e.g. robots.0.limits.v=1.2 (may be repeated)",
+        help="change one value of the world, e.g. robots.0.limits.v=1.2, or leave "
+        "one out, e.g. formation=null (may be repeated)",
     )
     run.add_argument("--no-video", action="store_true", help="leave the video out")
     run.add_argument("--quiet", action="store_true", help="no progress bar and no table")

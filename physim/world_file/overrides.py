@@ -13,8 +13,8 @@ from physim.world.faults import shown
 from physim.world_file.nodes import Document, Member, Node, OverridePosition
 from physim.world_file.reading import read_document
 
-NULL = ("null", "~")
-"""Values that leave a key out. In a file they are refused: there one leaves the key out."""
+NULL = ("null", "Null", "NULL")
+"""Values that leave a key out (not ~, which shells replace). A file leaves the key itself out."""
 
 _KEY = re.compile(r"[^.\[\]=]+(?:\.[^.\[\]=]+|\[[0-9]+\])*")
 

@@ -54,7 +54,13 @@ def test_one_alias_is_replaced_alone():
 
 def test_null_leaves_a_key_out():
     text = STRAIGHT.replace("seed: 3", "seed: 1e3")
-    overrides = ["formation=null", "seed=~", "robots.1.limits= null", "expect=null", "obstacles=~"]
+    overrides = [
+        "formation=null",
+        "seed=NULL",
+        "robots.1.limits= null",
+        "expect=null",
+        "obstacles=null",
+    ]
     world = parse_world(text, overrides=overrides)
     assert parse_world(STRAIGHT).formation is not None
     assert (world.formation, world.expect, world.seed, world.obstacles) == (None, None, 0, ())
@@ -86,7 +92,7 @@ def test_null_for_a_setting_of_the_controller():
         ("fromation=null", "--set fromation: unknown key"),
         ("fromation=null", 'did you mean "formation"?'),
         ("robots.0.limit=null", "--set robots.0.limit: robots[0].limit: unknown key"),
-        ("controller.look_ahed=~", "--set controller.look_ahed: unknown"),
+        ("controller.look_ahed=null", "--set controller.look_ahed: unknown"),
         ("time=null", "--set time: null leaves optional keys out; this one is needed: step and"),
         ("robots.1.path=null", "--set robots.1.path: robots[1].path: null leaves optional"),
         ("robots.1=null", "--set robots.1: robots[1]: null leaves a key out, not an entry"),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import os
-import shlex
 from pathlib import Path
 
 from physim.cli.output import write_text
+from physim.cli.schema_file import put_schema, written
 from physim.errors import PhysimError
 from physim.importing import Imported, Options, import_world
 
@@ -23,8 +23,9 @@ def import_command(options: argparse.Namespace) -> int:
     _check_output(source, output, options.force)
     imported = import_world(source, Options(**{key: getattr(options, key) for key in ASKED}))
     write_text(output, imported.text)
+    schema, kept = put_schema(output, options.force)
     if not options.quiet:
-        print(_report(source, output, imported), end="")
+        print(_report(source, imported), written(output, schema, kept), sep="\n")
     return 0
 
 
@@ -41,12 +42,11 @@ def _check_output(source: Path, output: Path, force: bool) -> None:
         raise PhysimError(f"{output}: there is no folder {output.parent}")
 
 
-def _report(source: Path, output: Path, imported: Imported) -> str:
+def _report(source: Path, imported: Imported) -> str:
     lines = [f"{source}: {imported.kind}"]
     lines += [f"  {fact}" for fact in imported.facts]
     if imported.changes:
         lines += ["dropped or repaired:", *(f"  {change}" for change in imported.changes)]
     else:
         lines.append("dropped or repaired: nothing")
-    lines.append(f"written to {output}; next: physim run {shlex.quote(str(output))}")
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines)

@@ -8,6 +8,7 @@ import shlex
 from pathlib import Path
 
 from physim.cli.output import new_file, write_text
+from physim.cli.schema_file import put_schema, written
 from physim.errors import PhysimError
 from physim.templates import most_robots, new_project, world_text
 from physim.world.kinds import MOST_NAME
@@ -26,16 +27,9 @@ def new(options: argparse.Namespace) -> int:
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
     new_file(file, options.force)
-    schema = file.with_name(FILE)
-    text = _world(name, options)
-    written = [file]
-    write_text(file, text)
-    if options.force or not schema.exists():
-        write_text(schema, schema_text())
-        written.append(schema)
-    print(f"written: {', '.join(map(str, written))}")
-    quoted = shlex.quote(str(file))
-    print(f"next: physim preview {quoted}, physim run {quoted}")
+    write_text(file, _world(name, options))
+    schema, kept = put_schema(file, options.force)
+    print(written(file, schema, kept))
     return 0
 
 

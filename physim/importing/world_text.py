@@ -13,6 +13,7 @@ from physim.importing.drawing import Drawing, number, printable
 from physim.importing.fit import Fit
 from physim.importing.group import Placed
 from physim.importing.line import stations
+from physim.world_file.schema import FILE
 
 LINE = 100
 SETTINGS = {
@@ -30,7 +31,7 @@ SPACE = 1.35
 
 def world_text(name: str, source: str, drawing: Drawing, found: Fit, robots: list[Placed]) -> str:
     """YAML text of the world; loading it checks it."""
-    lines = list(_heading(source, drawing))
+    lines = [f"# yaml-language-server: $schema={FILE}", *_heading(source, drawing)]
     lines.append(f"name: {_quoted(name)}")
     lines.append(f"description: {_quoted(_description(source, drawing, len(robots)))}")
     lines.append(f"time: {{step: 0.01, duration: {_duration(found):.1f}}}  # [s]")

@@ -24,7 +24,8 @@ def test_writes_a_world_and_the_schema_beside_it(tmp_path, capsys) -> None:
     assert (done.code, done.err) == (0, "")
     assert done.out == (
         "written: my_corridor.yaml, world.schema.json\n"
-        "next: physim preview my_corridor.yaml, physim run my_corridor.yaml\n"
+        "next: physim check my_corridor.yaml, physim preview my_corridor.yaml, "
+        "physim run my_corridor.yaml\n"
     )
     assert list(tree(tmp_path)) == ["my_corridor.yaml", "world.schema.json"]
     world = load_world("my_corridor.yaml")
@@ -46,7 +47,11 @@ def test_template_robots_and_place_are_chosen(tmp_path, capsys) -> None:
 
 def test_a_schema_that_is_there_is_kept(tmp_path, capsys) -> None:
     (tmp_path / "world.schema.json").write_text("{}")
-    assert physim("new", "a", capture=capsys).out.startswith("written: a.yaml\n")
+    assert physim("new", "a", capture=capsys).out.startswith(
+        "written: a.yaml\n"
+        "world.schema.json: kept, though another than this version's; --force writes over it\n"
+        "next: "
+    )
     assert (tmp_path / "world.schema.json").read_text() == "{}"
     assert physim("new", "a", "--force", capture=capsys).code == 0
     assert (tmp_path / "world.schema.json").read_text() == schema_text()

@@ -9,6 +9,7 @@ import pytest
 
 from physim.importing import FORMATS, Options, import_world
 from physim.world_file import load_world
+from physim.world_file.schema import schema_text
 from tests.cli.commands import physim
 from tests.importing.plans import SAMPLES, svg
 
@@ -29,10 +30,16 @@ def test_samples(name: str, here: Path, capture: pytest.CaptureFixture[str]) -> 
     done = physim("import", name, "-o", "w.yaml", *scale, capture=capture)
     assert (done.code, done.err) == (0, "")
     assert done.out.startswith(f"{name}: ")
-    assert done.out.endswith("written to w.yaml; next: physim run w.yaml\n")
+    assert done.out.endswith(
+        "\nwritten: w.yaml, world.schema.json\n"
+        "next: physim check w.yaml, physim preview w.yaml, physim run w.yaml\n"
+    )
+    assert (here / "world.schema.json").read_text() == schema_text()
     assert "dropped or repaired:" in done.out
     text = (here / "w.yaml").read_text()
-    assert text.startswith(f"# Imported from {name}: ")
+    first, second, *_ = text.splitlines()
+    assert first == "# yaml-language-server: $schema=world.schema.json"
+    assert second.startswith(f"# Imported from {name}: ")
     assert max(len(line) for line in text.splitlines()) <= 160
     for told in done.out.splitlines()[1:3]:
         assert told.split(";")[0].strip()[:60] in text.replace("\n#   ", " ")
@@ -60,6 +67,21 @@ def test_existing_files_need_force(here: Path, capture: pytest.CaptureFixture[st
     assert physim("import", "track.csv", "-o", "w.yaml", "--force", "--quiet", capture=capture) == (
         0, "", "",
     )  # fmt: skip
+
+
+def test_a_schema_that_is_there_stays(here: Path, capture: pytest.CaptureFixture[str]) -> None:
+    (here / "world.schema.json").write_text("{}")
+    done = physim("import", "track.csv", "-o", "w.yaml", capture=capture)
+    assert done.out.endswith(
+        "\nwritten: w.yaml\n"
+        "world.schema.json: kept, though another than this version's; --force writes over it\n"
+        "next: physim check w.yaml, physim preview w.yaml, physim run w.yaml\n"
+    )
+    assert (here / "world.schema.json").read_text() == "{}"
+    assert physim("import", "track.csv", "-o", "w.yaml", "--force", capture=capture).code == 0
+    assert (here / "world.schema.json").read_text() == schema_text()
+    done = physim("import", "track.csv", "-o", "v.yaml", capture=capture)
+    assert "\nwritten: v.yaml\nnext: " in done.out
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,15 @@ from typing import Any
 import numpy as np
 
 from physim import palette
+from physim.geometry.shapes import FloatArray
 from physim.plots.style import BLUE, INK, QUIET, VERMILION
 from physim.preview.contents import Contents
 from physim.preview.ground_plan import MOST_TICKS, hexed, round_step
+from physim.preview.lettering import text_size
 from physim.preview.words import metres, station_words
+
+MARK = 4.0
+"""[pt] from the mark of the narrowest place to its words"""
 
 
 def draw_profile(axis: Any, shown: Contents) -> None:
@@ -32,15 +37,7 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     axis.plot(station, width, color=BLUE, linewidth=0.8, linestyle=":")
     axis.plot(station, np.where(shown.widths.between, width, np.nan), color=BLUE, linewidth=1.5,
               gid="width")  # fmt: skip
-    k = shown.widths.narrowest
-    if k is not None:
-        axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
-        words = f"{metres(width[k])} m at {station_words(station[k], shown.length)} m"
-        axis.annotate(
-            words, (station[k], width[k]), (0, -4), textcoords="offset points",
-            ha=_side(station[k] / shown.length), va="top", color=BLUE, fontsize=8.5,
-            fontweight="bold",
-        )  # fmt: skip
+    _name_narrowest(axis, shown, top)
     _needs(axis, shown, top)
     axis.set(xlim=(0.0, shown.length), ylim=(0.0, top))
     axis.set(xlabel="station along the reference path [m]", ylabel="width [m]")
@@ -48,8 +45,51 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     axis.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
 
 
-def _side(share: float) -> str:
-    return "left" if share < 0.15 else "right" if share > 0.85 else "center"
+def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
+    """Mark the narrowest place and write its width beside it, clear of all lines if possible."""
+    station, width, k = shown.widths.station, shown.widths.width, shown.widths.narrowest
+    if k is None:
+        return
+    axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
+    words = f"{metres(float(width[k]))} m at {station_words(float(station[k]), shown.length)} m"
+    room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
+    scale = room / (shown.length, top)
+    curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
+    levels = np.array([level for level, *_ in _levels(shown)]) * scale[1]
+    size = np.array(text_size(axis.figure, words, 8.5, "bold"))
+    x, y = _free_place(curve[k], size, curve, levels, room) / scale
+    axis.annotate(
+        words, (x, y), ha="center", va="center", color=BLUE, fontsize=8.5, fontweight="bold",
+        zorder=5.0,
+    )  # fmt: skip
+
+
+def _free_place(
+    at: FloatArray, size: FloatArray, curve: FloatArray, levels: FloatArray, room: FloatArray
+) -> FloatArray:
+    """Middle (2,) of a text near ``at`` that covers neither curve (n, 2) nor levels, all [pt].
+
+    The nearest such place, below before above; where there is none, just below ``at``.
+    """
+    half = size / 2.0
+    away = half[1] + MARK
+    ups = np.concatenate((-np.arange(away, room[1], 2.0), np.arange(away, room[1], 2.0)))
+    sides = np.concatenate(([0.0], *((-d, d) for d in np.arange(4.0, 1.5 * size[0], 4.0))))
+    sides = sides[:, None] + np.zeros(len(ups))
+    middles = np.column_stack((sides.ravel(), np.tile(ups, len(sides)))) + at
+    low, high = middles - half, middles + half
+    free = ((low >= 1.0) & (high <= room - 1.0)).all(axis=1)
+    free &= ~((low[:, 1:] < levels + 1.5) & (high[:, 1:] > levels - 1.5)).any(axis=1)
+    under = np.interp(np.linspace(low[:, 0], high[:, 0], 25), *curve.T)
+    inside = (low[:, 0] < curve[:, :1]) & (high[:, 0] > curve[:, :1])
+    least = np.minimum(under.min(axis=0), np.where(inside, curve[:, 1:], np.inf).min(axis=0))
+    most = np.maximum(under.max(axis=0), np.where(inside, curve[:, 1:], -np.inf).max(axis=0))
+    free &= (high[:, 1] < least - 1.0) | (low[:, 1] > most + 1.0)
+    if not free.any():
+        place = at - (0.0, away)
+        return np.asarray(np.clip(place, half + 1.0, np.maximum(room - half - 1.0, half + 1.0)))
+    cost = np.abs(middles - at) @ (0.5, 1.0) + 8.0 * (middles[:, 1] > at[1])
+    return np.asarray(middles[np.argmin(np.where(free, cost, np.inf))])
 
 
 def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:

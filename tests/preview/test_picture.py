@@ -21,7 +21,7 @@ from physim.plots.style import styled
 from physim.preview import save_preview
 from physim.preview.contents import Contents
 from physim.preview.ground_plan import readable_scale, round_step
-from physim.preview.picture import make_figure
+from physim.preview.picture import make_figure, shown_of
 from physim.preview.words import metres
 from physim.scene_builder import lay_out
 from physim.world_file import load_world, parse_world
@@ -216,3 +216,22 @@ def test_a_stretch_that_is_evenly_narrow_is_marked_in_its_middle() -> None:
     k = seen.widths.narrowest
     assert k is not None
     assert seen.widths.station[k] == pytest.approx(22.0, abs=0.1)
+
+
+@pytest.mark.parametrize("name", sorted(shipped_worlds()))
+def test_the_least_width_is_written_clear_of_the_lines(name: str) -> None:
+    with styled():
+        figure = make_figure(shown_of(lay_out(load_world(name))))
+        axis = figure.axes[1]
+        (text,) = [t for t in axis.texts if " m at " in t.get_text()]
+        box = text.get_window_extent(figure.canvas.get_renderer())
+        (curve,) = [line for line in axis.lines if line.get_gid() == "width"]
+        levels = [line for line in axis.lines if len(line.get_xdata()) == 2]
+        x, y = curve.get_transform().transform(curve.get_xydata()).T
+        assert not ((x > box.x0) & (x < box.x1) & (y > box.y0) & (y < box.y1)).any()
+        for line in levels:
+            height = axis.transData.transform((0.0, line.get_ydata()[0]))[1]
+            assert not box.y0 < height < box.y1
+        frame = axis.get_window_extent()
+        assert frame.x0 <= box.x0 < box.x1 <= frame.x1
+        assert frame.y0 <= box.y0 < box.y1 <= frame.y1

@@ -27,6 +27,9 @@ NEAR = 1e-6
 LONGEST_LOOP = 6.0
 """[-] A loop of a sideways line is a bend up to this times the largest width on that side."""
 
+SMOOTH = "noisy points become a clean track when they are smoothed or thinned"
+"""What to do about a track that crosses itself and should not."""
+
 
 @dataclass(frozen=True)
 class _Road:
@@ -76,7 +79,11 @@ def read_track(path: Path, options: Options) -> Drawing:
     crossing = shapely.intersection(shapely.LineString(left), shapely.LineString(right))
     if not crossing.is_empty:
         at = place(shapely.get_coordinates(crossing)[0])
-        raise refused(path, f"the left edge meets the right one at {at}; the track crosses itself")
+        raise refused(
+            path,
+            f"the left edge meets the right one at {at}: the track crosses itself "
+            f"there, or its points are noisy; {SMOOTH}",
+        )
     caps = [np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
     drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
     drawing.reference = rounded(road.centre)
@@ -156,8 +163,8 @@ def _wall(path: Path, side: str, line: FloatArray, width: float, drawing: Drawin
     except CrossingError as error:
         raise refused(
             path,
-            f"the {side} edge crosses itself at {place(error.point)}: a track that crosses itself "
-            "cannot lie in one plane",
+            f"the {side} edge crosses itself at {place(error.point)}: the track passes over itself "
+            f"there, or its points are noisy; {SMOOTH}",
         ) from None
     drawing.changes += listed(
         [

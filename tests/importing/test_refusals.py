@@ -51,7 +51,7 @@ TRACKS = {
     "words below": (HEADER + ROWS + "the end\n", ':22: "the end" is not a row of numbers'),
     "figure of eight": (
         HEADER + "".join(f"{np.sin(a) * 30},{np.sin(2 * a) * 15},2,2\n" for a in ROUND),
-        ": the left edge crosses itself at",
+        "the track passes over itself there, or its points are noisy; noisy points become a clean",
     ),
 }  # fmt: skip
 

@@ -23,6 +23,7 @@ from physim.checking.scale import check_scale
 from physim.checking.sketch import Sketch, number, sketch_of
 from physim.checking.starts import (
     check_headings,
+    check_start_used,
     check_starts,
     check_step,
     placed_by_seed,
@@ -102,6 +103,7 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     ground = ground_of(sketch, told)
     paths = own_paths(sketch, told)
     sketch = placed_by_seed(sketch, judged.world, ground, outlines, paths, told)
+    check_start_used(judged.world, told)
     check_reference(sketch, told)
     check_starts(sketch, ground, outlines, told)
     check_headings(sketch, paths, told)

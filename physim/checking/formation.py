@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import shapely
 from physim.checking.sketch import Sketch
 from physim.checking.telling import MOST_ALIKE, Told
 from physim.errors import Location
+from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
 from physim.world.faults import shown
@@ -41,7 +43,7 @@ def check_formation(
     if sketch.has_formation:
         _check_spacing(sketch, line, leads, paths, outlines, told)
     if stations is not None:
-        _check_length(sketch, line, stations, leads, paths, told)
+        _check_length(sketch, line, stations, leads, paths, outlines, told)
 
 
 def _start_stations(sketch: Sketch, line: shapely.LineString) -> FloatArray | None:
@@ -119,6 +121,7 @@ def _check_length(
     stations: FloatArray,
     leads: FloatArray,
     paths: dict[int, FloatArray],
+    outlines: dict[int, FloatArray],
     told: Told,
 ) -> None:
     """Refuse a reference path that is shorter than the formation; warn of robots with no way."""
@@ -145,7 +148,13 @@ def _check_length(
                 f"{shown(robot.name)} starts at station {begin:.2f} m of its path, at or past its "
                 f"stop station, {stop:.2f} m: it has arrived before it moves",
             )
-        elif sketch.has_formation and stations[k] <= 0.0 and _is_before(line, robot.position):
+        elif (
+            sketch.has_formation
+            and stations[k] <= 0.0
+            and _is_before(
+                line, robot.position, circumscribed_radius(outlines[k]) if k in outlines else 0.0
+            )
+        ):
             told.warn(
                 where,
                 f"{shown(robot.name)} starts before the reference path begins, where the "
@@ -169,11 +178,11 @@ def _check_duration(sketch: Sketch, k: int, way: float, told: Told) -> None:
         )
 
 
-def _is_before(line: shapely.LineString, position: tuple[float, float]) -> bool:
-    """Whether a place lies behind the first point of a path rather than beside it."""
+def _is_before(line: shapely.LineString, position: tuple[float, float], reach: float) -> bool:
+    """Whether a place lies behind the first point of a path, by more than a robot's reach [m]."""
     (ax, ay), (bx, by) = shapely.get_coordinates(line)[:2]
     along = (position[0] - ax) * (bx - ax) + (position[1] - ay) * (by - ay)
-    return bool(along < -CONTACT)
+    return bool(along / hypot(bx - ax, by - ay) < -reach - CONTACT)
 
 
 def _name(sketch: Sketch, number: int) -> str:

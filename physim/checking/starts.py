@@ -108,6 +108,18 @@ def placed_by_seed(
     return replace(sketch, robots=tuple(robots))
 
 
+def check_start_used(world: World | None, told: Told) -> None:
+    """Warn of a region of the world's in which no robot starts."""
+    if world is None or world.start is None:
+        return
+    if all(world.start_of(i) is not world.start for i in range(len(world.robots))):
+        told.warn(
+            ("start",),
+            "no robot starts in this region, as each has a pose or a region of its own; take the "
+            "pose away from those that the seed should place, or take start away",
+        )
+
+
 def _heading(sketch: Sketch, robot: RobotSketch) -> float:
     """Heading at the start [rad]: as written, or that of the world's seed."""
     if robot.heading is not None:

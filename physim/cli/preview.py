@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import TextIO
 
+from physim.checking import check_world
 from physim.cli.progress import interrupts
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
@@ -52,7 +53,7 @@ def _laid_out(options: argparse.Namespace) -> Layout:
 
 
 def _watched(options: argparse.Namespace, path: Path) -> int:
-    """Draw on every save; faults are told, and the picture stays as it was."""
+    """Draw on every save and tell what `physim check` finds; with faults the picture stays."""
 
     def draw() -> None:
         try:
@@ -62,6 +63,10 @@ def _watched(options: argparse.Namespace, path: Path) -> int:
             _tell(f"{path} stays as it is until the faults are mended", sys.stderr)
         else:
             _tell(f"{path} drawn", sys.stdout)
+            found = check_world(options.world, overrides=options.overrides)
+            for kind, group in (("error", found.errors), ("warning", found.warnings)):
+                for finding in group:
+                    print(f"{kind}: {finding}", file=sys.stderr, flush=True)
 
     with interrupts() as interrupt:
         watch([find_world(options.world)], draw, interrupt)

@@ -39,3 +39,13 @@ def test_other_faults_are_told_beside_a_region(tmp_path):
     errors, warnings = lines(check(tmp_path, text))
     assert [error[:28] for error in errors] == ["8:6 robots[1].nam unknown ke"]
     assert '"a" does not fit at station' in " ".join(warnings)
+
+
+def test_a_region_that_no_robot_uses_is_a_warning(tmp_path):
+    posed = changed(REGION, ("name: a,", "name: a, pose: [6, 1, 0],"))
+    assert lines(check(tmp_path, posed)) == ([], [])
+    posed = changed(posed, ("name: b,", "name: b, pose: [2, -1, 0],"))
+    errors, warnings = lines(check(tmp_path, posed))
+    assert errors == []
+    assert len(warnings) == 1
+    assert "start no robot starts in this region" in warnings[0]

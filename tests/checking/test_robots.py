@@ -250,8 +250,10 @@ def test_the_reference_path_is_longer_than_the_formation(tmp_path):
 
 
 def test_robots_start_beside_the_reference_path(tmp_path):
-    text = changed(CORRIDOR, ("[3.0, -1.0", "[-1.0, -1.0"))
+    text = changed(CORRIDOR, ("[3.0, -1.0", "[-1.1, -1.0"))
     assert '"b" starts before the reference path begins' in only_warning(tmp_path, text)
+    text = changed(CORRIDOR, ("[3.0, -1.0", "[-1.0, -1.0"))  # within its own radius, 1.03 m
+    assert lines(check(tmp_path, text)) == ([], [])
 
 
 def test_the_reference_path_is_in_order(tmp_path):

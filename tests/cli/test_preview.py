@@ -141,6 +141,20 @@ def test_watch_draws_again_on_every_save(here: Path, watching: subprocess.Popen[
     assert sorted(file.name for file in here.iterdir()) == ["small.png", "small.yaml"]
 
 
+def test_watch_tells_what_check_finds(here: Path) -> None:
+    (here / "small.yaml").write_text(SMALL.replace("1.0, 0.0]", "1.0, 3.0]"))
+    process = started("preview", "small.yaml", "--watch", folder=here)
+    try:
+        until((here / "small.png").exists, process)
+        assert process.stderr is not None
+        told = process.stderr.readline()
+        assert told.startswith("warning: small.yaml:8:22: robots[0].pose[2]: ")
+        assert "starts facing 172 degrees away" in told
+    finally:
+        process.kill()
+        process.communicate()
+
+
 def test_watch_begins_with_a_faulty_world(here: Path) -> None:
     (here / "small.yaml").write_text(SMALL.replace("width: 8.0", "width: -8.0"))
     process = started("preview", "small.yaml", "--watch", folder=here)

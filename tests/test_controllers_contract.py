@@ -187,11 +187,11 @@ def test_a_controller_that_writes_to_what_it_sees_changes_nothing(world_name: st
             for array in arrays_of(o, set()):
                 if array.flags.writeable:
                     array[...] = 7.0
-            return Decision(0.5, 0.1, 0.0)
+            return Decision(0.5 * o.limits[0], 0.1, 0.0)
 
     class Quiet:
         def decide(self, observation: Observation, memory: Any) -> Decision:
-            return Decision(0.5, 0.1, 0.0)
+            return Decision(0.5 * observation.limits[0], 0.1, 0.0)
 
     world = load_world(find_world(world_name))
     outside = np.array([[1.0, 2.0]])

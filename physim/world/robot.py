@@ -10,6 +10,11 @@ from physim.world.base import Model
 from physim.world.kinds import Label, Number, Point, Polygon, Polyline, Pose, at_most, plain
 from physim.world.start import Start
 
+OMEGA_LIMIT = 1.6
+"""[rad/s] of a robot whose world gives no limit"""
+Multiples = Annotated[
+    tuple[Annotated[Number, Field(ge=-1.0, le=1.0)], ...], at_most(1000), Field(min_length=1)
+]
 Speeds = Annotated[tuple[Number, ...], at_most(1000), Field(min_length=1)]
 
 
@@ -41,7 +46,7 @@ class Limits(Model):
         default=1.5, description="[m/s] largest forward or backward speed"
     )
     omega: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
-        default=1.6, description="[rad/s] largest rotational speed, either way"
+        default=OMEGA_LIMIT, description="[rad/s] largest rotational speed, either way"
     )
 
 
@@ -84,7 +89,7 @@ class Robot(Model):
     mass: Annotated[Number, Field(gt=0.0, le=1.0e9)] | None = Field(
         default=None, description="[kg] 100 kg/m² times the area of the footprint when absent"
     )
-    speeds: Speeds | None = Field(
+    speeds: Multiples | None = Field(
         default=None,
         description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1, "
         "instead of the controller's",

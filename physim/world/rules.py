@@ -16,6 +16,7 @@ from physim.errors import Fault, nearest
 from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import shown
 from physim.world.kinds import plain
+from physim.world.robot import OMEGA_LIMIT
 
 MOST_STEPS = 100_000_000
 PLACES = ["pose", "start"]
@@ -145,17 +146,15 @@ def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
     """Candidate speeds beyond the robot's own limits could never be followed."""
     for i, robot in enumerate(_list(data, "robots") or ()):
         limits = _get(robot, "limits")
-        for key, limit_key, default in (("speeds", "v", 1.5), ("omegas", "omega", 1.6)):
-            limit = _number(_get(limits, limit_key)) if limits is not None else default
-            if limit is None:
-                limit = default
-            for k, value in enumerate(_list(robot, key) or ()):
-                number = _number(value)
-                if number is not None and abs(number) > limit:
-                    yield Fault(
-                        ("robots", i, key, k),
-                        f"{number!r} is beyond limits.{limit_key} = {limit!r} of this robot",
-                    )
+        limit = _number(_get(limits, "omega")) if limits is not None else None
+        limit = OMEGA_LIMIT if limit is None else limit
+        for k, value in enumerate(_list(robot, "omegas") or ()):
+            number = _number(value)
+            if number is not None and abs(number) > limit:
+                yield Fault(
+                    ("robots", i, "omegas", k),
+                    f"{number!r} rad/s is beyond limits.omega = {limit!r} of this robot",
+                )
 
 
 def _formation(data: Mapping[str, Any]) -> Iterator[Fault]:

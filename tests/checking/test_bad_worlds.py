@@ -195,7 +195,7 @@ TRANSLATED = {
     ),
     "speeds_negative_only": (robot("speeds: [-0.5]"), DOUBTFUL, "there is no way forward"),
     "omegas_no_zero": (robot("omegas: [-1.0, 1.0]"), DOUBTFUL, "there is no way straight on"),
-    "speed_huge": (robot("speeds: [0, 1.0e+6]"), BAD, "beyond limits.v = 1.5"),
+    "speed_huge": (robot("speeds: [0, 1.0e+6]"), BAD, "must be at most 1"),
 }  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from physim.reproduction.report import Report
+from physim.reproduction.warm_up import warm_up
 from tests.cli.commands import physim, started
 
 QUICK = ("reproduce", "--quick", "--no-video")
@@ -22,6 +23,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "a folder & more"
+    warm_up()  # a cold start says that it compiles
     done = physim(*QUICK, "--figure", "1", "-o", out, capture=capsys)
     assert done.code == 0
     assert done.err == ""

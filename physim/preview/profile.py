@@ -74,22 +74,31 @@ def _free_place(
     half = size / 2.0
     away = half[1] + MARK
     ups = np.concatenate((-np.arange(away, room[1], 2.0), np.arange(away, room[1], 2.0)))
-    sides = np.concatenate(([0.0], *((-d, d) for d in np.arange(4.0, 1.5 * size[0], 4.0))))
-    sides = sides[:, None] + np.zeros(len(ups))
-    middles = np.column_stack((sides.ravel(), np.tile(ups, len(sides)))) + at
+    x = at[0] + np.concatenate(([0.0], *((-d, d) for d in np.arange(4.0, 1.5 * size[0], 4.0))))
+    least, most = _extent(curve, x - half[0], x + half[0])
+    middles = np.stack(np.broadcast_arrays(x[:, None], at[1] + ups), axis=2)
     low, high = middles - half, middles + half
-    free = ((low >= 1.0) & (high <= room - 1.0)).all(axis=1)
-    free &= ~((low[:, 1:] < levels + 1.5) & (high[:, 1:] > levels - 1.5)).any(axis=1)
-    under = np.interp(np.linspace(low[:, 0], high[:, 0], 25), *curve.T)
-    inside = (low[:, 0] < curve[:, :1]) & (high[:, 0] > curve[:, :1])
-    least = np.minimum(under.min(axis=0), np.where(inside, curve[:, 1:], np.inf).min(axis=0))
-    most = np.maximum(under.max(axis=0), np.where(inside, curve[:, 1:], -np.inf).max(axis=0))
-    free &= (high[:, 1] < least - 1.0) | (low[:, 1] > most + 1.0)
+    free = ((low >= 1.0) & (high <= room - 1.0)).all(axis=2)
+    free &= ~((low[..., 1:] < levels + 1.5) & (high[..., 1:] > levels - 1.5)).any(axis=2)
+    free &= (high[..., 1] < least[:, None] - 1.0) | (low[..., 1] > most[:, None] + 1.0)
     if not free.any():
         place = at - (0.0, away)
         return np.asarray(np.clip(place, half + 1.0, np.maximum(room - half - 1.0, half + 1.0)))
-    cost = np.abs(middles - at) @ (0.5, 1.0) + 8.0 * (middles[:, 1] > at[1])
-    return np.asarray(middles[np.argmin(np.where(free, cost, np.inf))])
+    cost = np.abs(middles - at) @ (0.5, 1.0) + 8.0 * (middles[..., 1] > at[1])
+    best = np.unravel_index(np.argmin(np.where(free, cost, np.inf)), cost.shape)
+    return np.asarray(middles[best])
+
+
+def _extent(
+    curve: FloatArray, left: FloatArray, right: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest height (n,) of a curve (k, 2) between ``left`` (n,) and ``right`` (n,)."""
+    under = np.interp(np.linspace(left, right, 25), *curve.T)
+    inside = (left < curve[:, :1]) & (right > curve[:, :1])
+    return (
+        np.minimum(under.min(axis=0), np.where(inside, curve[:, 1:], np.inf).min(axis=0)),
+        np.maximum(under.max(axis=0), np.where(inside, curve[:, 1:], -np.inf).max(axis=0)),
+    )
 
 
 def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:

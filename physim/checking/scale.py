@@ -124,15 +124,9 @@ def _check_choices(where: Location, given: Mapping[str, Any], told: Told) -> Non
     """Speeds to choose from that leave no way forward or no way straight on."""
     speeds = [number(value, -1e9, 1e9) for value in _list(given.get("speeds"))]
     omegas = [number(value, -1e9, 1e9) for value in _list(given.get("omegas"))]
-    if speeds and None not in speeds:
-        if max(speed for speed in speeds if speed is not None) <= 0.0:
-            told.warn((*where, "speeds"), "no speed above 0: there is no way forward; add 1.0")
-        for k, speed in enumerate(speeds):
-            if speed is not None and abs(speed) > 1.0:
-                told.warn(
-                    (*where, "speeds", k),
-                    f"{speed:g}; speeds are multiples of the formation's nu, between -1 and 1",
-                )
+    ahead = [speed for speed in speeds if speed is None or speed > 0.0]
+    if speeds and not ahead:
+        told.warn((*where, "speeds"), "no speed above 0: there is no way forward; add 1.0")
     if omegas and None not in omegas:
         turns = [omega for omega in omegas if omega is not None]
         if 0.0 not in turns:

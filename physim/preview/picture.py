@@ -84,7 +84,7 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
     if format not in FORMATS:
         raise PhysimError(f"{path}: pictures end in .png or .svg")
     options: dict[str, dict[str, Any]] = {
-        "png": {"pil_kwargs": {"compress_level": 3}},
+        "png": {"pil_kwargs": {"compress_level": 1}},
         "svg": {"metadata": {"Date": None}},
     }
     drawn = io.BytesIO()

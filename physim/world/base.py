@@ -43,7 +43,11 @@ class Model(BaseModel, metaclass=_Meta):
     """
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, protected_namespaces=(), use_attribute_docstrings=False
+        extra="forbid",
+        frozen=True,
+        protected_namespaces=(),
+        use_attribute_docstrings=False,
+        defer_build=True,  # of parts of a world on their own; the whole one holds theirs
     )
 
     @classmethod

@@ -329,13 +329,18 @@ def test_numbers_out_of_scale_are_told(tmp_path, change, told):
         ("speeds: [-0.5]", "no speed above 0: there is no way forward"),
         ("omegas: [-1.0, 1.0]", "0 is not among them: there is no way straight on"),
         ("omegas: [0.0, 1.0]", "only turns to the left; give turns to both sides"),
-        ("speeds: [0, 1.2]", "speeds are multiples of the formation's nu, between -1 and 1"),
     ],
 )
 def test_speeds_that_are_seldom_meant_are_told(tmp_path, given, told):
     text = changed(CORRIDOR, ("path: {offset: 1.0}", f"path: {{offset: 1.0}}\n    {given}"))
     text = changed(text, ("step: 0.01", "step: 0.002"))
     assert told in only_warning(tmp_path, text)
+
+
+def test_speeds_are_multiples_of_nu(tmp_path):
+    given = "path: {offset: 1.0}\n    speeds: [0, 1.2]"
+    error = only_error(tmp_path, changed(CORRIDOR, ("path: {offset: 1.0}", given)))
+    assert "speeds[1] must be at most 1; given 1.2" in error
 
 
 def test_an_offset_path_that_folds_in_a_bend_is_a_warning(tmp_path):

@@ -1,25 +1,36 @@
-"""Where a run writes, decided and checked before anything is computed."""
+"""Where a command writes, decided and checked before anything is computed."""
 
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 from physim.errors import PhysimError
 
-FILES = ("record.h5", "video.mp4", "summary.json")
+CUT_SHORT = ".cut_short"
+"""Between name and ending of a video that was interrupted."""
+FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", "summary.json")
+KINDS = {
+    stat.S_IFLNK: "a link",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
 
 
-def output_folder(folder: Path, force: bool) -> Path:
+def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
     """Make the output folder and return it.
 
     Raises PhysimError when it holds an earlier run and ``force`` is not set, when it is a file,
-    or when it cannot be written. With ``force`` the earlier run's own files are removed, others
-    are left alone.
+    when it cannot be written, or when one of ``inputs`` would be written over. With ``force`` the
+    earlier run's own files are removed, others are left alone.
     """
+    a_folder(folder)
     earlier = [folder / name for name in FILES if os.path.lexists(folder / name)]
-    if folder.exists() and not folder.is_dir():
-        raise PhysimError(f"{folder}: is a file; -o takes a folder")
+    for file in earlier:
+        new_file(file, True, *inputs)
     if earlier and not force:
         raise PhysimError(
             f"{folder}: holds an earlier run ({earlier[0].name}); "
@@ -36,16 +47,52 @@ def output_folder(folder: Path, force: bool) -> Path:
     return folder
 
 
-def new_file(path: Path, force: bool) -> None:
-    """Raise PhysimError where something exists already and ``force`` is not set."""
+def a_folder(path: Path, option: str = "-o") -> None:
+    """Raise PhysimError where something exists that is no folder."""
+    if path.exists() and not path.is_dir():
+        raise PhysimError(f"{path}: is a file; {option} takes a folder")
+
+
+def new_file(
+    path: Path, force: bool, *inputs: Path, option: str = "-o", another: str = "file"
+) -> None:
+    """Raise PhysimError unless a file may be written.
+
+    It may not where one of ``inputs`` is, nor where something other than a regular file is, nor
+    without ``force`` where anything exists. ``option`` names the file, or another ``another``.
+    """
     if path.is_dir():
-        raise PhysimError(f"{path}: is a folder; -o takes a file")
+        raise PhysimError(f"{path}: is a folder; {option} takes a file")
+    for source in inputs:
+        if _same(source, path):
+            raise PhysimError(f"{path}: is what is read; {option} takes another {another}")
+    regular(path)
     if os.path.lexists(path) and not force:
-        raise PhysimError(f"{path}: exists; use --force to write over it, or -o for another file")
+        raise PhysimError(
+            f"{path}: exists; use --force to write over it, or {option} for another {another}"
+        )
+
+
+def regular(path: Path) -> None:
+    """Raise PhysimError for a device, pipe, link: writing replaces what has the name."""
+    try:
+        mode = path.lstat().st_mode
+    except (OSError, ValueError):
+        return  # nothing there, or writing says what is wrong
+    if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+        kind = KINDS.get(stat.S_IFMT(mode), "something else")
+        raise PhysimError(f"{path}: is not a regular file but {kind}, which is not written over")
+
+
+def its_folder(path: Path) -> None:
+    """Raise PhysimError where the folder of a file does not exist."""
+    if not path.absolute().parent.is_dir():
+        raise PhysimError(f"{path}: there is no folder {path.parent}")
 
 
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
+    regular(path)
     part = path.with_name(f".{path.name}.part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -53,3 +100,10 @@ def write_text(path: Path, text: str) -> None:
     except OSError as error:
         part.unlink(missing_ok=True)
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _same(one: Path, other: Path) -> bool:
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return False

@@ -47,15 +47,19 @@ def check_world(
     *,
     overrides: Sequence[str] = (),
     controller: str | None = None,
+    seed: int | None = None,
 ) -> Findings:
     """Check a world file, or a shipped world by its name; never raises for a bad world.
 
-    ``overrides`` and ``controller`` are as the command line gives them. What `physim run` refuses
+    ``overrides``, ``controller`` and ``seed`` are as the command line gives them; the world is
+    checked as a run with them would read it. What `physim run` refuses
     is among the errors; so is what would run but cannot be meant, as a path through a wall.
     """
     try:
         found = find_world(path)
         document = read_document(file_text(found), str(found))
+        if seed is not None:
+            overrides = [*overrides, f"seed={seed}"]
         judged = judge(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))

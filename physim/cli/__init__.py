@@ -1,41 +1,74 @@
-"""The command line: ``physim run``, ``video``, ``summary``, ``validate``, ``crashtest``,
-``plot``, ``preview``, ``import``, ``list``."""
+"""The command line: ``physim run``, ``check``, ``validate`` and the others (``physim --help``)."""
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
+
+UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+"""What a standard output answers that takes nothing more."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0 fine, 1 ran but an expectation failed or there was contact, 2 bad input, 3 checks disagree,
-    130 interrupted.
+    0 fine, 1 ran but an expectation failed or there was contact, 2 bad input or output that cannot
+    be written, 3 checks disagree, 130 interrupted.
+
+    Every error is told on standard error, a line each, and begins with where the fault lies: the
+    file with line and column, the file, the option, or the command.
     """
+    code = 0
     try:
         try:
-            return _main(arguments)
+            code = _main(arguments)
         finally:
-            sys.stdout.flush()
+            if sys.stdout is not None:  # it is None where the shell has closed it
+                sys.stdout.flush()
     except BrokenPipeError:  # the reader has gone; say nothing more
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        _silence()
+    except OSError as error:
+        if error.filename is None and error.errno not in UNWRITTEN:
+            raise
+        _silence()
+        where = "standard output" if error.filename is None else os.fsdecode(error.filename)
+        _tell(f"{where}: cannot be written ({error.strerror})")
+        return 2
+    return code
 
 
 def _main(arguments: Sequence[str] | None) -> int:
-    from physim.cli.parser import build_parser
-    from physim.errors import PhysimError, WorldError
+    from physim.errors import PhysimError
 
-    options = build_parser().parse_args(arguments)
     try:
+        from physim.cli.parser import build_parser
+
+        parser = build_parser()
+        options = parser.parse_args(arguments)
+        if options.action is None:
+            parser.print_help()
+            return 0
         code: int = options.action(options)
     except PhysimError as error:
-        placed = isinstance(error, WorldError) and bool(error.positions)
-        print(error if placed else f"physim: {error}", file=sys.stderr)  # file:line:column first
+        _tell(str(error))
         return 2
     except KeyboardInterrupt:
-        print("physim: interrupted", file=sys.stderr)
+        _tell("interrupted")
         return 130
     return code
+
+
+def _tell(text: str) -> None:
+    with suppress(OSError):  # standard error may be full, too
+        print(text, file=sys.stderr, flush=True)
+
+
+def _silence() -> None:
+    """Let what is still to be written to standard output go nowhere."""
+    with suppress(OSError, ValueError):
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)

@@ -19,7 +19,7 @@ MOST_ROWS = 12
 
 def check_command(options: argparse.Namespace) -> int:
     """Check worlds and print what is found; returns the exit code."""
-    return _watched(options) if options.watch else told(options.worlds, options.json)
+    return _watched(options) if options.watch else told(options)
 
 
 def _watched(options: argparse.Namespace) -> int:
@@ -29,11 +29,12 @@ def _watched(options: argparse.Namespace) -> int:
 
     def check() -> None:
         print(f"-- {time.strftime('%H:%M:%S')}")
-        told(options.worlds, options.json)
+        told(options)
         sys.stdout.flush()
 
     with interrupts() as interrupt:
         watch([_file(world) for world in options.worlds], check, interrupt)
+    print("interrupted", file=sys.stderr)
     return INTERRUPTED
 
 
@@ -45,10 +46,15 @@ def _file(world: str) -> Path:
         return Path(world)
 
 
-def told(worlds: list[str], as_json: bool) -> int:
+def told(options: argparse.Namespace) -> int:
     """Check worlds once and print what is found; returns the exit code."""
-    found = [check_world(world) for world in worlds]
-    if as_json:
+    found = [
+        check_world(
+            world, overrides=options.overrides, controller=options.controller, seed=options.seed
+        )
+        for world in options.worlds
+    ]
+    if options.json:
         print(json.dumps(json_of(found), indent=1))
     else:
         print("\n".join(text_of(findings) for findings in found), end="")

@@ -7,28 +7,41 @@ import sys
 import time
 from pathlib import Path
 
-from physim.cli.output import write_text
+from physim.cli.compiling import tell_compiling
+from physim.cli.output import a_folder, its_folder, new_file, write_text
 from physim.cli.progress import Bar, interrupts
 from physim.crashtest import crash_test
 from physim.crashtest.foresight import is_warm
-from physim.crashtest.report import text
+from physim.crashtest.report import Report, text
 from physim.errors import PhysimError
 
 DISAGREE, INTERRUPTED = 3, 130
+COMPILING = 15
+"""[s] about, for the collision checks"""
 
 
 def crashtest(options: argparse.Namespace) -> int:
     """Throw cases and tell how engine and analysis agree; returns the exit code."""
-    if options.cases < 1:
-        raise PhysimError("--cases 0: at least one case is needed")
     folder = options.output or Path(f"crashtest-{options.seed}")
-    if folder.exists() and not folder.is_dir():
-        raise PhysimError(f"{folder}: is a file; -o takes a folder")
-    if options.json is not None and not options.json.parent.is_dir():
-        raise PhysimError(f"{options.json}: its folder does not exist")
-    if not is_warm() and not options.quiet:
-        told = "compiling the kernels, once after an installation or an edit ..."
-        print(told, file=sys.stderr, flush=True)
+    if options.json is not None:
+        new_file(options.json, options.force, option="--json")
+        its_folder(options.json)
+    _clear(folder, options.force)
+    if not is_warm():
+        tell_compiling("the collision checks", COMPILING, options.quiet)
+    report = _thrown(options, folder)
+    if options.json is not None:
+        write_text(options.json, report.to_json())
+    if not options.quiet:
+        if report.interrupted:
+            print(f"{_cut(report)}; the results so far:", file=sys.stderr, flush=True)
+        print(text(report), end="")
+    if report.interrupted:
+        return INTERRUPTED
+    return DISAGREE if report.unexplained else 0
+
+
+def _thrown(options: argparse.Namespace, folder: Path) -> Report:
     bar = Bar("crash test", options.cases, "cases", options.quiet)
     started = time.monotonic()
 
@@ -37,15 +50,30 @@ def crashtest(options: argparse.Namespace) -> int:
 
     with interrupts() as interrupt:
         try:
-            report = crash_test(
+            return crash_test(
                 options.cases, options.seed, folder=folder, progress=progress, stop=interrupt
             )
         finally:
             bar.close()
-    if options.json is not None:
-        write_text(options.json, report.to_json())
-    if not options.quiet:
-        print(text(report), end="")
-    if report.stopped:
-        return INTERRUPTED
-    return DISAGREE if report.unexplained else 0
+
+
+def _clear(folder: Path, force: bool) -> None:
+    """Take away the worlds of an earlier test. Raises PhysimError without ``force``."""
+    a_folder(folder)
+    earlier = sorted(folder.glob("case-*.yaml"))
+    for file in earlier:
+        new_file(file, True)
+    if earlier and not force:
+        raise PhysimError(
+            f"{folder}: holds worlds of an earlier crash test ({earlier[0].name}); "
+            "use --force to write over them, or -o for another folder"
+        )
+    try:
+        for file in earlier:
+            file.unlink()
+    except OSError as error:
+        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
+
+
+def _cut(report: Report) -> str:
+    return f"interrupted after {report.cases:,} of {report.asked:,} cases"

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
-from physim.cli.output import write_text
-from physim.cli.schema_file import put_schema, written
+from physim.cli.output import its_folder, new_file, write_text
+from physim.cli.schema_file import check_schema, put_schema, written
 from physim.errors import PhysimError
 from physim.importing import Imported, Options, import_world
 
@@ -30,16 +29,11 @@ def import_command(options: argparse.Namespace) -> int:
 
 
 def _check_output(source: Path, output: Path, force: bool) -> None:
-    if output.is_dir():
-        raise PhysimError(f"{output}: is a folder; -o takes the world file to write")
-    if source.exists() and output.exists() and os.path.samefile(source, output):
-        raise PhysimError(f"{output}: is the source itself; give another file to write")
-    if output.suffix.lower() not in (".yaml", ".yml"):
+    if not output.is_dir() and output.suffix.lower() not in (".yaml", ".yml"):
         raise PhysimError(f"{output}: a world file ends in .yaml")
-    if os.path.lexists(output) and not force:
-        raise PhysimError(f"{output}: exists; use --force to write over it, or -o for another file")
-    if not output.parent.is_dir():
-        raise PhysimError(f"{output}: there is no folder {output.parent}")
+    new_file(output, force, source)
+    its_folder(output)
+    check_schema(output, force)
 
 
 def _report(source: Path, imported: Imported) -> str:

@@ -7,8 +7,8 @@ import re
 import shlex
 from pathlib import Path
 
-from physim.cli.output import new_file, write_text
-from physim.cli.schema_file import put_schema, written
+from physim.cli.output import a_folder, new_file, regular, write_text
+from physim.cli.schema_file import check_schema, put_schema, written
 from physim.errors import PhysimError
 from physim.templates import most_robots, new_project, world_text
 from physim.world.kinds import MOST_NAME
@@ -27,6 +27,7 @@ def new(options: argparse.Namespace) -> int:
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
     new_file(file, options.force)
+    check_schema(file, options.force)
     write_text(file, _world(name, options))
     schema, kept = put_schema(file, options.force)
     print(written(file, schema, kept))
@@ -38,13 +39,14 @@ def _project(options: argparse.Namespace) -> int:
     if options.output is not None:
         raise PhysimError("new: -o names a file and --project a folder; give one of them")
     name, stem = _named(options.name if options.name is not None else options.template)
-    if folder.exists() and not folder.is_dir():
-        raise PhysimError(f"{folder}: is a file; --project takes a folder")
+    a_folder(folder, "--project")
     title = folder.resolve().name or name
     files = new_project(title, stem, _world(name, options), schema_text())
     try:
         if folder.exists() and any(folder.iterdir()) and not options.force:
             raise PhysimError(f"{folder}: is not empty; choose another folder, or use --force")
+        for place in files:
+            regular(folder / place)
         for place, text in files.items():
             (folder / place).parent.mkdir(parents=True, exist_ok=True)
             write_text(folder / place, text)

@@ -6,7 +6,7 @@ import os
 import stat
 from pathlib import Path
 
-from physim.errors import PhysimError
+from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
@@ -84,6 +84,20 @@ def regular(path: Path) -> None:
         raise PhysimError(f"{path}: is not a regular file but {kind}, which is not written over")
 
 
+def inputs(*given: str | Path | None) -> tuple[Path, ...]:
+    """Files of worlds and records as the command line names them, shipped worlds by name."""
+    from physim.world_file.shipped import find_world
+
+    files = []
+    for one in given:
+        if one is not None:
+            try:
+                files.append(find_world(one))
+            except WorldError:
+                continue  # reading it says what is wrong
+    return tuple(files)
+
+
 def its_folder(path: Path) -> None:
     """Raise PhysimError where the folder of a file does not exist."""
     if not path.absolute().parent.is_dir():
@@ -95,10 +109,12 @@ def write_text(path: Path, text: str) -> None:
     regular(path)
     part = path.with_name(f".{path.name}.part")
     try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(path)
+        try:
+            part.write_text(text, encoding="utf-8")
+            part.replace(path)
+        finally:  # of an error or Ctrl-C nothing is left
+            part.unlink(missing_ok=True)
     except OSError as error:
-        part.unlink(missing_ok=True)
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
 
 

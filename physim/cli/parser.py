@@ -3,17 +3,41 @@
 from __future__ import annotations
 
 import argparse
-import re
-import sys
-from typing import NoReturn
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from physim.cli import mistakes
 
 DESCRIPTION = """\
-Run corridor worlds of polygon robots on real rigid-body physics, and see what happened.
+Run worlds of polygon robots in corridors on real rigid-body physics, and see what happened.
 
-  physim list                     shipped worlds and controllers
-  physim run ten_robots           run one: record, video and summary in runs/
-  physim new my_world             write a world to begin with, then run it
-  physim validate ten_robots      judge its safety: contacts, exact checks, who was responsible
+see a run:
+  physim list                        the worlds and controllers that come with physim
+  physim run three_robots            run one: record.h5, video.mp4, summary.json in runs/
+make a world of your own:
+  physim new my_world                a world to begin with, every key explained
+  physim import plan.svg -o my.yaml  or one from a track, map, drawing or polygons
+  physim check my_world.yaml         every fault of it, and the room on each path
+  physim preview my_world.yaml       a picture of it, before anything runs
+look at what a run recorded (RECORD is runs/NAME-SEED/record.h5):
+  physim summary RECORD              its figures: contacts, distances, collision times
+  physim plot RECORD                 the same as pictures
+  physim video RECORD                the video again, slower or faster
+judge what it shows:
+  physim validate RECORD             contacts, exact checks, who was responsible
+  physim crashtest                   does the engine agree with the analysis?
+  physim reproduce                   the paper's figures, reported beside measured
+"""
+
+EPILOG = """\
+exit codes:
+  0    done, and nothing is wrong
+  1    ran, but an expectation failed or there was contact (run, validate)
+  2    bad input, or no place to write to: a line a fault says where and what
+  3    the checks disagree with each other (validate, crashtest)
+  130  interrupted (Ctrl-C)
+
+physim COMMAND --help tells the options of a command, its exit codes and examples.
 """
 
 
@@ -21,34 +45,46 @@ class Parser(argparse.ArgumentParser):
     """Argument parser whose errors are one line, with the way to the help."""
 
     def error(self, message: str) -> NoReturn:
-        """Print one line, with the nearest option or command, and exit with 2."""
-        from physim.errors import nearest
+        """Print one line and exit with 2."""
+        mistakes.refuse(mistakes.told(message, self), self.prog)
 
-        unknown = re.match(r"unrecognized arguments: (-\S+)|.*invalid choice: '(\w+)'", message)
-        close = nearest(unknown[1] or unknown[2], sorted(_words(self))) if unknown else ""
-        print(f"{self.prog}: {message}{close} (see {self.prog} --help)", file=sys.stderr)
-        sys.exit(2)
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[Any, list[str]]:
+        """As argparse does, but each command itself refuses what it does not know."""
+        found, extra = super().parse_known_args(args, namespace)
+        if extra:
+            mistakes.refuse(mistakes.unknown(extra, self), self.prog)
+        return found, extra
+
+
+class TopParser(Parser):
+    """The parser of the commands: what stands before a command is its own."""
+
+    def parse_known_args(  # type: ignore[override]
+        self, args: Sequence[str] | None = None, namespace: Any = None
+    ) -> tuple[Any, list[str]]:
+        """Refuse options of commands that stand before the command."""
+        import sys
+
+        args = sys.argv[1:] if args is None else list(args)
+        own = mistakes.options_of(self)
+        if args and args[0].startswith("-") and not any(o.startswith(args[0]) for o in own):
+            option = mistakes.shown(args[0].partition("=")[0])
+            told = f"{option}: stands before the command; write physim COMMAND ... {option}"
+            mistakes.refuse(told, self.prog)
+        return super().parse_known_args(args, namespace)
 
 
 def build_parser() -> argparse.ArgumentParser:
-    """Parser of all commands; each sets ``action`` to the function that does it."""
+    """Parser of all commands; each sets ``action`` to the function that does it, else None."""
     from physim._version import VERSION
     from physim.cli.arguments import add_commands
 
     raw = argparse.RawDescriptionHelpFormatter
-    parser = Parser("physim", description=DESCRIPTION, formatter_class=raw)
+    parser = TopParser("physim", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
     parser.add_argument("--version", action="version", version=f"physim {VERSION}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    parser.set_defaults(action=None)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=Parser)
     add_commands(commands)
     return parser
-
-
-def _words(parser: argparse.ArgumentParser) -> set[str]:
-    """Every option, value of a choice and command of a parser and of its commands."""
-    words = {option for action in parser._actions for option in action.option_strings}
-    for action in parser._actions:
-        words |= {str(choice) for choice in action.choices or ()}
-        if isinstance(action, argparse._SubParsersAction):
-            for name, command in action.choices.items():
-                words |= {name} | _words(command)
-    return words

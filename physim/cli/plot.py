@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from physim.cli.output import a_folder, new_file
 from physim.plots import NAMES, draw
 from physim.record import Record
 
@@ -14,6 +15,10 @@ def plot(options: argparse.Namespace) -> int:
     if options.only is not None:
         only = tuple(name.strip() for name in options.only.split(","))
     folder = options.output or options.record.parent
+    a_folder(folder)
+    for name in only:
+        new_file(folder / f"{name}.{options.format}", options.force, options.record,
+                 another="folder")  # fmt: skip
     with Record.load(options.record) as record:
         files = draw(
             record, folder, only=only, format=options.format, force=options.force,

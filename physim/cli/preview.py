@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from pathlib import Path
 from typing import TextIO
 
 from physim.checking import check_world
+from physim.cli.output import inputs, new_file
 from physim.cli.progress import interrupts
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
@@ -34,12 +34,9 @@ def preview(options: argparse.Namespace) -> int:
 def _picture(options: argparse.Namespace) -> Path:
     """Where to draw. Raises PhysimError for another ending and an existing file."""
     path: Path = options.output or Path(f"{find_world(options.world).stem}.png")
-    if path.is_dir():
-        raise PhysimError(f"{path}: is a folder; -o takes a file ending in .png or .svg")
-    if path.suffix.lower()[1:] not in FORMATS:
+    if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
         raise PhysimError(f"{path}: a picture ends in .png or .svg")
-    if os.path.lexists(path) and not options.force:
-        raise PhysimError(f"{path}: exists; use --force to write over it, or -o for another file")
+    new_file(path, options.force, *inputs(options.world))
     return path
 
 
@@ -63,14 +60,14 @@ def _watched(options: argparse.Namespace, path: Path) -> int:
             _tell(f"{path} stays as it is until the faults are mended", sys.stderr)
         else:
             _tell(f"{path} drawn", sys.stdout)
-            found = check_world(options.world, overrides=options.overrides)
+            found = check_world(options.world, overrides=options.overrides, seed=options.seed)
             for kind, group in (("error", found.errors), ("warning", found.warnings)):
                 for finding in group:
                     print(f"{kind}: {finding}", file=sys.stderr, flush=True)
 
     with interrupts() as interrupt:
         watch([find_world(options.world)], draw, interrupt)
-    print("physim: interrupted", file=sys.stderr)
+    print("interrupted", file=sys.stderr)
     return INTERRUPTED
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import sys
 from pathlib import Path
 
-from physim.cli.output import write_text
+from physim.cli.compiling import tell_compiling
+from physim.cli.output import a_folder, regular, write_text
 from physim.cli.progress import Bar, interrupts
 from physim.errors import PhysimError
 from physim.reproduction.plan import PICTURES, Plan, make_plan
@@ -18,12 +18,12 @@ from physim.reproduction.runner import worker_count
 from physim.reproduction.study import Outcome
 
 INTERRUPTED = 130
+COMPILING = 30
+"""[s] about, for all that its jobs need"""
 
 
 def reproduce(options: argparse.Namespace) -> int:
     """Reproduce the paper, or one figure of it; returns the exit code."""
-    if options.workers == 0:
-        raise PhysimError("--workers 0: at least one process is needed")
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     folder = _folder(options.output, plan, options.force)
     bar = Bar("reproduce", 1.0, "jobs", options.quiet)
@@ -51,8 +51,9 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def _folder(folder: Path, plan: Plan, force: bool) -> Path:
     """Make the folders to write to. Raises PhysimError where there is something already."""
-    if folder.exists() and not folder.is_dir():
-        raise PhysimError(f"{folder}: is a file; -o takes a folder")
+    a_folder(folder)
+    for name in (PICTURES, *plan.worlds, *PAGES):
+        regular(folder / name)
     if folder.is_dir() and any(folder.iterdir()) and not force:
         raise PhysimError(
             f"{folder}: is not empty; use --force to write over it, or -o for another folder"
@@ -72,10 +73,8 @@ def _warm_up(plan: Plan, quiet: bool) -> None:
     from physim.reproduction.warm_up import is_warm, warm_up
 
     cold = not is_warm()
-    if cold and not quiet:
-        told = "compiling the kernels, once after an installation or an edit ..."
-        print(told, file=sys.stderr, flush=True)
     if cold:
+        tell_compiling("controller, distances and collision times", COMPILING, quiet)
         warm_up()
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from pathlib import Path
 
-from physim.cli.output import FILES, output_folder, write_text
+from physim.cli.compiling import tell_compiling
+from physim.cli.output import FILES, inputs, output_folder, write_text
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.video import write_video
 from physim.control import Controller
@@ -24,6 +26,8 @@ from physim.world_file import located, read_world
 from physim.world_file.nodes import Document
 
 FAILED, INTERRUPTED = 1, 130
+COMPILING = 25
+"""[s] about, for all that a run needs"""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -31,7 +35,7 @@ def run(options: argparse.Namespace) -> int:
     simulation = _set_up(options)
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
-    folder = output_folder(folder, options.force)
+    folder = output_folder(folder, options.force, *inputs(options.world))
     with interrupts() as interrupt:
         record = _simulate(simulation, folder, options.quiet, interrupt)
         summary = summarise(record)
@@ -43,11 +47,10 @@ def run(options: argparse.Namespace) -> int:
             if stopped:
                 _say("writing the video so far (Ctrl-C again cuts it short)", options)
             already = interrupt.count
-            write_video(
-                record, folder / "video.mp4", options.quiet, lambda: interrupt.count > already
-            )
-            if interrupt.count > already:
-                _say(f"the video was cut short; {_again(folder)} makes it whole", options)
+            film = folder / "video.mp4"
+            made = write_video(record, film, options.quiet, lambda: interrupt.count > already)
+            if made != film:
+                _say(f"{made.name} is cut short; {_again(folder)} makes the whole video", options)
         stopped = stopped or bool(interrupt.count)
     if not options.quiet:
         print(table(summary), end="")
@@ -86,7 +89,7 @@ def _prepare(scene: Scene, controller: Controller, options: argparse.Namespace) 
     """Compile the kernels where that is still to be done, and say so; load them otherwise."""
     cold = not is_warm()
     if cold:
-        _say("compiling the kernels, once after an installation or an edit ...", options)
+        tell_compiling("controller and distances", COMPILING, options.quiet)
     seconds = warm_up(scene, controller)
     if cold:
         _say(f"compiled in {seconds:.0f} s and kept for later runs", options)
@@ -111,7 +114,7 @@ def _say(text: str, options: argparse.Namespace) -> None:
 
 
 def _again(folder: Path) -> str:
-    return f"physim video {folder}/record.h5 --force"
+    return f"physim video {shlex.quote(str(folder / 'record.h5'))}"
 
 
 def _code(summary: Summary, stopped: bool) -> int:

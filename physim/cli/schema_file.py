@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 
-from physim.cli.output import write_text
+from physim.cli.output import regular, write_text
+from physim.errors import PhysimError
 from physim.world_file.schema import FILE, schema_text
+
+
+def check_schema(world: Path, force: bool) -> None:
+    """Raise PhysimError where `put_schema` would not write: where something odd stands."""
+    schema = world.with_name(FILE)
+    if force and schema.is_dir():
+        raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
+    if force:
+        regular(schema)
 
 
 def put_schema(world: Path, force: bool) -> tuple[list[Path], str]:
@@ -17,7 +28,7 @@ def put_schema(world: Path, force: bool) -> tuple[list[Path], str]:
     """
     schema = world.with_name(FILE)
     text = schema_text()
-    if not force and schema.exists():
+    if not force and os.path.lexists(schema):
         kept = f"{schema}: kept, though another than this version's; --force writes over it"
         return [], "" if _same(schema, text) else kept
     write_text(schema, text)
@@ -34,6 +45,6 @@ def written(world: Path, schema: list[Path], kept: str) -> str:
 
 def _same(file: Path, text: str) -> bool:
     try:
-        return file.read_text(encoding="utf-8") == text
+        return file.is_file() and file.read_text(encoding="utf-8") == text
     except (OSError, ValueError):
         return False

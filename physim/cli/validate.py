@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from physim.cli import rerun
-from physim.cli.output import write_text
+from physim.cli.compiling import tell_compiling
+from physim.cli.output import inputs, its_folder, new_file, write_text
 from physim.cli.progress import interrupts
 from physim.errors import PhysimError
 from physim.record import Record
@@ -21,12 +22,16 @@ from physim.world_file.nodes import Document
 from physim.world_file.shipped import SUFFIXES
 
 INTERRUPTED = 130
+COMPILING = 15
+"""[s] about, for the checks"""
 
 
 def validate_command(options: argparse.Namespace) -> int:
     """Validate a world or a record; returns the exit code."""
-    if options.json is not None and not options.json.absolute().parent.is_dir():
-        raise PhysimError(f"{options.json}: there is no such folder")
+    if options.json is not None:
+        read = inputs(options.given, options.world)
+        new_file(options.json, options.force, *read, option="--json")
+        its_folder(options.json)
     if not is_record(options.given):
         if options.world is not None:
             raise PhysimError("--world goes with a record: it checks where the record came from")
@@ -106,7 +111,8 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
     if study.interrupted:
-        print(f"interrupted after {len(results)} of {study.asked} seeds", file=sys.stderr)
+        below = "; the results so far:" if results else ""
+        print(f"interrupted after {len(results)} of {study.asked} seeds{below}", file=sys.stderr)
     if results:
         _tell_study(study, worst, options)
     return INTERRUPTED if interrupt() else study.code
@@ -128,9 +134,8 @@ def _run_and_validate(
 
 
 def _judged(record: Record, source: str, options: argparse.Namespace) -> Validation:
-    if not is_warm() and not options.quiet:
-        text = "compiling the kernels, once after an installation or an edit ..."
-        print(text, file=sys.stderr, flush=True)
+    if not is_warm():
+        tell_compiling("the checks of the validation", COMPILING, options.quiet)
     return validate(record, source=source)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from physim.cli.output import CUT_SHORT, new_file, regular
 from physim.cli.progress import Bar, interrupts
-from physim.errors import PhysimError
 from physim.record import Record
 from physim.video import render
 
@@ -18,13 +18,15 @@ INTERRUPTED = 130
 def video(options: argparse.Namespace) -> int:
     """Make the video of a record; returns the exit code."""
     output = options.output or options.record.parent / "video.mp4"
-    if os.path.lexists(output) and not options.force:
-        raise PhysimError(f"{output}: exists; use --force to write over it, or -o for another file")
+    new_file(output, options.force, options.record)
     with interrupts() as interrupt, Record.load(options.record) as record:
-        write_video(record, output, options.quiet, interrupt, options.fps, options.speed)
+        made = write_video(record, output, options.quiet, interrupt, options.fps, options.speed)
+    if made != output:
+        print(f"interrupted; the film so far is {made}", file=sys.stderr)
+        return INTERRUPTED
     if not options.quiet:
         print(output)
-    return INTERRUPTED if interrupt.count else 0
+    return 0
 
 
 def write_video(
@@ -34,15 +36,25 @@ def write_video(
     stop: Callable[[], bool],
     fps: float = 25.0,
     speed: float | None = None,
-) -> None:
-    """Render with a progress bar; ``stop`` ends it early, with a complete file."""
-    bar = Bar("video", 1.0, "frames", quiet)
+) -> Path:
+    """Render with a progress bar; returns the file.
 
-    def progress(done: int, total: int) -> None:
+    ``stop`` ends it early: then a film that plays, under another name that says that it is cut
+    short, and ``path`` stays as it was.
+    """
+    short = path.with_name(f"{path.stem}{CUT_SHORT}{path.suffix}")
+    regular(short)
+    bar = Bar("video", 1.0, "frames", quiet)
+    done, of = 0, 1
+
+    def progress(now: int, total: int) -> None:
+        nonlocal done, of
+        done, of = now, total
         bar.total(total)
-        bar.update(done)
+        bar.update(now)
 
     try:
-        render(record, path, fps=fps, speed=speed, progress=progress, stop=stop)
+        render(record, path, fps=fps, speed=speed, progress=progress, stop=stop, cut_short=short)
     finally:
         bar.close()
+    return path if done == of else short

@@ -43,15 +43,19 @@ def crash_test(
     ``folder``, which is made when it is needed. ``progress`` is told the number of cases done;
     when ``stop`` says True the test ends with the cases so far.
     """
-    report, store = Report(seed), build_store(seed)
+    report, store = Report(seed, cases), build_store(seed)
     for first in range(0, cases, BLOCK):
         for batch in _batches(seed, range(first, min(first + BLOCK, cases)), store):
             _take(report, batch, throw(batch, _guarded), _foresee(batch), folder)
             if progress is not None:
                 progress(report.cases)
             if stop is not None and stop():
-                report.stopped = True
-                return report
+                report.interrupted = report.cases < cases
+                return _sorted(report)
+    return _sorted(report)
+
+
+def _sorted(report: Report) -> Report:
     report.unexplained.sort(key=lambda one: one.number)
     return report
 

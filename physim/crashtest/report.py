@@ -42,6 +42,8 @@ class Report:
     """Outcome of a crash test; equal for equal seed and number of cases."""
 
     seed: int
+    asked: int
+    """cases that were asked for"""
     kind: list[IntArray] = field(default_factory=list)
     step: list[IntArray] = field(default_factory=list)
     verdict: list[IntArray] = field(default_factory=list)
@@ -60,7 +62,8 @@ class Report:
     """false contacts of the engine that were kept out"""
     renewed: int = 0
     """collision times whose search reached its cap and went on from the lower bound"""
-    stopped: bool = False
+    interrupted: bool = False
+    """whether fewer cases were judged than were asked for"""
 
     @property
     def cases(self) -> int:
@@ -102,7 +105,8 @@ def _plain(report: Report) -> dict[str, Any]:
     return {
         "seed": report.seed,
         "cases": report.cases,
-        "stopped_early": report.stopped,
+        "cases_asked": report.asked,
+        "interrupted": report.interrupted,
         "verdicts": _counts(verdict),
         "rejected_false_contacts": report.rejected,
         "by_kind": {name: _counts(verdict[kind == k]) for k, name in enumerate(KINDS)},
@@ -191,4 +195,6 @@ def _told(report: Report) -> list[str]:
         if missed
         else f"engine and analysis agree: 0 {of} unexplained"
     )
+    if report.interrupted:
+        verdict += f"; interrupted before the other {report.asked - report.cases:,}"
     return [*lines, verdict]

@@ -95,9 +95,11 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
     part = path.with_name(f".{path.name}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(drawn.getvalue())
-        part.replace(path)
+        try:
+            part.write_bytes(drawn.getvalue())
+            part.replace(path)
+        finally:  # of an error or Ctrl-C nothing is left
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
     except OSError as error:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

@@ -27,6 +27,8 @@ def open_record(path: Path) -> h5py.File:
         hint = f"; did you mean {inside}?" if inside.is_file() else ""
         raise RecordError(f"{path}: is a folder; give the record.h5 of a run{hint}")
     try:
+        if not path.is_file():
+            raise RecordError(f"{path}: is not a regular file; give the record.h5 of a run")
         with path.open("rb") as stream:
             signature = stream.read(len(_HDF5_SIGNATURE))
     except OSError as error:

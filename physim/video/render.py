@@ -27,6 +27,7 @@ def render(
     speed: float | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    cut_short: Path | str | None = None,
 ) -> int:
     """Write the video of a record and return the number of frames in it.
 
@@ -34,7 +35,8 @@ def render(
     seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
     run lasts at most 80 s; then the last picture stays for 1.5 s, and so many more frames are
     counted. ``progress(done, total)`` is called after each frame. ``stop()`` is
-    asked after each frame; once True, the file is completed with the frames so far.
+    asked after each frame; once True, the file is completed with the frames so far, and named
+    ``cut_short`` if that is given.
 
     The file appears under its name only when it is complete. Raises
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
@@ -53,7 +55,9 @@ def render(
             done += 1
             if progress is not None:
                 progress(done, len(times))
-            if stop is not None and stop():
+            if stop is not None and done < len(times) and stop():
+                if cut_short is not None:
+                    video.path = Path(cut_short).absolute()
                 break
     return done
 

@@ -7,18 +7,18 @@ from importlib import import_module
 from physim.cli.arguments.commands import Commands
 
 IN_ORDER = (
-    "new",
-    "check",
+    "listing",
     "run",
-    "video",
+    "new",
+    "importing",
+    "check",
+    "preview",
     "summary",
+    "plot",
+    "video",
     "validate",
     "crashtest",
-    "plot",
-    "preview",
     "reproduce",
-    "importing",
-    "listing",
     "schema",
 )
 """Modules of this package, in the order in which the help tells their commands."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, add_changes, lazy
 
 EPILOG = """\
 exit codes:
@@ -15,7 +15,9 @@ exit codes:
 examples:
   physim check my_world.yaml
   physim check worlds/*.yaml --json
-  physim check my_world.yaml --watch
+  physim check my_world.yaml --watch         keep it running beside the editor
+  physim check ten_robots --seed 3 --set corridor.width=6.0
+                                             as physim run with these would read it
 """
 
 
@@ -32,6 +34,9 @@ def add(commands: Commands) -> None:
     check.add_argument(
         "worlds", nargs="+", metavar="WORLD", help="a world file, or the name of a shipped world"
     )
-    check.add_argument("--json", action="store_true", help="print everything as JSON")
-    check.add_argument("--watch", action="store_true", help="check again whenever a file is saved")
+    add_changes(check, each="every world")
+    check.add_argument("--json", action="store_true", help="print everything as JSON instead")
+    check.add_argument(
+        "--watch", action="store_true", help="check again whenever a file is saved, until Ctrl-C"
+    )
     check.set_defaults(action=lazy("physim.cli.check", "check_command"))

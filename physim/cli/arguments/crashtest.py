@@ -6,14 +6,16 @@ import argparse
 from pathlib import Path
 
 from physim.cli.arguments.commands import Commands, lazy
-from physim.cli.arguments.types import whole
+from physim.cli.arguments.types import whole, whole_from
+
+MOST_CASES = 10**9
 
 EPILOG = """\
 exit codes:
   0    no case is unexplained
   2    bad input
   3    engine and analysis disagree: every unexplained case is told and written as a world
-  130  interrupted (Ctrl-C): the cases so far are told
+  130  interrupted (Ctrl-C): the cases so far are told and written
 
 examples:
   physim crashtest
@@ -33,13 +35,19 @@ def add(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     crash.add_argument(
-        "--cases", type=whole, default=10_000, metavar="N", help="number of throws (10000)"
+        "--cases", type=whole_from(1, MOST_CASES), default=10_000, metavar="N",
+        help="number of throws (10000)",
+    )  # fmt: skip
+    crash.add_argument("--seed", type=whole, default=0, metavar="N", help="seed of the throws (0)")
+    crash.add_argument(
+        "--json", type=Path, metavar="FILE", help="write the figures to FILE as JSON"
     )
-    crash.add_argument("--seed", type=whole, default=0, metavar="S", help="of the throws (0)")
-    crash.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON")
     crash.add_argument(
         "-o", "--output", type=Path, metavar="DIR",
         help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
     )  # fmt: skip
-    crash.add_argument("--quiet", action="store_true", help="no progress bar and no table")
+    crash.add_argument(
+        "--force", action="store_true", help="write over FILE, and over the worlds in DIR"
+    )
+    crash.add_argument("--quiet", action="store_true", help="print neither progress nor table")
     crash.set_defaults(action=lazy("physim.cli.crashtest", "crashtest"))

@@ -21,6 +21,7 @@ formats, by suffix or content:
 exit codes:
   0    the world is written; it loads and its scene builds
   2    bad input: one message says what and where, and nothing is written
+  130  interrupted (Ctrl-C): no world is written
 
 examples:
   physim import track.csv -o track.yaml --robots 6 --lanes 2

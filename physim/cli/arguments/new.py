@@ -16,6 +16,10 @@ templates:
   bend        a quarter turn               roundabout  in, three quarters round, out
   doorway     a door one robot wide        warehouse   a path through aisles between shelves
 
+exit codes:
+  0    written; the world runs as it is
+  2    bad input: one message says what and where, and nothing is written
+
 examples:
   physim new my_corridor
   physim new my_door --template doorway --robots 5

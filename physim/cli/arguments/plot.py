@@ -20,6 +20,11 @@ figures (docs/FIGURES.md tells what each shows and how it is worked out):
   modes            safe and danger mode of each robot (Fig. 8)
   prediction       predicted against actual time to contact
 
+exit codes:
+  0    drawn
+  2    bad input: one message says what and where
+  130  interrupted (Ctrl-C): pictures that were done by then stay, no half ones
+
 examples:
   physim plot runs/ten_robots-7/record.h5
   physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
@@ -37,12 +42,20 @@ def add(commands: Commands) -> None:
     )
     plot.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
     plot.add_argument(
-        "--only", metavar="NAMES", help="figures to draw, with commas between (default: all)"
+        "--only",
+        metavar="NAMES",
+        help="figures to draw, as listed below, with commas between (default: all)",
     )
     plot.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: the folder of the record"
+        "-o",
+        "--output",
+        type=Path,
+        metavar="DIR",
+        help="folder for the pictures (default: that of the record)",
     )
-    plot.add_argument("--format", choices=("png", "svg", "pdf"), default="png", help="(png)")
+    plot.add_argument(
+        "--format", choices=("png", "svg", "pdf"), default="png", help="of the pictures (png)"
+    )
     plot.add_argument("--force", action="store_true", help="write over existing pictures")
     plot.add_argument(
         "--snapshots", type=positive, metavar="S",

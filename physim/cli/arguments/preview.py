@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, add_overrides, lazy
 from physim.cli.arguments.types import whole
 
 EPILOG = """\
@@ -43,12 +43,5 @@ def add(commands: Commands) -> None:
     )
     preview.add_argument("--force", action="store_true", help="write over an existing picture")
     preview.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the world's own")
-    preview.add_argument(
-        "--set",
-        dest="overrides",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one value of the world, e.g. corridor.width=6.0 (may be repeated)",
-    )
+    add_overrides(preview)
     preview.set_defaults(action=lazy("physim.cli.preview", "preview"))

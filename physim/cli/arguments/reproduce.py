@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from physim.cli.arguments.commands import Commands, lazy
-from physim.cli.arguments.types import whole
+from physim.cli.arguments.types import whole_from
 
 EPILOG = """\
 figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
@@ -50,8 +50,9 @@ def add(commands: Commands) -> None:
     )
     command.add_argument("--no-video", action="store_true", help="leave the videos out")
     command.add_argument(
-        "--workers", type=whole, metavar="N", help="processes (as many as cores, at most 8)"
-    )
+        "--workers", type=whole_from(1, 64), metavar="N",
+        help="processes, 1 to 64 (as many as cores, at most 8)",
+    )  # fmt: skip
     command.add_argument("--force", action="store_true", help="write over an existing DIR")
-    command.add_argument("--quiet", action="store_true", help="no progress bar and no verdicts")
+    command.add_argument("--quiet", action="store_true", help="print neither progress nor verdicts")
     command.set_defaults(action=lazy("physim.cli.reproduce", "reproduce"))

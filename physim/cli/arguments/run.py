@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
-from physim.cli.arguments.types import whole
+from physim.cli.arguments.commands import Commands, add_changes, lazy
 
 EPILOG = """\
 exit codes:
   0    ran, and everything under "expect:" in the world held
   1    ran, but an expectation failed
-  2    bad input: one message says what and where
-  130  interrupted (Ctrl-C): record and video so far are complete and readable
+  2    bad input: one line a fault says what and where
+  130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
+       cuts the video short, which is then kept as video.cut_short.mp4
 
 examples:
   physim run ten_robots
@@ -37,21 +37,7 @@ def add(commands: Commands) -> None:
         "-o", "--output", type=Path, metavar="DIR", help="output folder (default: runs/NAME-SEED)"
     )
     run.add_argument("--force", action="store_true", help="write over an earlier run in DIR")
-    run.add_argument("--seed", type=whole, metavar="N", help="seed, instead of the world's own")
-    run.add_argument(
-        "--controller",
-        metavar="NAME",
-        help="a registered controller (physim list) or your own as module:Class",
-    )
-    run.add_argument(
-        "--set",
-        dest="overrides",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one value of the world, e.g. robots.0.limits.v=1.2, or leave "
-        "one out, e.g. formation=null (may be repeated)",
-    )
+    add_changes(run)
     run.add_argument("--no-video", action="store_true", help="leave the video out")
-    run.add_argument("--quiet", action="store_true", help="no progress bar and no table")
+    run.add_argument("--quiet", action="store_true", help="print neither progress nor table")
     run.set_defaults(action=lazy("physim.cli.run", "run"))

@@ -16,6 +16,10 @@ yaml-language-server) completes keys and shows units and meanings where a world 
 the path of the schema as seen from the world. It works without a network. The schema holds every
 registered controller with its settings, those of your own packages too.
 
+exit codes:
+  0    printed or written
+  2    bad input: one message says what and where
+
 examples:
   physim schema -o worlds/world.schema.json
 """

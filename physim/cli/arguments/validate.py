@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
-from physim.cli.arguments.types import seed_range, whole
+from physim.cli.arguments.commands import Commands, add_changes, lazy
+from physim.cli.arguments.types import seed_range
 
 EPILOG = """\
 exit codes:
@@ -14,7 +14,7 @@ exit codes:
   1    contacts
   2    bad input: one message says what and where
   3    the checks disagree: something is wrong with physics, geometry or the record
-  130  interrupted (Ctrl-C)
+  130  interrupted (Ctrl-C): with --seeds, the seeds so far are told and written
 
 examples:
   physim validate runs/ten_robots-21/record.h5
@@ -34,24 +34,20 @@ def add(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     validate.add_argument(
-        "given", metavar="WORLD|RECORD", help="a record.h5, or a world to run and judge"
-    )
-    validate.add_argument("--json", type=Path, metavar="FILE", help="write everything as JSON")
+        "given", metavar="WORLD|RECORD",
+        help="record.h5 of a run; or a world file or the name of a shipped world, to run and judge",
+    )  # fmt: skip
     validate.add_argument(
-        "--seeds", type=seed_range, metavar="A:B", help="repeat over seeds A to B - 1"
+        "--json", type=Path, metavar="FILE", help="write everything to FILE as JSON"
     )
-    validate.add_argument("--world", metavar="W", help="check that the record was made from W")
-    validate.add_argument("--seed", type=whole, metavar="N", help="seed of a world")
+    validate.add_argument("--force", action="store_true", help="write over an existing FILE")
     validate.add_argument(
-        "--controller", metavar="NAME", help="controller of a world, as in physim run"
+        "--world", metavar="WORLD", help="check that the record was made from WORLD"
     )
     validate.add_argument(
-        "--set",
-        dest="overrides",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one value of a world, as in physim run (may be repeated)",
-    )
+        "--seeds", type=seed_range, metavar="A:B",
+        help="run the world with each of the seeds A to B - 1, and tell how many are contact-free",
+    )  # fmt: skip
+    add_changes(validate)
     validate.add_argument("--quiet", action="store_true", help="print the verdict alone")
     validate.set_defaults(action=lazy("physim.cli.validate", "validate_command"))

@@ -80,6 +80,11 @@ def dotted(location: Location) -> str:
     return text
 
 
+def plural(count: int, one: str, many: str = "") -> str:
+    """``1 robot``, ``2 robots``."""
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
 def nearest(given: str, allowed: list[str]) -> str:
     """``; did you mean "x"?`` for the closest of ``allowed``, or an empty string."""
     import difflib

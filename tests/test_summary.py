@@ -21,7 +21,7 @@ def test_figures_and_names() -> None:
     assert (s.contacts.count, s.contacts.between_robots, s.contacts.with_boundaries) == (2, 1, 1)
     assert s.contacts.first_s == pytest.approx(3.0)
     assert s.contacts.max_depth_m == pytest.approx(0.02)
-    assert sum(c.impulse_ns for c in s.contacts.episodes) == pytest.approx(5.0 * 30)
+    assert sum(c.impulse_newton_seconds for c in s.contacts.episodes) == pytest.approx(5.0 * 30)
     assert s.shortest_distance_m is not None
     assert s.shortest_distance_m.value == pytest.approx(-0.02)
     assert s.shortest_distance_m.bodies == ("r1", "r2")

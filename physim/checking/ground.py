@@ -14,7 +14,7 @@ import shapely
 
 from physim.checking.sketch import Sketch
 from physim.checking.telling import MOST_ALIKE, Told
-from physim.errors import Location
+from physim.errors import Location, plural
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
@@ -94,7 +94,7 @@ def _fold(name: str, wall: FloatArray, told: Told) -> None:
     places = _self_crossings(wall)
     if places:
         x, y = places[0]
-        more = f" and at {len(places) - 1} more places" if len(places) > 1 else ""
+        more = f" and at {plural(len(places) - 1, 'more place')}" if len(places) > 1 else ""
         told.warn(
             ("corridor",),
             f"the {name} crosses itself at ({x:.6g}, {y:.6g}){more}: the bend is tighter than half "

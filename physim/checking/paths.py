@@ -9,7 +9,7 @@ from physim.checking.clearance import NOT, ClearanceProfile, Ways, profile_of
 from physim.checking.ground import Ground
 from physim.checking.sketch import RobotSketch, Sketch
 from physim.checking.telling import MOST_ALIKE, Told
-from physim.errors import Location
+from physim.errors import Location, plural
 from physim.geometry.corridor import SHARPEST_TURN, offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
@@ -60,7 +60,11 @@ def _check_inside(robot: RobotSketch, path: FloatArray, ground: Ground, told: To
     if not len(outside):
         return
     first, last = outside[0]
-    more = f" and on {len(outside) - 1} more stretches" if len(outside) > 1 else ""
+    more = (
+        f" and on {plural(len(outside) - 1, 'more stretch', 'more stretches')}"
+        if len(outside) > 1
+        else ""
+    )
     line = shapely.LineString(path)
     middle = line.interpolate((first + last) / 2.0)
     place = f"from {first:.2f} m to {last:.2f} m along it{more}"

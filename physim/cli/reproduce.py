@@ -9,7 +9,7 @@ from pathlib import Path
 from physim.cli.compiling import tell_compiling
 from physim.cli.output import a_folder, regular, write_text
 from physim.cli.progress import Bar, interrupts
-from physim.errors import PhysimError
+from physim.errors import PhysimError, plural
 from physim.reproduction.plan import PICTURES, Plan, make_plan
 from physim.reproduction.report import Report
 from physim.reproduction.reproduce import PAGES, pages
@@ -99,4 +99,4 @@ def _verdicts(report: Report) -> str:
                 lines.append(f"{told}: reported {row.reported}, measured {row.measured}")
     rows = report.rows
     count = ", ".join(f"{sum(r.outcome is one for r in rows)} {one.value}" for one in Outcome)
-    return "\n".join([*lines, f"{len(rows)} claims: {count}"]) + "\n"
+    return "\n".join([*lines, f"{plural(len(rows), 'claim')}: {count}"]) + "\n"

@@ -112,8 +112,3 @@ def number(value: float) -> str:
     text = f"{value:.{DIGITS}f}".rstrip("0")
     text = text + "0" if text.endswith(".") else text
     return "0.0" if text == "-0.0" else text
-
-
-def plural(count: int, one: str, many: str = "") -> str:
-    """``1 robot``, ``2 robots``."""
-    return f"{count} {one if count == 1 else many or one + 's'}"

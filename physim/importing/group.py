@@ -54,7 +54,7 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[
         for k in range(lanes)
     ]  # fmt: skip
     for one in made:
-        if not one.is_plain:
+        if _narrower(one):
             drawing.changes.append(
                 f"lane {one.offset:+.2f} m beside the path is drawn in to {one.narrowest:.2f} m "
                 "where the corridor is narrow or bends tightly"
@@ -180,8 +180,14 @@ def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float |
     one = lane(found.reference, offset, drawing.area, found.room, found.size)
     if one.is_plain:
         return one.offset
-    drawing.changes.append(
-        f"path of {name}, {offset:+.2f} m beside the reference path, is drawn in to "
-        f"{one.narrowest:.2f} m where the corridor is narrow or bends tightly"
-    )
+    if _narrower(one):
+        drawing.changes.append(
+            f"path of {name}, {offset:+.2f} m beside the reference path, is drawn in to "
+            f"{one.narrowest:.2f} m where the corridor is narrow or bends tightly"
+        )
     return one.line
+
+
+def _narrower(one: Lane) -> bool:
+    """Whether a lane is drawn in by as much as is told."""
+    return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.errors import WorldError
-from physim.importing.drawing import Drawing, Options, number, place, plural, printable, refused
+from physim.errors import WorldError, plural
+from physim.importing.drawing import Drawing, Options, number, place, printable, refused
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
 from physim.importing.group import Placed, as_drawn, fill_in
@@ -99,7 +99,9 @@ def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
 
 def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options) -> list[str]:
     points = sum(len(line) for line in drawing.boundaries)
-    walls = f"{plural(len(drawing.boundaries), 'boundary', 'boundaries')} of {points} points"
+    walls = (
+        f"{plural(len(drawing.boundaries), 'boundary', 'boundaries')} of {plural(points, 'point')}"
+    )
     corners = sum(len(ring) for ring in drawing.obstacles)
     if corners:
         walls += f", {plural(len(drawing.obstacles), 'obstacle')} of {corners} corners"

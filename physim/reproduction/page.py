@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from physim.errors import plural
 from physim.reproduction.document import (
     Block,
     Code,
@@ -57,7 +58,7 @@ def _overview(report: Report) -> Iterator[Block]:
     if not rows:
         return
     count = {one: sum(row.outcome is one for row in rows) for one in Outcome}
-    told: list[Inline] = [f"{len(rows)} claims: "]
+    told: list[Inline] = [f"{plural(len(rows), 'claim')}: "]
     for one in Outcome:
         told += [one, f" {count[one]}", ", " if one is not Outcome.NOT_MET else "."]
     yield Paragraph(told)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import VERSION
+from physim.errors import plural
 from physim.reproduction.claims import PAIR_TIMES, Part
 from physim.reproduction.claims.claim import Claim
 from physim.reproduction.html import html
@@ -84,7 +85,9 @@ def _part_section(part: Part, plan: Plan, found: dict[Any, Any]) -> Section:
     ]
     film = part.film and ("film", part.world) in found
     about = f"World {part.world}. Measured: seed {seed}, as in the pictures. Over seeds: "
-    few = "none was run." if not runs else f"{len(runs)} runs, seeds 0 to {len(runs) - 1}."
+    few = (
+        "none was run." if not runs else f"{plural(len(runs), 'run')}, seeds 0 to {len(runs) - 1}."
+    )
     missing = "" if len(runs) == plan.seeds else "Interrupted before all seeds were run."
     option = "" if part.figure == "words" else f" --figure {part.figure}"
     commands = [f"physim reproduce{option}", f"physim run {part.world} --seed {seed} -o out"]

@@ -21,9 +21,9 @@ class Contact:
     begin_s: float
     duration_s: float
     max_depth_m: float
-    impact_ns: float
+    impact_newton_seconds: float
     """[N s] impulse of the first sample: the hit"""
-    impulse_ns: float
+    impulse_newton_seconds: float
     """[N s] over the whole episode: the hit and all pushing after it"""
 
 
@@ -37,7 +37,7 @@ class Contacts:
     first_s: float | None
     """[s] begin of the first one"""
     max_depth_m: float | None
-    max_impact_ns: float | None
+    max_impact_newton_seconds: float | None
     """[N s] largest impulse in the first sample of an episode"""
     episodes: tuple[Contact, ...]
     """every one, in the order of their beginning"""
@@ -199,7 +199,7 @@ def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: f
         with_boundaries=len(episodes) - robots,
         first_s=episodes[0].time if episodes else None,
         max_depth_m=max((episode.depth for episode in episodes), default=None),
-        max_impact_ns=max((episode.impact for episode in episodes), default=None),
+        max_impact_newton_seconds=max((episode.impact for episode in episodes), default=None),
         episodes=told,
     )
 

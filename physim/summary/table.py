@@ -62,7 +62,7 @@ def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
         (
             f"  {c.begin_s:.2f} s",
             f"{c.bodies[0]} and {c.bodies[1]}, {c.duration_s:.2f} s long, "
-            f"{1e3 * c.max_depth_m:.1f} mm deep, impact {c.impact_ns:.1f} N s",
+            f"{1e3 * c.max_depth_m:.1f} mm deep, impact {c.impact_newton_seconds:.1f} N s",
         )
         for c in contacts.episodes[:SHOWN_CONTACTS]
     ]

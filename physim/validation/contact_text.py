@@ -213,7 +213,7 @@ def _finding(one: ContactReport, names: list[str]) -> str:
         said.append(
             f"Contact lay ahead at every decision of the last {short(one.warning)}."
             if one.warning > 0.0
-            else "Contact did not lay ahead at the last decision."
+            else "Contact did not lie ahead at the last decision."
         )
     wall = len(one.sides) == 1
     looked = not math.isnan(side.reported_time)

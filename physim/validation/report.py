@@ -41,7 +41,7 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller} (as named in the world of the record)",
+        f"  controller  {run.controller}",
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]

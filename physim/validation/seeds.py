@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from physim.errors import plural
 from physim.validation.contact_report import ContactReport, GrazeReport
 from physim.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 
@@ -116,7 +117,7 @@ def seeds_text(study: SeedStudy) -> str:
     bad = [str(one.seed) for one in study.results if one.code == CONTACTS]
     wrong = [str(one.seed) for one in study.results if one.code == DISAGREE]
     lines = [
-        f"{study.world}: {study.free} of {count} runs contact-free = {study.rate:.1%}, "
+        f"{study.world}: {study.free} of {plural(count, 'run')} contact-free = {study.rate:.1%}, "
         f"95 % Clopper-Pearson interval {low:.1%} to {high:.1%}",
     ]
     if study.interrupted:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from physim.errors import Fault
 from physim.world.base import Model
@@ -43,6 +43,13 @@ class World(Model):
 
     Raises `physim.errors.WorldError`, with every fault found, when made with bad values.
     """
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "description": "A world: road, robots and controller of a run, and what it must show. "
+            "Lengths [m], times [s], angles [rad]."
+        }
+    )
 
     name: Label = Field(description="label of the world")
     description: Text = Field(default="", description="what the world shows, in a sentence")

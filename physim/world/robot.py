@@ -95,7 +95,8 @@ class Robot(Model):
         "instead of the controller's",
     )
     omegas: Speeds | None = Field(
-        default=None, description="[rad/s] rotational speeds to choose from, likewise"
+        default=None,
+        description="[rad/s] rotational speeds to choose from, instead of the controller's",
     )
 
     @property

@@ -21,7 +21,7 @@ def new(options: argparse.Namespace) -> int:
     if options.project is not None:
         return _project(options)
     if options.name is None and options.output is None:
-        raise PhysimError("new: a NAME is missing, as in physim new my_corridor")
+        raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     name, stem = _named(options.name if options.name is not None else options.output.name)
     file = options.output or Path(f"{stem}.yaml")
     if file.name == FILE:
@@ -37,7 +37,7 @@ def new(options: argparse.Namespace) -> int:
 def _project(options: argparse.Namespace) -> int:
     folder: Path = options.project
     if options.output is not None:
-        raise PhysimError("new: -o names a file and --project a folder; give one of them")
+        raise PhysimError("--project: names a folder, and -o a file; give one of them")
     name, stem = _named(options.name if options.name is not None else options.template)
     a_folder(folder, "--project")
     title = folder.resolve().name or name
@@ -64,7 +64,9 @@ def _named(given: str) -> tuple[str, str]:
         name = name.removesuffix(suffix)
     told = "".join(c if c.isprintable() else "�" for c in given[:MOST_NAME])
     if len(name) > MOST_NAME:
-        raise PhysimError(f"a name has at most {MOST_NAME} characters; given {len(name)}")
+        raise PhysimError(
+            f'"{told[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'
+        )
     if (
         not re.search(r"\w", name)
         or not name.isprintable()
@@ -72,10 +74,10 @@ def _named(given: str) -> tuple[str, str]:
         or name != name.strip()
     ):
         raise PhysimError(
-            f'"{told}" cannot name a world; use letters and digits, as in my_corridor'
+            f'"{told}": cannot name a world; use letters and digits, as in my_corridor'
         )
     if "/" in name or "\\" in name:
-        raise PhysimError(f'"{told}" names a place, not a world; -o takes a path')
+        raise PhysimError(f'"{told}": names a place, not a world; -o takes a path')
     stem = re.sub(r"[^\w-]+", "_", name).strip("_")
     return name, stem or "world"
 

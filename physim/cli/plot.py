@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
+from physim.errors import PhysimError, nearest
 from physim.plots import NAMES, draw
 from physim.record import Record
 
@@ -15,6 +17,10 @@ def plot(options: argparse.Namespace) -> int:
     if options.only is not None:
         only = tuple(name.strip() for name in options.only.split(","))
     folder = options.output or options.record.parent
+    for name in only:
+        if name not in NAMES:
+            close = nearest(name[:100], list(NAMES))
+            raise PhysimError(f"--only {shown(name)}: must be one of {', '.join(NAMES)}{close}")
     a_folder(folder)
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,

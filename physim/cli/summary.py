@@ -19,11 +19,11 @@ def summary(options: argparse.Namespace) -> int:
     """Print the summary of a record, or what its metrics are; returns the exit code."""
     if options.definitions:
         if options.record is not None:
-            raise PhysimError("--definitions goes without a record: it tells what the metrics are")
+            raise PhysimError("--definitions: goes without a record: it tells what the metrics are")
         print(_definitions_json() if options.json else _definitions(), end="")
         return 0
     if options.record is None:
-        raise PhysimError("no record given: physim summary RECORD, or physim summary --definitions")
+        raise PhysimError("physim summary: RECORD is missing; or give --definitions")
     with Record.load(options.record) as record:
         found = summarise(record)
     print(found.to_json() if options.json else table(found), end="")

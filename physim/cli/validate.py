@@ -34,7 +34,7 @@ def validate_command(options: argparse.Namespace) -> int:
         its_folder(options.json)
     if not is_record(options.given):
         if options.world is not None:
-            raise PhysimError("--world goes with a record: it checks where the record came from")
+            raise PhysimError("--world: goes with a record: it checks where the record came from")
         world, document = rerun.world_given(options, options.given)
         return _validate_world(world, document, options)
     with Record.load(Path(options.given)) as record:
@@ -63,9 +63,9 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
         return _validate_world(*rerun.world_inside(options, record), options)
     changes = bool(options.overrides or options.controller)
     if changes and options.world is None and not is_coarse(record):
-        raise PhysimError("--set and --controller go with a world, or with --world")
+        raise PhysimError("--set, --controller: go with a world, or with --world")
     if options.seed is not None:
-        raise PhysimError("--seed goes with a world: a record has its own seed")
+        raise PhysimError("--seed: goes with a world: a record has its own seed")
     if not is_coarse(record):
         return _told(_judged(record, str(record.path), options), options)
     if record.ended == "error":
@@ -80,7 +80,7 @@ def _validate_world(world: World, document: Document, options: argparse.Namespac
     if options.seeds is None:
         return _told(_run_and_validate(world, document, options.seed, options), options)
     if options.seed is not None:
-        raise PhysimError("--seed and --seeds do not go together")
+        raise PhysimError("--seed: does not go together with --seeds")
     if not is_random(world):
         found = _run_and_validate(world, document, None, options)
         print(

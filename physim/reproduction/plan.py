@@ -139,7 +139,7 @@ def make_plan(
         names = [one.name for one in experiments]
         if study not in names:
             raise PhysimError(
-                f'no study is called "{study[:100]}"; allowed: {", ".join(names) or "none"}'
+                f'--study "{study[:100]}": not a study; allowed: {", ".join(names) or "none"}'
                 + nearest(study[:100], names)
             )
         chosen = () if figure is None else chosen

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
+import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from physim.crashtest import Report, crash_test
 from physim.errors import RecordError
 from physim.record import Record
 from physim.summary import summarise
-from tests.cli.commands import LONG, frames, physim, started
+from physim.video import render
+from tests.cli.commands import LONG, SMALL, frames, physim, started, tree
+from tests.records import make_record
 
 
 @pytest.fixture
@@ -99,12 +105,16 @@ def test_a_second_interrupt_ends_the_video_sooner(
     process.send_signal(second)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    short = "the video was cut short; physim video out/record.h5 --force makes it whole\n"
-    assert err in ("", short)  # nothing where the video was done first
     assert out.startswith("run ")
     check_record(here / "out/record.h5")
-    assert frames(here / "out/video.mp4") > 0
-    assert {f.name for f in (here / "out").iterdir()} == {"record.h5", "summary.json", "video.mp4"}
+    film = {f.name for f in (here / "out").iterdir()} - {"record.h5", "summary.json"}
+    if film == {"video.mp4"}:  # the video was done first
+        assert err == ""
+    else:
+        assert film == {"video.cut_short.mp4"}
+        made = "physim video out/record.h5 makes the whole video"
+        assert err == f"video.cut_short.mp4 is cut short; {made}\n"
+    assert frames(here / "out" / film.pop()) > 0
 
 
 @pytest.mark.parametrize("process", [[]], indirect=True)
@@ -128,3 +138,145 @@ def test_a_killed_run_can_be_summarised_and_shown(
     assert frames(here / "out/video.mp4") > 10
     left = {file.name for file in (here / "out").iterdir()}
     assert left == {"record.h5", "video.mp4"}
+
+
+def interrupting(calls: int) -> Callable[..., None]:
+    """What sends Ctrl-C to this process when it is called so many times."""
+    left = [calls]
+
+    def called(*_: object) -> None:
+        left[0] -= 1
+        if left[0] == 0:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    return called
+
+
+def test_an_interrupted_crash_test_tells_how_far_it_came(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crash_test(11)
+    press = interrupting(1)
+
+    def pressed(cases: int, seed: int, **more: Any) -> Report:
+        told = more.pop("progress")
+        return crash_test(
+            cases, seed, **more, progress=lambda done: (told(done), press())[0]
+        )
+
+    monkeypatch.chdir(here)
+    monkeypatch.setattr("physim.cli.crashtest.crash_test", pressed)
+    done = physim("crashtest", "--cases", 5000, "--json", "found.json", capture=capsys)
+    assert done.code == 130
+    found = json.loads((here / "found.json").read_text())
+    cases = found["cases"]
+    assert 0 < cases < 5000
+    assert (found["interrupted"], found["cases_asked"]) == (True, 5000)
+    assert done.err == f"interrupted after {cases:,} of 5,000 cases; the results so far:\n"
+    assert done.out.splitlines()[-1] == (
+        f"engine and analysis agree: 0 of {cases} cases (seed 0) unexplained; interrupted before "
+        f"the other {5000 - cases:,}"
+    )
+    whole = json.loads(crash_test(60).to_json())
+    assert (whole["interrupted"], whole["cases_asked"], whole["cases"]) == (False, 60, 60)
+
+
+def test_a_film_that_is_cut_short_has_a_name_that_says_so(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make_record(here / "record.h5", seconds=2.0).close()
+    press = interrupting(3)
+
+    def pressed(*arguments: Any, **more: Any) -> int:
+        told = more.pop("progress")
+        return render(
+            *arguments, **more, progress=lambda done, of: (told(done, of), press())[0]
+        )
+
+    monkeypatch.setattr("physim.cli.video.render", pressed)
+    (here / "video.mp4").write_text("the whole film")
+    done = physim("video", here / "record.h5", "--force", capture=capsys)
+    short = here / "video.cut_short.mp4"
+    assert done == (130, "", f"interrupted; the film so far is {short}\n")
+    assert frames(short) == 3
+    assert (here / "video.mp4").read_text() == "the whole film"
+    assert not list(here.glob(".*"))
+    short.unlink()
+    short.symlink_to(here / "record.h5")
+    refused = physim("video", here / "record.h5", "--force", capture=capsys)
+    assert (refused.code, refused.out) == (2, "")
+    assert "video.cut_short.mp4: is not a regular file but a link" in refused.err
+
+
+def press_ctrl_c(process: subprocess.Popen[str], ready: Callable[[], bool]) -> tuple[str, str]:
+    """Send SIGINT as soon as ``ready``; returns what the process told."""
+    try:
+        while process.poll() is None and not ready():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        return process.communicate(timeout=60)
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+
+
+def test_ctrl_c_during_a_video(here: Path) -> None:
+    make_record(here / "record.h5", seconds=60.0).close()
+    process = started("video", "record.h5", folder=here)
+    out, err = press_ctrl_c(process, lambda: any(here.glob(".*.part")))
+    assert process.returncode == 130
+    assert (out, err) == ("", "interrupted; the film so far is video.cut_short.mp4\n")
+    assert frames(here / "video.cut_short.mp4") > 0
+    assert not (here / "video.mp4").exists()
+    assert not list(here.glob(".*"))
+
+
+def test_ctrl_c_during_plots(here: Path) -> None:
+    make_record(here / "record.h5", seconds=2.0).close()
+    process = started("plot", "record.h5", "-o", "out", folder=here)
+    out, err = press_ctrl_c(process, lambda: any(here.glob("out/*.png")))
+    assert (process.returncode, out, err) == (130, "", "interrupted\n")
+    assert 0 < len(list(here.glob("out/*.png"))) < 9
+    assert not list(here.glob("out/.*"))
+
+
+def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
+    process = started("check", "long.yaml", "--watch", folder=here)
+    assert process.stdout is not None
+    assert process.stdout.readline().startswith("-- ")
+    _, err = press_ctrl_c(process, lambda: True)
+    assert (process.returncode, err) == (130, "interrupted\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "at"),
+    [
+        (("preview", "small.yaml"), "physim.cli.preview.save_preview"),
+        (("import", "track.csv", "-o", "w.yaml"), "physim.cli.importing.import_world"),
+        (("check", "small.yaml"), "physim.cli.check.check_world"),
+        (("new", "a"), "physim.cli.new.write_text"),
+        (("summary", "record.h5"), "physim.cli.summary.summarise"),
+        (("validate", "record.h5", "--json", "a.json"), "physim.cli.validate.validate"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_ctrl_c_anywhere_else_is_one_line_and_leaves_nothing(
+    arguments: tuple[str, ...],
+    at: str,
+    here: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(here)
+    (here / "small.yaml").write_text(SMALL)
+    make_record(here / "record.h5", seconds=1.0).close()
+    before = tree(here)
+
+    def pressed(*_: object, **__: object) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(10.0)
+
+    monkeypatch.setattr(at, pressed)
+    assert physim(*arguments, capture=capsys) == (130, "", "interrupted\n")
+    assert tree(here) == before

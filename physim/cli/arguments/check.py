@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-
-from physim.cli.arguments.commands import Commands, add_changes, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, add_changes, lazy
 
 EPILOG = """\
 exit codes:
@@ -29,7 +27,7 @@ def add(commands: Commands) -> None:
         description="Read worlds strictly and look at their geometry: all errors and warnings at "
         "once, each with file, line and column, and the room that each robot has on its path.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     check.add_argument(
         "worlds", nargs="+", metavar="WORLD", help="a world file, or the name of a shipped world"

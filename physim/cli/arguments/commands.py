@@ -15,6 +15,15 @@ else:
     Commands = argparse._SubParsersAction
 
 
+class Wrapped(argparse.RawDescriptionHelpFormatter):
+    """Keeps the lines of a text that has several, and wraps one that is a single line."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if "\n" in text:
+            return super()._fill_text(text, width, indent)
+        return argparse.HelpFormatter._fill_text(self, text, width, indent)
+
+
 def lazy(module: str, name: str) -> Callable[[argparse.Namespace], int]:
     """Import the command's module only when it is asked for: ``--help`` stays fast."""
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import whole, whole_from
 
 MOST_CASES = 10**9
@@ -32,7 +31,7 @@ def add(commands: Commands) -> None:
         "and compare the first physical contact of each throw with its collision time. Every case "
         "on which they differ for no known reason is written as a world that physim run replays.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     crash.add_argument(
         "--cases", type=whole_from(1, MOST_CASES), default=10_000, metavar="N",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import count, distance, pair, positive, size
 
 FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
@@ -36,9 +35,10 @@ def add(commands: Commands) -> None:
         "import",
         help="make a world from a track, map, drawing or polygons",
         description="Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, "
-        "and list every line that was dropped or repaired.",
+        "and list every line that was dropped or repaired. Beside it goes "
+        "world.schema.json, by which editors complete keys.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     importing.add_argument("source", metavar="SOURCE", type=Path, help="the file to import")
     importing.add_argument(

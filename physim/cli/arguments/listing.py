@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 
 EPILOG = """\
 exit codes:
@@ -25,7 +23,7 @@ def add(commands: Commands) -> None:
         help="list the worlds and controllers that come with physim",
         description="List the shipped worlds and the registered controllers, a line each.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     listing.add_argument("--json", action="store_true", help="print JSON instead of a table")
     listing.set_defaults(action=lazy("physim.cli.listing", "listing"))

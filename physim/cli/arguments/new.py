@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import whole
 
 TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
@@ -35,7 +34,7 @@ def add(commands: Commands) -> None:
         description="Write NAME.yaml, a world that runs as it is, with a comment on every key, and "
         "beside it world.schema.json, by which editors complete keys and show what they mean.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     new.add_argument("name", metavar="NAME", nargs="?", help="name of the world, and of its file")
     new.add_argument(

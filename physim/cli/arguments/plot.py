@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import positive
 
 EPILOG = """\
@@ -26,7 +25,7 @@ exit codes:
   130  interrupted (Ctrl-C): pictures that were done by then stay, no half ones
 
 examples:
-  physim plot runs/ten_robots-7/record.h5
+  physim plot runs/ten_robots-21/record.h5
   physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
 """
 
@@ -38,7 +37,7 @@ def add(commands: Commands) -> None:
         help="draw the figures of a record",
         description="Draw the figures of the paper, and more, from a record alone.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     plot.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
     plot.add_argument(
@@ -54,7 +53,7 @@ def add(commands: Commands) -> None:
         help="folder for the pictures (default: that of the record)",
     )
     plot.add_argument(
-        "--format", choices=("png", "svg", "pdf"), default="png", help="of the pictures (png)"
+        "--format", choices=("png", "svg", "pdf"), default="png", help="kind of the pictures (png)"
     )
     plot.add_argument("--force", action="store_true", help="write over existing pictures")
     plot.add_argument(

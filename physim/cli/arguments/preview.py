@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, add_overrides, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, add_overrides, lazy
 from physim.cli.arguments.types import whole
 
 EPILOG = """\
@@ -29,7 +28,7 @@ def add(commands: Commands) -> None:
         description="Draw one picture of a world: boundaries, safe and danger area, paths, robots "
         "at the start, the narrowest place, and the width along the reference path.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     preview.add_argument(
         "world", metavar="WORLD", help="a world file, or the name of a shipped world"

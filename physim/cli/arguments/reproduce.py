@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import whole_from
 
 EPILOG = """\
 figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
+studies: alpha, energy, bends, routes, switching, hysteresis, updates, operation
 
 written to DIR:
   reproduction.html   one page with everything in it; videos beside it
@@ -36,11 +36,13 @@ def add(commands: Commands) -> None:
         description="Run the experiments of the paper, draw its figures, make the videos, and "
         "write what it reports beside what is measured, with a verdict for every claim.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     only = command.add_mutually_exclusive_group()
     only.add_argument("--figure", metavar="N", help="only what this figure of the paper needs")
-    only.add_argument("--study", metavar="NAME", help="only this study of a claim in words")
+    only.add_argument(
+        "--study", metavar="NAME", help="only this study of a claim that the paper makes in words"
+    )
     command.add_argument(
         "-o", "--output", type=Path, metavar="DIR", default=Path("reproduction"),
         help="folder to write to (reproduction)",

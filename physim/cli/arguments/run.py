@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, add_changes, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, add_changes, lazy
 
 EPILOG = """\
 exit codes:
@@ -14,6 +13,8 @@ exit codes:
   2    bad input: one line a fault says what and where
   130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
        cuts the video short, which is then kept as video.cut_short.mp4
+
+keys for --set: worlds/README.md tells all; physim new writes a world with each explained
 
 examples:
   physim run ten_robots
@@ -30,7 +31,7 @@ def add(commands: Commands) -> None:
         help="run a world: record, video and summary",
         description="Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     run.add_argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
     run.add_argument(

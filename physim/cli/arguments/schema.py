@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 
 EPILOG = """\
 An editor that knows YAML schemas (VS Code with the YAML extension, and all others that use
@@ -32,7 +31,7 @@ def add(commands: Commands) -> None:
         help="print the JSON Schema of world files, for editors",
         description="Print the JSON Schema of world files: every key with its unit and meaning.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     schema.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write it to a file instead"

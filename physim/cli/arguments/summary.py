@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 
 EPILOG = """\
 exit codes:
@@ -27,7 +26,7 @@ def add(commands: Commands) -> None:
         description="Print contacts, distances, collision times, formation errors and modes of a "
         "record, and whether what its world expects held.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     summary.add_argument(
         "record", metavar="RECORD", nargs="?", type=Path, help="record.h5 of a run"

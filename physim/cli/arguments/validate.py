@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, add_changes, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, add_changes, lazy
 from physim.cli.arguments.types import seed_range
 
 EPILOG = """\
@@ -31,7 +30,7 @@ def add(commands: Commands) -> None:
         description="Hold the physical contacts of a run against exact distances and collision "
         "times, and report every contact: who, where, and who was responsible.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     validate.add_argument(
         "given", metavar="WORLD|RECORD",

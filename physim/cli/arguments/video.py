@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
-from physim.cli.arguments.commands import Commands, lazy
+from physim.cli.arguments.commands import Commands, Wrapped, lazy
 from physim.cli.arguments.types import number_from, whole_from
 
 EPILOG = """\
@@ -27,7 +26,7 @@ def add(commands: Commands) -> None:
         help="make the video of a record, slower or faster",
         description="Make the video of a record: 1280 x 720, H.264 in MP4.",
         epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Wrapped,
     )
     video.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
     video.add_argument(

@@ -204,7 +204,7 @@ def test_command_prints_it_and_writes_it_where_asked(tmp_path, capsys) -> None:
     assert file.read_text() == done.out
     refused = physim("schema", "-o", file, capture=capsys)
     assert (refused.code, refused.err) == (
-        2, f"physim: {file}: exists; use --force to write over it, or -o for another file\n"
+        2, f"{file}: exists; use --force to write over it, or -o for another file\n"
     )  # fmt: skip
     assert physim("schema", "-o", file, "--force", capture=capsys).code == 0
     assert physim("schema", "-o", tmp_path, capture=capsys).code == 2

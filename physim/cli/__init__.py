@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import TextIO
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
@@ -29,11 +30,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if sys.stdout is not None:  # it is None where the shell has closed it
                 sys.stdout.flush()
     except BrokenPipeError:  # the reader has gone; say nothing more
-        _silence()
+        _silence(sys.stdout)
     except OSError as error:
         if error.filename is None and error.errno not in UNWRITTEN:
             raise
-        _silence()
+        _silence(sys.stdout)
         where = "standard output" if error.filename is None else os.fsdecode(error.filename)
         _tell(f"{where}: cannot be written ({error.strerror})")
         return 2
@@ -62,13 +63,15 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def _tell(text: str) -> None:
-    with suppress(OSError):  # standard error may be full, too
+    try:
         print(text, file=sys.stderr, flush=True)
+    except OSError:  # it is full or closed, too: the exit code has to say it
+        _silence(sys.stderr)
 
 
-def _silence() -> None:
-    """Let what is still to be written to standard output go nowhere."""
+def _silence(stream: TextIO) -> None:
+    """Let what is still to be written to a stream go nowhere."""
     with suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
+        os.dup2(nowhere, stream.fileno())
         os.close(nowhere)

@@ -9,7 +9,8 @@ from typing import Any, NoReturn
 from physim.cli import mistakes
 
 DESCRIPTION = """\
-Run worlds of polygon robots in corridors on real rigid-body physics, and see what happened.
+Run worlds of polygon robots in corridors on real rigid-body physics, and see
+what happened.
 
 see a run:
   physim list                        the worlds and controllers that come with physim

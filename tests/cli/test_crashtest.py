@@ -31,7 +31,7 @@ def test_agreement_ends_with_0_and_writes_nothing_but_the_json(
     assert list(tree(tmp_path)) == ["found.json"]
     first = (tmp_path / "found.json").read_bytes()
     assert json.loads(first)["cases"] == 60
-    again = ("crashtest", "--cases", 60, "--seed", 2, "--json", "found.json", "--quiet")
+    again = ("crashtest", "--cases", 60, "--seed", 2, "--json", "found.json", "--force", "--quiet")
     assert physim(*again, capture=capsys) == (0, "", "")
     assert (tmp_path / "found.json").read_bytes() == first
 
@@ -68,9 +68,12 @@ def test_in_a_pipe_there_is_no_bar(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("--cases", "0"), "physim: --cases 0: at least one case is needed\n"),
-        (("--json", "nowhere/x.json"), "physim: nowhere/x.json: its folder does not exist\n"),
-        (("-o", "file"), "physim: file: is a file; -o takes a folder\n"),
+        (
+            ("--cases", "0"),
+            "--cases 0: must be a whole number from 1 to 1000000000 (see physim crashtest --help)\n",
+        ),
+        (("--json", "nowhere/x.json"), "nowhere/x.json: there is no folder nowhere\n"),
+        (("-o", "file"), "file: is a file; -o takes a folder\n"),
     ],
 )
 def test_bad_arguments_end_with_2(
@@ -96,12 +99,11 @@ def test_plot_draws_beside_the_record(
     assert done == (0, "".join(f"{name}.svg\n" for name in NAMES), "")
     refused = physim("plot", "record.h5", "--format", "svg", capture=capsys)
     assert refused.code == 2
-    assert refused.err.startswith("physim: trajectories.svg: exists; use --force")
+    assert refused.err.startswith("trajectories.svg: exists; use --force")
     unknown = physim("plot", "record.h5", "--only", "distance", capture=capsys)
     assert unknown.code == 2
     assert unknown.err == (
-        f'physim: no picture is called "distance"; there are {", ".join(NAMES)}; '
-        'did you mean "distances"?\n'
+        f'--only distance: must be one of {", ".join(NAMES)}; did you mean "distances"?\n'
     )
     missing = physim("plot", "none.h5", capture=capsys)
     assert (missing.code, missing.out) == (2, "")

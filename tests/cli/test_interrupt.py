@@ -160,9 +160,7 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
 
     def pressed(cases: int, seed: int, **more: Any) -> Report:
         told = more.pop("progress")
-        return crash_test(
-            cases, seed, **more, progress=lambda done: (told(done), press())[0]
-        )
+        return crash_test(cases, seed, **more, progress=lambda done: (told(done), press())[0])
 
     monkeypatch.chdir(here)
     monkeypatch.setattr("physim.cli.crashtest.crash_test", pressed)
@@ -189,9 +187,7 @@ def test_a_film_that_is_cut_short_has_a_name_that_says_so(
 
     def pressed(*arguments: Any, **more: Any) -> int:
         told = more.pop("progress")
-        return render(
-            *arguments, **more, progress=lambda done, of: (told(done, of), press())[0]
-        )
+        return render(*arguments, **more, progress=lambda done, of: (told(done, of), press())[0])
 
     monkeypatch.setattr("physim.cli.video.render", pressed)
     (here / "video.mp4").write_text("the whole film")

@@ -136,7 +136,7 @@ def test_watch_draws_again_on_every_save(here: Path, watching: subprocess.Popen[
     assert out.count("small.png drawn") == 4
     assert "small.yaml:" in err
     assert "stays as it is" in err
-    assert err.endswith("physim: interrupted\n")
+    assert err.endswith("interrupted\n")
     assert "Traceback" not in err
     assert sorted(file.name for file in here.iterdir()) == ["small.png", "small.yaml"]
 

@@ -51,11 +51,11 @@ def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("--figure", "9"), 'physim: --figure "9": not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8'),
-        (("--figure", "5"), "physim: --figure 5: Figure 5 is the flow chart"),
-        (("--study", "bend"), 'no study is called "bend"; allowed: '),
-        (("--workers", "0"), "physim: --workers 0: at least one process is needed"),
-        (("--figure", "1", "--study", "bends"), "not allowed with argument"),
+        (("--figure", "9"), '--figure "9": not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8'),
+        (("--figure", "5"), "--figure 5: Figure 5 is the flow chart"),
+        (("--study", "bend"), '--study "bend": not a study; allowed: '),
+        (("--workers", "0"), "--workers 0: must be a whole number from 1 to 64"),
+        (("--figure", "1", "--study", "bends"), "--study: does not go together with --figure"),
     ],
 )
 def test_bad_input(

@@ -59,7 +59,7 @@ def test_a_run_writes_record_video_and_summary(
     assert (here / "again.mp4").read_bytes() == before
     refused = physim("video", folder / "record.h5", capture=capsys)
     assert refused.code == 2
-    assert refused.err.startswith(f"physim: {folder}/video.mp4: exists; use --force")
+    assert refused.err.startswith(f"{folder}/video.mp4: exists; use --force")
     assert (folder / "video.mp4").read_bytes() == before
 
 
@@ -165,23 +165,38 @@ def test_force_removes_its_own_files_and_no_others(
     (out / "kept").mkdir(parents=True)
     (out / "kept/record.h5").write_text("mine")
     (out / "notes.txt").write_text("mine")
-    (here / "elsewhere.mp4").write_text("mine")
-    (out / "video.mp4").symlink_to(here / "elsewhere.mp4")
+    (out / "video.mp4").write_text("an earlier one")
     before = tree(here)
     refused = physim("run", "small.yaml", "-o", "out", "--no-video", capture=capsys)
     assert refused.code == 2
     assert refused.err == (
-        "physim: out: holds an earlier run (video.mp4); use --force to write over it, "
+        "out: holds an earlier run (video.mp4); use --force to write over it, "
         "or -o for another folder\n"
     )
     assert tree(here) == before
     done = physim("run", "small.yaml", "-o", "out", "--no-video", "--force", capture=capsys)
     assert done.code == 0
     after = tree(here)
-    for name in ("out/kept/record.h5", "out/notes.txt", "elsewhere.mp4"):
+    for name in ("out/kept/record.h5", "out/notes.txt"):
         assert after[name] == b"mine"
     assert set(after) - set(before) == {"out/record.h5", "out/summary.json"}
     assert set(before) - set(after) == {"out/video.mp4"}
+
+
+@pytest.mark.parametrize("name", ["record.h5", "video.mp4", "video.cut_short.mp4", "summary.json"])
+def test_no_link_in_the_output_folder_is_written_over(
+    name: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "out").mkdir()
+    (here / "elsewhere").write_text("mine")
+    (here / "out" / name).symlink_to(here / "elsewhere")
+    before = tree(here)
+    done = physim("run", "small.yaml", "-o", "out", "--no-video", "--force", capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    told = "is not a regular file but a link, which is not written over"
+    assert done.err == f"out/{name}: {told}\n"
+    assert tree(here) == before
+    assert (here / "out" / name).is_symlink()
 
 
 @pytest.mark.parametrize(

@@ -75,7 +75,7 @@ def order(cases: int) -> np.ndarray:
 def test_a_stopped_test_tells_what_it_has() -> None:
     told: list[int] = []
     stopped = crash_test(CASES, 5, progress=told.append, stop=lambda: len(told) == 2)
-    assert stopped.stopped
+    assert stopped.interrupted
     assert told == [110, 220]
     assert stopped.cases == 220
 

@@ -60,9 +60,7 @@ def test_existing_files_need_force(here: Path, capture: pytest.CaptureFixture[st
     (here / "w.yaml").write_text("mine")
     done = physim("import", "track.csv", "-o", "w.yaml", capture=capture)
     assert done.code == 2
-    assert done.err == (
-        "physim: w.yaml: exists; use --force to write over it, or -o for another file\n"
-    )
+    assert done.err == ("w.yaml: exists; use --force to write over it, or -o for another file\n")
     assert (here / "w.yaml").read_text() == "mine"
     assert physim("import", "track.csv", "-o", "w.yaml", "--force", "--quiet", capture=capture) == (
         0, "", "",
@@ -87,15 +85,21 @@ def test_a_schema_that_is_there_stays(here: Path, capture: pytest.CaptureFixture
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["office.yaml", "-o", "office.yaml", "--force"], "office.yaml: is the source itself"),
+        (["office.yaml", "-o", "office.yaml", "--force"], "office.yaml: is what is read"),
         (["track.csv", "-o", "no/w.yaml"], "no/w.yaml: there is no folder no"),
         (["track.csv", "-o", "w.txt"], "w.txt: a world file ends in .yaml"),
         (["nothing.csv", "-o", "w.yaml"], "nothing.csv: no such file"),
         (["track.csv", "-o", "w.yaml", "--format", "svg"], "track.csv:1: not valid XML"),
-        (["track.csv", "-o", "w.yaml", "--robots", "0"], '"0" is not a whole number from 1'),
-        (["track.csv", "-o", "w.yaml", "--robot", "1"], '"1" is not'),
-        (["track.csv", "-o", "w.yaml", "--from", "1;2"], '"1;2" is not X,Y'),
-        (["track.csv", "-o", "w.yaml", "--scale", "nan"], '"nan" is not a number greater than 0'),
+        (
+            ["track.csv", "-o", "w.yaml", "--robots", "0"],
+            "--robots 0: must be a whole number from 1",
+        ),
+        (["track.csv", "-o", "w.yaml", "--robot", "1"], "--robot 1: must be LENGTH,WIDTH"),
+        (["track.csv", "-o", "w.yaml", "--from", "1;2"], "--from 1;2: must be X,Y"),
+        (
+            ["track.csv", "-o", "w.yaml", "--scale", "nan"],
+            "--scale nan: must be a number greater than 0",
+        ),
         (["track.csv"], "-o/--output"),
     ],
 )

@@ -247,7 +247,7 @@ def test_faulty_records_are_refused_in_one_line(
             del file.attrs["format"]
     done = physim("plot", path, "-o", tmp_path / "out", capture=capsys)
     assert (done.code, done.out, done.err.count("\n")) == (2, "", 1)
-    assert done.err.startswith(f"physim: {path}: ")
+    assert done.err.startswith(f"{path}: ")
     assert not (tmp_path / "out").exists()
 
 

@@ -122,7 +122,7 @@ def test_seeds_of_a_world_without_anything_random(folder, capsys):
 
 
 def one_line(err):
-    assert err.startswith("physim: ")
+    assert not err.startswith("physim: ")
     assert len(err.splitlines()) == 1
 
 

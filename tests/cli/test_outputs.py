@@ -1,0 +1,230 @@
+"""What may be written and read: nothing that exists, no input, no link, pipe or device."""
+
+from __future__ import annotations
+
+import os
+import stat
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from physim.cli.output import regular, write_text
+from physim.crashtest import crash_test
+from physim.errors import PhysimError
+from tests.cli.commands import SMALL, command, environment, physim, tree
+from tests.records import make_record
+
+TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A working directory with a world, a record and a track."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SMALL)
+    (tmp_path / "track.csv").write_text(TRACK)
+    make_record(tmp_path / "record.h5", seconds=1.0).close()
+    return tmp_path
+
+
+WRITES = {
+    "validate": (["validate", "record.h5", "--json", "OUT"], "out.json", "--json"),
+    "crashtest": (["crashtest", "--cases", "5", "--json", "OUT"], "out.json", "--json"),
+    "video": (["video", "record.h5", "-o", "OUT"], "out.mp4", "-o"),
+    "preview": (["preview", "small.yaml", "-o", "OUT"], "out.svg", "-o"),
+    "import": (["import", "track.csv", "-o", "OUT"], "out.yaml", "-o"),
+    "new": (["new", "a", "-o", "OUT"], "out.yaml", "-o"),
+    "schema": (["schema", "-o", "OUT"], "out.json", "-o"),
+    "plot": (["plot", "record.h5", "--only", "modes"], "modes.png", "-o"),
+}
+"""By command: arguments with the place of the file, a name for it, and the option that names it."""
+
+
+def written(name: str) -> list[str]:
+    arguments, out, _ = WRITES[name]
+    return [out if word == "OUT" else word for word in arguments]
+
+
+@pytest.mark.parametrize("name", WRITES)
+def test_a_file_that_exists_is_kept_without_force(
+    name: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, out, option = WRITES[name]
+    (here / out).write_text("mine")
+    before = tree(here)
+    done = physim(*written(name), capture=capsys)
+    another = "folder" if name == "plot" else "file"
+    told = f"{out}: exists; use --force to write over it, or {option} for another {another}\n"
+    assert done == (2, "", told)
+    assert tree(here) == before
+
+
+@pytest.mark.parametrize("name", ["validate", "crashtest"])
+def test_with_force_it_is_written_over(
+    name: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crash_test(11)
+    _, out, _ = WRITES[name]
+    (here / out).write_text("mine")
+    assert physim(*written(name), "--force", "--quiet", capture=capsys).code in (0, 1, 3)
+    assert (here / out).read_text().startswith("{\n")
+
+
+@pytest.mark.parametrize("kind", ["pipe", "link", "link to nothing"])
+@pytest.mark.parametrize("name", WRITES)
+def test_no_link_or_pipe_is_written_over(
+    name: str, kind: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, out, _ = WRITES[name]
+    (here / "other").write_text("mine")
+    if kind == "pipe":
+        os.mkfifo(here / out)
+    else:
+        (here / out).symlink_to(here / ("other" if kind == "link" else "nothing"))
+    before = set(os.listdir(here))
+    done = physim(*written(name), "--force", capture=capsys)
+    what = "a named pipe" if kind == "pipe" else "a link"
+    told = f"{out}: is not a regular file but {what}, which is not written over\n"
+    assert done == (2, "", told)
+    assert set(os.listdir(here)) == before
+    assert (here / "other").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [(stat.S_IFCHR, "a device"), (stat.S_IFBLK, "a device"), (stat.S_IFSOCK, "a socket")],
+)
+def test_no_device_is_written_over(
+    name: int, kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "device"
+    monkeypatch.setattr(Path, "lstat", lambda self: SimpleNamespace(st_mode=name | 0o666))
+    with pytest.raises(PhysimError, match=f"device: is not a regular file but {kind}, which"):
+        regular(path)
+    with pytest.raises(PhysimError, match=kind):
+        write_text(path, "text")
+    monkeypatch.undo()
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("way", ["same", "dot", "link", "hard link"])
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (["validate", "IN", "--json", "OUT"], "--json"),
+        (["validate", "other.h5", "--world", "IN", "--json", "OUT"], "--json"),
+        (["video", "IN", "-o", "OUT"], "-o"),
+        (["preview", "IN", "-o", "OUT"], "-o"),
+        (["import", "IN", "-o", "OUT"], "-o"),
+    ],
+)
+def test_what_is_read_is_never_written_over(
+    arguments: list[str], option: str, way: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = {"preview": "in.svg", "video": "in.mp4", "import": "in.yaml"}.get(arguments[0], "in.h5")
+    given = here / name
+    given.write_text(SMALL)
+    out = {"same": name, "dot": f"./x/../{name}", "link": f"link-{name}", "hard link": f"2{name}"}
+    (here / "x").mkdir()
+    if way == "link":
+        (here / f"link-{name}").symlink_to(given)
+    if way == "hard link":
+        (here / f"2{name}").hardlink_to(given)
+    before = tree(here)
+    words = [{"IN": name, "OUT": out[way]}.get(word, word) for word in arguments]
+    done = physim(*words, "--force", capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    where = Path(out[way])
+    assert done.err == f"{where}: is what is read; {option} takes another file\n"
+    assert tree(here) == before
+
+
+def test_a_run_does_not_take_away_its_own_world(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here / "out").mkdir()
+    (here / "out/summary.json").write_text(SMALL)
+    done = physim("run", "out/summary.json", "-o", "out", "--force", capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    assert "out/summary.json: is what is read" in done.err
+    assert (here / "out/summary.json").read_text() == SMALL
+
+
+READS = (
+    ["check", "PIPE"],
+    ["run", "PIPE"],
+    ["preview", "PIPE", "-o", "a.png"],
+    ["validate", "PIPE"],
+    ["summary", "PIPE"],
+    ["video", "PIPE", "-o", "a.mp4"],
+    ["plot", "PIPE", "-o", "."],
+    ["import", "PIPE", "-o", "a.yaml"],
+)
+
+
+@pytest.mark.parametrize("arguments", READS, ids=lambda words: words[0])
+def test_a_pipe_is_refused_as_input_and_nothing_hangs(arguments: list[str], here: Path) -> None:
+    os.mkfifo(here / "pipe.h5")
+    words = ["pipe.h5" if word == "PIPE" else word for word in arguments]
+    done = subprocess.run(
+        command(words), cwd=here, capture_output=True, text=True, timeout=60, env=environment()
+    )
+    assert done.returncode == 2
+    told = done.stdout if words[0] == "check" else done.stderr
+    assert "pipe.h5: is not a regular file" in told
+    assert "Traceback" not in done.stderr
+
+
+def test_worlds_of_an_earlier_crash_test_are_kept_without_force(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    crash_test(11)
+    (here / "crashtest-0").mkdir()
+    (here / "crashtest-0/case-000001.yaml").write_text("mine")
+    (here / "crashtest-0/notes.txt").write_text("mine")
+    before = tree(here)
+    done = physim("crashtest", "--cases", 5, capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    assert done.err == (
+        "crashtest-0: holds worlds of an earlier crash test (case-000001.yaml); use --force to "
+        "write over them, or -o for another folder\n"
+    )
+    assert tree(here) == before
+    assert physim("crashtest", "--cases", 5, "--force", "--quiet", capture=capsys).code == 0
+    assert set(before) - set(tree(here)) == {"crashtest-0/case-000001.yaml"}
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "link to nothing"])
+def test_a_schema_that_is_no_file_is_left_alone(
+    kind: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    schema = here / "world.schema.json"
+    if kind == "pipe":
+        os.mkfifo(schema)
+    elif kind == "folder":
+        schema.mkdir()
+    else:
+        schema.symlink_to("nothing")
+    done = physim("new", "a", "--force", capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("world.schema.json: is ")
+    assert not (here / "a.yaml").exists()
+    done = physim("new", "a", capture=capsys)
+    assert done.code == 0
+    assert "world.schema.json: kept" in done.out
+    assert schema.is_fifo() or schema.is_dir() or schema.is_symlink()
+
+
+def test_of_an_interrupted_text_nothing_is_left(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(self: Path, target: Path) -> Path:
+        raise KeyboardInterrupt
+
+    before = tree(here)
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_text(here / "new.txt", "text")
+    assert tree(here) == before

@@ -14,7 +14,7 @@ what happened.
 
 see a run:
   physim list                        the worlds and controllers that come with physim
-  physim run three_robots            run one: record.h5, video.mp4, summary.json in runs/
+  physim run three_robots            run one: record, video, figures in runs/
 make a world of your own:
   physim new my_world                a world to begin with, every key explained
   physim import plan.svg -o my.yaml  or one from a track, map, drawing or polygons

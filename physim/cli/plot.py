@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import sys
 
 from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
-from physim.errors import PhysimError, nearest
+from physim.cli.progress import interrupts
+from physim.errors import PhysimError, nearest, plural
 from physim.plots import NAMES, draw
 from physim.record import Record
+
+INTERRUPTED = 130
 
 
 def plot(options: argparse.Namespace) -> int:
@@ -25,11 +29,15 @@ def plot(options: argparse.Namespace) -> int:
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,
                  another="folder")  # fmt: skip
-    with Record.load(options.record) as record:
+    with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(
             record, folder, only=only, format=options.format, force=options.force,
-            snapshots=options.snapshots,
+            snapshots=options.snapshots, stop=interrupt,
         )  # fmt: skip
     for file in files:
         print(file)
+    if len(files) < len(set(only)):
+        print(f"interrupted after {len(files)} of {plural(len(set(only)), 'picture')}",
+              file=sys.stderr)  # fmt: skip
+        return INTERRUPTED
     return 0

@@ -26,8 +26,13 @@ def preview(options: argparse.Namespace) -> int:
     path = _picture(options)
     if options.watch:
         return _watched(options, path)
-    save_preview(_laid_out(options), path)
+    layout = _laid_out(options)
+    with interrupts() as interrupt:  # the picture is whole in any case
+        save_preview(layout, path)
     print(path)
+    if interrupt():
+        print("interrupted when the picture was drawn", file=sys.stderr)
+        return INTERRUPTED
     return 0
 
 

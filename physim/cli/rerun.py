@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.cli.progress import Bar
+from physim.cli.progress import Bar, interrupts
 from physim.cli.run import ready
 from physim.errors import PhysimError, RecordError
 from physim.record import Record
@@ -54,7 +54,18 @@ def run_again(
     options: argparse.Namespace,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
-    """Run to the end, or until ``stop`` says so, in memory."""
+    """Run to the end, or until ``stop`` says so, in memory.
+
+    Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
+    middle of it the engine would swallow it.
+    """
+    if stop is None:
+        with interrupts() as interrupt:
+            record = run_again(world, document, seed, options, interrupt)
+        if interrupt():
+            record.close()
+            raise KeyboardInterrupt
+        return record
     simulation = ready(world, document, seed, options)
     scene = simulation.scene
     bar = Bar(f"{scene.world.name}, seed {scene.seed}", scene.steps * scene.dt, "s", options.quiet)

@@ -45,8 +45,11 @@ def draw(
     format: str = "png",
     force: bool = False,
     snapshots: float | None = None,
+    stop: Callable[[], bool] | None = None,
 ) -> tuple[Path, ...]:
     """Draw pictures of a record as ``folder/NAME.FORMAT``; returns the files.
+
+    ``stop()`` is asked after each picture; once True, no more are drawn.
 
     ``snapshots`` [s] is the time between the snapshots of ``trajectories``. The same record gives
     the same file. Raises PhysimError for an unknown name or format, for a
@@ -64,13 +67,17 @@ def draw(
             raise PhysimError(
                 f"{path}: exists; use --force to write over it, or -o for another folder"
             )
+    drawn = 0
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
         for path in paths:
             _save(record, path, format, snapshots)
+            drawn += 1
+            if stop is not None and stop():
+                break
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
-    return paths
+    return paths[:drawn]
 
 
 def _save(record: Record, path: Path, format: str, snapshots: float | None) -> None:

@@ -70,7 +70,8 @@ def test_in_a_pipe_there_is_no_bar(tmp_path: Path) -> None:
     [
         (
             ("--cases", "0"),
-            "--cases 0: must be a whole number from 1 to 1000000000 (see physim crashtest --help)\n",
+            "--cases 0: must be a whole number from 1 to 1000000000 "
+            "(see physim crashtest --help)\n",
         ),
         (("--json", "nowhere/x.json"), "nowhere/x.json: there is no folder nowhere\n"),
         (("-o", "file"), "file: is a file; -o takes a folder\n"),

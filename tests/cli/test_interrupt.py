@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import pytest
 
 from physim.crashtest import Report, crash_test
 from physim.errors import RecordError
+from physim.physics import Physics
 from physim.record import Record
 from physim.summary import summarise
 from physim.video import render
@@ -232,9 +234,27 @@ def test_ctrl_c_during_plots(here: Path) -> None:
     make_record(here / "record.h5", seconds=2.0).close()
     process = started("plot", "record.h5", "-o", "out", folder=here)
     out, err = press_ctrl_c(process, lambda: any(here.glob("out/*.png")))
-    assert (process.returncode, out, err) == (130, "", "interrupted\n")
-    assert 0 < len(list(here.glob("out/*.png"))) < 9
+    made = len(list(here.glob("out/*.png")))
+    assert (process.returncode, err) == (130, f"interrupted after {made} of 9 pictures\n")
+    assert out.count("\n") == made < 9
     assert not list(here.glob("out/.*"))
+
+
+def test_ctrl_c_during_a_validation(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also where it arrives in a callback of the engine, which would swallow it."""
+    press, step = interrupting(10), Physics.step
+
+    def pressed(self: Physics, command: Any) -> None:
+        with suppress(KeyboardInterrupt):
+            press()
+        step(self, command)
+
+    monkeypatch.chdir(here)
+    (here / "small.yaml").write_text(SMALL)
+    monkeypatch.setattr(Physics, "step", pressed)
+    assert physim("validate", "small.yaml", capture=capsys) == (130, "", "interrupted\n")
 
 
 def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
@@ -248,7 +268,7 @@ def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "at"),
     [
-        (("preview", "small.yaml"), "physim.cli.preview.save_preview"),
+        (("preview", "small.yaml"), "physim.cli.preview.lay_out"),
         (("import", "track.csv", "-o", "w.yaml"), "physim.cli.importing.import_world"),
         (("check", "small.yaml"), "physim.cli.check.check_world"),
         (("new", "a"), "physim.cli.new.write_text"),

@@ -43,6 +43,7 @@ def test_json_is_valid_and_the_same_but_for_the_wall_clock(tmp_path: Path) -> No
     )
     assert first == second
     assert first["shortest_distance_m"]["bodies"] == ["r1", "r2"]
+    assert '_ns"' not in one.to_json()  # which reads as nanoseconds
     assert first["expectations"][0] == {"key": "contacts", "wanted": 2, "got": 2, "held": True}
 
 

@@ -208,3 +208,25 @@ def test_command_prints_it_and_writes_it_where_asked(tmp_path, capsys) -> None:
     )  # fmt: skip
     assert physim("schema", "-o", file, "--force", capture=capsys).code == 0
     assert physim("schema", "-o", tmp_path, capture=capsys).code == 2
+
+
+def test_no_description_speaks_to_developers() -> None:
+    told = [SHIPPED["description"], *described(SHIPPED)]
+    assert all(told)
+    for text in told:
+        assert "\n" not in text
+        assert "Raises" not in text
+        assert "physim." not in text
+        assert "likewise" not in text
+
+
+def described(value):
+    """Every description in a schema."""
+    if isinstance(value, dict):
+        if isinstance(value.get("description"), str):
+            yield value["description"]
+        for item in value.values():
+            yield from described(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from described(item)

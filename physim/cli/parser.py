@@ -13,21 +13,21 @@ Run worlds of polygon robots in corridors on real rigid-body physics, and see
 what happened.
 
 see a run:
-  physim list                        the worlds and controllers that come with physim
+  physim list                        worlds and controllers that come with it
   physim run three_robots            run one: record, video, figures in runs/
 make a world of your own:
-  physim new my_world                a world to begin with, every key explained
-  physim import plan.svg -o my.yaml  or one from a track, map, drawing or polygons
-  physim check my_world.yaml         every fault of it, and the room on each path
+  physim new my_world                one to begin with, every key explained
+  physim import plan.svg -o my.yaml  one from a track, map, drawing, polygons
+  physim check my_world.yaml         its faults, and the room on each path
   physim preview my_world.yaml       a picture of it, before anything runs
 look at what a run recorded (RECORD is runs/NAME-SEED/record.h5):
-  physim summary RECORD              its figures: contacts, distances, collision times
+  physim summary RECORD              contacts, distances, collision times
   physim plot RECORD                 the same as pictures
   physim video RECORD                the video again, slower or faster
 judge what it shows:
-  physim validate RECORD             contacts, exact checks, who was responsible
+  physim validate RECORD             contacts, exact checks, responsibility
   physim crashtest                   does the engine agree with the analysis?
-  physim reproduce                   the paper's figures, reported beside measured
+  physim reproduce                   the figures of the paper, measured again
 """
 
 EPILOG = """\

@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from physim.checking import check_world
 from physim.cli import main
-from tests.checking.worlds import CORRIDOR, DRAWN, changed
+from tests.checking.worlds import CORRIDOR, DRAWN, REGION, changed
 
 
 def run(capsys, *arguments: object) -> tuple[int, str, str]:
@@ -195,3 +196,29 @@ def test_watching_a_missing_file_waits_for_it(here):
     finally:
         started.process.kill()
         started.process.communicate()
+
+
+def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
+    """What `physim run` with the same options would refuse is an error, and nothing else."""
+    (here / "w.yaml").write_text(CORRIDOR)
+    code, out, _ = run(capsys, "w.yaml", "--set", "corridor.width=2.0")
+    assert code == 2
+    assert "robots[0].pose" in out
+    code, out, _ = run(capsys, "w.yaml", "--controller", "path_folowing")
+    assert code == 2
+    assert 'did you mean "path_following"?' in out
+    (here / "bad.yaml").write_text(CORRIDOR + "controller: {type: nobody}\n")
+    assert run(capsys, "bad.yaml")[0] == 2
+    assert run(capsys, "bad.yaml", "--controller", "path_following")[0] == 0
+    code, out, _ = run(capsys, "w.yaml", "--set", "time.stp=1")
+    assert code == 2
+    assert out.splitlines()[1].startswith("  --set time.stp: unknown key; allowed: ")
+
+
+def test_the_seed_places_the_robots_that_are_checked(here):
+    (here / "w.yaml").write_text(REGION)
+    found = [check_world("w.yaml", seed=seed) for seed in (1, 2, 2)]
+    assert [one.world.seed for one in found] == [1, 2, 2]
+    assert found[1].world == found[2].world
+    assert check_world("w.yaml").world.seed == 3
+    assert check_world("w.yaml", overrides=["seed=9"], seed=4).world.seed == 4

@@ -164,3 +164,24 @@ def test_a_corridor_narrower_than_the_safe_distance_has_no_safe_area(tmp_path):
     assert "the roomiest place is 0.95 m from them" in warnings[0]
     mended = narrow + "controller: {type: mode_switching, safe_distance: 0.6}\n"
     assert lines(check(tmp_path, mended)) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("places", "told"),
+    [(1, "(0, 0): the bend"), (2, "and at 1 more place:"), (3, "and at 2 more places:")],
+)
+def test_places_are_counted_in_words(tmp_path, monkeypatch, places, told):
+    crossings = [(0.0, 0.0)] * places
+    monkeypatch.setattr("physim.checking.ground._self_crossings", lambda wall: crossings)
+    _, warnings = lines(check(tmp_path, CORRIDOR))
+    assert any(told in warning for warning in warnings)
+
+
+@pytest.mark.parametrize(
+    ("times", "told"), [(2, "and on 1 more stretch"), (3, "on 2 more stretches")]
+)
+def test_stretches_are_counted_in_words(tmp_path, times, told):
+    out = [f"[{x}, 1], [{x}, 6], [{x + 2}, 6], [{x + 2}, 1]" for x in (10, 16, 22)[:times]]
+    text = changed(DRAWN, ("[[0, 1], [30, 1]]", f"[[0, 1], {', '.join(out)}, [30, 1]]"))
+    errors, _ = lines(check(tmp_path, text))
+    assert any(f"{told}" in error and f"{told}e" not in error for error in errors)

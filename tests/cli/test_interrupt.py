@@ -273,7 +273,7 @@ def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
         (("check", "small.yaml"), "physim.cli.check.check_world"),
         (("new", "a"), "physim.cli.new.write_text"),
         (("summary", "record.h5"), "physim.cli.summary.summarise"),
-        (("validate", "record.h5", "--json", "a.json"), "physim.cli.validate.validate"),
+        (("validate", "record.h5", "--json", "a.json", "--quiet"), "physim.cli.validate.validate"),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Imported, ImportSourceError, Options, import_world
+from physim.importing import Imported, ImportSourceError, Options, group, import_world
 from physim.importing.loops import CrossingError, without_loops
 from tests.importing.plans import CELL, free_cells, map_yaml, pgm, svg, write_map
 
@@ -252,3 +254,22 @@ def test_robots_are_counted_from_the_front_and_stop_apart(tmp_path: Path) -> Non
     assert np.diff(along).max() <= -1.5  # none stops abreast of another
     assert {robot.pose[1] for robot in world.robots} == {3.5, 5.5}
     assert {robot.pose[2] for robot in world.robots} == {0.0}
+
+
+@pytest.mark.parametrize(("narrowest", "told"), [(0.6, False), (0.598, False), (0.5, True)])
+def test_a_lane_is_told_only_where_it_is_drawn_in(
+    narrowest: float, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not one that is bent otherwise, nor by less than the digits that are told."""
+    plain = group.lane
+
+    def bent(*arguments: Any) -> Any:
+        one = plain(*arguments)
+        offset = math.copysign(0.6, one.offset)
+        return replace(one, offset=offset, is_plain=False, narrowest=narrowest)
+
+    monkeypatch.setattr(group, "lane", bent)
+    path = tmp_path / "p.wkt"
+    path.write_text("POLYGON ((0 0, 80 0, 80 9, 0 9, 0 0))\nLINESTRING (1 4.5, 79 4.5)")
+    imported = import_world(path, Options(robots=2, lanes=2))
+    assert any("drawn in" in change for change in imported.changes) == told

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -111,3 +113,16 @@ def test_a_coarse_record_is_refused():
         pytest.raises(RecordError, match="every step is needed"),
     ):
         validate(record)
+
+
+def test_a_contact_that_lay_not_ahead_is_told_in_words(rear_end):
+    found = validate(rear_end)
+    contacts = tuple(replace(one, warning=0.0) for one in found.contacts)
+    text = " ".join(report(replace(found, contacts=contacts)).split())
+    assert "Contact did not lie ahead at the last decision." in text
+    assert "did not lay" not in text
+
+
+def test_the_head_names_the_controller_alone(rear_end):
+    (line,) = [s for s in report(validate(rear_end)).splitlines() if s.startswith("  controller ")]
+    assert len(line.split()) == 2

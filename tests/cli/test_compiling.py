@@ -1,0 +1,56 @@
+"""Where kernels have to be compiled, it is said of what, how often and about how long."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from physim.cli.reproduce import _warm_up
+from physim.crashtest import crash_test
+from physim.reproduction.plan import make_plan
+from tests.cli.commands import SMALL, physim
+
+LINE = r"compiling (.+) \(once after an installation or an edit, about \d+ s\) \.\.\."
+
+
+@pytest.mark.parametrize(
+    ("arguments", "at", "what"),
+    [
+        (("run", "small.yaml", "--no-video"), "run", "controller and distances"),
+        (("validate", "small.yaml"), "validate", "the checks of the validation"),
+        (("crashtest", "--cases", 5), "crashtest", "the collision checks"),
+    ],
+)
+def test_each_command_says_what_it_compiles(
+    arguments: tuple[object, ...],
+    at: str,
+    what: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    crash_test(11)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SMALL)
+    monkeypatch.setattr(f"physim.cli.{at}.is_warm", lambda: False)
+    told = physim(*arguments, capture=capsys).err.splitlines()
+    found = re.fullmatch(LINE, told[0])
+    assert found is not None
+    assert found[1] == what
+    assert physim(*arguments, "--quiet", "--force", capture=capsys).err == ""
+
+
+def test_so_does_reproduce(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("physim.reproduction.warm_up.is_warm", lambda: False)
+    monkeypatch.setattr("physim.reproduction.warm_up.warm_up", lambda: None)
+    plan = make_plan(quick=True)
+    _warm_up(plan, quiet=True)
+    assert capsys.readouterr().err == ""
+    _warm_up(plan, quiet=False)
+    found = re.fullmatch(LINE + "\n", capsys.readouterr().err)
+    assert found is not None
+    assert found[1] == "controller, distances and collision times"

@@ -64,9 +64,14 @@ class ControllerError(PhysimError):
 
 def _placed(position: Position, fault: Fault) -> str:
     """Fault after its position; what stood on the command line is not named twice."""
-    place, key = str(position), dotted(fault.location)
-    named = place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+    place = str(position)
+    named = names_key(place, dotted(fault.location))
     return f"{place}: {fault.message if named else fault}"
+
+
+def names_key(place: str, key: str) -> bool:
+    """Whether a place is an option of the command line that says the key already."""
+    return place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
 
 
 def dotted(location: Location) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from physim.errors import Fault, Position, dotted
+from physim.errors import Fault, Position, dotted, names_key
 
 if TYPE_CHECKING:
     from physim.checking.clearance import ClearanceProfile
@@ -17,6 +17,7 @@ class Finding:
     """One thing wrong, or doubtful, in a world file."""
 
     file: str
+    """or the option of the command line that gave the value, as ``--set time.step``"""
     line: int | None
     """from 1; None where there is no file to point into"""
     column: int | None
@@ -32,12 +33,15 @@ class Finding:
         if position is None:
             message = fault.message.removeprefix(f"{file}: ")
             return cls(file, None, None, dotted(fault.location), message)
+        if (place := str(position)).startswith("--"):
+            return cls(printable(place), None, None, dotted(fault.location), fault.message)
         return cls(file, position.line, position.column, dotted(fault.location), fault.message)
 
     def __str__(self) -> str:
         """``file:line:column: key: message``."""
         place = self.file if self.line is None else f"{self.file}:{self.line}:{self.column}"
-        return ": ".join(part for part in (place, self.key, self.message) if part)
+        key = "" if names_key(place, self.key) else self.key
+        return ": ".join(part for part in (place, key, self.message) if part)
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""

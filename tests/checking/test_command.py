@@ -159,7 +159,7 @@ def watching(here):
                 stream.close()
 
 
-def test_watch_checks_again_on_save_and_ends_quietly(watching, here):
+def test_watch_checks_again_on_save_and_ends_in_one_line(watching, here):
     file = here / "w.yaml"
     watching.until("w.yaml: no errors, no warnings")
     file.write_text(changed(CORRIDOR, ("width: 8.0", "width: eight")))
@@ -176,7 +176,7 @@ def test_watch_checks_again_on_save_and_ends_quietly(watching, here):
     watching.process.send_signal(signal.SIGINT)
     assert watching.process.wait(timeout=30) == 130
     assert watching.process.stderr is not None
-    assert watching.process.stderr.read() == ""
+    assert watching.process.stderr.read() == "interrupted\n"
 
 
 def test_an_unchanged_file_is_checked_once(watching, here):
@@ -213,6 +213,9 @@ def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
     code, out, _ = run(capsys, "w.yaml", "--set", "time.stp=1")
     assert code == 2
     assert out.splitlines()[1].startswith("  --set time.stp: unknown key; allowed: ")
+    code, out, _ = run(capsys, "w.yaml", "--set", "time.stp=1", "--json")
+    (error,) = json.loads(out)["worlds"][0]["errors"]
+    assert (error["file"], error["line"], error["key"]) == ("--set time.stp", None, "time.stp")
 
 
 def test_the_seed_places_the_robots_that_are_checked(here):

@@ -67,8 +67,8 @@ def opposite(points: FloatArray, left: FloatArray, right: FloatArray) -> NDArray
     then the two distances add up to no width that a robot must fit through. False where one is
     not finite.
     """
-    known = np.isfinite(left).all(axis=1) & np.isfinite(right).all(axis=1)
-    one, other = (np.where(known[:, None], foot - points, 0.0) for foot in (left, right))
+    known = np.isfinite(np.concatenate((left, right), axis=1)).all(axis=1)
+    one, other = (np.where(np.isfinite(foot), foot - points, 0.0) for foot in (left, right))
     return np.asarray(known & ((one * other).sum(axis=1) <= 0.0))
 
 

@@ -72,8 +72,8 @@ def _check_gain(
     why = (
         f"a tenth of the {start:.3g} m that the errors of (7) sum up to at the start"
         if LAST_SHARE * start >= swing
-        else f"{swing:.3g} m, by which {neighbours} neighbour{'s' if neighbours > 1 else ''} at the "
-        f"opposite limit change the sum within {UPDATE:g} s"
+        else f"{swing:.3g} m, the change of the sum within {UPDATE:g} s that {neighbours} "
+        f"neighbour{'s' if neighbours > 1 else ''} at the opposite limit can make"
     )
     told.warn(
         ("formation", "gain"),

@@ -33,18 +33,15 @@ def collision_times(record: Record) -> Any:
     band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
     least of the run at the end. The shortest of all is marked.
     """
-    many = record.robots > MOST_SINGLE
-    tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
-    figure = framed(
-        record,
-        "Collision times at decisions",
-        "Figs. 3c, 6d",
-        height=tall,
-        width=5.6 if many else NARROW,
-    )
     rows = record.updates[np.isfinite(record.updates["collision_time"])]
     shortest = shortest_collision_time(record)
-    if many and shortest is not None:
+    many = record.robots > MOST_SINGLE and shortest is not None
+    tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
+    wide = 5.6 if many else NARROW
+    figure = framed(
+        record, "Collision times at decisions", "Figs. 3c, 6d", height=tall, width=wide
+    )  # fmt: skip
+    if many:
         axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, tall - 2.9))
         time_axis(below, record)
     else:

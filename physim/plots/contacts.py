@@ -26,7 +26,7 @@ def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
     episodes, between = contact_episodes(record), grazes(record)
     ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in episodes]
     least = NARROWEST * max(record.steps_run, 1) * record.dt
-    handles = []
+    handles: list[Any] = []
     for axis in axes:
         handles = []
         if ends:

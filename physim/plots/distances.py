@@ -103,9 +103,11 @@ def _least(axis: Any, record: Record) -> list[Any]:
     close = len(told) == 2 and abs(told[0][0].time - told[1][0].time) < 0.3 * record.time[-1]
     bottom, top = axis.get_ylim()
     axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
+    level = len(told) == 2 and abs(told[0][0].value - told[1][0].value) < 0.1 * (top - low)
     for row, (shortest, colour) in enumerate(sorted(told, key=lambda pair: pair[0].value)):
-        text = f"{shortest.value:.3g} m"
-        mark(axis, shortest.time, shortest.value, text, below=True, colour=colour, row=row * close)
+        text, below = f"{shortest.value:.3g} m", level or not close or row == 0
+        place = row * (level and close)
+        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
     return handles
 
 

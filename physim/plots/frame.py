@@ -130,7 +130,8 @@ def mark(
         clip_on=False,
     )  # fmt: skip
     axis.annotate(
-        text, (x, y), xytext=(-7 if right else 7, -away if below else away), textcoords="offset points",
+        text, (x, y), xytext=(-7 if right else 7, -away if below else away),
+        textcoords="offset points",
         ha="right" if right else "left", va="top" if below else "bottom", fontsize=8.0,
         color=colour, zorder=6, gid="mark",
         bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "alpha": 0.8, "linewidth": 0},

@@ -10,12 +10,14 @@ import shapely
 from physim.checking.clearance import ClearanceProfile
 from physim.checking.findings import Finding, Findings, printable
 from physim.checking.formation import check_formation
+from physim.checking.formation_speed import check_formation_speed
 from physim.checking.ground import Ground, ground_of
 from physim.checking.paths import (
     check_passage,
     check_paths,
     check_reference,
     check_room,
+    check_width,
     own_paths,
     profiles_of,
 )
@@ -114,10 +116,13 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     check_paths(sketch, paths, ground, told)
     safe_distance = _safe_distance(judged)
     profiles = profiles_of(sketch, paths, outlines, ground, safe_distance)
-    check_room(sketch, profiles, ground, told)
-    check_passage(sketch, paths, profiles, ground, told)
+    too_wide = check_width(sketch, outlines, told)
+    fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
+    check_room(sketch, fitting, ground, told)
+    check_passage(sketch, paths, fitting, ground, told)
     _check_safe_area(ground, safe_distance, told)
     check_formation(sketch, paths, outlines, told)
+    check_formation_speed(sketch, judged.values, told)
     check_scale(sketch, judged.values, outlines, told)
     return profiles
 

@@ -5,12 +5,19 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.checking.clearance import NOT, ClearanceProfile, Ways, profile_of
+from physim.checking.clearance import (
+    NOT,
+    ClearanceProfile,
+    Ways,
+    inscribed_radius,
+    profile_of,
+)
 from physim.checking.ground import Ground
 from physim.checking.sketch import RobotSketch, Sketch
 from physim.checking.telling import MOST_ALIKE, Told
 from physim.errors import Location, plural
 from physim.geometry.corridor import SHARPEST_TURN, offset_polyline
+from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world.faults import shown
@@ -172,6 +179,38 @@ def profiles_of(
         for number, path in paths.items()
         if number in outlines
     )
+
+
+def check_width(sketch: Sketch, outlines: dict[int, FloatArray], told: Told) -> set[int]:
+    """Refuse a corridor too narrow for robots however they are turned; numbers of those.
+
+    A robot needs the least width of its footprint, a nonconvex one at least the diameter of its
+    inscribed circle. Told once, where the width stands.
+    """
+    if sketch.width is None or sketch.centreline is None:
+        return set()
+    k = int(np.argmin(sketch.width))
+    width = float(sketch.width[k])
+    needed = {number: _narrowest_gap(outline) for number, outline in outlines.items()}
+    too_wide = {number for number, gap in needed.items() if gap >= width - CONTACT}
+    if too_wide:
+        worst = max(sorted(too_wide), key=lambda number: needed[number])
+        more = f", and {len(too_wide) - 1} more do not fit either" if len(too_wide) > 1 else ""
+        x, y = sketch.centreline[k]
+        told.error(
+            ("corridor", "width", k) if sketch.is_width_listed else ("corridor", "width"),
+            f"{width:.4g} m at ({x:.6g}, {y:.6g}) is too narrow: {shown(sketch.robots[worst].name)}"
+            f" needs more than {needed[worst]:.4g} m however it is turned{more}; widen the "
+            "corridor, or make the robots smaller",
+        )
+    return too_wide
+
+
+def _narrowest_gap(outline: FloatArray) -> float:
+    """Width [m] that a corridor must exceed for a robot to get through: never too large."""
+    hull = shapely.Polygon(outline).convex_hull
+    is_convex = hull.area <= shapely.Polygon(outline).area * (1.0 + 1e-9)
+    return least_width(outline) if is_convex else 2.0 * inscribed_radius(outline)
 
 
 def check_room(

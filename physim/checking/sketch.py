@@ -60,6 +60,8 @@ class Sketch:
     centreline: FloatArray | None
     width: FloatArray | None
     """(n,) [m], one per point of the centreline"""
+    is_width_listed: bool
+    """whether the world gives one width per point"""
     end_margin: float | None
     """[m]"""
     boundaries: tuple[FloatArray | None, ...] | None
@@ -101,6 +103,7 @@ def sketch_of(values: Mapping[str, Any]) -> Sketch:
         duration=number(time.get("duration"), 1e-12, 1e8),
         centreline=centreline,
         width=_widths(corridor.get("width"), corridor.get("centreline"), at),
+        is_width_listed=isinstance(corridor.get("width"), list),
         end_margin=number(corridor.get("end_margin", _default(Corridor, "end_margin")), 1e-9, 1e6),
         boundaries=(
             tuple(_polyline(line)[0] for line in _entries(drawn))

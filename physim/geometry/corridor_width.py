@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import width_feet
+from physim.geometry.width import opposite, width_feet
 
 EVEN = 1.0e-9
 """Share by which widths may differ and still count as equal."""
@@ -45,13 +45,8 @@ class Widths:
 
     @property
     def between(self) -> NDArray[np.bool_]:
-        """(K,) whether the two nearest points lie on opposite sides, at least 90 degrees apart.
-
-        Near an end of the corridor both may lie on the wall that closes it, before or behind the
-        path: then the two distances add up to no width that a robot must fit through.
-        """
-        left, right = self.left_foot - self.point, self.right_foot - self.point
-        return np.asarray((left * right).sum(axis=1) <= 0.0)  # False where one is nan
+        """(K,) whether the two nearest points lie on opposite sides: `opposite`."""
+        return opposite(self.point, self.left_foot, self.right_foot)
 
     @property
     def narrowest(self) -> int | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
 
@@ -57,6 +58,18 @@ def nearest_feet(points: FloatArray, segments: FloatArray) -> FloatArray:
         row = np.arange(len(part))
         feet[first : first + block] = part + np.stack([x[row, best], y[row, best]], axis=1)
     return feet
+
+
+def opposite(points: FloatArray, left: FloatArray, right: FloatArray) -> NDArray[np.bool_]:
+    """Whether two nearest points (K, 2) lie on opposite sides of points (K, 2), 90 degrees apart.
+
+    Near an end of a corridor both may lie on the wall that closes it, before or behind the path:
+    then the two distances add up to no width that a robot must fit through. False where one is
+    not finite.
+    """
+    known = np.isfinite(np.concatenate((left, right), axis=1)).all(axis=1)
+    one, other = (np.where(np.isfinite(foot), foot - points, 0.0) for foot in (left, right))
+    return np.asarray(known & ((one * other).sum(axis=1) <= 0.0))
 
 
 def _feet(

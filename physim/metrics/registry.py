@@ -168,12 +168,12 @@ _ALL = (
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=True),
     ),
     Definition(
-        "width_min", "m", "least corridor width along the first robot's path, every 0.1 m: "
-        "shortest distance to the left plus to the right boundary", "Fig. 4",
+        "width_min", "m", "least corridor width between two sides along the first robot's path, "
+        "every 0.1 m: shortest distance to the left plus to the right boundary", "Fig. 4",
         lambda run: _width(run, largest=False),
     ),
     Definition(
-        "width_max", "m", "greatest corridor width along the first robot's path, every 0.1 m",
+        "width_max", "m", "greatest corridor width between two sides along the first robot's path",
         "Fig. 4", lambda run: _width(run, largest=True),
     ),
     Definition(

@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import nearest_feet, width_feet
+from physim.geometry.width import nearest_feet, opposite, width_feet
 from physim.metrics.settings import world_settings
 from physim.metrics.values import Place
 from physim.record import Record
@@ -31,7 +31,8 @@ class Width(NamedTuple):
     right: FloatArray
     """(K, 2) [m] the same on the right"""
     width: FloatArray
-    """(K,) [m]; inf where a side is open"""
+    """(K,) [m]; inf where a side is open, NaN where the two nearest points are not on opposite
+    sides (`opposite`): there is no width there"""
 
 
 def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
@@ -39,8 +40,9 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
 
     In a world with a corridor: to its left and to its right wall. Obstacles, and boundaries of
     other worlds, are left where they lie in the half-plane left of the path's direction, and so
-    for right; a path close to a bent boundary may find the same one on both sides there. Raises
-    PhysimError for a robot that is not there.
+    for right; a path close to a bent boundary may find the same one on both sides there. Near a
+    wall across the path, as at the end of a room, both nearest points may lie on that wall, before
+    or behind the path: such places have no width. Raises PhysimError for a robot that is not there.
     """
     if not 0 <= robot < record.robots:
         raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
@@ -57,11 +59,12 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
         left = _nearer(places, left, nearest_feet(places, walls[0]))
         right = _nearer(places, right, nearest_feet(places, walls[1]))
     width = np.hypot(*(left - places).T) + np.hypot(*(right - places).T)
-    return Width(at, places, left, right, width)
+    counts = ~np.isfinite(width) | opposite(places, left, right)
+    return Width(at, places, left, right, np.where(counts, width, np.nan))
 
 
 def width_extreme(course: Width, robot: int, largest: bool) -> Place | None:
-    """Least or greatest width along a robot's path [m] (Fig. 4); None where all is open."""
+    """Least or greatest width along a robot's path [m] (Fig. 4); None where there is none."""
     width = np.where(np.isfinite(course.width), course.width, np.nan)
     if np.isnan(width).all():
         return None

@@ -9,56 +9,108 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import shortest_collision_time
+from physim.metrics.values import Moment
+from physim.plots.collision_rows import draw_rows, least_of_stretches
 from physim.plots.contacts import mark_contacts
-from physim.plots.courses import MOST_LINES
 from physim.plots.frame import framed, legend_beside, mark, names_of, nothing, short, time_axis
-from physim.plots.style import QUIET, robot_mark
+from physim.plots.style import BLUE, INK, NARROW, robot_mark
 from physim.record import Record
 
 FLOOR = 0.01
 """[s] Least collision time on the axis; smaller ones, and contact, lie on it."""
+MOST_SINGLE = 4
+"""Robots whose decisions are drawn one by one; those of more would cover each other."""
 MOST_MARKS = 4_000
-"""Decisions drawn of one robot, or of a crowd; of more, the shortest of each stretch of them."""
+"""Decisions drawn of one robot; of more, the shortest of each stretch of them."""
+STRETCHES = 240
+"""Stretches of the run of which many robots have one value each."""
 
 
 def collision_times(record: Record) -> Any:
-    """Figure: collision time [s] of each decision that foresaw one, over time [s], log axis."""
-    from matplotlib.ticker import LogLocator, NullFormatter
+    """Figure: collision times [s] of the decisions that foresaw one, over time [s], log axis.
 
-    figure = framed(record, "Collision times at decisions", "Figs. 3c, 6d")
-    axis = figure.subplots()
-    axis.set_ylabel("collision time [s]")
-    time_axis(axis, record)
+    Of up to `MOST_SINGLE` robots every decision. Of more: above, the shortest of all robots and a
+    band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
+    least of the run at the end. The shortest of all is marked.
+    """
     rows = record.updates[np.isfinite(record.updates["collision_time"])]
     shortest = shortest_collision_time(record)
+    many = record.robots > MOST_SINGLE and shortest is not None
+    tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
+    wide = 5.6 if many else NARROW
+    figure = framed(
+        record, "Collision times at decisions", "Figs. 3c, 6d", height=tall, width=wide
+    )  # fmt: skip
+    if many:
+        axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, tall - 2.9))
+        time_axis(below, record)
+    else:
+        axis = below = figure.subplots()
+        time_axis(axis, record)
+    axis.set_ylabel("collision time [s]")
     if shortest is None:
         times = record.updates["collision_time"]
         unknown = len(times) and np.isnan(times).all()
         why = "the controller reports none" if unknown else "no decision foresaw a collision"
         nothing(axis, why)
         return figure
-    handles = []
-    single = record.robots <= MOST_LINES
-    for robot in range(record.robots if single else 1):
-        mine = rows[rows["robot"] == robot] if single else rows
-        if not len(mine):
-            continue
-        colour, marker = robot_mark(robot) if single else (QUIET, "o")
-        handles += axis.plot(
-            *_shortest_of_stretches(mine["step"] * record.dt, mine["collision_time"]), marker,
-            color=colour, markersize=2.4, markeredgewidth=0.0, rasterized=True, linestyle="none",
-            label=short(record.names[robot]) if single else f"decisions of\n{record.robots} robots",
-        )  # fmt: skip
+    handles = _together(axis, record, rows) if many else _one_by_one(axis, record, rows)
+    _seconds(axis, shortest, float(rows["collision_time"].max()))
+    handles += mark_contacts([axis], record)
+    if many:
+        handles += draw_rows(below, record, rows, STRETCHES)
+    text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
+    mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)
+    legend_beside(figure, handles, marks=1.0 if many else 2.0)
+    return figure
+
+
+def _seconds(axis: Any, shortest: Moment, longest: float) -> None:
+    """Logarithmic axis from below the shortest collision time to above the longest."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     axis.set_yscale("log")
-    axis.set_ylim(min(0.5 * max(shortest.value, FLOOR), 0.5), 1.25 * rows["collision_time"].max())
+    axis.set_ylim(min(0.5 * max(shortest.value, FLOOR), 0.5), 1.25 * longest)
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.yaxis.set_major_formatter("{x:g}")
     axis.yaxis.set_minor_formatter(NullFormatter())
-    handles += mark_contacts([axis], record)
-    text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
-    mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)
-    legend_beside(figure, handles, marks=2.0)
-    return figure
+
+
+def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
+    """A mark a decision, in the colours of the robots."""
+    handles = []
+    for robot in range(record.robots):
+        mine = rows[rows["robot"] == robot]
+        if not len(mine):
+            continue
+        colour, marker = robot_mark(robot)
+        handles += axis.plot(
+            *_shortest_of_stretches(mine["step"] * record.dt, mine["collision_time"]), marker,
+            color=colour, markersize=2.4, markeredgewidth=0.0, rasterized=True, linestyle="none",
+            label=short(record.names[robot]),
+        )  # fmt: skip
+    return handles
+
+
+def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
+    """The shortest of all robots in each stretch of the run, and where most decisions lie."""
+    edges, least = least_of_stretches(record, rows, STRETCHES)
+    place = np.clip(np.searchsorted(edges, rows["step"], side="right") - 1, 0, STRETCHES - 1)
+    order = np.lexsort((rows["collision_time"], place))
+    counts = np.bincount(place, minlength=STRETCHES)
+    first = np.concatenate(([0], np.cumsum(counts)[:-1]))
+    values, known = rows["collision_time"][order], counts > 0
+    low, high = (
+        np.where(known, values[np.minimum(first + at, len(values) - 1)], np.nan)
+        for at in ((0.05 * (counts - 1)).astype(int), np.ceil(0.95 * (counts - 1)).astype(int))
+    )
+    time, shortest = edges * record.dt, np.fmin.reduce(least, axis=0)
+    how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BLUE}
+    band = axis.fill_between(time, *(np.append(v, v[-1]) for v in (low, high)), **how)
+    band.set_label("middle 90 % of\nthe decisions")
+    line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
+    line.set_label("shortest of\nall robots")
+    return [line, band]
 
 
 def _shortest_of_stretches(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:

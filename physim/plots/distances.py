@@ -72,8 +72,7 @@ def _pairs(axis: Any, record: Record) -> list[Any]:
         if farthest is not None:
             who = names_of(record, [farthest.a, farthest.b])
             mark(axis, farthest.time, farthest.value, f"farthest {farthest.value:.3g} m ({who})")
-    axis.set_ylim(bottom=0.0)
-    axis.margins(y=0.15)
+    axis.set_ylim(0.0, 1.12 * axis.get_ylim()[1])
     return list(handles)
 
 
@@ -102,9 +101,13 @@ def _least(axis: Any, record: Record) -> list[Any]:
     axis.margins(y=0.2)
     low = min((shortest.value for shortest, _ in told), default=0.0)
     close = len(told) == 2 and abs(told[0][0].time - told[1][0].time) < 0.3 * record.time[-1]
-    for shortest, colour in told:
-        text, below = f"{shortest.value:.3g} m", not close or shortest.value == low
-        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour)
+    bottom, top = axis.get_ylim()
+    axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
+    level = len(told) == 2 and abs(told[0][0].value - told[1][0].value) < 0.1 * (top - low)
+    for row, (shortest, colour) in enumerate(sorted(told, key=lambda pair: pair[0].value)):
+        text, below = f"{shortest.value:.3g} m", level or not close or row == 0
+        place = row * (level and close)
+        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
     return handles
 
 

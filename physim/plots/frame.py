@@ -109,14 +109,29 @@ def keep_span(axis: Any, least: float) -> None:
 
 
 def mark(
-    axis: Any, x: float, y: float, text: str, *, below: bool = False, colour: str = INK
+    axis: Any,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    below: bool = False,
+    colour: str = INK,
+    row: int = 0,
 ) -> None:
-    """Mark a point of a curve, with its value written toward the middle of the axis."""
+    """Mark a point of a curve, with its value written toward the middle of the axis.
+
+    ``row`` puts the words as many lines further away, clear of those of another mark.
+    """
     low, high = axis.get_xlim()
+    away = 7.0 + 10.5 * row
     right = (x - low) > 0.55 * (high - low)
-    axis.plot([x], [y], "o", color=colour, markersize=4.5, markerfacecolor="white", zorder=5)
+    axis.plot(
+        [x], [y], "o", color=colour, markersize=4.5, markerfacecolor="white", zorder=5,
+        clip_on=False,
+    )  # fmt: skip
     axis.annotate(
-        text, (x, y), xytext=(-7 if right else 7, -7 if below else 7), textcoords="offset points",
+        text, (x, y), xytext=(-7 if right else 7, -away if below else away),
+        textcoords="offset points",
         ha="right" if right else "left", va="top" if below else "bottom", fontsize=8.0,
         color=colour, zorder=6, gid="mark",
         bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "alpha": 0.8, "linewidth": 0},

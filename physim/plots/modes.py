@@ -90,5 +90,6 @@ def _shares(axis: Any, record: Record, few: bool) -> None:
 def _legend(figure: Any, spans: NDArray[np.void]) -> None:
     from matplotlib.patches import Patch
 
-    shown = [mode for mode in MODES if (spans["mode"] == mode).any()]
+    lasting = spans["mode"][spans["end"] > spans["begin"]]
+    shown = [mode for mode in MODES if (lasting == mode).any()]
     legend_below(figure, [Patch(facecolor=MODES[m], label=MODE_WORDS[m]) for m in shown], 4)

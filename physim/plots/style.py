@@ -17,9 +17,9 @@ BLUE = "#0072b2"
 GREEN = "#009e73"
 VERMILION = "#d55e00"
 """contacts, as in the videos"""
-CYCLE = ("#0072b2", "#e69f00", "#009e73", "#cc5aa0", "#56b4e9", "#d55e00", "#22262c", "#b8ad00")
-"""robots, by index"""
-ROBOTS = (*CYCLE, "#882255", "#332288", "#a6761d", "#999999")
+CYCLE = ("#0072b2", "#e69f00", "#009e73", "#cc5aa0", "#56b4e9", "#882255", "#22262c", "#b8ad00")
+"""robots, by index; none is near `VERMILION`, which contacts alone have"""
+ROBOTS = (*CYCLE, "#332288", "#b39ddb", "#7a5c1e", "#999999")
 """robots one by one, by index"""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 """robots, by index: colour is never the only mark"""

@@ -27,6 +27,8 @@ from physim.record import Record
 SNAPSHOTS = 10
 """About as many snapshots as are drawn where nothing else is said."""
 MOST_SNAPSHOTS = 200
+MANY_CONTACTS = 30
+"""Contacts from which on their marks are small."""
 COLUMNS = 5
 """of the legend"""
 UP = np.array([0.0, 1.0])
@@ -215,7 +217,8 @@ def _contacts(axis: Any, record: Record) -> list[Any]:
     handles = []
     for found, marker, word in ((began, "x", "contact"), (swept, "+", "graze")):
         if len(found):
-            how = {"color": VERMILION, "markersize": 6.0, "markeredgewidth": 1.6, "zorder": 5}
+            size = 6.0 if len(found) <= MANY_CONTACTS else 3.2  # [pt]
+            how = {"color": VERMILION, "markersize": size, "markeredgewidth": size / 4, "zorder": 5}
             label = f"{word} ({len(found)})"
             handles += axis.plot(found["x"], found["y"], marker, label=label, **how)
     return handles

@@ -39,10 +39,16 @@ def width(record: Record) -> Any:
     below.set_xlim(0.0, found.station[-1])
     ends = [width_extreme(found, 0, largest) for largest in (False, True)]
     if not np.isfinite(found.width).any():
-        nothing(below, "open on one side all along")
+        nothing(below, "nowhere between two walls")
         return figure
     below.plot(found.station, found.width, color=INK, linewidth=1.1)
-    below.set_ylim(0.0, 1.3 * float(found.width[np.isfinite(found.width)].max()))
+    between = found.width[np.isfinite(found.width)]
+    below.set_ylim(0.0, 1.3 * float(between.max()))
+    if len(between) < len(found.width):
+        apart = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
+        dots = below.plot(found.station, apart[0] + apart[1], ":", color=INK, linewidth=0.8)
+        dots[0].set_label("walls not abreast")
+        below.legend(handles=dots, loc="upper right", frameon=False)
     for end, word, colour in zip(ends, ("least", "greatest"), (VERMILION, BLUE), strict=True):
         if end is not None:
             text = f"{word} {end.value:.2f} m"
@@ -63,7 +69,8 @@ def _segments(axis: Any, found: Width) -> list[Any]:
         (found.right, QUIET, "shortest to the right"),
     ):
         pieces = np.stack((found.points[rows], feet[rows]), axis=1)
-        pieces = pieces[np.isfinite(pieces).all(axis=(1, 2))]
+        counts = np.isfinite(pieces).all(axis=(1, 2)) & ~np.isnan(found.width[rows])
+        pieces = pieces[counts]
         handles.append(LineCollection(pieces, color=colour, linewidth=0.7, label=label))
         axis.add_collection(handles[-1])
     return handles

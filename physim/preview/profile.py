@@ -14,6 +14,8 @@ from physim.preview.ground_plan import MOST_TICKS, hexed, round_step
 from physim.preview.lettering import text_size
 from physim.preview.words import metres, station_words
 
+FAR = 6.0
+"""[pt] Words farther from their mark than this have a line to it."""
 MARK = 4.0
 """[pt] from the mark of the narrowest place to its words"""
 
@@ -57,7 +59,12 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
     levels = np.array([level for level, *_ in _levels(shown)]) * scale[1]
     size = np.array(text_size(axis.figure, words, 8.5, "bold"))
-    x, y = _free_place(curve[k], size, curve, levels, room) / scale
+    middle = _free_place(curve[k], size, curve, levels, room)
+    x, y = middle / scale
+    edge = np.clip(curve[k], middle - size / 2.0, middle + size / 2.0)
+    if np.hypot(*(edge - curve[k])) > FAR:
+        ends = np.array([curve[k], edge]) / scale
+        axis.plot(*ends.T, color=BLUE, linewidth=0.7, zorder=3.9, gid="leader")
     axis.annotate(
         words, (x, y), ha="center", va="center", color=BLUE, fontsize=8.5, fontweight="bold",
         zorder=5.0,
@@ -133,4 +140,8 @@ def _needs(axis: Any, shown: Contents, top: float) -> None:
             f"{metres(level)} m  {words}", (1.0, level), (1.012, place),
             xycoords=axis.get_yaxis_transform(), textcoords=axis.get_yaxis_transform(),
             color=colour, fontsize=7.8, va="center", annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkA": 0.5,
+                "shrinkB": 0.0, "relpos": (0.0, 0.5), "clip_on": False,
+            },
         )  # fmt: skip

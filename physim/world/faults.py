@@ -73,7 +73,8 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
             missing.append(Fault(location, _missing(model, raw)))
         else:
             choice = _choice(model, raw)
-            faults.append(Fault(location, message(cast(Mapping[str, Any], details), choice)))
+            told = message(cast(Mapping[str, Any], details), choice)
+            faults.append(Fault(location, told + _in_millimetres(model, raw, details)))
     return faults + [fault for fault in missing if fault.location not in mended]
 
 
@@ -104,6 +105,16 @@ def _meant(given: str | int, key: str) -> bool:
 def _missing(model: type[BaseModel], location: Location) -> str:
     field = field_at(model, location)
     return f"missing; needed: {field.description}" if field is not None else "missing"
+
+
+def _in_millimetres(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
+    """Hint where a length is too large, as it would be in millimetres."""
+    while location and isinstance(location[-1], int):
+        location = location[:-1]
+    field = field_at(model, location) if details["type"] == "less_than_equal" else None
+    if field is None or not (field.description or "").startswith("[m]"):
+        return ""
+    return f"; in millimetres? Then write {details['input'] / 1000.0:.6g}"
 
 
 def _choice(model: type[BaseModel], location: Location) -> str:

@@ -25,7 +25,7 @@ from physim.geometry.polygon import (
 )
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
-from physim.world import World
+from physim.world import Limits, World
 from physim.world.faults import shown
 
 MOST_TOLD = 3
@@ -147,6 +147,10 @@ def outline_fault(outline: ArrayLike) -> str:
     return f"crosses or touches itself{near}; the corners must go once round the outline"
 
 
+HUGE = 15.0
+"""[m] A footprint that reaches further from its reference point is likely in other units."""
+
+
 class Moving(NamedTuple):
     """What says how far a robot may move in one step."""
 
@@ -161,7 +165,12 @@ class Moving(NamedTuple):
 
 
 def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
-    """Refuse (v + r |omega|) dt beyond a quarter of the smallest width: see physics, time step."""
+    """Refuse (v + r |omega|) dt beyond a quarter of the smallest width: see physics, time step.
+
+    One fault at most: of the step where it is too long for several robots, or for one at the
+    limits that robots have by default; else of the limits of the one robot that is too fast, or
+    of a footprint so large that it can hardly be in metres.
+    """
     if not robots:
         return []
     outlines = [np.asarray(robot.outline, dtype=np.float64) for robot in robots]
@@ -171,21 +180,32 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
     widths = [known[key] for key in keys]
     narrowest = robots[int(np.argmin(widths))]
     limit = TUNNEL_FRACTION * min(widths)
-    faults = []
-    for robot in robots:
-        radius = circumscribed_radius(robot.outline)
-        speed = robot.v + radius * robot.omega
-        advance = speed * step
-        if advance > limit:
-            message = (
-                f"{shown(robot.name)} could move {advance:.4g} m in one step of "
-                f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
-                f"{robot.omega:.6g} rad/s); at most {limit:.4g} m are allowed, a quarter "
-                f"of the smallest width, that of {shown(narrowest.name)}; "
-                f"use a step of at most {_floored(limit / speed)} s or lower limits"
-            )
-            faults.append(Fault(("robots", robot.number, "limits"), message))
-    return faults
+    speeds = [robot.v + circumscribed_radius(robot.outline) * robot.omega for robot in robots]
+    count = sum(speed * step > limit for speed in speeds)
+    if not count:
+        return []
+    speed, robot = max(zip(speeds, robots, strict=True), key=lambda pair: pair[0])
+    radius, usual = circumscribed_radius(robot.outline), Limits()
+    at_usual = min(robot.v, usual.v) + radius * min(robot.omega, usual.omega)
+    where: Location = ("time", "step")
+    if radius > HUGE:
+        where = ("robots", robot.number, "footprint")
+    elif count == 1 and at_usual * step <= limit:
+        where = ("robots", robot.number, "limits")
+    others = f", and {count - 1} more too far" if count > 1 else ""
+    message = (
+        f"{shown(robot.name)} could move {speed * step:.4g} m in one step of "
+        f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
+        f"{robot.omega:.6g} rad/s){others}; at most {limit:.4g} m are allowed, a quarter "
+        f"of the smallest width, that of {shown(narrowest.name)}; "
+        f"use a step of at most {_floored(limit / speed)} s or lower limits"
+    )
+    if radius > HUGE:
+        message = (
+            f"{shown(robot.name)} reaches {radius:.6g} m from its reference point; lengths are in "
+            f"metres: is this one in millimetres? As it stands, {message}"
+        )
+    return [Fault(where, message)]
 
 
 def _floored(value: float) -> str:

@@ -13,6 +13,7 @@ from physim.errors import Fault, Location, Position, WorldError
 from physim.world.faults import KeyFault, shown
 from physim.world_file.nodes import VOID, Document, Member, Node
 from physim.world_file.scalars import RefusedScalarError, scalar
+from physim.world_file.syntax import glued_key, stumble
 
 MOST_BYTES = 5_000_000
 MOST_DEPTH = 50
@@ -80,19 +81,9 @@ def _line_column(text: str, index: int) -> tuple[int, int]:
 
 
 def _syntax_fault(error: yaml.YAMLError, text: str, source: str) -> WorldError:
-    """Say what the parser found, where, on one line."""
-    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
-    context, begun = getattr(error, "context", None), getattr(error, "context_mark", None)
-    line, column = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
-    since = ""
-    if context:
-        where = f" that begins on line {begun.line + 1}" if begun is not None else ""
-        since = f" {context}{where}"
-    lines = text.splitlines() or [""]
-    at = lines[min(line, len(lines)) - 1][column - 1 : column]
-    advice = "; tabs separate nothing here, use spaces" if at == "\t" else ""
-    return refused(source, line, column, f"not valid YAML: {problem}{since}{advice}")
+    """Say what the parser found, or better what caused it, where, on one line."""
+    line, column, message = stumble(error, text)
+    return refused(source, line, column, f"not valid YAML: {message}")
 
 
 @dataclass(slots=True)
@@ -189,7 +180,8 @@ class _Reader:
             try:
                 value = event.value if event.style else scalar(event.value)
             except RefusedScalarError as error:
-                self._fault(Fault(self._here(), str(error)), line, column)
+                if event.value or not self.stack or self.stack[-1].is_usable:
+                    self._fault(Fault(self._here(), str(error)), line, column)
         if value is VOID:
             self.void.add(self._here())
         node = Node(line, column, value)
@@ -206,6 +198,12 @@ class _Reader:
         if not text.isprintable() or not 0 < len(text) <= MOST_KEY:
             message = f"{shown(text)} cannot be a key; keys are short words"
             self._fault(Fault(top.location, message), line, column)
+            top.is_usable = False
+        elif (glued := glued_key(text)) and glued not in given:
+            message = f'a space is missing after the colon; write "{glued}: …"'
+            self._fault(Fault((*top.location, glued), message), line, column + len(glued))
+            self.void.add((*top.location, glued))
+            given[glued] = Member(line, column, Node(line, column, VOID))
             top.is_usable = False
         elif text == "<<":
             self._fault(

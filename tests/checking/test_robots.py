@@ -293,12 +293,69 @@ def test_a_run_too_short_to_finish_is_a_warning(tmp_path):
     assert lines(check(tmp_path, text.replace("finished: true", "contacts: 0"))) == ([], [])
 
 
+def test_a_steady_speed_outside_its_limits_is_a_warning(tmp_path):
+    text = changed(CORRIDOR, ("{spacing", "{speed: 1.5, spacing"))
+    assert only_warning(tmp_path, text).startswith(
+        "13:20 formation.speed the steady speed, 1.5 m/s, lies outside the limits, 0.8 to 1.3 m/s"
+    )
+    slow = changed(CORRIDOR, ("{spacing", "{limits: [1.1, 1.3], spacing"))
+    assert "holds every robot at 1.1 m/s" in only_warning(tmp_path, slow)
+
+
+@pytest.mark.parametrize(
+    ("spacing", "bound"),
+    [
+        ("[0.0, -3.0]", 4.0),  # 0.2 m/s over 1 neighbour x 0.5 m/s x 0.1 s
+        ("[0.0, -5.0]", 1.0),  # both 2 m from their places: 0.2 m/s over a tenth of that
+        ("initial", 4.0),
+    ],
+)
+@pytest.mark.parametrize("neighbours", ["range", "all", "[[a, b]]"])
+def test_a_gain_that_saturates_the_cluster_is_a_warning_with_its_bound(
+    tmp_path, spacing, bound, neighbours
+):
+    def text(gain: float) -> str:
+        plan = f"{{gain: {gain}, neighbours: {neighbours}, spacing: {spacing}}}"
+        return changed(CORRIDOR, ("{spacing: [0.0, -3.0]}", plan))
+
+    assert lines(check(tmp_path, text(0.99 * bound))) == ([], [])
+    warning = only_warning(tmp_path, text(1.01 * bound))
+    assert "formation.gain" in warning
+    assert f"use at most {bound:.3g} 1/s (0.2 m/s to the nearer limit" in warning
+
+
+@pytest.mark.parametrize(
+    ("width", "where"), [("0.9", "3:50 corridor.width "), ("[8.0, 0.9]", "3:56 corridor.width[1] ")]
+)
+def test_a_corridor_too_narrow_for_its_robots_is_told_at_its_width(tmp_path, width, where):
+    errors, _ = lines(check(tmp_path, changed(CORRIDOR, ("width: 8.0", f"width: {width}"))))
+    assert errors[0].startswith(where)
+    assert "needs more than 1 m however it is turned, and 1 more do not fit either" in errors[0]
+    assert not any("there is no way" in error for error in errors)
+    wide, _ = lines(check(tmp_path, changed(CORRIDOR, ("width: 8.0", "width: 1.01"))))
+    assert not any("corridor.width" in error for error in wide)
+
+
+def test_lengths_beyond_their_bounds_may_be_in_millimetres(tmp_path):
+    box = (
+        "{length: 1.8, width: 1.0}\n    pose: [6.0",
+        "{length: 1800, width: 1.0}\n    pose: [6.0",
+    )
+    error = only_error(tmp_path, changed(CORRIDOR, box))
+    assert error.endswith("must be at most 1000; given 1800; in millimetres? Then write 1.8")
+    fast = changed(CORRIDOR, ("path: {offset: 1.0}", "path: {offset: 1.0}\n    limits: {v: 1500}"))
+    assert "millimetres?" not in only_error(tmp_path, fast)
+
+
 def test_a_step_that_would_tunnel_is_refused(tmp_path):
     limits = "    limits: {v: 0.1, omega: 0.1}\n    pose: [3.0"
     text = changed(CORRIDOR, ("step: 0.01", "step: 0.1"), ("    pose: [3.0", limits))
     error = only_error(tmp_path, text)
     assert '"a" could move 0.3147 m in one step of 0.1 s' in error
     assert "use a step of at most 0.0794 s" in error
+    both = only_error(tmp_path, changed(CORRIDOR, ("step: 0.01", "step: 0.1")))
+    assert both.startswith("2:14 time.step ")
+    assert "and 1 more too far" in both
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,11 @@ from physim import metrics
 from physim.errors import PhysimError
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
-from physim.metrics.width import sides_of
+from physim.metrics.width import sides_of, width_extreme
 from physim.record import Record, RecordWriter
 from physim.scene import Body
+from physim.scene_builder import build_scene
+from physim.world_file import load_world
 from tests.metrics.histories import history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 
@@ -136,6 +138,55 @@ def test_width_is_from_wall_to_wall() -> None:
     least = shapely.distance(shapely.points(found.points)[:, None], walls).min(axis=1)
     gaps = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
     assert np.allclose(np.minimum(*gaps), least)
+
+
+def room(walls: FloatArray, path: list[list[float]]) -> Record:
+    """One robot on a path within one closed line of walls."""
+    scene = make_scene(1)
+    scene.walls = pack_shapes([list(pairwise(walls))])
+    scene.bodies = (scene.bodies[0], Body(1, "boundary", "boundary 1"))
+    scene.paths = pack_polylines([np.array(path)])
+    out = RecordWriter(None, scene, "boundaries: []", name="room")
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    return out.record()
+
+
+def test_a_wall_across_the_path_has_no_width() -> None:
+    """A room of 30 m by 16 m; the nearest points on both sides lie on the end wall until 8 m."""
+    walls = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 16.0], [0.0, 16.0], [0.0, 0.0]])
+    found = metrics.corridor_width(room(walls, [[1.0, 8.0], [29.0, 8.0]]))
+    x = found.points[:, 0]
+    between = (x >= 8.0 - 1e-9) & (x <= 22.0 + 1e-9)
+    assert np.isnan(found.width[~between]).all()
+    assert found.width[between] == pytest.approx(16.0)
+    least = width_extreme(found, 0, largest=False)
+    assert least is not None
+    assert least.value == pytest.approx(16.0)
+
+
+def test_a_path_along_an_end_wall_alone_has_no_width_to_tell() -> None:
+    walls = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 40.0], [0.0, 40.0], [0.0, 0.0]])
+    found = metrics.corridor_width(room(walls, [[1.0, 20.0], [1.5, 20.0]]))
+    assert width_extreme(found, 0, largest=False) is None
+
+
+SHIPPED = {
+    "crossing": (6.3, 17.2), "doorway": (1.8, 16.0), "merging": (3.6, 7.4),
+    "roundabout": (5.9, 8.3), "ten_robots": (5.2991, 13.4030), "warehouse": (1.75, 5.1),
+}  # fmt: skip
+"""Least and greatest width [m] as in a preview of each, within 0.1 m; of ten_robots exactly."""
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_widths_of_shipped_worlds_are_those_of_their_previews(name: str) -> None:
+    world = load_world(name)
+    scene = build_scene(world, world.seed)
+    out = RecordWriter(None, scene, world.to_yaml(), name=name)
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    found = metrics.corridor_width(out.record())
+    ends = [width_extreme(found, 0, largest) for largest in (False, True)]
+    tolerance = 1e-4 if name == "ten_robots" else 0.1
+    assert [end.value for end in ends if end] == pytest.approx(SHIPPED[name], abs=tolerance)
 
 
 def test_width_of_no_robot() -> None:

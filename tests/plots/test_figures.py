@@ -13,7 +13,8 @@ import pytest
 
 from physim import metrics
 from physim.plots import NAMES, draw
-from physim.plots.collision_times import collision_times
+from physim.plots.collision_rows import least_of_stretches
+from physim.plots.collision_times import MOST_SINGLE, STRETCHES, collision_times
 from physim.plots.courses import MOST_LINES, QUANTILES
 from physim.plots.deviation import deviation, sharp_turns
 from physim.plots.distances import distances
@@ -163,7 +164,8 @@ def test_width_marks_the_narrowest_and_the_widest_place(record: Record) -> None:
         f"least {found['width_min'].value:.2f} m", f"greatest {found['width_max'].value:.2f} m"
     ]  # fmt: skip
     course = metrics.corridor_width(record)
-    assert np.array_equal(figure.axes[1].lines[0].get_ydata(), course.width)
+    drawn = figure.axes[1].lines[0].get_ydata()
+    assert np.array_equal(drawn, course.width, equal_nan=True)
 
 
 def test_distances_mark_the_farthest_and_the_shortest(record: Record) -> None:
@@ -185,6 +187,27 @@ def test_collision_times_show_every_decision_and_mark_the_shortest(record: Recor
             if line.get_label() == name:
                 assert np.array_equal(line.get_ydata(), mine["collision_time"])
     assert texts(axis.figure, "mark") == [f"{rows['collision_time'].min():.3g} s (r1)"]
+
+
+def test_collision_times_of_many_robots_are_a_row_each_below_the_shortest_of_all() -> None:
+    with crowd(MOST_SINGLE + 1) as made:
+        figure = collision_times(made)
+        rows = made.updates[np.isfinite(made.updates["collision_time"])]
+        above, below = figure.axes
+        edges, least = least_of_stretches(made, rows, STRETCHES)
+        drawn = next(p for p in above.patches if p.get_label().startswith("shortest")).get_data()
+        assert np.nanmin(drawn.values) == rows["collision_time"].min()
+        assert np.array_equal(drawn.values, np.fmin.reduce(least, axis=0), equal_nan=True)
+        assert sorted(set(rows["robot"])) == [0, 1]
+        told = texts(figure, "least")
+        assert len(told) == 2
+        for robot in (0, 1):
+            mine = rows[rows["robot"] == robot]
+            assert told[robot] == f"{mine['collision_time'].min():.2f} s"
+            at = np.searchsorted(edges, mine["step"], side="right") - 1
+            assert (least[robot, np.minimum(at, STRETCHES - 1)] <= mine["collision_time"]).all()
+        assert below.collections[0].get_array().shape == (made.robots, STRETCHES)
+        assert texts(figure, "mark")[0].startswith(f"{rows['collision_time'].min():.3g} s (")
 
 
 def test_modes_have_the_colours_of_the_videos() -> None:

@@ -77,9 +77,21 @@ def test_everything_is_at_its_place(style: None) -> None:
     assert "1.50 m" in [text.get_text() for text in plan.texts]
     (curve,) = [line for line in profile.lines if line.get_gid() == "width"]
     assert np.nanmin(curve.get_ydata()) == pytest.approx(1.5)
-    levels = [line.get_ydata()[0] for line in profile.lines if len(line.get_ydata()) == 2]
+    level_lines = [line for line in profile.lines if line.get_gid() != "leader"]
+    levels = [line.get_ydata()[0] for line in level_lines if len(line.get_ydata()) == 2]
     reach = max(robot.reach for robot in seen.robots)
     assert sorted(levels) == pytest.approx(sorted([0.6, 2.0 * reach, 2.0 * seen.safe_distance]))
+
+
+def test_words_that_stand_off_their_mark_have_a_line_to_it(style: None) -> None:
+    """The narrowest place of a doorway leaves no room for its words beside it."""
+    profile = make_figure(shown(load_world("doorway").to_yaml())).axes[1]
+    (words,) = [text for text in profile.texts if " m at " in text.get_text()]
+    (line,) = [line for line in profile.lines if line.get_gid() == "leader"]
+    (mark,) = [line for line in profile.lines if line.get_marker() == "o"]
+    assert line.get_xydata()[0] == pytest.approx(mark.get_xydata()[0])
+    assert words.get_position()[1] > line.get_ydata()[1] > mark.get_ydata()[0]
+    assert all(text.arrow_patch is not None for text in profile.texts if text is not words)
 
 
 def test_paths_are_solid_in_the_safe_area_and_dashed_in_danger(style: None) -> None:

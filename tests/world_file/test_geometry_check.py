@@ -119,16 +119,30 @@ def test_a_step_that_would_tunnel_is_refused_and_the_largest_told(world):
     assert shape_faults(just) == []
     over = world.changed(time={"step": largest * 1.001, "duration": largest * 10.01})
     faults = shape_faults(over)
-    assert [fault.location for fault in faults] == [("robots", i, "limits") for i in (0, 1)]
+    assert [fault.location for fault in faults] == [("time", "step")]
+    assert "and 1 more too far" in faults[0].message
     told = float(faults[0].message.split("use a step of at most ")[1].split(" s")[0])
     assert told <= largest
     assert told == pytest.approx(largest, rel=0.01)
     assert "0.25 m are allowed" in faults[0].message
 
 
+def test_one_robot_too_fast_for_a_usual_step_is_told_at_its_limits(world):
+    fast = {**dict(world.robots[1]), "limits": {"v": 100.0}}
+    faults = shape_faults(world.changed(robots=(world.robots[0], fast)))
+    assert [fault.location for fault in faults] == [("robots", 1, "limits")]
+
+
+def test_a_footprint_in_millimetres_is_told_as_such(world):
+    large = {**dict(world.robots[1]), "footprint": [[900.0, 500.0], [-900.0, 500.0], [0.0, -500.0]]}
+    faults = shape_faults(world.changed(robots=(world.robots[0], large)))
+    assert [fault.location for fault in faults] == [("robots", 1, "footprint")]
+    assert "is this one in millimetres?" in faults[0].message
+
+
 def test_the_narrowest_part_of_any_robot_decides(world):
     thin = [[0, 0], [2, 0], [2, 0.05], [0.05, 0.05], [0.05, 2], [0, 2]]
     robots = (world.robots[0], world.robots[1].model_copy(update={"footprint": thin}))
     faults = shape_faults(world.changed(robots=(robots[0], {**dict(robots[1]), "footprint": thin})))
-    assert [fault.location for fault in faults] == [("robots", i, "limits") for i in (0, 1)]
+    assert [fault.location for fault in faults] == [("time", "step")]
     assert 'that of "r2"' in faults[0].message

@@ -80,8 +80,14 @@ def test_one_ambiguous_value_is_one_fault():
         ("a: &x [1, *x]", "w.yaml:1:11: alias *x contains itself"),
         ("a: *x", "w.yaml:1:4: no anchor &x"),
         ("a: \x07", "w.yaml:1:4: character U+0007"),
-        ("a: [1, 2", "w.yaml:2:1: not valid YAML: did not find"),
-        ("a: {b: 1\nc: 2", "w.yaml:2:"),
+        (
+            "a: [1, 2",
+            'w.yaml:1:4: not valid YAML: "[" opened here is not closed by the end of the text',
+        ),
+        (
+            "a: {b: 1\nc: 2",
+            'w.yaml:1:4: not valid YAML: "{" opened here is not closed before line 2',
+        ),
         ("? [a, b]\n: 1", "w.yaml:1:3: a list or mapping cannot be a key"),
         ("a: " + "[" * 60, "w.yaml:1:53: nested deeper than 50"),
         ("a:\n  b: 1\n b: 2", "w.yaml:3:"),

@@ -20,7 +20,7 @@ def measure(record: Record) -> Measures:
     """Areas, how near the safe one comes to walls, width along the first robot's path."""
     whole, safe = (_area(rings) for rings in (record.accessible, record.safe))
     course = metrics.corridor_width(record)
-    least, largest = float(course.width.min()), float(course.width.max())
+    least, largest = float(np.nanmin(course.width)), float(np.nanmax(course.width))
     longest = max(_diameter(parts) for parts in record.footprints)
     return {
         "safe_share": safe.area / whole.area if whole.area > 0.0 else np.nan,

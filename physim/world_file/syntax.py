@@ -1,0 +1,149 @@
+"""What a text that is not YAML lacks: the usual causes, each where it lies.
+
+A YAML parser stumbles where it can read no further, often lines behind the mistake: at the key
+after a bracket that was never closed, or at the colon after a line without one. Here the mistake
+itself is looked for; where none of the usual ones is found, the parser's own words stand.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+import yaml
+
+_NO_SPACE = re.compile(r"^[ ]*(?:-[ ]+)*(?P<key>[A-Za-z_][A-Za-z_0-9]*):[^\s:/\\].*$")
+_CLOSING = {"[": "]", "{": "}"}
+_KEYS_AFTER = 3
+"""Lines before the place where a parser gave up in which a missing space is looked for."""
+
+
+class Stumble(NamedTuple):
+    """A mistake and its place, line and column from 1."""
+
+    line: int
+    column: int
+    message: str
+
+
+def stumble(error: yaml.YAMLError, text: str) -> Stumble:
+    """Say what is wrong with a text at which PyYAML raised ``error``, in one line."""
+    mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+    problem = str(getattr(error, "problem", None) or str(error).splitlines()[0])
+    context = getattr(error, "context", None)
+    begun = getattr(error, "context_mark", None)
+    line, column = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
+    opened = (begun.line + 1, begun.column + 1) if begun is not None else None
+    lines = text.splitlines() or [""]
+    found = _bracket(problem, lines, (line, column), opened) or _quote(context, problem, opened)
+    if found is None and ("mapping values" in problem or "':'" in problem):
+        found = _missing_space(lines, line, opened)
+    if found is not None:
+        return found
+    since = ""
+    if context and "next token" not in context:
+        since = f" {context}" + (f" that begins on line {opened[0]}" if opened is not None else "")
+    return Stumble(line, column, f"{problem}{since}{_advice(problem, lines, line, column)}")
+
+
+def glued_key(text: str) -> str:
+    """The key in a text like ``step:0.01``, which YAML takes for one word; "" in all others."""
+    found = _NO_SPACE.match(text)
+    return found["key"] if found else ""
+
+
+def _bracket(
+    problem: str, lines: list[str], at: tuple[int, int], opened: tuple[int, int] | None
+) -> Stumble | None:
+    """A list or mapping in brackets that is not closed, or that lacks a comma."""
+    flow = "',' or ']'" in problem or "',' or '}'" in problem
+    is_dash = "block sequence entries are not allowed" in problem
+    if is_dash:
+        opened, flow = _innermost_open(lines, at), True
+    if not flow or opened is None:
+        return None
+    bracket = _character(lines, *opened)
+    if bracket not in _CLOSING:
+        return None
+    line, column = at
+    here = _character(lines, line, column)
+    before = (lines[line - 1] if line <= len(lines) else "")[: column - 1]
+    if here == ":" and (
+        key := re.search(r"[\w.]+\s*$", before)
+    ):  # what it stumbles over is the key
+        column, before = key.start() + 1, before[: key.start()]
+    is_within = before.strip(" -") != ""
+    if here in "]}" and here:
+        return Stumble(
+            *opened,
+            f'"{bracket}" opened here is closed by "{here}" at {line}:{column}; '
+            f'close it with "{_CLOSING[bracket]}"',
+        )
+    if not is_dash and (here in ("[", "{", '"', "'") or is_within):
+        return Stumble(
+            line, column, f'a comma is missing before this, in the "{bracket}" opened at '
+            f"{opened[0]}:{opened[1]}",
+        )  # fmt: skip
+    end = f"before line {line}" if line <= len(lines) else "by the end of the text"
+    return Stumble(
+        *opened, f'"{bracket}" opened here is not closed {end}; add "{_CLOSING[bracket]}"'
+    )
+
+
+def _innermost_open(lines: list[str], at: tuple[int, int]) -> tuple[int, int] | None:
+    """Place of the last bracket before ``at`` that is not closed; None without any."""
+    stack: list[tuple[int, int]] = []
+    for number, line in enumerate(lines[: at[0]], start=1):
+        for column, sign in enumerate(_bare(line), start=1):
+            if (number, column) >= at:
+                break
+            if sign in _CLOSING:
+                stack.append((number, column))
+            elif sign in "]}" and stack:
+                stack.pop()
+    return stack[-1] if stack else None
+
+
+def _bare(line: str) -> str:
+    """A line with quoted texts and its comment blanked out, of the same length."""
+    blank = re.sub(r"\"(?:[^\"\\]|\\.)*\"|'[^']*'", lambda text: " " * len(text[0]), line)
+    return re.sub(r"(?:^|(?<=\s))#.*$", lambda text: " " * len(text[0]), blank)
+
+
+def _quote(context: object, problem: str, opened: tuple[int, int] | None) -> Stumble | None:
+    if "quoted scalar" in str(context) and "unexpected" in problem and opened is not None:
+        return Stumble(*opened, "the quote opened here is not closed; add one at the end of it")
+    return None
+
+
+def _missing_space(lines: list[str], line: int, opened: tuple[int, int] | None) -> Stumble | None:
+    """A key whose colon is not followed by a space, in the lines before the parser gave up."""
+    first = min(opened[0] if opened is not None else line, line - _KEYS_AFTER)
+    for number in range(max(first, line - 2 * _KEYS_AFTER, 1), min(line, len(lines)) + 1):
+        found = _NO_SPACE.match(_bare(lines[number - 1]))
+        if found:
+            key, column = found["key"], found.end("key") + 1
+            return Stumble(
+                number, column, f'a space is missing after the colon; write "{key[:40]}: …"'
+            )
+    return None
+
+
+def _advice(problem: str, lines: list[str], line: int, column: int) -> str:
+    """What to do about a mistake that the parser itself tells well enough."""
+    if _character(lines, line, column) == "\t":
+        return "; tabs separate nothing here, use spaces"
+    if "mapping values are not allowed" in problem:
+        return '; put a text that holds ": " in quotes, and indent keys of one mapping alike'
+    if re.search("expected (?:key|'-')", problem) or "expected <block end>" in problem:
+        return "; indent keys of one mapping, and the dashes of one list, alike"
+    if "cannot start any token" in problem:
+        return "; put the text in quotes"
+    if "':'" in problem:
+        return "; a key is followed by a colon and a space"
+    return ""
+
+
+def _character(lines: list[str], line: int, column: int) -> str:
+    """The character at a place; empty behind the end of its line or of the text."""
+    return lines[line - 1][column - 1 : column] if 1 <= line <= len(lines) else ""

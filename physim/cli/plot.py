@@ -8,6 +8,7 @@ import sys
 from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
 from physim.cli.progress import interrupts
+from physim.cli.quick_matplotlib import import_matplotlib
 from physim.errors import PhysimError, nearest, plural
 from physim.plots import NAMES, draw
 from physim.record import Record
@@ -29,6 +30,7 @@ def plot(options: argparse.Namespace) -> int:
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,
                  another="folder")  # fmt: skip
+    import_matplotlib()
     with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(
             record, folder, only=only, format=options.format, force=options.force,

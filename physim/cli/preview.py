@@ -8,9 +8,9 @@ import time
 from pathlib import Path
 from typing import TextIO
 
-from physim.checking import check_world
 from physim.cli.output import inputs, new_file
 from physim.cli.progress import interrupts
+from physim.cli.quick_matplotlib import import_matplotlib
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
 from physim.preview import FORMATS, save_preview
@@ -27,6 +27,7 @@ def preview(options: argparse.Namespace) -> int:
     if options.watch:
         return _watched(options, path)
     layout = _laid_out(options)
+    import_matplotlib()
     with interrupts() as interrupt:  # the picture is whole in any case
         save_preview(layout, path)
     print(path)
@@ -56,6 +57,8 @@ def _laid_out(options: argparse.Namespace) -> Layout:
 
 def _watched(options: argparse.Namespace, path: Path) -> int:
     """Draw on every save and tell what `physim check` finds; with faults the picture stays."""
+
+    from physim.checking import check_world  # here: one picture alone has no need of it
 
     def draw() -> None:
         try:

@@ -27,6 +27,10 @@ Walls hold while the advance is at most half the robot's length; a quarter leave
 SETTLED_DEPTH = 2e-3
 """[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
 
+DEEP = 2e-2
+"""[m] A contact deeper than this is no longer held: an impact is (closing speed) * dt deep, 1 to 2 cm
+at 1 to 2 m/s and 0.01 s. From there on a record is not physical, and every report says so."""
+
 WHOLE_STEPS = 1e-9
 """[-] How far, as a share, a duration may be from a whole number of steps: far above the rounding
 of their quotient, and at most a tenth of a step in 1e8 steps."""

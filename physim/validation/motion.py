@@ -61,6 +61,19 @@ class _Off(NamedTuple):
     turn: FloatArray
 
 
+class _Course(NamedTuple):
+    """Decisions of one robot."""
+
+    step: IntArray
+    command: FloatArray
+    """(M, 2) given"""
+
+    @classmethod
+    def of(cls, table: DecisionTable, robot: int) -> _Course:
+        rows = table.of(robot)
+        return cls(table.steps(robot), np.stack((rows["given_v"], rows["given_omega"]), axis=1))
+
+
 def check_motion(record: Record, table: DecisionTable) -> Motion:
     """Hold every pose against the arc from the one before; see the module for what is left out.
 
@@ -72,12 +85,13 @@ def check_motion(record: Record, table: DecisionTable) -> Motion:
     until = record.samples
     if record.ended == "running":
         until = int(record.updates["step"].max(initial=-1)) + 1
+    courses = [_Course.of(table, i) for i in range(record.robots)]
     checked, found = 0, []
     for poses, first in blocks(record):
         poses = poses[: max(0, until - first + 1)]
         if len(poses) < 2:
             break
-        command, decided = _held(table, record.robots, first, len(poses) - 1)
+        command, decided = _held(courses, first, len(poses) - 1)
         free = ~touched[first : first + len(poses) - 1]
         free &= ~touched[first + 1 : first + len(poses)]
         if record.filtered:
@@ -98,19 +112,16 @@ def _touched(record: Record) -> NDArray[np.bool_]:
     return touched
 
 
-def _held(
-    table: DecisionTable, robots: int, first: int, steps: int
-) -> tuple[FloatArray, NDArray[np.bool_]]:
+def _held(courses: list[_Course], first: int, steps: int) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Commands (steps, N, 2) held from steps ``first`` on, and whether they were decided there."""
-    command = np.zeros((steps, robots, 2))
-    decided = np.zeros((steps, robots), dtype=np.bool_)
+    command = np.zeros((steps, len(courses), 2))
+    decided = np.zeros((steps, len(courses)), dtype=np.bool_)
     at = first + np.arange(steps)
-    for i in range(robots):
-        place = np.searchsorted(table.steps(i), at, side="right") - 1
+    for i, course in enumerate(courses):
+        place = np.searchsorted(course.step, at, side="right") - 1
         known = place >= 0
-        rows = table.of(i)[place[known]]
-        command[known, i, 0], command[known, i, 1] = rows["given_v"], rows["given_omega"]
-        decided[known, i] = rows["step"] == at[known]
+        command[known, i] = course.command[place[known]]
+        decided[known, i] = course.step[place[known]] == at[known]
     return command, decided
 
 

@@ -142,3 +142,9 @@ def test_pairs_are_counted_beside_contacts(into_wall, rear_end):
     count, pairs = len(found.contacts), len({(one.a, one.b) for one in found.contacts})
     assert found.verdict == f"contacts: {count} of {pairs} pair{'s' if pairs != 1 else ''}"
     assert json.loads(json_of_validation(found))["pairs_in_contact"] == pairs
+
+
+def test_the_report_says_what_foretold_means(rear_end):
+    text = report(validate(rear_end))
+    assert "(foretold: share of decisions after which it would have come" in text
+    assert max(len(line) for line in text.splitlines()) <= 100

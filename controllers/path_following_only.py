@@ -35,4 +35,5 @@ class PathFollowing:
         ahead = judging_time(rules.judge_ahead, left, observation.formation.speed)
         plan = best_plan(observation.pose, pairs, dwell, ahead, x, y)
         v, omega = plan[0]
-        return Decision(v, omega, hold=rules.update_period, report=Report(target=(x, y)))
+        report = Report(target=(x, y))
+        return Decision(v, omega, hold=rules.update_period, mode=Mode.SAFE, report=report)

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from physim.scene import Scene
 
 
+NO_MODE = -1
+"""In tables, the mode of a decision that gave none."""
+
+
 class Mode(IntEnum):
     """Control mode of a robot, as recorded."""
 
@@ -133,14 +137,15 @@ class Decision:
     ``v`` [m/s] along the heading, ``omega`` [rad/s] counter-clockwise: finite and within the
     robot's limits, or the run stops. ``hold`` [s] until the next decision, rounded down to physics
     steps, at least one (0: every step; inf: never again). ``mode`` goes to the record and the
-    video; a run is finished when every robot's is `Mode.ARRIVED`. ``memory`` comes back at the
+    video; a controller that has no modes leaves it out, and none are reported. A run is finished
+    when every robot's is `Mode.ARRIVED`. ``memory`` comes back at the
     next decision. ``report`` names further values for the record.
     """
 
     v: float
     omega: float
     hold: float
-    mode: Mode = Mode.SAFE
+    mode: Mode | None = None
     memory: Any = None
     report: Report = field(default_factory=lambda: Report())
 
@@ -195,6 +200,7 @@ class Decisions(NamedTuple):
     hold: FloatArray
     """(M,) [s]"""
     mode: IntArray
+    """(M,) `Mode`, or NO_MODE"""
     report: FloatArray
     """(M, 7) target x, y, distance, boundary distance, collision time, considered, evaluations"""
 
@@ -217,6 +223,7 @@ class Batched(Protocol):
 
 
 __all__ = [
+    "NO_MODE",
     "BatchController",
     "Batched",
     "Controller",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import traceback
 from typing import NamedTuple
 
-from physim.control import Decision, Mode, Report
+from physim.control import NO_MODE, Decision, Mode, Report
 from physim.errors import ControllerError
 
 
@@ -46,6 +46,8 @@ def _number(decision: Decision, field: str, where: str) -> float:
 
 
 def _mode(decision: Decision, where: str) -> int:
+    if decision.mode is None:
+        return NO_MODE
     try:
         return int(Mode(decision.mode))
     except ValueError:

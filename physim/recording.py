@@ -188,6 +188,8 @@ def record_run(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance,
     )  # fmt: skip
+    if simulation.filters:
+        writer.note_filters()
     started = time.perf_counter()
     recorder = Recorder(simulation, writer)
     ended = "error"

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.control import (
+    NO_MODE,
     BatchController,
     Batched,
     Controller,
@@ -63,8 +64,9 @@ class Simulation:
 
     How things stand at the present sample: ``pose`` (N, 3) x, y [m], heading [rad, unwrapped],
     read-only; ``command`` (N, 2) v [m/s], omega [rad/s] as wanted by the controllers; ``mode``
-    (N,); ``contacts``, rows of `physim.contacts.CONTACT`; ``step_number``; ``time`` [s]. Stepping
-    may go on beyond the world's duration; `simulate` stops there.
+    (N,), NO_MODE where none was given; ``contacts``, rows of `physim.contacts.CONTACT`;
+    ``step_number``; ``time`` [s]. Stepping may go on beyond the world's duration; `simulate` stops
+    there.
     """
 
     def __init__(
@@ -99,7 +101,7 @@ class Simulation:
         self.step_number = 0
         self.pose: FloatArray = read_only(self.physics.pose)
         self.command = np.zeros((scene.robots, 2))
-        self.mode = np.zeros(scene.robots, dtype=np.int64)
+        self.mode = np.full(scene.robots, NO_MODE, dtype=np.int64)
         self.next_decision = np.zeros(scene.robots, dtype=np.int64)
         self.update: Update | None = None
         self._batch: BatchController = (

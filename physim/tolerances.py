@@ -27,6 +27,19 @@ Walls hold while the advance is at most half the robot's length; a quarter leave
 SETTLED_DEPTH = 2e-3
 """[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
 
+DEEP = 2e-2
+"""[m] A contact deeper than this, and deeper than its bodies can go in one step at their fastest
+commands, is no longer held: an impact is up to (closing speed) * dt deep. From there on a record is
+not physical, and every report says so."""
+
+ONE_STEP = 1e-11
+"""[m, rad] How far a recorded pose may be from the end of the arc that begins at the pose before:
+rounding of one step, 1e-12 m at 10 km; farther out the rounding of coordinates is added."""
+
+PUSHED = 1e-2
+"""[m] A robot this near to another may be pushed, though it touches nothing at either sample: the
+engine eases the other out of an overlap by a share of its depth a step, 6 % at 0.01 s."""
+
 WHOLE_STEPS = 1e-9
 """[-] How far, as a share, a duration may be from a whole number of steps: far above the rounding
 of their quotient, and at most a tenth of a step in 1e8 steps."""

@@ -15,7 +15,16 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.control import Batched, Controller, Decision, Decisions, Mode, Observation, Snapshot
+from physim.control import (
+    NO_MODE,
+    Batched,
+    Controller,
+    Decision,
+    Decisions,
+    Mode,
+    Observation,
+    Snapshot,
+)
 from physim.control_loop import PlainBatch
 from physim.controllers.mode_switching import ModeSwitching
 from physim.geometry.nearby import build_nearby
@@ -81,7 +90,7 @@ def test_commands_are_finite_within_limits_and_repeat_bit_for_bit(
         assert (np.abs(a.command) <= scene.limits[a.robot]).all()
         assert np.isfinite(a.hold).all()
         assert (a.hold >= 0.0).all()
-        assert set(a.mode.tolist()) <= {int(mode) for mode in Mode}
+        assert set(a.mode.tolist()) <= {NO_MODE, *map(int, Mode)}
         assert a.report.shape == (len(a.robot), 7)
         assert (a.report[:, 5:] >= 0.0).all()
         assert same(a, b)

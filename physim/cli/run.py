@@ -52,7 +52,10 @@ def run(options: argparse.Namespace) -> int:
             if made != film:
                 _say(f"{made.name} is cut short; {_again(folder)} makes the whole video", options)
         stopped = stopped or bool(interrupt.count)
-    if not options.quiet:
+    if options.quiet:
+        for deep in summary.deep_contacts:
+            print(f"WARNING  {deep.text}", file=sys.stderr)
+    else:
         print(table(summary), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
     return _code(summary, stopped)

@@ -13,7 +13,7 @@ from physim.cli.progress import interrupts
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.scene_builder import is_random
-from physim.validation import Validation, is_warm, report, validate
+from physim.validation import Validation, is_warm, report, validate, warning_lines
 from physim.validation.as_json import json_of_seeds, json_of_validation
 from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
 from physim.validation.validation import is_coarse
@@ -142,5 +142,6 @@ def _judged(record: Record, source: str, options: argparse.Namespace) -> Validat
 def _told(found: Validation, options: argparse.Namespace) -> int:
     if options.json is not None:
         write_text(options.json, json_of_validation(found))
-    print(f"verdict: {found.verdict}\n" if options.quiet else report(found), end="")
+    short = [*warning_lines(found), f"verdict: {found.verdict}"]
+    print("\n".join(short) + "\n" if options.quiet else report(found), end="")
     return found.code

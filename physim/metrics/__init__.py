@@ -17,6 +17,7 @@ not 0. "Fig." and numbers in parentheses refer to the paper.
 from __future__ import annotations
 
 from physim.metrics.contacts import Episode, Graze, contact_episodes, grazes
+from physim.metrics.deep import Deep, deep_contacts
 from physim.metrics.definition import Definition, Metric
 from physim.metrics.distances import (
     collision_times,
@@ -69,6 +70,7 @@ __all__ = [
     "DEFINITIONS",
     "AveragedSpeeds",
     "DangerShare",
+    "Deep",
     "Definition",
     "Each",
     "Episode",
@@ -87,6 +89,7 @@ __all__ = [
     "danger_shares",
     "danger_time_share",
     "decisions",
+    "deep_contacts",
     "definition",
     "desired_leads",
     "deviation_peak",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import Mode
+from physim.control import NO_MODE, Mode
 from physim.geometry.shapes import FloatArray
 from physim.metrics.values import DangerShare, Each
 from physim.metrics.way import Rows, rows_of_robots, under_way
@@ -18,16 +18,17 @@ SPAN = np.dtype([("robot", "<i4"), ("mode", "i1"), ("begin", "<f8"), ("end", "<f
 def danger_shares(record: Record) -> tuple[DangerShare, ...]:
     """Share of danger mode of each robot, by decisions and by time (Fig. 8).
 
-    Danger is mode 1 or 2; decisions of a robot that has arrived do not count at all.
+    Danger is mode 1 or 2; decisions of a robot that has arrived, or that gave no mode, do not
+    count at all.
     """
-    rows, held = under_way(record)
+    rows, held = _with_mode(record)
     pairs = zip(_shares(record, rows, np.ones(len(rows))), _shares(record, rows, held), strict=True)
     return tuple(DangerShare(i, *pair) for i, pair in enumerate(pairs))
 
 
 def danger_time_share(record: Record) -> float | None:
     """Share of danger mode of all robots together, by time [-]; arrived ones do not count."""
-    rows, held = under_way(record)
+    rows, held = _with_mode(record)
     return float(held[is_danger(rows)].sum() / held.sum()) if held.sum() > 0 else None
 
 
@@ -49,11 +50,11 @@ def mode_switches(record: Record) -> Each | None:
     of danger do not count.
     """
     minutes = time_under_way(record) / 60.0
-    if not minutes.sum() > 0:
+    if not minutes.sum() > 0 or not len(_with_mode(record)[0]):
         return None
     count = np.zeros(record.robots)
     for robot, rows in enumerate(rows_of_robots(record)):
-        rows = rows[rows["mode"] != Mode.ARRIVED]
+        rows = rows[(rows["mode"] != Mode.ARRIVED) & (rows["mode"] != NO_MODE)]
         count[robot] = np.count_nonzero(np.diff(is_danger(rows)))
     each = tuple(float(c / m) if m > 0 else None for c, m in zip(count, minutes, strict=True))
     return Each(float(count.sum() / minutes.sum()), each)
@@ -85,6 +86,13 @@ def is_danger(rows: Rows) -> NDArray[np.bool_]:
     """Whether each decision is in danger mode, by distance or by collision time."""
     danger: NDArray[np.bool_] = (rows["mode"] == Mode.DISTANCE) | (rows["mode"] == Mode.TIME)
     return danger
+
+
+def _with_mode(record: Record) -> tuple[Rows, FloatArray]:
+    """Decisions under way that gave a mode, and the steps that each held; see `under_way`."""
+    rows, held = under_way(record)
+    told = rows["mode"] != NO_MODE
+    return rows[told], held[told]
 
 
 def _shares(record: Record, rows: Rows, weight: FloatArray) -> list[float | None]:

@@ -13,6 +13,7 @@ import numpy as np
 import pymunk
 
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.physics.overlap import deepest
 from physim.physics.space import Hosted
 from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 
@@ -111,6 +112,12 @@ class PythonGuard:
             sign = 1.0 if shapes[0] is second else -1.0
             points = arbiter.contact_point_set
             points.normal = pymunk.Vec2d(sign * nx, sign * ny)
+            # The engine's points are those of its own normal: turned to the segment's they would
+            # tell of an overlap of millimetres where the part is half a metre beyond.
+            beyond = deepest(self._shapes, self._links, p, _pose(first), q, nx, ny)
+            for k, point in enumerate(points.points if beyond else ()):
+                corner, foot = (pymunk.Vec2d(*one) for one in beyond[k % len(beyond)])
+                point.point_a, point.point_b = (foot, corner) if sign > 0.0 else (corner, foot)
             arbiter.contact_point_set = points
         return verdict
 

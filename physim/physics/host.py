@@ -42,9 +42,13 @@ class Physics:
     ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT`) of the present sample: pairs
     that the engine reported as touching, and which the exact check found apart and kept out.
 
-    Overlaps stay below (closing speed + sum of r|omega|) dt in the step of an impact and settle
-    below SETTLED_DEPTH. Every contact at a sample is found, to the tolerance CONTACT; a graze that
-    begins and ends between two samples is not.
+    The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
+    a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
+    step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
+    is deeper than DEEP is told by whoever reads the record.
+
+    Every contact at a sample is found, to the tolerance CONTACT; a graze that begins and ends
+    between two samples is not.
     """
 
     def __init__(

@@ -6,11 +6,19 @@ neighbours, also loses true contacts (a nose in a corner touches neither wall, b
 engine is not told, and the rule is here: a contact at the end of a segment that pushes the robot
 towards the segment's neighbour is left to the neighbour, if that pushes it in a direction of its
 own; where each leans on the other, both push along their own normals.
+
+In a corner that closes round the robot each segment holds it along its own normal, whatever the
+way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
+segment's end into the neighbour, the robot would get through the wall. There it does not matter
+whether the neighbour belongs to the same body: walls and caps of a corridor hold like one line.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.separation import relative_frame
@@ -31,21 +39,39 @@ FLAT = 1e-6
 """[rad] A normal within this of a segment's own is a contact with its side, not with an end."""
 
 
-def segment_links(shapes: Shapes) -> IntArray:
-    """Return (P, 2): which part of the same body meets each segment at its first and second end.
+class Links(NamedTuple):
+    """What meets each part at its first and second end; only segments have ends."""
 
-    -1 where there is none, and for parts that are not segments. Segments meet where one ends
-    exactly where another starts.
-    """
-    links = np.full((len(shapes.part_start) - 1, 2), -1, dtype=np.int64)
-    for first, last in zip(shapes.body_start[:-1], shapes.body_start[1:], strict=True):
-        segments = [p for p in range(first, last) if np.diff(shapes.part_start)[p] == 2]
-        starts = {tuple(shapes.vertices[shapes.part_start[p]]): p for p in segments}
-        for p in segments:
-            after = starts.get(tuple(shapes.vertices[shapes.part_start[p] + 1]), -1)
-            if after >= 0:
-                links[p, 1] = after
-                links[after, 0] = p
+    part: IntArray
+    """(P, 2) the segment that meets it there, of the same body if there is one; or -1"""
+    end: IntArray
+    """(P, 2) which end of that segment"""
+    own: NDArray[np.bool_]
+    """(P, 2) whether it is of the same body"""
+
+
+def segment_links(shapes: Shapes) -> Links:
+    """Find which segments meet: where an end of one is exactly an end of the other."""
+    count = len(shapes.part_start) - 1
+    links = Links(
+        np.full((count, 2), -1, dtype=np.int64),
+        np.zeros((count, 2), dtype=np.int64),
+        np.zeros((count, 2), dtype=np.bool_),
+    )
+    body = np.repeat(np.arange(len(shapes.body_start) - 1), np.diff(shapes.body_start))
+    segments = np.flatnonzero(np.diff(shapes.part_start) == 2).tolist()
+    meeting: dict[tuple[float, float], list[tuple[int, int]]] = {}
+    for p in segments:
+        for end in (0, 1):
+            x, y = shapes.vertices[shapes.part_start[p] + end].tolist()
+            meeting.setdefault((x, y), []).append((p, end))
+    for some in meeting.values():
+        for p, end in some:
+            others = [one for one in some if one[0] != p]
+            own = [one for one in others if body[one[0]] == body[p]]
+            if others:
+                links.part[p, end], links.end[p, end] = (own or others)[0]
+                links.own[p, end] = bool(own)
     return links
 
 
@@ -68,29 +94,52 @@ def touch(
 
 
 @compiled
-def leans_on(shapes: Shapes, links: IntArray, segment: int, nx: float, ny: float) -> int:
-    """Neighbour towards which a push (nx, ny) from a segment (world frame) leads, or -1.
+def leans_on(shapes: Shapes, links: Links, segment: int, nx: float, ny: float) -> tuple[int, int]:
+    """Neighbour towards which a push (nx, ny) from a segment (world frame) leads, and at which end.
 
-    The push comes from the end that lies farthest along it. It leads on to the neighbour if that
-    lies still farther along.
+    (-1, 0) where it leads to none. The push comes from the end that lies farthest along it. It
+    leads on to the neighbour if that lies still farther along.
     """
     v, k = shapes.vertices, shapes.part_start[segment]
     ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
     along = nx * ex + ny * ey
     if abs(along) <= FLAT * np.hypot(ex, ey):
-        return -1
+        return -1, 0
     end = 1 if along > 0.0 else 0
-    other = links[segment, end]
-    if other < 0:
-        return -1
-    # The neighbour's far end: it goes on from our second end, or comes to our first.
-    far = shapes.part_start[other] + end
-    return other if nx * (v[far, 0] - v[k + end, 0]) + ny * (v[far, 1] - v[k + end, 1]) > 0 else -1
+    if links.part[segment, end] < 0:
+        return -1, 0
+    ox, oy = onward(shapes, links, segment, end)
+    return (links.part[segment, end], end) if nx * ox + ny * oy > 0.0 else (-1, 0)
+
+
+@compiled
+def onward(shapes: Shapes, links: Links, segment: int, end: int) -> tuple[float, float]:
+    """Vector [m] along a segment's neighbour, from where the two meet to its far end."""
+    v, k = shapes.vertices, shapes.part_start[segment] + end
+    far = shapes.part_start[links.part[segment, end]] + 1 - links.end[segment, end]
+    return v[far, 0] - v[k, 0], v[far, 1] - v[k, 1]
+
+
+@compiled
+def side(shapes: Shapes, segment: int, p: int, pose_p: FloatArray) -> tuple[float, float]:
+    """Unit normal of a segment (world frame) towards the side where the middle of part p is."""
+    v, k = shapes.vertices, shapes.part_start[segment]
+    ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
+    first, last = shapes.part_start[p], shapes.part_start[p + 1]
+    x, y = 0.0, 0.0
+    for m in range(first, last):
+        x += v[m, 0] / (last - first)
+        y += v[m, 1] / (last - first)
+    c, s = np.cos(pose_p[2]), np.sin(pose_p[2])
+    dx = pose_p[0] + c * x - s * y - v[k, 0]
+    dy = pose_p[1] + s * x + c * y - v[k, 1]
+    size = np.copysign(np.hypot(ex, ey), ex * dy - ey * dx)
+    return -ey / size, ex / size
 
 
 @compiled
 def judge(
-    shapes: Shapes, links: IntArray, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
+    shapes: Shapes, links: Links, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
 ) -> tuple[int, float, float]:
     """Judge parts p < q (robots first) at the poses (3,) of their bodies.
 
@@ -101,15 +150,18 @@ def judge(
         return APART, nx, ny
     if shapes.part_start[q + 1] - shapes.part_start[q] != 2:
         return ACTS, nx, ny
-    other = leans_on(shapes, links, q, nx, ny)
+    other, end = leans_on(shapes, links, q, nx, ny)
     if other < 0:
+        return ACTS, nx, ny
+    mx, my = side(shapes, q, p, pose_p)
+    ox, oy = onward(shapes, links, q, end)
+    if mx * ox + my * oy > FLAT * np.hypot(ox, oy):
+        return SIDE, mx, my
+    if not links.own[q, end]:
         return ACTS, nx, ny
     distance, ox, oy = touch(shapes, p, pose_p, other, pose_q)
     if distance > CONTACT:
         return ACTS, nx, ny
-    if leans_on(shapes, links, other, ox, oy) < 0:
+    if leans_on(shapes, links, other, ox, oy)[0] < 0:
         return LEFT, nx, ny
-    v, k = shapes.vertices, shapes.part_start[q]
-    ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
-    size = np.copysign(np.hypot(ex, ey), nx * ey - ny * ex)
-    return SIDE, ey / size, -ex / size
+    return SIDE, mx, my

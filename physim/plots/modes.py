@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.control import NO_MODE
 from physim.geometry.shapes import FloatArray
 from physim.metrics import danger_time_share, mode_spans, share_of_modes
 from physim.plots.frame import framed, legend_below, nothing, short, time_axis
@@ -29,6 +30,9 @@ def modes(record: Record) -> Any:
     spans = mode_spans(record)
     if not len(spans):
         nothing(axis, "no decision was recorded")
+        return figure
+    if (spans["mode"] == NO_MODE).all():
+        nothing(axis, "the controller gives no modes")
         return figure
     _rows(axis, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)

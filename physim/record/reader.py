@@ -55,6 +55,9 @@ class Record:
         self.ended = attributes["ended"].decode()
         """"running" (it was killed), "finished", "duration", "interrupted" or "error\""""
         self.rejected_contacts = int(attributes["rejected_contacts"])
+        self.filtered = bool(attributes.get("filtered", False))
+        """whether filters stood between controllers and robots: the update table then has the given
+        commands of the steps of decisions only"""
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """K"""
         self.robots = int(file["/robots/stop_station"].size)

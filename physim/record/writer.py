@@ -105,6 +105,10 @@ class RecordWriter:
         if time.monotonic() >= self._due:
             self.flush()
 
+    def note_filters(self) -> None:
+        """Note that filters change commands between decisions, too; outside the digest."""
+        self._file.attrs["filtered"] = np.bool_(True)
+
     def append_updates(self, rows: NDArray[np.void]) -> None:
         """Append decisions, rows of `layout.UPDATE` in the order of steps."""
         self._append_table("/updates", rows)

@@ -54,6 +54,21 @@ class Graze:
 
 
 @dataclass(frozen=True)
+class DeepContact:
+    """A pair of bodies that sank deeper than `physim.tolerances.DEEP` into each other."""
+
+    bodies: tuple[str, str]
+    from_s: float
+    """[s] when it first was deeper than that"""
+    max_depth_m: float
+    time_s: float
+    """[s] of the greatest depth"""
+    place_m: tuple[float, float]
+    text: str
+    """the same in words"""
+
+
+@dataclass(frozen=True)
 class Extreme:
     """An extreme value of a run, when it was taken and by whom (names of bodies)."""
 
@@ -101,6 +116,8 @@ class Summary:
     contacts: Contacts
     grazes: tuple[Graze, ...]
     """contacts between two samples, in the order of time; none of ``contacts``"""
+    deep_contacts: tuple[DeepContact, ...]
+    """contacts too deep to be true: from the first on the record is not physical"""
     rejected_contacts: int
     shortest_distance_m: Extreme | None
     shortest_boundary_distance_m: Extreme | None
@@ -157,6 +174,12 @@ def summarise(record: Record) -> Summary:
         contacts=_contacts(metrics.contact_episodes(record), names, record.dt),
         grazes=tuple(
             Graze((names[g.a], names[g.b]), g.time, g.depth) for g in metrics.grazes(record)
+        ),
+        deep_contacts=tuple(
+            DeepContact(
+                (names[d.a], names[d.b]), d.time, d.depth, d.depth_time, d.place, d.sentence(names)
+            )
+            for d in metrics.deep_contacts(record)
         ),
         rejected_contacts=record.rejected_contacts,
         shortest_distance_m=named(metrics.shortest_distance(record)),

@@ -39,6 +39,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     return [
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
         ("contacts", _contacts_text(s.contacts)),
+        *(("WARNING", one.text) for one in s.deep_contacts),
         *_contact_rows(s.contacts),
         *_graze_rows(s.grazes),
         ("shortest distance", _extreme_text(s.shortest_distance_m, "m", 4)),
@@ -134,7 +135,7 @@ def _decisions_text(summary: Summary) -> str:
 
 def _danger_text(summary: Summary) -> str:
     if summary.danger_time_share is None:
-        return "n/a"
+        return "n/a (the controller gives no modes)" if summary.decisions else "n/a"
     shown = summary.danger[:SHOWN_ROBOTS]
     each = [f"{d.robot} " + ("n/a" if d.time is None else f"{d.time:.0%}") for d in shown]
     more = len(summary.danger) - len(shown)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physim.compiled import is_cached
 from physim.validation.near_misses import decision_times
-from physim.validation.report import report
+from physim.validation.report import report, warning_lines
 from physim.validation.validation import Validation, validate
 
 
@@ -13,4 +13,4 @@ def is_warm() -> bool:
     return is_cached(decision_times)
 
 
-__all__ = ["Validation", "is_warm", "report", "validate"]
+__all__ = ["Validation", "is_warm", "report", "validate", "warning_lines"]

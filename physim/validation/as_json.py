@@ -24,6 +24,7 @@ def json_of_validation(validation: Validation) -> str:
             "verdict": validation.verdict,
             "exit_code": validation.code,
             "unexplained": validation.unexplained,
+            "pairs_in_contact": validation.pairs,
             **plain(validation),
         }
     )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim.contacts import Kind, Phase
+from physim.control import NO_MODE
 from physim.geometry.path import path_length, project
 from physim.geometry.shapes import FloatArray
 from physim.metrics import Episode, contact_episodes
@@ -260,7 +261,7 @@ def _side(
     return Side(
         i, _part(pose, point), math.hypot(vx, vy), table.reference_station(i, step),
         None if row is None else float(row["step"]) * record.dt,
-        None if row is None else int(row["mode"]), v, omega,
+        None if row is None or row["mode"] == NO_MODE else int(row["mode"]), v, omega,
         nan if row is None else float(row["collision_time"]),
         nan if row is None else float(row["distance"]),
         nan if row is None else float(row["boundary_distance"]),

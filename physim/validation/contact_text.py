@@ -176,10 +176,10 @@ def _charge(one: ContactReport | GrazeReport, names: list[str]) -> str:
 def _decision(side: Side, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
-    mode = MODES.get(-1 if side.mode is None else side.mode, f"mode {side.mode}")
+    mode = "" if side.mode is None else MODES.get(side.mode, f"mode {side.mode}") + ", "
     ago = one.prediction.touched - side.decided
     return (
-        f"decided {short(ago)} before: {mode}, v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
+        f"decided {short(ago)} before: {mode}v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
         f"it {_saw(side)}"
     )
 
@@ -222,6 +222,8 @@ def _finding(one: ContactReport, names: list[str]) -> str:
         said.append(f"{name} reported no look at {other}: no distance and no collision time.")
     elif not wall and side.considered == 0:
         said.append(f"{name} considered no robot, though it had to consider {other}.")
+    elif side.mode is None:
+        said.append(f"{name} looked, but took no command that kept it clear of {other}.")
     elif side.mode == Mode.SAFE:
         said.append(f"{name} was in safe mode: it did not take {other} for a danger.")
     elif side.mode == Mode.ARRIVED:

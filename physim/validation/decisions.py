@@ -29,6 +29,11 @@ class DecisionTable:
         """Steps at which a robot decided, increasing."""
         return self._steps[robot]
 
+    def of(self, robot: int) -> NDArray[np.void]:
+        """Decisions of a robot, rows of the update table in the order of steps."""
+        rows: NDArray[np.void] = self.rows[self._index[robot]]
+        return rows
+
     def last(self, robot: int, step: int) -> np.void | None:
         """Last decision of a robot at or before a step; None before its first."""
         place = int(np.searchsorted(self._steps[robot], step, side="right")) - 1

@@ -79,6 +79,8 @@ def _by_lead(validation: Validation) -> list[str]:
         return []
     lines = [
         "  Earlier predictions for the first contact of each pair (commands change on the way):",
+        "  (foretold: share of decisions after which it would have come, had all kept their "
+        "commands)",
         f"  {'lead time':>16}{'decisions':>11}{'foretold':>10}{'median error':>14}{'largest':>12}",
     ]
     for low, high in zip(LEADS[:-1], LEADS[1:], strict=True):

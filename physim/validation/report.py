@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from physim.tolerances import ONE_STEP
 from physim.validation.contact_text import contact_lines, opening, table_lines
 from physim.validation.near_misses import LOOK, NearMiss
 from physim.validation.numbers import listed, names_of, wrapped
@@ -15,15 +16,26 @@ def report(validation: Validation) -> str:
     """Full report of one run, ending with the verdict and a line break."""
     parts = [
         _head(validation),
-        ["VERDICT  " + validation.verdict, *opening(validation)],
+        ["VERDICT  " + validation.verdict, *warning_lines(validation), *opening(validation)],
         _contacts(validation),
         _checks(validation),
         _disagreements(validation),
         prediction_lines(validation),
         _near_misses(validation),
+        warning_lines(validation),
         [f"verdict: {validation.verdict}"],
     ]
     return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+
+def warning_lines(validation: Validation) -> list[str]:
+    """What makes the record unfit to be believed: contacts that are too deep."""
+    names = names_of(validation)
+    return [
+        line
+        for one in validation.deep
+        for line in wrapped(one.sentence(names), "  WARNING  ", 11 * " ")
+    ]
 
 
 def _head(validation: Validation) -> list[str]:
@@ -74,6 +86,14 @@ def _checks(validation: Validation) -> list[str]:
             f"  The engine reported a contact of shapes that were apart {times}; the exact check "
             "rejected it."
         )
+    lines.append(
+        f"  Motion: {validation.motion.checked:,} steps of robots that touch nothing, held against "
+        "the arcs of"
+    )
+    strays = len(validation.motion.strays)
+    lines.append(
+        f"  their commands: {f'{strays} DIFFER' if strays else f'all agree within {ONE_STEP:g} m'}."
+    )
     if run.robots == 1:
         lines.append("  A single robot: there are no pairs of robots.")
     return lines
@@ -81,11 +101,20 @@ def _checks(validation: Validation) -> list[str]:
 
 def _disagreements(validation: Validation) -> list[str]:
     found = validation.comparison.disagreements
-    count = len(found) + len(validation.mispredicted)
+    strays = validation.motion.strays
+    count = len(found) + len(validation.mispredicted) + len(strays)
     if not count:
         return ["DISAGREEMENTS: none"]
     names = names_of(validation)
-    lines = [f"DISAGREEMENTS: {count}, of which {validation.unexplained} unexplained"]
+    unexplained = validation.unexplained + len(strays)
+    lines = [f"DISAGREEMENTS: {count}, of which {unexplained} unexplained"]
+    for stray in strays[:SHOWN_DISAGREEMENTS]:
+        long = f" for {stray.steps} steps" if stray.steps > 1 else ""
+        lines += wrapped(
+            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained (it touches nothing, yet its "
+            f"pose is {stray.gap:.3g} m and {stray.turn:.3g} rad from where its command leads from "
+            f"the sample before{long})", "  ", 15 * " ",
+        )  # fmt: skip
     shown = sorted(found, key=lambda one: one.cause != "unexplained")[:SHOWN_DISAGREEMENTS]
     for one in shown:
         who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
@@ -102,6 +131,7 @@ def _disagreements(validation: Validation) -> list[str]:
             f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})", "  ", 15 * " ",
         )  # fmt: skip
     left = count - len(shown) - len(validation.mispredicted[:SHOWN_DISAGREEMENTS])
+    left -= len(strays[:SHOWN_DISAGREEMENTS])
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import yaml
 
 from physim.errors import RecordError
+from physim.metrics import Deep, deep_contacts
 from physim.record import Record
 from physim.scene import Body
 from physim.validation.comparison import Comparison, Confusion, compare
@@ -18,6 +19,7 @@ from physim.validation.contact_report import (
 )
 from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger, work_out
+from physim.validation.motion import Motion, check_motion
 from physim.validation.near_misses import NearMisses, near_misses
 from physim.validation.prediction import DISAGREES, Predictor
 
@@ -58,6 +60,10 @@ class Validation:
     grazes: tuple[GrazeReport, ...]
     """between two samples"""
     near_misses: NearMisses
+    motion: Motion
+    """whether robots that touch nothing moved as commanded"""
+    deep: tuple[Deep, ...]
+    """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
     resimulated: bool = False
     """the record was coarse: the run was simulated again, and its samples agreed"""
 
@@ -73,20 +79,34 @@ class Validation:
 
     @property
     def verdict(self) -> str:
-        """``contact-free``, ``contacts: N`` or ``checks disagree: N unexplained``.
+        """``contact-free``, ``contacts: N of P pairs`` or ``checks disagree: ...``.
 
-        Contacts between samples are counted apart: ``contacts: N at samples, M between samples``.
+        Contacts between samples are counted apart: ``contacts: N of P pairs at samples, M between
+        samples``. The checks disagree by ``N unexplained`` and by ``poses do not follow the
+        commands, N times``.
         """
-        if self.unexplained:
-            return f"checks disagree: {self.unexplained} unexplained"
+        found = [f"{self.unexplained} unexplained"] if self.unexplained else []
+        if count := len(self.motion.strays):
+            times = "once" if count == 1 else f"{count} times"
+            found.append(f"poses do not follow the commands, {times}")
+        if found:
+            return f"checks disagree: {'; '.join(found)}"
+        contacts = f"contacts: {len(self.contacts)}"
+        if self.contacts:
+            contacts += f" of {self.pairs} pair{'s' if self.pairs != 1 else ''}"
         if self.grazes:
-            return f"contacts: {len(self.contacts)} at samples, {len(self.grazes)} between samples"
-        return f"contacts: {len(self.contacts)}" if self.contacts else "contact-free"
+            return f"{contacts} at samples, {len(self.grazes)} between samples"
+        return contacts if self.contacts else "contact-free"
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs of bodies that touched at samples."""
+        return len({(one.a, one.b) for one in self.contacts})
 
     @property
     def code(self) -> int:
         """Exit code: 0 contact-free, 1 contacts, 3 checks disagree."""
-        if self.unexplained:
+        if self.unexplained or self.motion.strays:
             return DISAGREE
         return CONTACTS if self.contacts or self.grazes else FREE
 
@@ -106,7 +126,8 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
     return Validation(
         _run(record, source), comparison, contacts, graze_reports(record, table),
-        near_misses(record, ledger, table), resimulated,
+        near_misses(record, ledger, table), check_motion(record, table), deep_contacts(record),
+        resimulated,
     )  # fmt: skip
 
 

@@ -30,10 +30,10 @@ _BOX = np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])
 _UNIT = Lens(1.0, 0.0, 0.0)
 
 
-def draw_modes(image: Image, left: int, top: int) -> None:
+def draw_modes(image: Image, left: int, top: int, modes: Sequence[Mode]) -> None:
     """Draw one line a mode: a robot in its colour, and its name."""
     fleet = Fleet([[_BOX]])
-    for row, mode in enumerate(Mode):
+    for row, mode in enumerate(modes):
         y = top + row * ROW + ROW / 2.0
         vertices = Lens(1.0, left + 11.0, y).fixed(fleet.placed(np.zeros((1, 3))))
         draw_robot(image, fleet.split(vertices)[0], mode, False)

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from physim.control import Mode
 from physim.geometry.shapes import IntArray
 from physim.video import legend, theme
 from physim.video.closest import Pair
@@ -67,10 +66,12 @@ class Panel:
         robots = "1 robot" if count == 1 else f"{count} robots"
         words = f"{robots}, seed {record.seed}"
         write(image, words, (PAD, 53), theme.SMALL, colour=theme.QUIET)
-        legend.draw_modes(image, PAD, MODES)
-        top = MODES + len(Mode) * legend.ROW + 12
+        modes = self._story.shown_modes
+        legend.draw_modes(image, PAD, MODES, modes)
+        top = MODES + len(modes) * legend.ROW + (12 if modes else 0)
         self._rule(image, MODES - 8)
-        self._rule(image, top - 6)
+        if modes:
+            self._rule(image, top - 6)
         used = legend.draw_signs(image, PAD, top, signs)
         self._bottom = self._scale_bar(image, top + used + 6, scale)
         return image
@@ -99,7 +100,7 @@ class Panel:
         image[:] = self._still
         self._clock(image, now.time)
         self._figures(image, now)
-        for row, mode in enumerate(Mode):
+        for row, mode in enumerate(self._story.shown_modes):
             count = int((now.modes == mode).sum())
             y = MODES + row * legend.ROW + legend.ROW // 2 + 5
             colour = theme.INK if count else theme.QUIET

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import yaml
 
+from physim.control import Mode
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.video.contacts import episodes
@@ -99,6 +100,14 @@ class Story:
     def decisions(self, time: float) -> IntArray:
         """Return the rows (N,) of all robots' last decisions at or before ``time``; -1 none."""
         return np.array([self.decision(i, time) for i in range(self.robots)], dtype=np.int64)
+
+    @property
+    def shown_modes(self) -> list[Mode]:
+        """Modes to explain: all, or of a controller without safe and danger mode those it gave."""
+        given = set(np.unique(self._mode).tolist())
+        if given & {Mode.SAFE, Mode.DISTANCE, Mode.TIME}:
+            return list(Mode)
+        return [mode for mode in Mode if mode in given]
 
     def modes(self, rows: IntArray) -> IntArray:
         """Return the modes of decisions ``rows``; -1 where there is none."""

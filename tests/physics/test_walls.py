@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hosts import box, drive, host, segments
 
-from physim.tolerances import SETTLED_DEPTH
+from physim.tolerances import DEEP, SETTLED_DEPTH
 
 WALL = [[(2.0, -50.0), (2.0, 50.0)]]
 REACH = np.hypot(0.5, 0.3)
@@ -90,6 +90,32 @@ def test_a_nose_driven_into_a_corner_is_held(dt):
         assert deepest(rows) <= dt + SETTLED_DEPTH
         assert deepest(rows[-10:]) <= SETTLED_DEPTH
         assert len(rows[-1]) == 1
+
+
+ROOM = [(0.0, 0.0), (6.0, 0.0), (6.0, 5.0), (0.0, 5.0), (0.0, 0.0)]
+CIRCLE = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
+DRUM = np.column_stack((3.0 + 3.0 * np.cos(CIRCLE), 2.5 + 3.0 * np.sin(CIRCLE))).tolist()
+ARROW, NEEDLE = [(0.9, 0.0), (-0.7, 0.5), (-0.7, -0.5)], [(1.2, 0.0), (-0.3, 0.1), (-0.3, -0.1)]
+REVERSED = [ROOM[0:2], ROOM[1:3][::-1], ROOM[2:4], ROOM[3:5][::-1]]
+ROOMS = {
+    "one line": [segments(ROOM)],
+    "walls and caps": [segments(side) for side in REVERSED],
+    "drum": [segments([*DRUM, DRUM[0]])],
+}
+
+
+@pytest.mark.parametrize("room", ROOMS)
+@pytest.mark.parametrize("robot", [ARROW, NEEDLE], ids=["arrow", "needle"])
+def test_a_corner_never_lets_a_robot_through(room, robot):
+    # Full speed against the walls of a closed room, turning all the while: in a corner the shortest
+    # way out of one wall leads through the next.
+    dt, v = 0.01, 1.0
+    for omega in (-0.8, -0.3, 0.0, 0.3):
+        physics = host([[3.4, 2.8, 1.1]], [[robot]], walls=ROOMS[room], dt=dt)
+        drive(physics, [v, 0.0], 150)
+        _, rows = drive(physics, [v, omega], 600)
+        assert sum(len(r) for r in rows) > 0
+        assert deepest(rows) <= DEEP
 
 
 @pytest.mark.parametrize("dt", [0.01, 0.05])

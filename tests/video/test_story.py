@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from physim.contacts import CONTACT, Kind, Phase
+from physim.control import Mode
 from physim.video.contacts import episodes
 from physim.video.story import Story, frame_times
 
@@ -61,3 +62,12 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     places = [found.place_at(0, t)[0] for t in (0.5, 1.0, 1.09, 1.1, 9.0)]
     assert places == [0.0, 0.0, 0.0, 1.0, 1.0], "the last row before it ended"
     assert found.place_at(2, 2.5)[0] == 4.0, "the next episode of the same pair"
+
+
+def test_only_the_modes_of_the_controller_are_explained(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    updates = made(2).updates.copy()
+    for given, shown in ((0, list(Mode)), (-1, []), (3, [Mode.ARRIVED])):
+        updates["mode"] = given
+        assert Story(changed(made(2), updates=updates)).shown_modes == shown

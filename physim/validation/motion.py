@@ -1,0 +1,165 @@
+"""Did the robots move as commanded? Poses against exact arcs, from each sample to the next.
+
+A robot that touches nothing follows the arc of its held command exactly (the engine moves it along
+the chord of that very arc), so its pose at each sample follows from the one before and from the
+update table. Left out are robots in contact, which move as far as the contact allows, and robots
+within `PUSHED` of another one, which may be pushed by one that is eased out of a contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.contacts import Kind, Phase
+from physim.geometry.motion import arcs
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.record import Record
+from physim.tolerances import ONE_STEP, PUSHED
+from physim.validation.decisions import DecisionTable
+from physim.validation.ledger import blocks
+
+ULPS = 8.0
+"""Roundings of a coordinate in one step, for worlds far from the origin."""
+
+
+@dataclass(frozen=True)
+class Stray:
+    """A stretch of consecutive steps in which a robot did not follow its commands."""
+
+    robot: int
+    step: int
+    """sample at the end of the first such step"""
+    steps: int
+    time: float
+    """[s] of that sample"""
+    gap: float
+    """[m] largest distance of a pose from the end of the arc"""
+    turn: float
+    """[rad] largest difference of a heading"""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What the check of the motion looked at and found."""
+
+    checked: int
+    """steps of robots that touch nothing"""
+    strays: tuple[Stray, ...]
+    """in the order of time"""
+
+
+class _Off(NamedTuple):
+    """Steps of robots that end elsewhere than the arc."""
+
+    step: IntArray
+    robot: IntArray
+    gap: FloatArray
+    turn: FloatArray
+
+
+class _Course(NamedTuple):
+    """Decisions of one robot."""
+
+    step: IntArray
+    command: FloatArray
+    """(M, 2) given"""
+
+    @classmethod
+    def of(cls, table: DecisionTable, robot: int) -> _Course:
+        rows = table.of(robot)
+        return cls(table.steps(robot), np.stack((rows["given_v"], rows["given_omega"]), axis=1))
+
+
+def check_motion(record: Record, table: DecisionTable) -> Motion:
+    """Hold every pose against the arc from the one before; see the module for what is left out.
+
+    Where filters stood between controllers and robots, the record has the given commands at
+    decisions only, and only the steps after those are looked at. Of a run that was killed the
+    table of decisions may end before the poses: what is behind its end is left out.
+    """
+    touched = _touched(record)
+    until = record.samples
+    if record.ended == "running":
+        until = int(record.updates["step"].max(initial=-1)) + 1
+    courses = [_Course.of(table, i) for i in range(record.robots)]
+    checked, found = 0, []
+    for poses, first in blocks(record):
+        poses = poses[: max(0, until - first + 1)]
+        if len(poses) < 2:
+            break
+        command, decided = _held(courses, first, len(poses) - 1)
+        free = ~touched[first : first + len(poses) - 1]
+        free &= ~touched[first + 1 : first + len(poses)]
+        if record.filtered:
+            free &= decided
+        checked += int(free.sum())
+        found.append(_off(poses, first, command, record.dt, free))
+    return Motion(checked, _strays(record, found, touched))
+
+
+def _touched(record: Record) -> NDArray[np.bool_]:
+    """(K, N) whether a robot touches something at a sample."""
+    touched = np.zeros((record.samples, record.robots), dtype=np.bool_)
+    rows = record.contacts
+    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    for who in ("a", "b"):
+        mine = rows[rows[who] < record.robots]
+        touched[mine["step"], mine[who]] = True
+    return touched
+
+
+def _held(courses: list[_Course], first: int, steps: int) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Commands (steps, N, 2) held from steps ``first`` on, and whether they were decided there."""
+    command = np.zeros((steps, len(courses), 2))
+    decided = np.zeros((steps, len(courses)), dtype=np.bool_)
+    at = first + np.arange(steps)
+    for i, course in enumerate(courses):
+        place = np.searchsorted(course.step, at, side="right") - 1
+        known = place >= 0
+        command[known, i] = course.command[place[known]]
+        decided[known, i] = course.step[place[known]] == at[known]
+    return command, decided
+
+
+def _off(
+    poses: FloatArray, first: int, command: FloatArray, dt: float, free: NDArray[np.bool_]
+) -> _Off:
+    steps, robots = free.shape
+    start = np.ascontiguousarray(poses[:-1].reshape(-1, 3))
+    ends = arcs(start, np.ascontiguousarray(command.reshape(-1, 2)), dt).reshape(steps, robots, 3)
+    apart = np.abs(poses[1:] - ends)
+    gap, turn = np.hypot(apart[..., 0], apart[..., 1]), apart[..., 2]
+    slack = ONE_STEP + ULPS * np.spacing(np.abs(poses[1:]).max(axis=2))
+    step, robot = np.nonzero(free & ~((gap <= slack) & (turn <= slack)))
+    return _Off(step + first + 1, robot, gap[step, robot], turn[step, robot])
+
+
+def _strays(record: Record, found: list[_Off], touched: NDArray[np.bool_]) -> tuple[Stray, ...]:
+    strays = []
+    for i in range(record.robots):
+        mine = [tuple(column[off.robot == i] for column in off) for off in found]
+        step = np.concatenate([np.zeros(0, np.int64), *(off[0] for off in mine)])
+        gap, turn = (np.concatenate([np.zeros(0), *(off[k] for off in mine)]) for k in (2, 3))
+        kept = np.array([not _pushed(record, i, int(k), touched) for k in step], dtype=np.bool_)
+        step, gap, turn = step[kept], gap[kept], turn[kept]
+        cuts = np.flatnonzero(np.diff(step) != 1) + 1
+        for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
+            at = int(step[run[0]])
+            strays.append(
+                Stray(
+                    i, at, len(run), at * record.dt,
+                    float(gap[run].max()), float(turn[run].max()),
+                )
+            )  # fmt: skip
+    return tuple(sorted(strays, key=lambda one: (one.step, one.robot)))
+
+
+def _pushed(record: Record, robot: int, step: int, touched: NDArray[np.bool_]) -> bool:
+    """Whether a robot may have been pushed by one that is eased out of a contact with a third."""
+    if not touched[step - 1].any():
+        return False
+    return float(record.read("/steps/clearance", step - 1, step)[0, robot]) <= PUSHED

@@ -1,0 +1,150 @@
+"""Poses that were tampered with, and bodies that the engine could not hold, are found out."""
+
+from __future__ import annotations
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+
+import physim
+from physim import Decision
+from physim.summary import summarise, table
+from physim.tolerances import DEEP
+from physim.validation import report, validate
+from physim.validation.as_json import json_of_validation
+from tests.validation.runs import APART, LANE, Drivers, edited
+
+
+def tampered(record, path, change):
+    """Copy of a record on disk, its open file changed in place by ``change(file)``."""
+    record.save(path)
+    with h5py.File(path, "r+") as file:
+        change(file)
+    return physim.Record.load(path)
+
+
+def test_runs_as_they_are_follow_their_commands(apart, rear_end, into_wall):
+    for record in (apart, rear_end, into_wall):
+        found = validate(record)
+        assert found.motion.strays == ()
+        assert found.motion.checked > 300
+        assert "agree within 1e-11 m" in report(found)
+
+
+@pytest.mark.parametrize("column", [0, 1, 2])
+def test_one_pose_shifted_by_a_millimetre(tmp_path, apart, column):
+    def shift(file):
+        file["/steps/pose"][200, 1, column] += 1e-3
+
+    with tampered(apart, tmp_path / "record.h5", shift) as record:
+        found = validate(record)
+    (stray,) = found.motion.strays
+    assert (stray.robot, stray.step, stray.steps) == (1, 200, 2)
+    assert max(stray.gap, stray.turn) == pytest.approx(1e-3, rel=0.01)
+    assert found.code == 3
+    assert found.verdict == "checks disagree: poses do not follow the commands, once"
+    said = " ".join(report(found).split())
+    assert "2.0000 s fast: unexplained (it touches nothing" in said
+    assert json.loads(json_of_validation(found))["motion"]["strays"][0]["step"] == 200
+
+
+def test_two_robots_swapped(tmp_path, apart):
+    def swap(file):
+        file["/steps/pose"][...] = file["/steps/pose"][()][:, ::-1]
+
+    with tampered(apart, tmp_path / "record.h5", swap) as record:
+        found = validate(record)
+    assert {one.robot for one in found.motion.strays} == {0, 1}
+    assert found.code == 3
+
+
+def test_one_command_changed(tmp_path, apart):
+    def faster(file):
+        rows = file["/updates"][()]
+        k = np.flatnonzero((rows["robot"] == 0) & (rows["step"] == 150))[0]
+        rows["given_v"][k] += 1e-3
+        file["/updates"][...] = rows
+
+    with tampered(apart, tmp_path / "record.h5", faster) as record:
+        (stray,) = validate(record).motion.strays
+    assert (stray.robot, stray.step, stray.steps) == (0, 151, 10)
+    assert stray.gap == pytest.approx(1e-5, rel=1e-3)
+
+
+def test_a_pose_beside_a_contact_is_looked_at_too(tmp_path, into_wall):
+    # The other robot is in contact all the while: it is left out, this one is not.
+    step = into_wall.samples - 5
+    assert (into_wall.contacts["step"] == step).any()
+
+    def shift(file):
+        file["/steps/pose"][step, 1, 0] += 1e-6
+
+    with tampered(into_wall, tmp_path / "record.h5", shift) as record:
+        assert [one.robot for one in validate(record).motion.strays] == [1]
+
+
+def test_filters_between_decisions_are_no_disagreement(tmp_path):
+    def slower(scene, snapshot, wanted):
+        return wanted * (0.5 if snapshot.step % 7 == 0 else 1.0)
+
+    world = physim.parse_world(LANE, overrides=["robots.1.pose=[6.0, -1.3, 0.0]"])
+    record = physim.simulate(world, controller=Drivers(*APART), filters=[slower])
+    found = validate(record)
+    assert record.filtered
+    assert (found.code, found.motion.strays) == (0, ())
+    assert 0 < found.motion.checked < 100
+
+
+def test_a_contact_that_is_too_deep_is_told_loudly(tmp_path, rear_end):
+    assert validate(rear_end).deep == ()
+    assert summarise(rear_end).deep_contacts == ()
+    touching = rear_end.contacts[rear_end.contacts["phase"] != 2]
+
+    def deeper(rows):
+        rows["depth"][(rows["step"] == touching["step"][3]) & (rows["phase"] != 2)] = 0.45
+        return rows
+
+    with edited(rear_end, tmp_path / "record.h5", deeper) as record:
+        found, summary = validate(record), summarise(record)
+    (deep,) = found.deep
+    assert (deep.a, deep.b, deep.depth) == (0, 1, 0.45)
+    assert deep.depth_time == touching["step"][3] * rear_end.dt
+    assert deep.allowed >= DEEP
+    said = " ".join(report(found).split())
+    assert said.count("NOT PHYSICAL from") == 2  # with the verdict, above and below
+    assert "slow and fast sink into each other by up to 450.0 mm" in said
+    assert "WARNING" in table(summary)
+    assert json.loads(summary.to_json())["deep_contacts"][0]["max_depth_m"] == 0.45
+
+
+class Plain:
+    """Looks at nothing and has no modes."""
+
+    def decide(self, observation, memory):
+        return Decision(v=1.0, omega=0.0, hold=0.1)
+
+
+def test_a_controller_without_modes_is_told_without_them():
+    record = physim.simulate(physim.parse_world(LANE), controller=Plain())
+    assert set(record.updates["mode"]) == {-1}
+    summary = summarise(record)
+    assert summary.danger_time_share is None
+    assert not {"danger_share", "safe_share", "mode_switches"} & set(summary.metrics)
+    assert "n/a (the controller gives no modes)" in table(summary)
+    found = validate(record)
+    assert "safe mode" not in report(found)
+
+
+def test_pairs_are_counted_beside_contacts(into_wall, rear_end):
+    found = validate(rear_end)
+    count, pairs = len(found.contacts), len({(one.a, one.b) for one in found.contacts})
+    assert found.verdict == f"contacts: {count} of {pairs} pair{'s' if pairs != 1 else ''}"
+    assert json.loads(json_of_validation(found))["pairs_in_contact"] == pairs
+
+
+def test_the_report_says_what_foretold_means(rear_end):
+    text = report(validate(rear_end))
+    assert "(foretold: share of decisions after which it would have come" in text
+    assert max(len(line) for line in text.splitlines()) <= 100

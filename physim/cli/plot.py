@@ -8,9 +8,9 @@ import sys
 from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
 from physim.cli.progress import interrupts
-from physim.cli.quick_matplotlib import import_matplotlib
 from physim.errors import PhysimError, nearest, plural
 from physim.plots import NAMES, draw
+from physim.plots.quick_matplotlib import import_matplotlib
 from physim.record import Record
 
 INTERRUPTED = 130

@@ -10,9 +10,9 @@ from typing import TextIO
 
 from physim.cli.output import inputs, new_file
 from physim.cli.progress import interrupts
-from physim.cli.quick_matplotlib import import_matplotlib
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
+from physim.plots.quick_matplotlib import import_matplotlib
 from physim.preview import FORMATS, save_preview
 from physim.scene_builder import Layout, lay_out
 from physim.world_file import located, read_world

@@ -172,7 +172,7 @@ class _Reader:
             self._check_tag(event, line, column)
             if event.anchor is not None:
                 self.anchors[event.anchor] = Node(line, column, event.value)
-            self._key(event.value, line, column)
+            self._key(event.value, line, column, quoted=bool(event.style))
             return
         value: Any = VOID
         self._check_tag(event, line, column)
@@ -189,7 +189,7 @@ class _Reader:
             self.anchors[event.anchor] = node
         self._put(node)
 
-    def _key(self, text: str, line: int, column: int) -> None:
+    def _key(self, text: str, line: int, column: int, quoted: bool = False) -> None:
         top = self.stack[-1]
         top.waits_for_value, top.is_usable, top.key = True, True, None
         given = top.node.members or {}
@@ -199,7 +199,7 @@ class _Reader:
             message = f"{shown(text)} cannot be a key; keys are short words"
             self._fault(Fault(top.location, message), line, column)
             top.is_usable = False
-        elif (glued := glued_key(text)) and glued not in given:
+        elif not quoted and (glued := glued_key(text)) and glued not in given:
             message = f'a space is missing after the colon; write "{glued}: …"'
             self._fault(Fault((*top.location, glued), message), line, column + len(glued))
             self.void.add((*top.location, glued))

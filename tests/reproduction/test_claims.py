@@ -173,7 +173,9 @@ def test_unknown_figures(figure: str, told: str) -> None:
 
 
 def test_an_unknown_study_tells_the_nearest() -> None:
-    with pytest.raises(PhysimError, match=r'no study is called "alfa"; allowed: alpha, .*"alpha"'):
+    with pytest.raises(
+        PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
+    ):
         make_plan(study="alfa")
 
 

@@ -223,3 +223,9 @@ def test_positions_are_those_of_the_text():
     assert str(document.position(("b", 0, "c"), key=True)) == "f:3:6"
     assert str(document.position(("b", 0, "missing"))) == "f:3:5"
     assert str(document.position(("missing",))) == "f:1:1"
+
+
+def test_a_quoted_key_with_a_colon_is_a_key() -> None:
+    document = read_document('controller: {type: odd, "A:0": 1.0}', "w.yaml")
+    assert not document.faults
+    assert document.plain() == {"controller": {"type": "odd", "A:0": 1.0}}

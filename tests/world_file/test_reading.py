@@ -228,4 +228,4 @@ def test_positions_are_those_of_the_text():
 def test_a_quoted_key_with_a_colon_is_a_key() -> None:
     document = read_document('controller: {type: odd, "A:0": 1.0}', "w.yaml")
     assert not document.faults
-    assert document.plain() == {"controller": {"type": "odd", "A:0": 1.0}}
+    assert document.values() == {"controller": {"type": "odd", "A:0": 1.0}}

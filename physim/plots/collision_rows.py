@@ -52,7 +52,10 @@ def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
     if few:
         _minima(axis, np.fmin.reduce(least, axis=1))
     shown = [k for k in range(len(SHADES)) if (shade == k).any()]
-    return [Patch(facecolor=SHADES[k], label=_words(k)) for k in shown]
+    handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in shown]
+    if np.isnan(least).any():
+        handles.append(Patch(facecolor="none", edgecolor=QUIET, linewidth=0.5, label="none ahead"))
+    return handles
 
 
 def _minima(axis: Any, shortest: FloatArray) -> None:

@@ -26,7 +26,7 @@ REPORT = PICTURES / JSON
 def text_of(report: Report) -> str:
     """The page of a report, its pictures in docs/reproduction/, without videos."""
     sections = tuple(
-        replace(one, films=(), pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
+        replace(one, pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
         for one in report.sections
     )
     return markdown(page(replace(report, sections=sections)))
@@ -35,7 +35,8 @@ def text_of(report: Report) -> str:
 def write(folder: Path) -> None:
     """Take page, report and pictures from a folder that a reproduction wrote."""
     report = Report.from_json((folder / JSON).read_text(encoding="utf-8"))
-    report = replace(report, command="physim reproduce")
+    without_films = tuple(replace(one, films=()) for one in report.sections)
+    report = replace(report, command="physim reproduce", sections=without_films)
     PICTURES.mkdir(exist_ok=True)
     for old in PICTURES.glob("*.png"):
         old.unlink()

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 NO_MODE = -1
 """In tables, the mode of a decision that gave none."""
+LONGEST_HOLD = 10**9
+"""[steps] a hold of inf: never again"""
 
 
 class Mode(IntEnum):

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from physim.control import Controller, Decision, Decisions, Observation, Snapshot
+from physim.control import (
+    LONGEST_HOLD,
+    NO_MODE,
+    Controller,
+    Decision,
+    Decisions,
+    Mode,
+    Observation,
+    Snapshot,
+)
 from physim.control_decisions import Row, broken, decision_row
 from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
@@ -16,8 +25,6 @@ from physim.scene import Scene
 
 ROUNDING = 1e-9
 """Share of a step, and of a limit, that rounding may take up."""
-LONGEST_HOLD = 10**9
-"""[steps] a hold of inf: never again"""
 
 
 class PlainBatch:
@@ -85,6 +92,24 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
         f"{command[row, column]:g} {unit}; it must be finite and within "
         f"{scene.limits[robots[row], column]:g} {unit} either way"
     )
+
+
+def check_told(scene: Scene, time: float, decisions: Decisions) -> None:
+    """Refuse modes and counts of robots that no record may hold."""
+    considered, evaluations = decisions.report[:, 5], decisions.report[:, 6]
+    bodies = len(scene.bodies)
+    for values, low, high, name in (
+        (decisions.mode, NO_MODE, max(Mode), "mode"),
+        (considered, 0, bodies, "report: considered"),
+        (evaluations, 0, np.iinfo(np.int32).max, "report: evaluations"),
+    ):
+        fine = (values >= low) & (values <= high)  # False for NaN
+        if not fine.all():
+            row = int(np.argmin(fine))
+            raise ControllerError(
+                f"{scene.names[decisions.robot[row]]} at {time:g} s: {name} = {values[row]:g}; "
+                f"allowed: {int(low)} to {int(high)}"
+            )
 
 
 def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) -> IntArray:

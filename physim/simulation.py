@@ -23,7 +23,7 @@ from physim.control import (
     Observation,
     Snapshot,
 )
-from physim.control_loop import PlainBatch, as_commands, check_commands, hold_steps
+from physim.control_loop import PlainBatch, as_commands, check_commands, check_told, hold_steps
 from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.perception import Perception
@@ -174,6 +174,7 @@ class Simulation:
         """Ask the robots that are due; commands (N, 2) of all robots from now on, and who said."""
         decisions = self._batch.decide_due(snapshot, due)
         check_commands(self.scene, self.time, due, decisions.command)
+        check_told(self.scene, self.time, decisions)
         next_step = self.step_number + hold_steps(self.scene, self.time, due, decisions.hold)
         wanted = self.command.copy()
         wanted[due] = decisions.command

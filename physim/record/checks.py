@@ -97,6 +97,13 @@ def _check_datasets(file: h5py.File, where: str) -> None:
         if not isinstance(file.get(path), h5py.Dataset):
             raise RecordError(f"{where}: dataset {path} is missing")
     robots = file["/robots/stop_station"].size
+    bodies = file["/bodies/id"].size
+    for path in ("/bodies/kind", "/bodies/name"):
+        if file[path].size != bodies or bodies < robots:
+            raise RecordError(
+                f"{where}: dataset {path} has {file[path].size} rows, /bodies/id {bodies}, for "
+                f"{robots} robots"
+            )
     wanted: dict[str, tuple[tuple[int, ...], Any]] = {
         **{path: ((), row) for path, row in layout.TABLES.items()},
         **layout.steps_rows(robots),

@@ -43,15 +43,15 @@ def _add(total: hashlib._Hash, record: Record, dataset: h5py.Dataset, path: str)
     if path in layout.STEPS:
         shape = (record.samples, *shape[1:])
     elif path in layout.TABLES:
-        shape = (len(getattr(record, path[1:])),)
+        shape = (len(record.read(path, check=False)),)
     total.update(f"{path} {dataset.dtype.descr} {shape}\n".encode())
     if not shape:
-        total.update(record.read(path).tobytes())
+        total.update(record.read(path, check=False).tobytes())
         return
     row_bytes = dataset.dtype.itemsize * int(np.prod(shape[1:], dtype=int))
     block = max(1, BLOCK_BYTES // row_bytes)
     for first in range(0, shape[0], block):
-        rows = record.read(path, first, min(first + block, shape[0]))
+        rows = record.read(path, first, min(first + block, shape[0]), check=False)
         if dataset.dtype.kind == "O":
             total.update(b"".join(len(text).to_bytes(8, "little") + text for text in rows))
         else:

@@ -19,6 +19,14 @@ from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack
 from physim.record import layout
 from physim.record.checks import check_layout, damaged, open_record
 from physim.record.digest import digest
+from physim.record.values import (
+    Bounds,
+    check_extremes,
+    check_points,
+    check_start,
+    check_steps,
+    check_table,
+)
 from physim.scene import Body
 
 if TYPE_CHECKING:
@@ -62,6 +70,9 @@ class Record:
         """K"""
         self.robots = int(file["/robots/stop_station"].size)
         """N"""
+        bodies = int(file["/bodies/id"].size)
+        last = self.steps_run if self.ended != "running" else np.iinfo(np.int64).max
+        self._bounds = Bounds(self.robots, bodies, last)
         self._killed_at: int | None = None
         if self.ended == "running":
             self._killed_at = int(self.steps[-1]) if self.samples else -1
@@ -72,10 +83,23 @@ class Record:
         """Open a record file. Raises RecordError with one line that says what is wrong with it."""
         file = open_record(Path(path))
         try:
-            return cls(file, Path(path))
+            record = cls(file, Path(path))
+            record.check_values()
+            return record
         except BaseException:
             file.close()
             raise
+
+    def check_values(self) -> None:
+        """Read steps, tables and starts, which checks them. Poses are checked when they are read.
+
+        Raises RecordError, one line: table, row, what was given, what is allowed.
+        """
+        for path in layout.TABLES:
+            getattr(self, path[1:])
+        for name in ("steps", "extremes", "farthest", "bodies", "footprints", "walls", "paths",
+                     "reference", "accessible", "safe"):  # fmt: skip
+            getattr(self, name)
 
     def close(self) -> None:
         """Close the file; what was read stays, nothing more can be read."""
@@ -181,10 +205,14 @@ class Record:
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
         groups = [layout.FOOTPRINTS.format(i) for i in range(self.robots)]
-        return tuple(
-            tuple(self.read(f"{group}/{part}") for part in sorted(self._file[group], key=int))
-            for group in groups
-        )
+        paths = [
+            [f"{group}/{part}" for part in sorted(self._file[group], key=int)] for group in groups
+        ]
+        found = tuple(tuple(self.read(path) for path in parts) for parts in paths)
+        for parts, arrays in zip(paths, found, strict=True):
+            for path, points in zip(parts, arrays, strict=True):
+                check_points(path, points, self._where)
+        return found
 
     @cached_property
     def walls(self) -> Shapes:
@@ -192,6 +220,12 @@ class Record:
         vertices, part_start, body_start = (
             self.read(f"/walls/{field}") for field in ("vertices", "part_start", "body_start")
         )
+        check_points("/walls/vertices", vertices, self._where)
+        check_start("/walls/part_start", part_start, len(vertices), self._where, empty=False)
+        check_start(
+            "/walls/body_start", body_start, len(part_start) - 1, self._where,
+            empty=False, runs=self._bounds.bodies - self.robots,
+        )  # fmt: skip
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
         runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
         radius = [float(lengths[first:last].max()) for first, last in runs]
@@ -200,12 +234,12 @@ class Record:
     @cached_property
     def paths(self) -> Polylines:
         """Own path of each robot."""
-        return pack_polylines(self._runs("/paths"))
+        return pack_polylines(self._runs("/paths", self.robots))
 
     @cached_property
     def reference(self) -> Polylines:
         """The one reference path s*."""
-        return pack_polylines(self._runs("/reference"))
+        return pack_polylines(self._runs("/reference", 1))
 
     @cached_property
     def stop_station(self) -> FloatArray:
@@ -247,15 +281,19 @@ class Record:
 
     # The whole
 
-    def read(self, path: str, first: int = 0, last: int | None = None) -> NDArray[Any]:
+    def read(
+        self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
+    ) -> NDArray[Any]:
         """Rows ``first`` to ``last - 1`` of a dataset, without keeping them.
 
-        Raises RecordError when they cannot be read.
+        Raises RecordError when they cannot be read, and, with ``check``, for values that no run
+        writes.
         """
         try:
             dataset = self._file[path]
             if dataset.ndim == 0:
-                return _frozen(np.asarray(dataset[()], dtype=dataset.dtype))
+                row = np.asarray(dataset[()], dtype=dataset.dtype)
+                return _frozen(self._checked(path, row, 0) if check else row)
             if path in layout.STEPS:
                 last = self.samples if last is None else min(last, self.samples)
             rows = np.asarray(dataset[first:last])
@@ -263,7 +301,17 @@ class Record:
             raise damaged(self._where, path, error) from error
         if path in layout.TABLES and self._killed_at is not None:
             rows = rows[rows["step"] <= self._killed_at]
-        return _frozen(rows)
+        return _frozen(self._checked(path, rows, first) if check else rows)
+
+    def _checked(self, path: str, rows: NDArray[Any], first: int) -> NDArray[Any]:
+        """Rows as they are, when their values are such as a run writes."""
+        if path in layout.STEPS:
+            check_steps(path, rows, self._where, first)
+        elif path in layout.TABLES:
+            check_table(path, rows, self._bounds, self._where, first)
+        elif path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
+            check_extremes(path, rows, self._bounds, self._where)
+        return rows
 
     def digest(self) -> str:
         """SHA-256 of all but the wall clock and the versions, see `physim.record.digest`."""
@@ -284,9 +332,13 @@ class Record:
             draft.unlink(missing_ok=True)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
 
-    def _runs(self, group: str) -> list[FloatArray]:
-        """Polylines or rings of a packed group."""
+    def _runs(self, group: str, runs: int | None = None) -> list[FloatArray]:
+        """Polylines or rings of a packed group; ``runs`` of them, if that is known."""
         points, start = self.read(f"{group}/points"), self.read(f"{group}/start")
+        check_points(f"{group}/points", points, self._where)
+        check_start(
+            f"{group}/start", start, len(points), self._where, empty=runs is None, runs=runs
+        )
         return [points[first:last] for first, last in pairwise(start)]
 
 

@@ -31,6 +31,7 @@ def append(out: RecordWriter, first: int, last: int) -> None:
     step = np.arange(first, last)
     updates, contacts = np.zeros(len(step), UPDATE), np.zeros(len(step), CONTACT)
     updates["step"] = contacts["step"] = step
+    updates["next_step"], contacts["b"] = step + 1, 1
     updates["station"], contacts["x"] = 0.5 * step, 0.25 * step
     out.append_updates(updates)
     out.append_contacts(contacts)

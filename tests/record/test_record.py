@@ -151,7 +151,7 @@ def digests(made: Path, folder: Path, change: object) -> tuple[str, str]:
     shutil.copy(made, copy)
     with h5py.File(copy, "r+") as file:
         change(file)  # type: ignore[operator]
-    with Record.load(made) as before, Record.load(copy) as after:
+    with Record.load(made) as before, Record(h5py.File(copy, "r")) as after:
         return before.digest(), after.digest()
 
 

@@ -118,7 +118,11 @@ def check_origin(record: Record, world: World, where: str | Path) -> None:
     """
     import yaml
 
-    theirs = yaml.safe_load(record.world_text)
+    try:
+        theirs = yaml.safe_load(record.world_text)
+    except yaml.YAMLError as error:
+        told = " ".join(str(error).split())
+        raise RecordError(f"{record.path}: the world inside cannot be read: {told}") from error
     ours = yaml.safe_load(world.to_yaml())
     for tree in (theirs, ours):
         if isinstance(tree, dict):

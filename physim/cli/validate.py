@@ -15,6 +15,7 @@ from physim.record import Record
 from physim.scene_builder import is_random
 from physim.validation import Validation, is_warm, report, validate, warning_lines
 from physim.validation.as_json import json_of_seeds, json_of_validation
+from physim.validation.origin import check_origin
 from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
 from physim.validation.validation import is_coarse
 from physim.world import World
@@ -70,6 +71,8 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
         return _told(_judged(record, str(record.path), options), options)
     if record.ended == "error":
         raise PhysimError(f"{record.path}: the run broke off with an error; run it again")
+    for told in check_origin(record).differences[:1]:
+        raise PhysimError(f"{record.path}: {told}")
     world, document = rerun.world_inside(options, record)
     with rerun.run_again(world, document, record.seed, options) as full:
         rerun.check_samples(record, full)

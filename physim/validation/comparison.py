@@ -29,6 +29,7 @@ from physim.tolerances import CONTACT
 from physim.validation.events import false_contacts, grazes
 from physim.validation.findings import DEPTH_SLACK, ROUNDING, TOLERANCE, UNEXPLAINED, Disagreement
 from physim.validation.ledger import Ledger
+from physim.validation.recorded import Exact, recorded_extremes
 from physim.validation.rows import body_keys, distance_at, stretches
 
 
@@ -60,8 +61,11 @@ class Comparison:
         return sum(one.cause == UNEXPLAINED for one in self.disagreements)
 
 
-def compare(record: Record, ledger: Ledger) -> Comparison:
-    """Hold the contacts of a record against its ledger. Raises RecordError for an impossible id."""
+def compare(record: Record, ledger: Ledger, exact: Exact) -> Comparison:
+    """Hold contacts and distances of a record against the shapes.
+
+    Raises RecordError for an impossible id.
+    """
     bodies = len(record.bodies)
     physical = physical_rows(record)
     theirs = body_keys(physical, bodies)
@@ -72,6 +76,8 @@ def compare(record: Record, ledger: Ledger) -> Comparison:
     found += _lost_entries(record, ledger)
     found += _depths(record, physical, ledger, theirs, ours)
     found += _extremes(record, ledger)
+    found += exact.disagreements
+    found += recorded_extremes(record, exact, ledger.reach)
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
     swept = np.union1d(_spread(ours, bodies, ledger.samples), body_keys(ledger.grazes, bodies))
     return Comparison(

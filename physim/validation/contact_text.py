@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from physim.control import Mode
+from physim.tolerances import CONTACT
 from physim.validation.contact_report import ContactReport, GrazeReport, Side
 from physim.validation.numbers import joined, length, names_of, short, wrapped
 from physim.validation.validation import Validation
@@ -33,10 +34,18 @@ def _sentences(validation: Validation) -> list[str]:
         return [f"No contact at a sample in {run.seconds:.2f} s.", *_grazes(validation)]
     if not validation.contacts:
         told = [
-            f"{names[one.a]} and {names[one.b]} came within {length(one.value)} at {one.time:.2f} s"
+            f"{names[one.a]} and {names[one.b]} {_came(one.value)} at {one.time:.2f} s"
             for one in (near.smallest_robots, near.smallest_boundary)
             if one is not None
         ]
+        if any(
+            one is not None and one.value < 0.0
+            for one in (near.smallest_robots, near.smallest_boundary)
+        ):
+            return [
+                f"The record tells no contact in {run.seconds:.2f} s, yet bodies overlap: "
+                f"{'; '.join(told)}."
+            ]
         return [f"No contact in {run.seconds:.2f} s. Nearest: {'; '.join(told) or 'nothing'}."]
     first = validation.contacts[0]
     robots = sum(one.b < run.robots for one in validation.contacts)
@@ -53,6 +62,12 @@ def _sentences(validation: Validation) -> list[str]:
         ]
         said.append(f"Responsible, by number of contacts: {', '.join(shares)}.")
     return said + _grazes(validation)
+
+
+def _came(distance: float) -> str:
+    """How near two bodies came; a negative distance is an overlap."""
+    near = f"came within {length(distance)}"
+    return near if distance >= -CONTACT else f"overlapped by {length(-distance)}"
 
 
 def _grazes(validation: Validation) -> list[str]:

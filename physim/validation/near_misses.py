@@ -17,17 +17,12 @@ from numpy.typing import NDArray
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.metrics import (
-    Moment,
-    contact_episodes,
-    grazes,
-    shortest_boundary_distance,
-    shortest_distance,
-)
+from physim.metrics import contact_episodes, grazes
 from physim.record import Record
 from physim.tolerances import CONTACT
 from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger, blocks, robot_shapes
+from physim.validation.recorded import Exact
 from physim.validation.scan import FULL, walls_about
 
 SHOWN = 10
@@ -68,8 +63,8 @@ class NearMisses:
     """smallest distance of a robot and a boundary or obstacle"""
 
 
-def near_misses(record: Record, ledger: Ledger, table: DecisionTable) -> NearMisses:
-    """Find the near misses of a record with the poses of every step."""
+def near_misses(record: Record, ledger: Ledger, table: DecisionTable, exact: Exact) -> NearMisses:
+    """Find the near misses of a record with the poses of every step; all by the shapes."""
     grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in ledger.grazes]
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
@@ -82,8 +77,8 @@ def near_misses(record: Record, ledger: Ledger, table: DecisionTable) -> NearMis
         tuple(_with_order(table, one) for one in distances[:SHOWN]),
         tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
         ledger.reach,
-        _least(shortest_distance(record)),
-        _least(shortest_boundary_distance(record)),
+        _least(record, exact, "clearance", "clearance_step", "clearance_other"),
+        _least(record, exact, "boundary_clearance", "boundary_step", "boundary_other"),
     )
 
 
@@ -95,10 +90,14 @@ def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
     return replace(one, behind=one.b if ahead else one.a)
 
 
-def _least(moment: Moment | None) -> NearMiss | None:
-    if moment is None or moment.b is None:
+def _least(record: Record, exact: Exact, value: str, step: str, other: str) -> NearMiss | None:
+    rows = exact.extremes.rows
+    who = int(np.argmin(rows[value]))
+    row = rows[who]
+    if row[other] < 0:
         return None
-    return NearMiss(moment.a, moment.b, moment.step, moment.time, moment.value)
+    at = int(row[step])
+    return NearMiss(who, int(row[other]), at, at * record.dt, float(row[value]))
 
 
 @compiled

@@ -94,6 +94,8 @@ def _checks(validation: Validation) -> list[str]:
     lines.append(
         f"  their commands: {f'{strays} DIFFER' if strays else f'all agree within {ONE_STEP:g} m'}."
     )
+    if not validation.origin.held:
+        lines.append("  World: the record holds no text of its world; nothing is held against it.")
     if run.robots == 1:
         lines.append("  A single robot: there are no pairs of robots.")
     return lines
@@ -102,12 +104,15 @@ def _checks(validation: Validation) -> list[str]:
 def _disagreements(validation: Validation) -> list[str]:
     found = validation.comparison.disagreements
     strays = validation.motion.strays
-    count = len(found) + len(validation.mispredicted) + len(strays)
+    differences = validation.origin.differences
+    count = len(found) + len(validation.mispredicted) + len(strays) + len(differences)
     if not count:
         return ["DISAGREEMENTS: none"]
     names = names_of(validation)
-    unexplained = validation.unexplained + len(strays)
+    unexplained = validation.unexplained + len(strays) + len(differences)
     lines = [f"DISAGREEMENTS: {count}, of which {unexplained} unexplained"]
+    for told in differences[:SHOWN_DISAGREEMENTS]:
+        lines += wrapped(f"unexplained: {told}", "  ", 15 * " ")
     for stray in strays[:SHOWN_DISAGREEMENTS]:
         long = f" for {stray.steps} steps" if stray.steps > 1 else ""
         lines += wrapped(
@@ -131,7 +136,7 @@ def _disagreements(validation: Validation) -> list[str]:
             f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})", "  ", 15 * " ",
         )  # fmt: skip
     left = count - len(shown) - len(validation.mispredicted[:SHOWN_DISAGREEMENTS])
-    left -= len(strays[:SHOWN_DISAGREEMENTS])
+    left -= len(strays[:SHOWN_DISAGREEMENTS]) + len(differences[:SHOWN_DISAGREEMENTS])
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import yaml
 
 from physim.errors import RecordError
@@ -21,7 +22,9 @@ from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger, work_out
 from physim.validation.motion import Motion, check_motion
 from physim.validation.near_misses import NearMisses, near_misses
+from physim.validation.origin import Origin, check_origin
 from physim.validation.prediction import DISAGREES, Predictor
+from physim.validation.recorded import exact_distances
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
 """Exit codes of the verdict."""
@@ -62,6 +65,8 @@ class Validation:
     near_misses: NearMisses
     motion: Motion
     """whether robots that touch nothing moved as commanded"""
+    origin: Origin
+    """whether the record is that of the world inside it"""
     deep: tuple[Deep, ...]
     """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
     resimulated: bool = False
@@ -82,13 +87,14 @@ class Validation:
         """``contact-free``, ``contacts: N of P pairs`` or ``checks disagree: ...``.
 
         Contacts between samples are counted apart: ``contacts: N of P pairs at samples, M between
-        samples``. The checks disagree by ``N unexplained`` and by ``poses do not follow the
-        commands, N times``.
+        samples``. The checks disagree by ``N unexplained``, by ``poses do not follow the commands,
+        N times``, and by what is not as in the world inside the record.
         """
         found = [f"{self.unexplained} unexplained"] if self.unexplained else []
         if count := len(self.motion.strays):
             times = "once" if count == 1 else f"{count} times"
             found.append(f"poses do not follow the commands, {times}")
+        found += self.origin.differences[:1]
         if found:
             return f"checks disagree: {'; '.join(found)}"
         contacts = f"contacts: {len(self.contacts)}"
@@ -106,7 +112,7 @@ class Validation:
     @property
     def code(self) -> int:
         """Exit code: 0 contact-free, 1 contacts, 3 checks disagree."""
-        if self.unexplained or self.motion.strays:
+        if self.unexplained or self.motion.strays or self.origin.differences:
             return DISAGREE
         return CONTACTS if self.contacts or self.grazes else FREE
 
@@ -120,14 +126,16 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     interrupted or killed is judged as far as it is recorded.
     """
     check_complete(record)
+    origin = check_origin(record)
     ledger: Ledger = work_out(record)
     table = DecisionTable(record)
-    comparison = compare(record, ledger)
+    exact = exact_distances(record)
+    comparison = compare(record, ledger, exact)
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
     return Validation(
         _run(record, source), comparison, contacts, graze_reports(record, table),
-        near_misses(record, ledger, table), check_motion(record, table), deep_contacts(record),
-        resimulated,
+        near_misses(record, ledger, table, exact), check_motion(record, table), origin,
+        deep_contacts(record), resimulated,
     )  # fmt: skip
 
 
@@ -160,6 +168,12 @@ def check_complete(record: Record) -> None:
     steps = record.steps
     if not len(steps):
         raise RecordError(f"{where}: truncated: no samples; make the record again")
+    gap = np.flatnonzero(np.diff(steps) != 1)
+    if len(gap):
+        raise RecordError(
+            f"{where}: step {steps[gap[0]] + 1} has no sample, the record has those of steps "
+            f"{steps[gap[0]]} and {steps[gap[0] + 1]}; make the record again"
+        )
     if len(steps) != record.steps_run + 1 or steps[0] != 0 or steps[-1] != record.steps_run:
         raise RecordError(
             f"{where}: truncated: {len(steps)} samples for {record.steps_run} steps; "

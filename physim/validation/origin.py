@@ -1,0 +1,99 @@
+"""Is a record that of the world inside it? Its scene is built anew from that world and compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from physim.errors import RecordError, WorldError
+from physim.geometry.shapes import pack_shapes
+from physim.record import Record
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.tolerances import LENGTH
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What the comparison of a record with the world inside it found."""
+
+    held: bool
+    """False where the record holds no text of its world: nothing was compared"""
+    differences: tuple[str, ...]
+    """what is in the record, and what it is by the world; one line each"""
+
+
+def check_origin(record: Record) -> Origin:
+    """Hold seed, step, names, footprints, walls, paths and start poses against the world inside.
+
+    Lengths and angles must agree within `LENGTH`. A record made without the text of a world is not
+    compared. Raises RecordError, one line, where the text cannot be read or built.
+    """
+    if not record.world_text.strip():
+        return Origin(False, ())
+    try:
+        scene = build_scene(record.world)
+    except WorldError as error:
+        where = record.path or "record in memory"
+        told = str(error).splitlines()[0].removeprefix(f"world of {where}:")
+        raise RecordError(f"{where}: the world inside cannot be read: {told.strip()}") from error
+    return Origin(True, (*_values(record, scene), *_arrays(record, scene)))
+
+
+def _values(record: Record, scene: Scene) -> Iterator[str]:
+    pairs: list[tuple[str, Any, Any]] = [
+        ("seed", record.seed, scene.seed),
+        ("dt", record.dt, scene.dt),
+        ("steps_planned", record.steps_planned, scene.steps),
+        ("record_every", record.record_every, scene.world.time.record_every),
+        ("number of robots", record.robots, scene.robots),
+    ]
+    for k, (one, other) in enumerate(zip(record.bodies, scene.bodies, strict=False)):
+        pairs += [
+            (f"{field} of body {k}", getattr(one, field), getattr(other, field))
+            for field in ("id", "kind", "name")
+        ]
+    pairs.append(("number of bodies", len(record.bodies), len(scene.bodies)))
+    for name, inside, world in pairs:
+        if inside != world:
+            yield f"{name} is {inside} in the record, {world} by the world inside it"
+
+
+def _arrays(record: Record, scene: Scene) -> Iterator[str]:
+    names, shapes = record.names, pack_shapes(record.footprints)
+    ours: list[tuple[str, Any, Any]] = [
+        ("vertex", record.walls.vertices, scene.walls.vertices),
+        ("start of part", record.walls.part_start, scene.walls.part_start),
+        ("first part of body", record.walls.body_start, scene.walls.body_start),
+    ]
+    ours = [(f"walls: {what}", one, other) for what, one, other in ours]
+    ours += [
+        ("footprints: vertex", shapes.vertices, scene.shapes.vertices),
+        ("footprints: start of part", shapes.part_start, scene.shapes.part_start),
+        ("footprints: first part of robot", shapes.body_start, scene.shapes.body_start),
+        ("paths: point", record.paths.points, scene.paths.points),
+        ("paths: start", record.paths.start, scene.paths.start),
+        ("reference path: point", record.reference.points, scene.reference.points),
+        ("stop station of robot", record.stop_station, scene.stop_station),
+    ]
+    if record.samples:
+        ours.append(("start pose of robot", record.read("/steps/pose", 0, 1)[0], scene.start))
+    for what, inside, world in ours:
+        if inside.shape != world.shape:
+            yield f"{what}: {len(inside)} in the record, {len(world)} by the world inside it"
+            continue
+        wrong = np.abs(inside - world) > LENGTH
+        if wrong.any():
+            k = int(np.argwhere(wrong)[0][0])
+            who = f" ({names[k]})" if what.endswith("pose of robot") and k < len(names) else ""
+            told, by = _shown(inside[k]), _shown(world[k])
+            yield f"{what} {k}{who} is {told} in the record, {by} by the world inside it"
+
+
+def _shown(value: Any) -> str:
+    if np.ndim(value):
+        return "(" + ", ".join(f"{float(one):.10g}" for one in value) + ")"
+    return f"{float(value):.10g}"

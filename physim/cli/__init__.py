@@ -13,15 +13,31 @@ UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
 
 
+FAULT = 70
+"""Exit code of an exception that nobody expected: a fault in physim (EX_SOFTWARE of sysexits)."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
     0 fine, 1 ran but an expectation failed or there was contact, 2 bad input or output that cannot
-    be written, 3 checks disagree, 130 interrupted.
+    be written, 3 checks disagree, 70 a fault in physim, after its traceback, 130 interrupted.
 
     Every error is told on standard error, a line each, and begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
+    try:
+        return _with_streams(arguments)
+    except Exception:
+        import traceback
+
+        _tell(traceback.format_exc().rstrip())
+        _tell("physim: this is a fault in physim, not in what it was given; please report it")
+        return FAULT
+
+
+def _with_streams(arguments: Sequence[str] | None) -> int:
+    """Run, and tell of outputs that take nothing more."""
     code = 0
     try:
         try:

@@ -36,6 +36,7 @@ exit codes:
   1    ran, but an expectation failed or there was contact (run, validate)
   2    bad input, or no place to write to: a line a fault says where and what
   3    the checks disagree with each other (validate, crashtest)
+  70   a fault in physim itself, after its traceback: please report it
   130  interrupted (Ctrl-C)
 
 physim COMMAND --help tells the options of a command, its exit codes and examples.

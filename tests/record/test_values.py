@@ -19,7 +19,7 @@ from tests.records import make_record
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("made") / "record.h5"
-    make_record(path, seconds=4.0).close()
+    make_record(path, seconds=4.0, world_text="").close()
     return path
 
 

@@ -1,0 +1,35 @@
+"""A fault in physim itself has an exit code of its own."""
+
+from __future__ import annotations
+
+import pytest
+
+from physim.cli import FAULT, listing, main
+
+
+@pytest.mark.parametrize("error", [IndexError("beyond the end"), ValueError("x"), OSError("odd")])
+def test_a_fault_in_physim(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: Exception
+) -> None:
+    def broken(options: object) -> int:
+        raise error
+
+    monkeypatch.setattr(listing, "listing", broken)
+    assert main(["list"]) == FAULT == 70
+    err = capsys.readouterr().err
+    assert err.startswith("Traceback (most recent call last):\n")
+    assert f"{type(error).__name__}: {error}" in err
+    assert err.splitlines()[-1].startswith("physim: this is a fault in physim")
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), SystemExit(5)])
+def test_ends_that_are_no_fault(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
+    def ended(options: object) -> int:
+        raise error
+
+    monkeypatch.setattr(listing, "listing", ended)
+    if isinstance(error, SystemExit):
+        with pytest.raises(SystemExit):
+            main(["list"])
+    else:
+        assert main(["list"]) == 130

@@ -8,12 +8,20 @@ optimise each kernel anew inside its callers, and theirs, and so take three time
 numba's own cache looks only at the file a function stands in: after an edit of a function that it
 calls from another file, the old code would be used. Here the cache of every kernel is stamped
 with the state of all sources of the package, so any edit compiles anew.
+
+numba keeps compiled code beside the sources or in the user's home. Where neither is writable, as in
+a container, it goes to a temporary folder of the user's, or is not kept at all; both are told.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import multiprocessing
+import os
+import stat
+import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -60,7 +68,11 @@ class Kernel:
         """What Python calls: a numba dispatcher with a cache on disk."""
         from physim.linking import WholeCompiler
 
-        kernel = _dispatcher(self.py_func, cache=True, pipeline_class=WholeCompiler)
+        try:
+            kernel = _dispatcher(self.py_func, cache=True, pipeline_class=WholeCompiler)
+        except RuntimeError:  # no folder that numba knows is writable
+            kept = _keep_in_temporary_folder()
+            kernel = _dispatcher(self.py_func, cache=kept, pipeline_class=WholeCompiler)
         _stamp_cache(kernel)
         return kernel
 
@@ -82,6 +94,41 @@ def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
 
     options = {"error_model": "numpy", "no_cfunc_wrapper": True, **options}
     return numba.njit(**options)(function)
+
+
+def _keep_in_temporary_folder() -> bool:
+    """Let numba keep compiled code in a temporary folder of the user's; False if none can be had.
+
+    The environment hands the folder to worker processes. Code is run from it, so it must belong to
+    the user and be closed to everybody else.
+    """
+    import numba
+
+    user = os.getuid() if hasattr(os, "getuid") else "user"
+    folder = Path(tempfile.gettempdir(), f"physim-kernels-{user}")
+    try:
+        is_new = not folder.exists()
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+        is_own = stat.S_ISDIR(found.st_mode) and found.st_uid == user and not found.st_mode & 0o077
+        if hasattr(os, "getuid") and not is_own:
+            raise PermissionError(folder)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        _tell("kernels are compiled anew each time, since no folder for them is writable")
+        return False
+    if is_new:
+        _tell(f"compiled kernels are kept in {folder}, since no other folder for them is writable")
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    return True
+
+
+@functools.cache
+def _tell(what: str) -> None:
+    """Say one line on stderr, once, and not from worker processes."""
+    if multiprocessing.parent_process() is None:
+        print(f"note: {what}; NUMBA_CACHE_DIR can name one", file=sys.stderr)
 
 
 def _stamp_cache(kernel: Any) -> None:

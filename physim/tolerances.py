@@ -56,3 +56,8 @@ def chord(v: float, omega: float, dt: float) -> float:
     ``|v| |omega| dt^2 / 8`` from that.
     """
     return abs(v) * abs(omega) * dt * dt / 8.0
+
+
+PUSH = 1e-3
+"""[m/s] A robot that closes on another by this much more than its command says was pushed: above
+the engine's corrections and roundings, far below any push that matters."""

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
 import numba
 import numpy as np
 import pytest
+from numba.core.caching import CacheImpl, UserProvidedCacheLocator
 
-from physim.compiled import compiled
+from physim import compiled as compiled_module
+from physim.compiled import compiled, is_cached
 from physim.geometry.shapes import FloatArray
 
 
@@ -63,3 +70,49 @@ def test_errors_come_out_of_inner_kernels() -> None:
 def test_a_kernel_keeps_its_name_and_its_words() -> None:
     assert leaf.__name__ == "leaf"
     assert compiled(test_a_kernel_keeps_its_name_and_its_words).__module__ == __name__
+
+
+@pytest.fixture
+def nowhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
+    """Neither the sources nor the home are writable; an empty folder for temporary files."""
+    monkeypatch.setattr(CacheImpl, "_locator_classes", [UserProvidedCacheLocator])
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    compiled_module._tell.cache_clear()
+    yield tmp_path
+    compiled_module._tell.cache_clear()
+
+
+def fresh() -> object:
+    return compiled(leaf.py_func)  # type: ignore[attr-defined]
+
+
+def test_kernels_are_kept_in_a_temporary_folder_where_no_other_is_writable(
+    nowhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kernel = fresh()
+    assert kernel(VALUES, 2.0) == leaf.py_func(VALUES, 2.0)  # type: ignore
+    (folder,) = nowhere.iterdir()
+    assert is_cached(kernel)  # type: ignore[arg-type]
+    assert folder.stat().st_mode & 0o077 == 0
+    assert os.environ["NUMBA_CACHE_DIR"] == str(folder)  # worker processes use it too
+    fresh()(VALUES, 2.0)  # type: ignore[operator]
+    (line,) = capsys.readouterr().err.splitlines()
+    assert str(folder) in line
+    assert "NUMBA_CACHE_DIR" in line
+
+
+def test_kernels_run_without_a_cache_where_the_temporary_folder_is_not_the_users(
+    nowhere: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = nowhere / f"physim-kernels-{os.getuid()}"
+    folder.mkdir()
+    folder.chmod(0o777)
+    for kernel in (fresh(), fresh()):
+        assert kernel(VALUES, 2.0) == leaf.py_func(VALUES, 2.0)  # type: ignore
+        assert not is_cached(kernel)  # type: ignore[arg-type]
+    assert not list(folder.iterdir())
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "compiled anew each time" in line
+    assert "NUMBA_CACHE_DIR" in line

@@ -10,12 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import hypot
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, place, refused, rounded
-from physim.importing.line import clearances, points_at, samples, stations, stretch
+from physim.importing.line import clearances, directions_at, points_at, samples, stations, stretch
 
 LENGTH, WIDTH = 1.8, 1.0
 """[m] the box at size 1"""
@@ -57,6 +59,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
         room = room_of(box)
         ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
+        ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends))
     else:
         size, ends = _largest_size(path, at, gaps, reference)
         box = (_round(LENGTH * size), _round(WIDTH * size))
@@ -103,8 +106,6 @@ def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None
 
 def _spans(outline: FloatArray) -> tuple[float, float]:
     """Longer and shorter side of the smallest rectangle about an outline."""
-    import shapely
-
     rectangle = np.array(shapely.Polygon(outline).minimum_rotated_rectangle.exterior.coords)
     a, b = np.hypot(*np.diff(rectangle[:3], axis=0).T)
     return float(max(a, b)), float(min(a, b))
@@ -142,6 +143,32 @@ def _ends(at: FloatArray, gaps: FloatArray, room: float) -> tuple[int, int] | No
     if at[first] > most or at[-1] - at[last] > most or at[last] - at[first] < 4.0 * room:
         return None
     return (first, last) if (gaps[first : last + 1] >= room - 1e-9).all() else None
+
+
+def _clear_end(
+    reference: FloatArray,
+    area: Any,
+    at: FloatArray,
+    gaps: FloatArray,
+    room: float,
+    ends: tuple[int, int],
+) -> int:
+    """Last sample from which the way on is free for about a robot's length, ``END_ROOM * room``.
+
+    To the sides, too, as far as the last stretch has it. The end stays where no sample of the
+    stretch, twice ``room`` long, will do.
+    """
+    first, last = ends
+    reach = END_ROOM * room
+    tail = np.flatnonzero(at >= max(at[last] - 2.0 * room, at[first] + 4.0 * room))
+    tail = tail[(tail <= last) & (at[tail] >= (1.0 - MOST_TRIMMED) * at[-1])]
+    if not tail.size:
+        return last
+    points = points_at(reference, at[tail])
+    ahead = points + reach * directions_at(reference, at[tail], room)
+    free = shapely.covers(area, shapely.linestrings(np.stack([points, ahead], axis=1)))
+    clear = tail[free & (gaps[tail] >= min(reach, float(gaps[tail].max())) - 1e-6)]
+    return int(clear[-1]) if clear.size else last
 
 
 def _round(value: float) -> float:

@@ -55,10 +55,7 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[
     ]  # fmt: skip
     for one in made:
         if _narrower(one):
-            drawing.changes.append(
-                f"lane {one.offset:+.2f} m beside the path is drawn in to {one.narrowest:.2f} m "
-                "where the corridor is narrow or bends tightly"
-            )
+            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {_drawn_in(one)}")
     order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
     files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
     step = found.size * (COLUMN if files else ROW / lanes)  # in one file where lanes are drawn in
@@ -182,8 +179,7 @@ def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float |
         return one.offset
     if _narrower(one):
         drawing.changes.append(
-            f"path of {name}, {offset:+.2f} m beside the reference path, is drawn in to "
-            f"{one.narrowest:.2f} m where the corridor is narrow or bends tightly"
+            f"path of {name}, {offset:+.2f} m beside the reference path, {_drawn_in(one)}"
         )
     return one.line
 
@@ -191,3 +187,10 @@ def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float |
 def _narrower(one: Lane) -> bool:
     """Whether a lane is drawn in by as much as is told."""
     return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"
+
+
+def _drawn_in(one: Lane) -> str:
+    where = "where the corridor is narrow or bends tightly"
+    if one.narrowest < 0.0:
+        return f"is drawn over to {-one.narrowest:.2f} m on its other side {where}"
+    return f"is drawn in to {one.narrowest:.2f} m {where}"

@@ -1,4 +1,4 @@
-"""Paths of robots abreast: beside the reference path, drawn in where the corridor is narrow."""
+"""Paths of robots abreast: beside the reference path, drawn in where they have too little room."""
 
 from __future__ import annotations
 
@@ -28,13 +28,14 @@ class Lane:
     offset: float
     is_plain: bool
     narrowest: float
-    """[m] least offset along it, without sign"""
+    """[m] least offset along it on its own side; negative: that far over on the other"""
 
 
 def lane(reference: FloatArray, offset: float, area: Any, room: float, size: float) -> Lane:
     """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
 
-    Where there is not, it is drawn in towards the reference path, which is taken to have it.
+    Where there is not, it is drawn in towards the reference path, and, where that has not the room
+    either, over to its other side.
     """
     if offset == 0.0:
         return Lane(reference, 0.0, True, 0.0)
@@ -45,14 +46,7 @@ def lane(reference: FloatArray, offset: float, area: Any, room: float, size: flo
     base = points_at(reference, at)
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    share = np.zeros(len(at))
-    for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
-        moved = base + fraction * offset * normal
-        share = np.where(
-            (share >= fraction - 1.5 / FRACTIONS) & (clearances(moved, area) >= room),
-            fraction,
-            share,
-        )
+    share = _shares(base, offset * normal, area, room)
     share = _gentle(share, at, SLOPE / abs(offset))
     line = base + (share * offset)[:, None] * normal
     try:
@@ -63,6 +57,42 @@ def lane(reference: FloatArray, offset: float, area: Any, room: float, size: flo
     return Lane(
         rounded(shapely.get_coordinates(simple)), offset, False, abs(offset) * float(share.min())
     )
+
+
+def _shares(base: FloatArray, across: FloatArray, area: Any, room: float) -> FloatArray:
+    """(k,) [-] share of ``across`` (k, 2) [m] at which each of the points ``base`` has the room.
+
+    The largest that the reference path reaches without coming nearer to a wall than it is itself;
+    negative where only its other side has room. Where neither has, the share with the most.
+    """
+    share, best = _outward(base, across, area, room, FRACTIONS)
+    tight = np.flatnonzero(best < room)
+    if tight.size:
+        back = -across[tight] * (room / np.hypot(*across[tight].T))[:, None]
+        other, gained = _outward(base[tight], back, area, room, FRACTIONS, farthest=False)
+        wider = gained > best[tight]
+        moved = -other * room / np.hypot(*across[tight].T)
+        share[tight] = np.where(wider, moved, share[tight])
+    return share
+
+
+def _outward(
+    base: FloatArray, across: FloatArray, area: Any, room: float, count: int, farthest: bool = True
+) -> tuple[FloatArray, FloatArray]:
+    """Share of ``across`` and the clearance there [m], capped at ``room``.
+
+    The farthest share with the room, or the first.
+    """
+    share = np.zeros(len(base))
+    best = np.minimum(clearances(base, area), room)
+    reached, need = share.copy(), best.copy()
+    for fraction in np.linspace(0.0, 1.0, count)[1:]:
+        gap = np.minimum(clearances(base + fraction * across, area), room)
+        held = (reached >= fraction - 1.5 / count) & (gap >= need)
+        reached = np.where(held, fraction, reached)
+        better = held & ((gap > best) | (farthest & (gap >= room)))
+        share, best = np.where(better, fraction, share), np.where(better, gap, best)
+    return share, best
 
 
 def _plain(reference: FloatArray, offset: float, area: Any, room: float) -> FloatArray | None:

@@ -4,6 +4,10 @@ Responsibility follows the paper's priority rule: a robot has to consider those 
 along the reference path s* (equal stations: the lower index has priority). So of two robots the
 one that was behind at its own last decision before the contact had to avoid it. With a boundary
 or an obstacle it is always the robot.
+
+Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
+contact, or stood by command while the other came, is not charged but the one that did it, see
+`physim.validation.pushing`.
 """
 
 from __future__ import annotations
@@ -22,6 +26,7 @@ from physim.record import Record
 from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger
 from physim.validation.prediction import Prediction, Predictor
+from physim.validation.pushing import Touch, pushed_by, stands
 
 MOST_EARLY = 100
 """Pairs whose earlier predictions are looked at, too."""
@@ -57,6 +62,11 @@ class Side:
     behind: float | None
     """[m] how far it was behind the other along s* at that decision; negative: ahead. None for
     a boundary"""
+    stands: bool
+    """its command in that step was to stand, v = omega = 0"""
+    pushed_by: int | None
+    """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
+    its place; None where there is none, or where it did not have to keep clear"""
     responsible: bool
 
 
@@ -98,11 +108,8 @@ class ContactReport:
     warning: float | None
     """[s] for how long before the contact it lay ahead without a break, under the commands of
     the moment; None where earlier decisions were not looked at"""
-
-    @property
-    def responsible(self) -> tuple[int, ...]:
-        """Body ids of the robots that were responsible."""
-        return tuple(side.body for side in self.sides if side.responsible)
+    responsible: tuple[int, ...]
+    """robots that were responsible; a third one where it pushed one of the two"""
 
 
 @dataclass(frozen=True)
@@ -121,11 +128,8 @@ class GrazeReport:
     """[m] greatest within the step"""
     sides: tuple[Side, ...]
     """the robots, a first"""
-
-    @property
-    def responsible(self) -> tuple[int, ...]:
-        """Body ids of the robots that were responsible."""
-        return tuple(side.body for side in self.sides if side.responsible)
+    responsible: tuple[int, ...]
+    """robots that were responsible; a third one where it pushed one of the two"""
 
 
 def graze_reports(record: Record, table: DecisionTable) -> tuple[GrazeReport, ...]:
@@ -134,8 +138,8 @@ def graze_reports(record: Record, table: DecisionTable) -> tuple[GrazeReport, ..
     for row in record.contacts[record.contacts["kind"] == Kind.SWEPT]:
         a, b, step = (int(row[key]) for key in ("a", "b", "step"))
         x, y, nx, ny, depth = (float(row[key]) for key in ("x", "y", "nx", "ny", "depth"))
-        sides = _sides(record, table, a, b, step, (x, y))
-        reports.append(GrazeReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides))
+        sides, charged = _sides(record, table, Touch(a, b, step, (x, y), (nx, ny)))
+        reports.append(GrazeReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides, charged))
     return tuple(reports)
 
 
@@ -183,6 +187,7 @@ def _report(
     closing = float(relative @ np.array(normal))
     sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
     prediction = predictor.predict(a, b, step, touched, abs(closing), earlier)
+    sides, charged = _sides(record, table, Touch(a, b, step, point, normal))
     return ContactReport(
         number, a, b, episode.time, point,
         float(
@@ -192,7 +197,7 @@ def _report(
         ),
         normal, closing, sliding, episode.depth, episode.samples * record.dt,
         step + episode.samples >= record.samples, float(row["impulse"]), episode.impulse,
-        _sides(record, table, a, b, step, point), busy, prediction, _warning(prediction),
+        sides, busy, prediction, _warning(prediction), charged,
     )  # fmt: skip
 
 
@@ -218,14 +223,21 @@ def _velocity(record: Record, body: int, step: int, point: tuple[float, float]) 
 
 
 def _sides(
-    record: Record, table: DecisionTable, a: int, b: int, step: int, point: tuple[float, float]
-) -> tuple[Side, ...]:
+    record: Record, table: DecisionTable, touch: Touch
+) -> tuple[tuple[Side, ...], tuple[int, ...]]:
+    """The robots of a contact, and those that were responsible for it."""
+    a, b, step = touch.a, touch.b, touch.step
     robots = [i for i in (a, b) if i < record.robots]
     behind = {i: _behind(record, table, i, a + b - i, step) for i in robots}
-    charged = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
-    if not charged:  # they changed places between their last decisions
-        charged = [max(robots, key=lambda i: -table.reference_station(i, step))]
-    return tuple(_side(record, table, i, step, point, behind[i], i in charged) for i in robots)
+    ruled = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
+    if not ruled:  # they changed places between their last decisions
+        ruled = [max(robots, key=lambda i: -table.reference_station(i, step))]
+    pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
+    charged = {i if by is None else by for i, by in pushed.items()}
+    sides = tuple(
+        _side(record, table, i, touch, behind[i], pushed.get(i), i in charged) for i in robots
+    )
+    return sides, tuple(sorted(charged))
 
 
 def _has_to_consider(behind: float | None, i: int, other: int, robots: int) -> bool:
@@ -248,11 +260,12 @@ def _side(
     record: Record,
     table: DecisionTable,
     i: int,
-    step: int,
-    point: tuple[float, float],
+    touch: Touch,
     behind: float | None,
+    pusher: int | None,
     responsible: bool,
 ) -> Side:
+    step, point = touch.step, touch.point
     pose = record.read("/steps/pose", step, step + 1)[0, i]
     vx, vy = _velocity(record, i, step, (float(pose[0]), float(pose[1])))
     row = table.last(i, step - 1)
@@ -265,7 +278,8 @@ def _side(
         nan if row is None else float(row["collision_time"]),
         nan if row is None else float(row["distance"]),
         nan if row is None else float(row["boundary_distance"]),
-        0 if row is None else int(row["considered"]), behind, responsible,
+        0 if row is None else int(row["considered"]), behind, stands(table, i, step), pusher,
+        responsible,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from physim.control import Mode
-from physim.tolerances import CONTACT
+from physim.tolerances import CONTACT, PUSH
 from physim.validation.contact_report import ContactReport, GrazeReport, Side
 from physim.validation.numbers import joined, length, names_of, short, wrapped
 from physim.validation.validation import Validation
@@ -161,7 +161,7 @@ def _item(label: str, text: str) -> list[str]:
 
 def _who(one: ContactReport | GrazeReport, names: list[str]) -> str:
     """``front of r2 against rear left of r1``, the one that ran into the other first."""
-    sides = sorted(one.sides, key=lambda side: not side.responsible)
+    sides = sorted(one.sides, key=lambda side: not (side.responsible or _by_third(side, one)))
     words = [f"{side.part} of {names[side.body]}" for side in sides]
     if len(sides) == 1:
         words.append(names[one.b])
@@ -169,6 +169,9 @@ def _who(one: ContactReport | GrazeReport, names: list[str]) -> str:
 
 
 def _charge(one: ContactReport | GrazeReport, names: list[str]) -> str:
+    pushed = [side for side in one.sides if side.pushed_by is not None]
+    if pushed:
+        return " ".join(_push(side, one, names) for side in pushed)
     charged = [side for side in one.sides if side.responsible]
     who = joined([names[side.body] for side in charged])
     if one.sides[0].behind is None:
@@ -186,6 +189,24 @@ def _charge(one: ContactReport | GrazeReport, names: list[str]) -> str:
     if behind == 0.0:
         return f"{who}: level with {other}, which has the lower number and so priority."
     return f"{who}: it was behind {other} when they touched; the two changed places just before."
+
+
+def _by_third(side: Side, one: ContactReport | GrazeReport) -> bool:
+    """Whether another robot than the two brought this one into the contact."""
+    return side.pushed_by is not None and side.pushed_by not in (one.a, one.b)
+
+
+def _push(side: Side, one: ContactReport | GrazeReport, names: list[str]) -> str:
+    """Who is charged in place of a robot, and why."""
+    name, other = names[side.body], names[one.a + one.b - side.body]
+    by = names[side.pushed_by] if side.pushed_by is not None else ""
+    if not _by_third(side, one):
+        return f"{by}: it ran into {name}, which stood by command."
+    if side.stands and side.speed <= PUSH:
+        return f"{by}: it pushed {other} into {name}, which stood by command."
+    if side.stands:
+        return f"{by}: {name}, which stood by command, was pushed by {by} against {other}."
+    return f"{by}: {name} was pushed by {by} against {other}, beyond its own command."
 
 
 def _decision(side: Side, one: ContactReport) -> str:
@@ -219,6 +240,12 @@ def _saw(side: Side) -> str:
 
 def _finding(one: ContactReport, names: list[str]) -> str:
     """Why it was not avoided, as far as the record shows."""
+    pushed = next((side for side in one.sides if _by_third(side, one)), None)
+    if pushed is not None and pushed.pushed_by is not None:
+        name, by = names[pushed.body], names[pushed.pushed_by]
+        if pushed.stands and pushed.speed <= PUSH:
+            return f"{name} stood by command; the other was pushed by {by}."
+        return f"{name} {'stood by command and ' if pushed.stands else ''}was pushed by {by}."
     side = next(side for side in one.sides if side.responsible)
     name, other = names[side.body], names[one.a + one.b - side.body]
     if side.decided is None:

@@ -12,7 +12,7 @@ from physim.registry import checked_settings, find_controller
 from physim.world import World
 from physim.world.faults import KeyFault
 from physim.world_file.file_text import file_text
-from physim.world_file.nodes import Document, Member, Node
+from physim.world_file.nodes import Document, Member, Node, holds_void
 from physim.world_file.overrides import apply_overrides
 from physim.world_file.reading import read_document, refused
 from physim.world_file.shipped import find_world
@@ -204,12 +204,15 @@ def _controller(values: dict[str, object], trusted: bool) -> tuple[type[Any] | N
     if not isinstance(choice, dict):
         return None, []
     settings = {key: value for key, value in choice.items() if key != "type"}
+    unread = {key for key, value in settings.items() if holds_void(value)}  # already told
+    settings = {key: value for key, value in settings.items() if key not in unread}
     name = choice.get("type", "mode_switching")
     if not isinstance(name, str) or not name:
         return None, []
     try:
         found = find_controller(name, trusted)
-        return found, checked_settings(found, settings)[1]
+        faults = checked_settings(found, settings)[1]
+        return found, [fault for fault in faults if unread.isdisjoint(fault.location[1:2])]
     except ControllerError as error:
         return None, [Fault(("controller", "type"), str(error))]
 

@@ -30,6 +30,13 @@ class Void:
 VOID = Void()
 
 
+def holds_void(value: Any) -> bool:
+    """Whether a plain value is `VOID`, or a list or mapping with it inside."""
+    if isinstance(value, dict | list):
+        return any(map(holds_void, value.values() if isinstance(value, dict) else value))
+    return value is VOID
+
+
 @dataclass(slots=True)
 class Node:
     """A value of the text: a scalar in ``value``, else ``items`` or ``members``."""

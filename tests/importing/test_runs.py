@@ -17,7 +17,7 @@ from physim.recording import record_run
 from physim.registry import make_controller
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
-from tests.importing.plans import SAMPLES
+from tests.importing.plans import SAMPLES, svg
 
 MAPS = Path(__file__).parents[2].parent / "shared" / "cases" / "maps"
 MAP_NAMES = (
@@ -66,6 +66,55 @@ def test_every_format_runs_for_a_minute(name: str) -> None:
     assert record.extremes["boundary_clearance"].min() > 0.05
     if length < 50.0:
         assert record.ended == "finished"
+
+
+def hallway(end: float) -> str:
+    """Hall of 40 x 8 m with an obstacle 0.9 m right of the path, which runs to x = ``end`` [m]."""
+    return svg(
+        '<rect id="boundary" width="40" height="8"/>'
+        '<rect id="obstacle" x="19" y="4.9" width="1" height="1"/>'
+        f'<path id="path" d="M 3,4 H {end}"/>'
+        '<g id="robot"><rect x="5" y="2.5" width="1.8" height="1"/>'
+        '<rect x="9" y="5" width="1.8" height="1"/></g>',
+        'width="400mm" height="80mm" viewBox="0 0 40 8"',
+    )
+
+
+@pytest.mark.parametrize("end", [39.1, 37.0])
+def test_lanes_keep_clear_of_an_obstacle_and_end_clear_of_the_wall(
+    end: float, tmp_path: Path
+) -> None:
+    source = tmp_path / "hallway.svg"
+    source.write_text(hallway(end))
+    imported = import_world(source, Options(scale=1.0))
+    left, right = imported.world.robots
+    assert getattr(left.path, "offset", None) == 1.0  # it is 1.9 m clear of the obstacle
+    way = shapely.LineString(np.asarray(right.path))
+    assert way.distance(shapely.box(19.0, 2.1, 20.0, 3.1)) >= 1.15
+    assert way.coords[-1][1] == pytest.approx(2.5)
+    assert way.coords[-1][0] <= 38.2
+    shortened = [change for change in imported.changes if "shortened" in change]
+    assert len(shortened) == (1 if end > 38.0 else 0)
+    record = run(imported)
+    assert len(record.contacts) == 0
+    assert record.ended == "finished"
+
+
+def test_a_bent_hall_with_drawn_robots_finishes(tmp_path: Path) -> None:
+    source = tmp_path / "bent.svg"
+    source.write_text(
+        svg(
+            '<path id="boundary" d="M 1,2.5 h 26 v 16 h -7 v -9 l -2,-2 H 1 Z"/>'
+            '<path id="obstacle" d="M 23,11.3 l 0.57,0.57 l -0.57,0.57 l -0.57,-0.57 z"/>'
+            '<path id="path" d="M 2,5.3 H 20.5 C 22.5,5.3 24,6.5 24.5,8.5 V 17.7"/>'
+            '<g id="robot"><rect x="5" y="4.2" width="1.8" height="1"/>'
+            '<path d="m 8,5.5 l 1.8,0.5 l -1.8,0.5 l 0.4,-0.5 z"/></g>',
+            'width="300mm" height="200mm" viewBox="0 0 30 20"',
+        )
+    )
+    record = run(import_world(source, Options(scale=1.0)))
+    assert len(record.contacts) == 0
+    assert record.ended == "finished"
 
 
 @pytest.mark.skipif(not MAPS.is_dir(), reason="the maps are not here")

@@ -138,3 +138,17 @@ def test_a_long_list_of_no_points_is_one_fault():
         "w.yaml:14:11: robots[1].path: must be points [x, y] of two numbers each; "
         "given a list of 500"
     ]
+
+
+@pytest.mark.parametrize("given", ["2e0", ".nan", "1_000", "010", "yes"])
+@pytest.mark.parametrize("key", ["look_ahead: {}", "omegas: [1.0, {}]"])
+def test_settings_that_cannot_be_read_are_told_once(given, key):
+    (line,) = message(changed("look_ahead: 2.0", key.format(given))).splitlines()
+    assert line.startswith("w.yaml:16:")
+    assert "settings cannot be read" not in line
+
+
+def test_settings_beside_one_that_cannot_be_read_are_judged():
+    lines = message(changed("look_ahead: 2.0", "look_ahead: 2e0, omega: 1")).splitlines()
+    assert len(lines) == 2
+    assert "unknown key" in lines[1]

@@ -1,0 +1,84 @@
+"""A robot that is pushed, or run into where it stands, is not responsible."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import physim
+from physim.validation import report, validate
+from physim.validation.as_json import json_of_validation
+from tests.validation.runs import LANE, Drivers
+
+BOX = "footprint: {length: 1.8, width: 1.0}"
+STAND, DRIVE = (0.0, 0.0), (0.8, 0.0)
+
+
+def row(*robots: tuple[float, float, tuple[float, float]], obstacles: str = "[]"):
+    """Robots on the middle of the lane: x [m], heading [rad], command; as validated."""
+    lines = [
+        f"  - {{name: r{k}, {BOX}, pose: [{x}, 0.0, {heading}], path: {{offset: 0.0}}}}"
+        for k, (x, heading, _) in enumerate(robots, 1)
+    ]
+    head = f"obstacles: {obstacles}\n{LANE[: LANE.index('  - {')]}"
+    world = physim.parse_world(head + "\n".join(lines) + "\n")
+    found = validate(physim.simulate(world, controller=Drivers(*(c for _, _, c in robots))))
+    return found, " ".join(report(found).split())
+
+
+def contact(found, a: int, b: int):
+    return next(one for one in found.contacts if (one.a, one.b) == (a, b))
+
+
+def test_a_standing_robot_that_is_pushed_into_another_is_not_responsible():
+    found, text = row((8.0, 0.0, STAND), (5.9, 0.0, STAND), (3.5, 0.0, DRIVE))
+    assert contact(found, 1, 2).responsible == (2,)
+    pushed = contact(found, 0, 1)
+    assert pushed.responsible == (2,)
+    front, middle = pushed.sides
+    assert (front.pushed_by, middle.pushed_by, middle.stands) == (None, 2, True)
+    assert not front.responsible
+    assert not middle.responsible
+    assert "Responsible is" in text
+    assert "r3: r2, which stood by command, was pushed by r3 against r1." in text
+    assert "r2 stood by command and was pushed by r3." in text
+    told = json.loads(json_of_validation(found))["contacts"][pushed.number - 1]
+    assert told["responsible"] == [2]
+    assert told["sides"][1]["pushed_by"] == 2
+
+
+def test_pushes_are_followed_along_robots_in_contact():
+    found, _ = row((8.0, 0.0, STAND), (5.9, 0.0, STAND), (3.9, 0.0, STAND), (1.8, 0.0, DRIVE))
+    assert contact(found, 0, 1).responsible == (3,)
+
+
+def test_a_slow_robot_that_is_pushed_beyond_its_command_is_not_responsible():
+    found, text = row((8.0, 0.0, STAND), (5.9, 0.0, (0.05, 0.0)), (3.5, 0.0, DRIVE))
+    assert contact(found, 0, 1).responsible == (2,)
+    assert "r2 was pushed by r3 against r1, beyond its own command." in text
+
+
+def test_a_robot_that_is_pushed_against_a_wall_is_not_responsible():
+    found, _ = row(
+        (8.7, 0.0, STAND), (6.3, 0.0, DRIVE), obstacles="[[[10, 0.2], [11, 0.2], [11, 2], [10, 2]]]"
+    )
+    assert [one.responsible for one in found.contacts if one.b >= 2] == [(1,)]
+
+
+def test_a_standing_robot_behind_is_run_into_by_the_other():
+    found, text = row((8.0, 3.14159, DRIVE), (4.5, 0.0, STAND))
+    assert contact(found, 0, 1).responsible == (0,)
+    assert "r1: it ran into r2, which stood by command." in text
+
+
+def test_a_standing_robot_behind_is_run_into_by_one_that_is_pushed():
+    found, text = row((8.0, 3.14159, DRIVE), (5.9, 0.0, STAND), (3.8, 0.0, STAND))
+    assert contact(found, 1, 2).responsible == (0,)
+    assert "r1: it pushed r2 into r3, which stood by command." in text
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.8])
+def test_a_robot_that_pushes_is_not_pushed_by_what_it_pushes(speed):
+    found, _ = row((8.0, 0.0, (0.1, 0.0)), (5.9, 0.0, (speed, 0.0)))
+    assert all(one.responsible == (1,) for one in found.contacts)

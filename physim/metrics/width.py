@@ -41,7 +41,8 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
     other worlds, are left where they lie in the half-plane left of the path's direction, and so
     for right; a path close to a bent boundary may find the same one on both sides there. Near a
     wall across the path, as at the end of a room, one or both nearest points may lie on that wall,
-    before or behind the path: such places have no width. Raises PhysimError for a robot that is not there.
+    before or behind the path: such places have no width. Raises PhysimError for a robot that
+    is not there.
     """
     if not 0 <= robot < record.robots:
         raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")

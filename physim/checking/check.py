@@ -24,6 +24,7 @@ from physim.checking.paths import (
 from physim.checking.scale import check_scale
 from physim.checking.sketch import Sketch, number, sketch_of
 from physim.checking.starts import (
+    check_expected,
     check_headings,
     check_start_used,
     check_starts,
@@ -112,6 +113,7 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     check_start_used(judged.world, told)
     check_reference(sketch, told)
     check_starts(sketch, ground, outlines, told)
+    check_expected(sketch, judged.values, outlines, told)
     check_headings(sketch, paths, told)
     check_paths(sketch, paths, ground, told)
     safe_distance = _safe_distance(judged)

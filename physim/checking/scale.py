@@ -28,6 +28,8 @@ FASTEST_TURN = 20.0
 """[rad/s] three turns a second"""
 LONGEST_RUN = 86_400.0
 """[s]"""
+MOST_STEPS = 5_000_000
+"""of a run: beyond that it takes hours and its record gigabytes"""
 
 
 def check_scale(
@@ -54,6 +56,13 @@ def check_scale(
             ("time", "duration"),
             f"{sketch.duration:.6g} s is {sketch.duration / 3600.0:.4g} hours; durations are in "
             "seconds" + _thousandth(sketch.duration, "milliseconds"),
+        )
+    steps = sketch.duration / sketch.step if sketch.duration and sketch.step else 0.0
+    if steps > MOST_STEPS:
+        told.warn(
+            ("time", "step"),
+            f"{sketch.step:.4g} s makes {steps:,.0f} steps in {sketch.duration:.6g} s: such a run "
+            "takes hours; steps are in seconds, and 0.01 is usual",
         )
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import pi
+from typing import Any
 
 import numpy as np
 import shapely
 
 from physim.checking.ground import Ground
-from physim.checking.sketch import RobotSketch, Sketch
+from physim.checking.sketch import RobotSketch, Sketch, number
 from physim.checking.telling import Told
 from physim.errors import Location, WorldError
 from physim.geometry.polygon import circumscribed_radius, counter_clockwise
@@ -18,6 +20,7 @@ from physim.start_poses import drawn_heading, start_poses
 from physim.tolerances import LENGTH
 from physim.world import World
 from physim.world.faults import shown
+from physim.world.kinds import LARGEST_COORDINATE
 from physim.world_file.geometry_check import (
     Moving,
     Placed,
@@ -52,6 +55,33 @@ def sound_outlines(sketch: Sketch, told: Told) -> dict[int, FloatArray]:
                 f"path, lies {far:.4g} m outside the footprint; corners count from that point",
             )
     return outlines
+
+
+def check_expected(
+    sketch: Sketch, values: Mapping[str, Any], outlines: dict[int, FloatArray], told: Told
+) -> None:
+    """Warn of a least distance between robots that two of them already fall below at the start."""
+    expect = values.get("expect")
+    wanted = expect.get("min_distance") if isinstance(expect, Mapping) else None
+    least = number(wanted, 0.0, LARGEST_COORDINATE)
+    shapes, names = [], []
+    for robot in sketch.robots:
+        heading = robot.heading if robot.heading is not None else robot.drawn
+        outline = outlines.get(robot.number)
+        if outline is not None and robot.position is not None and heading is not None:
+            shapes.append(placed_outline(np.array([*robot.position, heading]), outline))
+            names.append(robot.name)
+    if least is None or len(shapes) < 2:
+        return
+    tree = shapely.STRtree(shapes)
+    (one, other), gaps = tree.query_nearest(shapes, exclusive=True, return_distance=True)
+    k = int(np.argmin(gaps))
+    if gaps[k] < least - LENGTH:
+        told.warn(
+            ("expect", "min_distance"),
+            f"{shown(names[one[k]])} and {shown(names[other[k]])} are {gaps[k]:.4g} m apart at the "
+            f"start, so {least:.6g} m cannot hold",
+        )
 
 
 def check_step(sketch: Sketch, outlines: dict[int, FloatArray], told: Told) -> None:
@@ -179,10 +209,10 @@ def _check_random_headings(
         itself = k == len(others) + i
         if robot.number in random and not itself:
             met.setdefault(robot.number, names[k])
-    for number, name in sorted(met.items()):
+    for index, name in sorted(met.items()):
         told.warn(
-            ("robots", number, "pose", 2),
-            f"random; with this seed {shown(sketch.robots[number].name)} starts free, with another "
+            ("robots", index, "pose", 2),
+            f"random; with this seed {shown(sketch.robots[index].name)} starts free, with another "
             f"it may touch {name}; leave room to turn, or write a heading",
         )
 

@@ -6,6 +6,9 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 
+SIDES = ("left wall", "right wall")
+"""Boundaries of a corridor; the caps that close its ends lie on neither side of a path."""
+
 SHARPEST_TURN = 2.6
 """[rad] Beyond this (150 degrees) a mitred corner would reach four half-widths out."""
 
@@ -54,8 +57,8 @@ def corridor_boundaries(
     half = np.concatenate([width[:1], width, width[-1:]]) / 2.0
     left, right = offset_polyline(line, half), offset_polyline(line, -half)
     return {
-        "left wall": left,
-        "right wall": right,
+        SIDES[0]: left,
+        SIDES[1]: right,
         "start cap": np.array([left[0], right[0]]),
         "end cap": np.array([left[-1], right[-1]]),
     }

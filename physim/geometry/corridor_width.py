@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import opposite, width_feet
+from physim.geometry.width import side_feet
 
 EVEN = 1.0e-9
 """Share by which widths may differ and still count as equal."""
@@ -37,16 +37,13 @@ class Widths:
     """(K, 2) [m] the nearest point on the left; nan where that side is open"""
     right_foot: FloatArray
     """(K, 2) [m] likewise on the right"""
+    between: NDArray[np.bool_]
+    """(K,) whether there is a width between the two: `physim.geometry.width.side_feet`"""
 
     @property
     def width(self) -> FloatArray:
         """(K,) [m] left plus right."""
         return self.left + self.right
-
-    @property
-    def between(self) -> NDArray[np.bool_]:
-        """(K,) whether the two nearest points lie on opposite sides: `opposite`."""
-        return opposite(self.point, self.left_foot, self.right_foot)
 
     @property
     def narrowest(self) -> int | None:
@@ -65,8 +62,15 @@ class Widths:
         return int(first[k] + np.argmin(np.abs(self.station[first[k] : end[k]] - middle)))
 
 
-def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> Widths:
+def widths_at(
+    path: FloatArray,
+    stations: FloatArray,
+    segments: FloatArray,
+    walls: tuple[FloatArray, FloatArray] | None = None,
+) -> Widths:
     """Widths at ``stations`` (K,) [m] of a path (n, 2) between segments (S, 4) ax, ay, bx, by.
+
+    ``walls`` are segments of the left and of the right wall of a corridor, where there is one.
 
     *Left* is what lies in the half-plane left of the path's direction, which at a waypoint is the
     direction after it, so a wall on both sides of the path counts on each.
@@ -76,13 +80,18 @@ def widths_at(path: FloatArray, stations: FloatArray, segments: FloatArray) -> W
     direction = np.diff(path, axis=0) / length[:, None]
     tangent = direction[leg]
     point = path[leg] + (stations - along[leg])[:, None] * tangent
-    found = width_feet(point, tangent, segments)
+    *found, between = side_feet(point, tangent, segments, walls)
     feet = [np.where(np.isfinite(foot), foot, np.nan) for foot in found]
     gaps = [np.nan_to_num(np.hypot(*(foot - point).T), nan=np.inf) for foot in feet]
-    return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1])
+    return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1], between)
 
 
-def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Widths:
+def sampled_widths(
+    path: FloatArray,
+    segments: FloatArray,
+    places: int,
+    walls: tuple[FloatArray, FloatArray] | None = None,
+) -> Widths:
     """Widths at ``places`` evenly spaced stations, at every waypoint and round narrow places.
 
     Round each of the narrowest dips more are taken between its neighbours, 1/400 of their
@@ -90,12 +99,12 @@ def sampled_widths(path: FloatArray, segments: FloatArray, places: int) -> Width
     """
     along = _legs(path)[2]
     even = np.linspace(0.0, along[-1], places)
-    widths = widths_at(path, np.unique(np.concatenate((even, along))), segments)
+    widths = widths_at(path, np.unique(np.concatenate((even, along))), segments, walls)
     for _ in range(2):
         near = [widths.station[max(k - 1, 0) : k + 2] for k in _dips(widths.width)]
         closer = [np.linspace(part[0], part[-1], NEARER + 1)[1:-1] for part in near]
         if closer:
-            more = widths_at(path, np.unique(np.concatenate(closer)), segments)
+            more = widths_at(path, np.unique(np.concatenate(closer)), segments, walls)
             widths = _joined(widths, more)
     return widths
 

@@ -9,6 +9,8 @@ from physim.geometry.shapes import FloatArray
 
 BLOCK = 200_000
 """Pairs of point and segment looked at in one go: bounds the memory."""
+APART = -0.5
+"""Cosine of the angle [120 degrees] by which the two sides of a path are apart at least."""
 
 
 def width_profile(
@@ -60,16 +62,56 @@ def nearest_feet(points: FloatArray, segments: FloatArray) -> FloatArray:
     return feet
 
 
-def opposite(points: FloatArray, left: FloatArray, right: FloatArray) -> NDArray[np.bool_]:
-    """Whether two nearest points (K, 2) lie on opposite sides of points (K, 2), 90 degrees apart.
+def side_feet(
+    points: FloatArray,
+    directions: FloatArray,
+    segments: FloatArray,
+    walls: tuple[FloatArray, FloatArray] | None = None,
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+    """Nearest points (K, 2) [m] on the left and on the right, and whether a width is between them.
 
-    Near an end of a corridor both may lie on the wall that closes it, before or behind the path:
-    then the two distances add up to no width that a robot must fit through. False where one is
-    not finite.
+    ``segments`` (S, 4) lie on the side of the path on which they are found, as in `width_feet`;
+    ``walls`` are those of a corridor, of which it is known which is left and which is right: their
+    points need only be 90 degrees or more apart, all others must be `opposite`.
     """
+    left, right = width_feet(points, directions, segments)
+    if walls is None:
+        return left, right, opposite(points, directions, left, right)
+    left = _nearer(points, left, nearest_feet(points, walls[0]))
+    right = _nearer(points, right, nearest_feet(points, walls[1]))
+    return left, right, _apart(points, left, right, 0.0)
+
+
+def opposite(
+    points: FloatArray, directions: FloatArray, left: FloatArray, right: FloatArray
+) -> NDArray[np.bool_]:
+    """Whether two nearest points (K, 2) lie on the two sides of a path, so that a width is between.
+
+    ``points``, ``directions`` (K, 2) along the path. The two must be 120 degrees or more apart as
+    seen from the path, and the line through them nearer to square than to along the path: near an
+    end of a corridor one or both may lie on the wall that closes it, before or behind the path,
+    and then the distances add up to no width that a robot must fit through. A wall square across
+    the path never counts. False where a point is not finite.
+    """
+    across = np.where(np.isfinite(left) & np.isfinite(right), left - right, 0.0)
+    ahead = np.abs((across * directions).sum(axis=1))
+    aside = np.abs(across[:, 0] * directions[:, 1] - across[:, 1] * directions[:, 0])
+    return np.asarray(_apart(points, left, right, APART) & (ahead <= aside))
+
+
+def _apart(
+    points: FloatArray, left: FloatArray, right: FloatArray, most: float
+) -> NDArray[np.bool_]:
+    """Whether the cosine between two points as seen from ``points`` is ``most`` or less."""
     known = np.isfinite(np.concatenate((left, right), axis=1)).all(axis=1)
     one, other = (np.where(np.isfinite(foot), foot - points, 0.0) for foot in (left, right))
-    return np.asarray(known & ((one * other).sum(axis=1) <= 0.0))
+    bound = most * np.hypot(*one.T) * np.hypot(*other.T)
+    return np.asarray(known & ((one * other).sum(axis=1) <= bound))
+
+
+def _nearer(points: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
+    gaps = [np.hypot(*(feet - points).T) for feet in (first, second)]
+    return np.where((gaps[0] < gaps[1])[:, None], first, second)
 
 
 def _feet(

@@ -7,16 +7,15 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.errors import PhysimError
+from physim.geometry.corridor import SIDES
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import nearest_feet, opposite, width_feet
+from physim.geometry.width import side_feet
 from physim.metrics.settings import world_settings
 from physim.metrics.values import Place
 from physim.record import Record
 
 EVERY = 0.1
 """[m] between two places at which the width is taken"""
-SIDES = ("left wall", "right wall")
-"""Boundaries of a ``corridor``; the caps that close its ends lie on neither side of a path."""
 
 
 class Width(NamedTuple):
@@ -32,7 +31,7 @@ class Width(NamedTuple):
     """(K, 2) [m] the same on the right"""
     width: FloatArray
     """(K,) [m]; inf where a side is open, NaN where the two nearest points are not on opposite
-    sides (`opposite`): there is no width there"""
+    sides (`side_feet`): there is no width there"""
 
 
 def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
@@ -41,8 +40,9 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
     In a world with a corridor: to its left and to its right wall. Obstacles, and boundaries of
     other worlds, are left where they lie in the half-plane left of the path's direction, and so
     for right; a path close to a bent boundary may find the same one on both sides there. Near a
-    wall across the path, as at the end of a room, both nearest points may lie on that wall, before
-    or behind the path: such places have no width. Raises PhysimError for a robot that is not there.
+    wall across the path, as at the end of a room, one or both nearest points may lie on that wall,
+    before or behind the path: such places have no width. Raises PhysimError for a robot that
+    is not there.
     """
     if not 0 <= robot < record.robots:
         raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
@@ -54,12 +54,9 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
     along = np.diff(points, axis=0) / np.diff(station)[:, None]
     places = points[k] + (at - station[k])[:, None] * along[k]
     walls, obstacles = sides_of(record)
-    left, right = width_feet(places, along[k], obstacles)
-    if walls is not None:
-        left = _nearer(places, left, nearest_feet(places, walls[0]))
-        right = _nearer(places, right, nearest_feet(places, walls[1]))
+    left, right, between = side_feet(places, along[k], obstacles, walls)
     width = np.hypot(*(left - places).T) + np.hypot(*(right - places).T)
-    counts = ~np.isfinite(width) | opposite(places, left, right)
+    counts = ~np.isfinite(width) | between
     return Width(at, places, left, right, np.where(counts, width, np.nan))
 
 
@@ -98,8 +95,3 @@ def _segments(record: Record, body: int) -> FloatArray:
         ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
         found.append(np.hstack((points[: len(ends)], ends)))
     return np.concatenate(found) if found else np.zeros((0, 4))
-
-
-def _nearer(places: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
-    gaps = [np.hypot(*(feet - places).T) for feet in (first, second)]
-    return np.where((gaps[0] < gaps[1])[:, None], first, second)

@@ -18,6 +18,7 @@ from physim.plots.contacts import mark_contacts
 from physim.plots.courses import draw_bands
 from physim.plots.frame import (
     LONGEST_NAME,
+    clear_marks,
     framed,
     legend_beside,
     mark,
@@ -50,6 +51,7 @@ def distances(record: Record) -> Any:
     handles += _least(below, record)
     handles += mark_contacts((above, below), record)
     legend_beside(figure, handles)
+    clear_marks(figure)
     return figure
 
 

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import Any
 
-from physim.plots.style import INK, NARROW, QUIET
+import shapely
+
+from physim.geometry.shapes import FloatArray
+from physim.plots.style import DPI, INK, NARROW, QUIET
 from physim.record import Record
 
 LONGEST_NAME = 18
 """Characters of a name in a legend."""
+FEW_CURVES = 4
+"""Curves on one axis off which the words of a mark are kept; of more there is no free place."""
+LONGEST_RUN = 40
+"""Characters of the name of a run."""
+GAP = 16.0
+"""[px] between a title and what stands beside it, in a picture as it is saved"""
 LEGEND_ROWS = 16
 """Rows of a legend beside a figure."""
 
@@ -30,18 +40,30 @@ def framed(
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height))
-    run = f"{short(record.name, 40)}, seed {record.seed}"
-    figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold")
-    figure.text(
-        0.99, 0.995 if source_on_top else 0.0,
-        f"{run}; compare {paper} of the paper" if paper else run,
+    head = figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold",
+                           parse_math=False)  # fmt: skip
+    source = figure.text(
+        0.99, 0.995 if source_on_top else 0.0, _source(record, paper, LONGEST_RUN),
         ha="right", va="top" if source_on_top else "bottom", fontsize=7.5, color=QUIET,
-        gid="source",
+        gid="source", parse_math=False,
     )  # fmt: skip
+    before, figure.dpi = figure.dpi, DPI  # widths of letters depend on it
+    left = head.get_window_extent().x1 + GAP if source_on_top else 0.0
+    for most in range(min(LONGEST_RUN, len(record.name)) - 1, 0, -1):
+        if source.get_window_extent().x0 >= left:
+            break
+        source.set_text(_source(record, paper, most))
+    figure.dpi = before
     foot = 0.0 if source_on_top else 0.17 / height
     room = (0.0, foot, 1.0, 1.0 - foot)
     figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.03, rect=room)
     return figure
+
+
+def _source(record: Record, paper: str, most: int) -> str:
+    """The run, its name of at most ``most`` characters, and the figures to compare it with."""
+    run = f"{short(record.name, most)}, seed {record.seed}"
+    return f"{run}; compare {paper} of the paper" if paper else run
 
 
 def short(name: str, most: int = LONGEST_NAME) -> str:
@@ -106,6 +128,59 @@ def keep_span(axis: Any, least: float) -> None:
     if high - low < least:
         middle = (low + high) / 2.0
         axis.set_ylim(middle - least / 2.0, middle + least / 2.0)
+
+
+def clear_marks(figure: Any) -> None:
+    """Move the words of marks into their axes and, where another side is freer, off the curves.
+
+    To be called when all is drawn. Words that are inside and cover no curve stay.
+    """
+    found = [
+        (axis, text) for axis in figure.axes for text in axis.texts if text.get_gid() == "mark"
+    ]
+    if not found:
+        return
+    figure.draw_without_rendering()
+    for axis, text in found:
+        lines = [
+            axis.transData.transform(line.get_xydata())
+            for line in axis.lines
+            if len(line.get_xydata()) > 2
+        ]
+        if len(lines) <= FEW_CURVES:
+            _off_curves(axis, text, lines)
+        box, room = text.get_window_extent(), axis.get_window_extent()
+        over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
+        if over:
+            x, y = text.xyann
+            text.xyann = (x - over * 72.0 / figure.dpi, y)
+
+
+def _off_curves(axis: Any, text: Any, lines: Sequence[FloatArray]) -> None:
+    """Put the words of a mark on the side of it where they cover fewest points of curves."""
+    best, (x, y) = _covered(axis, text, lines), text.xyann
+    if not best:
+        return
+    kept = x, y, text.get_ha(), text.get_va()
+    for away in (1.0, 2.5):
+        for right, above in product((True, False), repeat=2):
+            text.xyann = (7.0 if right else -7.0, 7.0 * away if above else -7.0 * away)
+            text.set(ha="left" if right else "right", va="bottom" if above else "top")
+            if (cost := _covered(axis, text, lines)) < best:
+                best, kept = cost, (*text.xyann, text.get_ha(), text.get_va())
+    text.xyann = kept[:2]
+    text.set(ha=kept[2], va=kept[3])
+
+
+def _covered(axis: Any, text: Any, lines: Sequence[FloatArray]) -> float:
+    """Length [px] of lines (n, 2) [px] behind a text, a thousand for the sides of its axis."""
+    box, room = text.get_window_extent(), axis.get_window_extent()
+    outside = box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1
+    area = shapely.box(box.x0, box.y0, box.x1, box.y1)
+    covered = shapely.length(
+        shapely.intersection([shapely.LineString(line) for line in lines], area)
+    )
+    return float(covered.sum()) + 1000.0 * outside
 
 
 def mark(

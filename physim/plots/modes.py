@@ -17,6 +17,9 @@ from physim.record import Record
 MOST_ROWS = 40
 """Robots that have a row with name and share; of more, rows are thin and only some are named."""
 
+BLANK = 0.002
+"""Share of the run without a mode from which on the legend says what a blank stretch means."""
+
 
 def modes(record: Record) -> Any:
     """Figure: a row a robot, coloured by mode over time [s], its share of safe mode at the end."""
@@ -42,7 +45,7 @@ def modes(record: Record) -> Any:
     if share is not None:
         told = f"share of safe mode: {1.0 - share:.1%} of all robots' time under way"
         axis.set_title(told, loc="right", fontsize=8.0, color=QUIET)
-    _legend(figure, spans)
+    _legend(figure, record, spans)
     return figure
 
 
@@ -91,9 +94,16 @@ def _shares(axis: Any, record: Record, few: bool) -> None:
     )  # fmt: skip
 
 
-def _legend(figure: Any, spans: NDArray[np.void]) -> None:
+def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:
     from matplotlib.patches import Patch
 
     lasting = spans["mode"][spans["end"] > spans["begin"]]
     shown = [mode for mode in MODES if (lasting == mode).any()]
-    legend_below(figure, [Patch(facecolor=MODES[m], label=MODE_WORDS[m]) for m in shown], 4)
+    handles = [Patch(facecolor=MODES[m], label=MODE_WORDS[m]) for m in shown]
+    coloured = spans[np.isin(spans["mode"], list(MODES))]
+    filled = np.bincount(
+        coloured["robot"], coloured["end"] - coloured["begin"], minlength=record.robots
+    )
+    if filled.min() < record.steps_run * record.dt * (1.0 - BLANK):
+        handles.append(Patch(facecolor="white", edgecolor=QUIET, label="blank: no mode given"))
+    legend_below(figure, handles, 4)

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.area import ROUND_SEGMENTS
+from physim.geometry.corridor import SIDES
 from physim.geometry.corridor_width import Widths, sampled_widths
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
@@ -98,10 +99,10 @@ def contents(layout: Layout, safe_distance: float) -> Contents:
     safe = area.buffer(-safe_distance, quad_segs=ROUND_SEGMENTS) if safe_distance > 0.0 else None
     boundaries, obstacles = list(layout.boundaries.values()), layout.obstacles
     reference = corners_of_line(layout.reference)
-    walls = _segments(boundaries)
+    others, walls = _sides(layout)
     rings = _segments([np.concatenate((ring, ring[:1])) for ring in obstacles])
-    widths = sampled_widths(reference, np.concatenate((walls, rings)), PLACES)
-    alone = sampled_widths(reference, walls, PLACES) if len(rings) else None
+    widths = sampled_widths(reference, np.concatenate((others, rings)), PLACES, walls)
+    alone = sampled_widths(reference, others, PLACES, walls) if len(rings) else None
     return Contents(
         name=world.name,
         description=world.description,
@@ -119,6 +120,17 @@ def contents(layout: Layout, safe_distance: float) -> Contents:
         widths=widths,
         boundary_widths=alone,
     )
+
+
+def _sides(layout: Layout) -> tuple[FloatArray, tuple[FloatArray, FloatArray] | None]:
+    """Segments of the boundaries between which a width is told, and the two walls of a corridor.
+
+    The caps of a corridor are in neither.
+    """
+    drawn = layout.boundaries
+    if layout.world.corridor is None:
+        return _segments(drawn.values()), None
+    return _segments([]), (_segments([drawn[SIDES[0]]]), _segments([drawn[SIDES[1]]]))
 
 
 def _segments(lines: Iterable[FloatArray]) -> FloatArray:

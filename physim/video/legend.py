@@ -22,6 +22,7 @@ ROW = 21
 SIGN = 30
 """[px] room for the sign"""
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
+BEGINS = "a contact begins"
 GRAZE = "graze between samples"
 TRAIL = f"trail, last {theme.TRAIL:g} s"
 DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
@@ -46,6 +47,7 @@ def signs(story: Story, ground: Ground) -> list[str]:
     areas, record = bool(ground.safe), story.record
     shown = {
         CONTACT: True,
+        BEGINS: story.contacts.began.size > 0,
         GRAZE: bool(story.contacts.swept.any()),
         CLOSEST: story.robots > 1,
         TARGET: story.has_targets,
@@ -125,12 +127,18 @@ def _contact(image: Image, left: float, y: float) -> None:
     marks.draw_contact(image, Lens(1.0, left + 11.0, y), np.zeros(2))
 
 
+def _begins(image: Image, left: float, y: float) -> None:
+    lens = Lens(1.0, left + 11.0, y)
+    marks.draw_ring(image, lens.pixels(np.zeros(2)), 6.0, 2)
+
+
 def _graze(image: Image, left: float, y: float) -> None:
     marks.draw_graze(image, Lens(1.0, left + 11.0, y), np.zeros(2))
 
 
 _SIGNS: dict[str, Callable[[Image, float, float], None]] = {
     CONTACT: _contact,
+    BEGINS: _begins,
     GRAZE: _graze,
     CLOSEST: _closest,
     TARGET: _target,

@@ -59,9 +59,14 @@ def draw_flash(view: Image, lens: Lens, place: FloatArray, age: float, speed: fl
     centre = lens.pixels(place)
     if grown >= 1.0 or not np.isfinite(centre).all():
         return
-    at, radius = fixed(centre).tolist(), round((9.0 + 25.0 * grown) * ONE)
-    cv2.circle(view, at, radius, theme.WHITE, 7, cv2.LINE_AA, SHIFT)
-    cv2.circle(view, at, radius, theme.CONTACT, 4, cv2.LINE_AA, SHIFT)
+    draw_ring(view, centre, 9.0 + 25.0 * grown, 4)
+
+
+def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> None:
+    """Draw a ring in the contact colour round ``centre`` (2,), all [px]."""
+    at, reach = fixed(centre).tolist(), round(radius * ONE)
+    cv2.circle(image, at, reach, theme.WHITE, width + 3, cv2.LINE_AA, SHIFT)
+    cv2.circle(image, at, reach, theme.CONTACT, width, cv2.LINE_AA, SHIFT)
 
 
 def draw_contact(view: Image, lens: Lens, place: FloatArray) -> None:

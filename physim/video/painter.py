@@ -167,7 +167,8 @@ class Painter:
             text = metres(pair.distance) if pair.distance > 0.0 else "contact"
             pictures.append(sprite(text, theme.TEXT, theme.INK))
             reach = min(max(span * 0.2, 8.0), 30.0)
-            tags.append(Tag(-1, (middle[0], middle[1]), reach, _size(pictures[-1])))
+            key = -1 - pair.a * self.story.robots - pair.b  # another pair chooses anew
+            tags.append(Tag(key, (middle[0], middle[1]), reach, _size(pictures[-1])))
         if len(boxes) <= NAMED:
             for index, box in enumerate(boxes):
                 if box[2] < 0 or box[3] < 0 or box[0] > wide or box[1] > high:

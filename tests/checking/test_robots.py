@@ -405,3 +405,23 @@ def test_an_offset_path_that_folds_in_a_bend_is_a_warning(tmp_path):
     text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", bend), ("offset: 1.0", "offset: 2.5"))
     warnings = lines(check(tmp_path, text))[1]
     assert any('2.5 m to the side, the path of "a" runs backwards near' in w for w in warnings)
+
+
+@pytest.mark.parametrize(("least", "warned"), [("50", True), ("0.05", False)])
+def test_a_least_distance_that_the_start_breaks_is_a_warning(tmp_path, least, warned):
+    text = CORRIDOR + f"expect: {{min_distance: {least}}}\n"
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == []
+    told = [line for line in warnings if "expect.min_distance" in line]
+    assert len(told) == warned
+    assert all(
+        '"a" and "b" are 1.562 m apart at the start, so 50 m cannot hold' in one for one in told
+    )
+
+
+@pytest.mark.parametrize(("step", "warned"), [("1.0e-6", True), ("0.01", False)])
+def test_a_run_of_very_many_steps_is_a_warning(tmp_path, step, warned):
+    text = changed(CORRIDOR, ("step: 0.01, duration: 60.0", f"step: {step}, duration: 40.0"))
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == []
+    assert any("40,000,000 steps" in line and "time.step" in line for line in warnings) == warned

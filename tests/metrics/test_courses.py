@@ -11,11 +11,13 @@ import shapely
 from physim import metrics
 from physim.errors import PhysimError
 from physim.geometry.corridor import offset_polyline
+from physim.geometry.corridor_width import sampled_widths
 from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
 from physim.metrics.width import sides_of, width_extreme
+from physim.preview.contents import contents
 from physim.record import Record, RecordWriter
 from physim.scene import Body
-from physim.scene_builder import build_scene
+from physim.scene_builder import build_scene, lay_out
 from physim.world_file import load_world
 from tests.metrics.histories import history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
@@ -156,8 +158,8 @@ def test_a_wall_across_the_path_has_no_width() -> None:
     walls = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 16.0], [0.0, 16.0], [0.0, 0.0]])
     found = metrics.corridor_width(room(walls, [[1.0, 8.0], [29.0, 8.0]]))
     x = found.points[:, 0]
-    between = (x >= 8.0 - 1e-9) & (x <= 22.0 + 1e-9)
-    assert np.isnan(found.width[~between]).all()
+    between = (x > 8.0 + 1e-9) & (x < 22.0 - 1e-9)
+    assert np.isnan(found.width[(x < 8.0 - 1e-9) | (x > 22.0 + 1e-9)]).all()
     assert found.width[between] == pytest.approx(16.0)
     least = width_extreme(found, 0, largest=False)
     assert least is not None
@@ -171,8 +173,8 @@ def test_a_path_along_an_end_wall_alone_has_no_width_to_tell() -> None:
 
 
 SHIPPED = {
-    "crossing": (6.3, 17.2), "doorway": (1.8, 16.0), "merging": (3.6, 7.4),
-    "roundabout": (5.9, 8.3), "ten_robots": (5.2991, 13.4030), "warehouse": (1.75, 5.1),
+    "crossing": (9.6, 15.0), "doorway": (1.8, 16.0), "merging": (3.6, 7.3),
+    "roundabout": (5.9, 8.3), "ten_robots": (5.2991, 13.4030), "warehouse": (1.75, 3.95),
 }  # fmt: skip
 """Least and greatest width [m] as in a preview of each, within 0.1 m; of ten_robots exactly."""
 
@@ -187,6 +189,48 @@ def test_widths_of_shipped_worlds_are_those_of_their_previews(name: str) -> None
     ends = [width_extreme(found, 0, largest) for largest in (False, True)]
     tolerance = 1e-4 if name == "ten_robots" else 0.1
     assert [end.value for end in ends if end] == pytest.approx(SHIPPED[name], abs=tolerance)
+
+
+def corners(lines: list[list[list[float]]]) -> FloatArray:
+    return np.array([[*a, *b] for line in lines for a, b in pairwise(line)], dtype=np.float64)
+
+
+ELL = [[-3, -3], [24, -3], [24, 30], [18, 30], [18, 3], [-3, 3], [-3, -3]]
+"""Six metres wide, closed at both ends."""
+SLANTED = [[[-3, -3], [30, -3]], [[-3, 3], [30, 3]], [[-4, -3], [-2.4, 3]], [[30, -3], [30, 3]]]
+"""Six metres wide; the wall that closes its beginning is 15 degrees out of square."""
+
+
+@pytest.mark.parametrize("offset", [-1.0, 0.0, 1.0])
+def test_the_wall_that_closes_an_end_is_no_side_and_run_and_preview_agree(offset: float) -> None:
+    """Near the end of an L beside its middle, the wall ahead is nearer than the farther side."""
+    path = [[0.0, offset], [21.0 - offset, offset], [21.0 - offset, 27.0]]
+    found = metrics.corridor_width(room(np.array(ELL, dtype=np.float64), path))
+    told = sampled_widths(np.array(path), corners([ELL]), 600)
+    assert np.nanmin(found.width) == pytest.approx(6.0)
+    assert told.width[told.between].min() == pytest.approx(6.0)
+    assert np.nanmax(found.width) == pytest.approx(told.width[told.between].max(), abs=0.1)
+    assert np.isfinite(found.width).mean() > 0.85
+
+
+@pytest.mark.parametrize("turn", [-0.2, 0.0, 0.2])
+def test_a_slanted_end_is_no_side_either(turn: float) -> None:
+    path = np.array([[0.0, 0.5], [0.0, 0.5]]) + [[0.0, 0.0], [4.0, 4.0 * turn]]
+    told = sampled_widths(path, corners(SLANTED), 100)
+    assert told.between.any()
+    assert told.width[told.between].min() == pytest.approx(6.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ten_robots", "u_turn"])
+def test_a_preview_of_a_corridor_tells_the_width_of_the_run(name: str) -> None:
+    world = load_world(name)
+    layout = lay_out(world, world.seed)
+    told = contents(layout, 0.0).widths
+    left, right = (layout.boundaries[side] for side in ("left wall", "right wall"))
+    assert told.between.all()
+    walls = [shapely.LineString(line) for line in (left, right)]
+    apart = [shapely.distance(shapely.points(told.point), wall) for wall in walls]
+    assert np.allclose(told.width, apart[0] + apart[1], rtol=0, atol=1e-9)
 
 
 def test_width_of_no_robot() -> None:

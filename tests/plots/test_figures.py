@@ -10,6 +10,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+import shapely
+from matplotlib.figure import Figure
 
 from physim import metrics
 from physim.plots import NAMES, draw
@@ -19,11 +21,12 @@ from physim.plots.courses import MOST_LINES, QUANTILES
 from physim.plots.deviation import deviation, sharp_turns
 from physim.plots.distances import distances
 from physim.plots.formation import formation
+from physim.plots.frame import clear_marks, mark
 from physim.plots.ground import inside_and_out
 from physim.plots.modes import modes
 from physim.plots.pictures import PICTURES
 from physim.plots.speeds import speeds
-from physim.plots.style import MODE_WORDS, MODES
+from physim.plots.style import DPI, MODE_WORDS, MODES, styled
 from physim.plots.trajectories import snapshot_rows, trajectories
 from physim.plots.width import width
 from physim.record import Record, RecordWriter
@@ -289,3 +292,43 @@ def test_an_unknown_figure_is_refused_with_the_nearest(
 def test_the_help_tells_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
     told = physim("plot", "--help", capture=capsys).out
     assert all(f"\n  {name} " in told for name in NAMES)
+
+
+@pytest.mark.parametrize("letters", [3, 30, 34, 40, 90])
+def test_the_run_never_runs_into_the_title(letters: int) -> None:
+    with make_record(seconds=1.0, name="W" * letters) as made, styled():
+        for draw_it in (trajectories, modes):
+            figure = draw_it(made)
+            (source,) = (text for text in figure.texts if text.get_gid() == "source")
+            figure.dpi = DPI
+            title = figure._suptitle.get_window_extent()
+            assert source.get_window_extent().x0 > title.x1 + 10.0
+            assert source.get_text().startswith("W" * min(letters, 10))
+
+
+def test_modes_tell_what_a_blank_stretch_means(record: Record) -> None:
+    def legend(made: Record) -> list[str]:
+        return [text.get_text() for text in modes(made).legends[0].get_texts()]
+
+    assert "blank: no mode given" not in legend(record)
+    assert "blank: no mode given" in legend(history([update(500)], steps_run=1000))
+
+
+def update(step: int) -> dict[str, Any]:
+    return {"step": step, "robot": 0, "mode": 0, "next_step": step + 500}
+
+
+def test_words_of_marks_stay_in_their_axes_and_off_the_curves() -> None:
+    figure = Figure(figsize=(4.0, 3.0))
+    axis = figure.subplots()
+    x = np.linspace(0.0, 10.0, 200)
+    curve = np.abs(x - 5.0)
+    axis.plot(x, curve)
+    axis.set(xlim=(0.0, 10.0), ylim=(-3.0, 5.0))
+    mark(axis, 5.0, 0.0, "0.672 m of a long word")
+    mark(axis, 5.4, 4.0, "farthest 123 m (r1 and boundary 1)")
+    clear_marks(figure)
+    line = shapely.LineString(axis.transData.transform(np.column_stack((x, curve))))
+    low, far = (text.get_window_extent() for text in axis.texts)
+    assert not line.intersects(shapely.box(*low.extents))
+    assert far.x1 <= axis.get_window_extent().x1 + 1e-6

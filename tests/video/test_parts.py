@@ -172,7 +172,7 @@ def test_the_legend_lists_what_can_appear(
 
     low = np.array([[0.0, -4.0], [80.0, -4.0], [80.0, 3.0], [0.0, 3.0]])  # it bends out of it
     record = changed(made(3), safe=[low])
-    full = ["contact", "closest pair", "target", "trail, last 10 s"]
+    full = ["contact", "a contact begins", "closest pair", "target", "trail, last 10 s"]
     areas = ["safe area", "danger area"]
     assert listed(record) == [*full, "path, dashed in danger area", "reference path", "boundary",
                               *areas]  # fmt: skip

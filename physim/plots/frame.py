@@ -180,7 +180,7 @@ def _covered(axis: Any, text: Any, lines: Sequence[FloatArray]) -> float:
     covered = shapely.length(
         shapely.intersection([shapely.LineString(line) for line in lines], area)
     )
-    return float(covered.sum()) + 1000.0 * outside
+    return float(covered.sum() + 1000.0 * outside)
 
 
 def mark(

@@ -1,13 +1,15 @@
-"""Contacts in words: what went wrong, where, and who was responsible."""
+"""Contacts in words: what went wrong, where, and what each robot had decided."""
 
 from __future__ import annotations
 
 import math
 
 from physim.control import Mode
-from physim.tolerances import CONTACT, PUSH
-from physim.validation.contact_report import ContactReport, GrazeReport, Side
+from physim.tolerances import CONTACT
+from physim.validation.blame_text import charge_words, finding_words, who_words
+from physim.validation.contact_report import ContactReport
 from physim.validation.numbers import joined, length, names_of, short, wrapped
+from physim.validation.sides import Side
 from physim.validation.validation import Validation
 
 SHOWN = 8
@@ -52,8 +54,8 @@ def _sentences(validation: Validation) -> list[str]:
     said = [
         f"{robots} between robots, {len(validation.contacts) - robots} with boundaries or "
         f"obstacles, in {run.seconds:.2f} s.",
-        f"First at {first.time:.2f} s: {_who(first, names)}. "
-        f"Responsible is {_charge(first, names)} {_finding(first, names)}",
+        f"First at {first.time:.2f} s: {who_words(first, names)}. "
+        f"Responsible is {charge_words(first, names)} {finding_words(first, names)}",
     ]
     if len(validation.contacts) > 1:
         shares = [
@@ -81,8 +83,8 @@ def _grazes(validation: Validation) -> list[str]:
         f"Between samples, where the engine does not look, bodies touched {times}; touching is a "
         "contact all the same.",
         f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
-        f"{_who(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
-        f"{first.place[1]:.3f}) m. Responsible is {_charge(first, names)}",
+        f"{who_words(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
+        f"{first.place[1]:.3f}) m. Responsible is {charge_words(first, names)}",
     ]
 
 
@@ -136,7 +138,7 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
     push = f", pushing with {one.impulse / one.duration:,.0f} N on average"
     lines = [
         f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
-        *_item("what", f"{_who(one, names)}; {motion}"),
+        *_item("what", f"{who_words(one, names)}; {motion}"),
         *_item(
             "where",
             f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
@@ -147,66 +149,16 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
             f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
             f"first, {one.impulse:,.1f} N s in all",
         ),
-        *_item("responsible", _charge(one, names)),
+        *_item("responsible", charge_words(one, names)),
     ]
     for side in one.sides:
         lines += _item(names[side.body], _decision(side, one))
-    lines += _item("finding", _finding(one, names))
+    lines += _item("finding", finding_words(one, names))
     return lines + (_item("note", before) if before else [])
 
 
 def _item(label: str, text: str) -> list[str]:
     return wrapped(text, f"    {label:<11} ", 16 * " ")
-
-
-def _who(one: ContactReport | GrazeReport, names: list[str]) -> str:
-    """``front of r2 against rear left of r1``, the one that ran into the other first."""
-    sides = sorted(one.sides, key=lambda side: not (side.responsible or _by_third(side, one)))
-    words = [f"{side.part} of {names[side.body]}" for side in sides]
-    if len(sides) == 1:
-        words.append(names[one.b])
-    return " against ".join(words)
-
-
-def _charge(one: ContactReport | GrazeReport, names: list[str]) -> str:
-    pushed = [side for side in one.sides if side.pushed_by is not None]
-    if pushed:
-        return " ".join(_push(side, one, names) for side in pushed)
-    charged = [side for side in one.sides if side.responsible]
-    who = joined([names[side.body] for side in charged])
-    if one.sides[0].behind is None:
-        return f"{who}: a robot has to keep clear of boundaries and obstacles."
-    if len(charged) > 1:
-        return f"{who}: each was behind the other at its own last decision."
-    side = charged[0]
-    other = names[one.a + one.b - side.body]
-    behind = side.behind or 0.0
-    if behind > 0.0:
-        return (
-            f"{who}: it was {length(behind)} behind {other} along the reference path, "
-            f"so it had to consider {other}."
-        )
-    if behind == 0.0:
-        return f"{who}: level with {other}, which has the lower number and so priority."
-    return f"{who}: it was behind {other} when they touched; the two changed places just before."
-
-
-def _by_third(side: Side, one: ContactReport | GrazeReport) -> bool:
-    """Whether another robot than the two brought this one into the contact."""
-    return side.pushed_by is not None and side.pushed_by not in (one.a, one.b)
-
-
-def _push(side: Side, one: ContactReport | GrazeReport, names: list[str]) -> str:
-    """Who is charged in place of a robot, and why."""
-    name, other = names[side.body], names[one.a + one.b - side.body]
-    by = names[side.pushed_by] if side.pushed_by is not None else ""
-    if not _by_third(side, one):
-        return f"{by}: it ran into {name}, which stood by command."
-    if side.stands and side.speed <= PUSH:
-        return f"{by}: it pushed {other} into {name}, which stood by command."
-    if side.stands:
-        return f"{by}: {name}, which stood by command, was pushed by {by} against {other}."
-    return f"{by}: {name} was pushed by {by} against {other}, beyond its own command."
 
 
 def _decision(side: Side, one: ContactReport) -> str:
@@ -236,43 +188,6 @@ def _saw(side: Side) -> str:
         seen = "none" if math.isinf(side.reported_time) else f"{side.reported_time:.3f} s"
         words.append(f"collision time {seen}")
     return ", ".join(words)
-
-
-def _finding(one: ContactReport, names: list[str]) -> str:
-    """Why it was not avoided, as far as the record shows."""
-    pushed = next((side for side in one.sides if _by_third(side, one)), None)
-    if pushed is not None and pushed.pushed_by is not None:
-        name, by = names[pushed.body], names[pushed.pushed_by]
-        if pushed.stands and pushed.speed <= PUSH:
-            return f"{name} stood by command; the other was pushed by {by}."
-        return f"{name} {'stood by command and ' if pushed.stands else ''}was pushed by {by}."
-    side = next(side for side in one.sides if side.responsible)
-    name, other = names[side.body], names[one.a + one.b - side.body]
-    if side.decided is None:
-        return f"{name} had made no decision yet."
-    said = []
-    if one.warning is not None:
-        said.append(
-            f"Contact lay ahead at every decision of the last {short(one.warning)}."
-            if one.warning > 0.0
-            else "Contact did not lie ahead at the last decision."
-        )
-    wall = len(one.sides) == 1
-    looked = not math.isnan(side.reported_time)
-    looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)
-    if not looked:
-        said.append(f"{name} reported no look at {other}: no distance and no collision time.")
-    elif not wall and side.considered == 0:
-        said.append(f"{name} considered no robot, though it had to consider {other}.")
-    elif side.mode is None:
-        said.append(f"{name} looked, but took no command that kept it clear of {other}.")
-    elif side.mode == Mode.SAFE:
-        said.append(f"{name} was in safe mode: it did not take {other} for a danger.")
-    elif side.mode == Mode.ARRIVED:
-        said.append(f"{name} had arrived and stood still.")
-    else:
-        said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
-    return " ".join(said)
 
 
 def _before(validation: Validation, one: ContactReport) -> str:

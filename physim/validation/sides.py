@@ -1,0 +1,141 @@
+"""The robots of a contact: what each did and saw, and who was responsible.
+
+Responsibility follows the paper's priority rule: a robot has to consider those that are further
+along the reference path s* (equal stations: the lower index has priority). So of two robots the
+one that was behind at its own last decision before the contact had to avoid it. With a boundary
+or an obstacle it is always the robot.
+
+Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
+contact, or stood by command while the other came, is not charged but the one that did it, see
+`physim.validation.pushing`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim.control import NO_MODE
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from physim.validation.decisions import DecisionTable
+from physim.validation.pushing import Touch, pushed_by, stands
+
+
+@dataclass(frozen=True)
+class Side:
+    """One robot in a contact."""
+
+    body: int
+    part: str
+    """where on the robot, seen from its reference point: front, front left, left, …"""
+    speed: float
+    """[m/s] of its reference point in the step that led to the contact"""
+    station: float
+    """[m] along s* when the contact began"""
+    decided: float | None
+    """[s] its last decision before the contact, and what it was:"""
+    mode: int | None
+    v: float
+    """[m/s] command"""
+    omega: float
+    """[rad/s] command"""
+    reported_time: float
+    """[s] collision time that its controller reported; inf none within its horizon, NaN not
+    looked at"""
+    reported_distance: float
+    """[m] to the nearest robot it considered; inf none, NaN not looked at"""
+    reported_boundary: float
+    """[m] to the nearest boundary; NaN not looked at"""
+    considered: int
+    """robots it considered"""
+    behind: float | None
+    """[m] how far it was behind the other along s* at that decision; negative: ahead. None for
+    a boundary"""
+    stands: bool
+    """its command in that step was to stand, v = omega = 0"""
+    pushed_by: int | None
+    """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
+    its place; None where there is none, or where it did not have to keep clear"""
+    responsible: bool
+
+
+def velocity_at(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
+    """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample."""
+    if body >= record.robots or step == 0:
+        return np.zeros(2)
+    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
+    vx, vy, omega = (now - before) / record.dt
+    x, y = point[0] - now[0], point[1] - now[1]
+    return np.array((vx - omega * y, vy + omega * x))
+
+
+def sides_of(
+    record: Record, table: DecisionTable, touch: Touch
+) -> tuple[tuple[Side, ...], tuple[int, ...]]:
+    """Robots of a contact, a first, and the ids of those that were responsible for it."""
+    a, b, step = touch.a, touch.b, touch.step
+    robots = [i for i in (a, b) if i < record.robots]
+    behind = {i: _behind(record, table, i, a + b - i, step) for i in robots}
+    ruled = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
+    if not ruled:  # they changed places between their last decisions
+        ruled = [max(robots, key=lambda i: -table.reference_station(i, step))]
+    pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
+    charged = {i if by is None else by for i, by in pushed.items()}
+    sides = tuple(
+        _side(record, table, i, touch, behind[i], pushed.get(i), i in charged) for i in robots
+    )
+    return sides, tuple(sorted(charged))
+
+
+def _has_to_consider(behind: float | None, i: int, other: int, robots: int) -> bool:
+    """Whether Robot i had to consider the other: it was behind; ties by index."""
+    if behind is None:
+        return robots == 1
+    return behind > 0.0 or (behind == 0.0 and other < i)
+
+
+def _behind(record: Record, table: DecisionTable, i: int, other: int, step: int) -> float | None:
+    """How far [m] Robot i was behind the other along s* at its last decision before a step."""
+    if other >= record.robots:
+        return None
+    row = table.last(i, step - 1)
+    at = int(row["step"]) if row is not None else max(step - 1, 0)
+    return table.reference_station(other, at) - table.reference_station(i, at)
+
+
+def _side(
+    record: Record,
+    table: DecisionTable,
+    i: int,
+    touch: Touch,
+    behind: float | None,
+    pusher: int | None,
+    responsible: bool,
+) -> Side:
+    step, point = touch.step, touch.point
+    pose = record.read("/steps/pose", step, step + 1)[0, i]
+    vx, vy = velocity_at(record, i, step, (float(pose[0]), float(pose[1])))
+    row = table.last(i, step - 1)
+    v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
+    nan = math.nan
+    return Side(
+        i, _part(pose, point), math.hypot(vx, vy), table.reference_station(i, step),
+        None if row is None else float(row["step"]) * record.dt,
+        None if row is None or row["mode"] == NO_MODE else int(row["mode"]), v, omega,
+        nan if row is None else float(row["collision_time"]),
+        nan if row is None else float(row["distance"]),
+        nan if row is None else float(row["boundary_distance"]),
+        0 if row is None else int(row["considered"]), behind, stands(table, i, step), pusher,
+        responsible,
+    )  # fmt: skip
+
+
+def _part(pose: FloatArray, point: tuple[float, float]) -> str:
+    """Where on a robot a point lies: one of eight directions from its reference point."""
+    names = ("front", "front left", "left", "rear left", "rear", "rear right", "right",
+             "front right")  # fmt: skip
+    bearing = math.atan2(point[1] - pose[1], point[0] - pose[0]) - pose[2]
+    return names[round(bearing / (math.pi / 4)) % 8]

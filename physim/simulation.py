@@ -76,7 +76,10 @@ class Simulation:
         controller: Controller | str | None = None,
         filters: Sequence[Filter] = (),
     ) -> None:
-        """Set up sample 0. Raises WorldError or ControllerError where it cannot be run.
+        """Set up sample 0.
+
+        Raises WorldError or ControllerError where it cannot be run, TypeError for a name or a file
+        in place of a world.
 
         ``controller`` is an object, or a registered name or ``module:Class`` that takes the place
         of the world's own. Without ``seed`` the world's own is used; a Scene has its seed.
@@ -85,6 +88,11 @@ class Simulation:
             if isinstance(controller, str):
                 world = world.changed(controller={"type": controller})
             world = build_scene(world, seed)
+        if not isinstance(world, Scene):
+            raise TypeError(
+                f"a World or a Scene is needed, not {type(world).__name__}; "
+                "load_world(name or file) gives one"
+            )
         self.scene = scene = world
         self.controller = _controller(scene.world, controller)
         self.physics = Physics(

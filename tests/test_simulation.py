@@ -505,3 +505,9 @@ def test_a_run_that_touches_a_wall_tells_of_it() -> None:
     (episode,) = contact_episodes(record)
     assert episode.time == pytest.approx(4.1, abs=0.011)  # 203 m - 0.9 m - 198.004 m at 1 m/s
     assert record.boundary_clearance.min() < 0.0
+
+
+@pytest.mark.parametrize("world", ["three_robots", Path("world.yaml")])
+def test_a_name_in_place_of_a_world_is_told(world: Any) -> None:
+    with pytest.raises(TypeError, match=r"a World or a Scene is needed, not (str|PosixPath); load"):
+        simulate(world)

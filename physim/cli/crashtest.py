@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from physim.cli.compiling import tell_compiling
-from physim.cli.output import a_folder, its_folder, new_file, write_text
+from physim.cli.output import a_folder, new_file, new_json, people, write_json
 from physim.cli.progress import Bar, interrupts
 from physim.crashtest import crash_test
 from physim.crashtest.foresight import is_warm
@@ -23,19 +23,16 @@ COMPILING = 15
 def crashtest(options: argparse.Namespace) -> int:
     """Throw cases and tell how engine and analysis agree; returns the exit code."""
     folder = options.output or Path(f"crashtest-{options.seed}")
-    if options.json is not None:
-        new_file(options.json, options.force, option="--json")
-        its_folder(options.json)
+    new_json(options.json, options.force)
     _clear(folder, options.force)
     if not is_warm():
         tell_compiling("the collision checks", COMPILING, options.quiet)
     report = _thrown(options, folder)
-    if options.json is not None:
-        write_text(options.json, report.to_json())
+    write_json(options.json, report.to_json())
     if not options.quiet:
         if report.interrupted:
             print(f"{_cut(report)}; the results so far:", file=sys.stderr, flush=True)
-        print(text(report), end="")
+        print(text(report), end="", file=people(options.json))
     if report.interrupted:
         return INTERRUPTED
     return DISAGREE if report.unexplained else 0

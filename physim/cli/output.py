@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
+from typing import TextIO
 
 from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
+STDOUT = Path("-")
+"""What stands for standard output where a file is asked for."""
 FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", "summary.json")
 KINDS = {
     stat.S_IFLNK: "a link",
@@ -102,6 +106,26 @@ def its_folder(path: Path) -> None:
     """Raise PhysimError where the folder of a file does not exist."""
     if not path.absolute().parent.is_dir():
         raise PhysimError(f"{path}: there is no folder {path.parent}")
+
+
+def new_json(path: Path | None, force: bool, *inputs: Path) -> None:
+    """Raise PhysimError unless ``--json`` may be written to a file; ``-`` is standard output."""
+    if path is not None and path != STDOUT:
+        new_file(path, force, *inputs, option="--json")
+        its_folder(path)
+
+
+def write_json(path: Path | None, text: str) -> None:
+    """Write what ``--json`` asks for, if anything. Raises PhysimError when it cannot be written."""
+    if path == STDOUT:
+        sys.stdout.write(text if text.endswith("\n") else text + "\n")
+    elif path is not None:
+        write_text(path, text)
+
+
+def people(json: Path | None) -> TextIO:
+    """Stream of the text for people: standard error where the JSON takes standard output."""
+    return sys.stderr if json == STDOUT else sys.stdout
 
 
 def write_text(path: Path, text: str) -> None:

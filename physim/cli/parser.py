@@ -14,7 +14,7 @@ what happened.
 
 see a run:
   physim list                        worlds and controllers that come with it
-  physim run three_robots            run one: record, video, figures in runs/
+  physim run three_robots            run one: record, video, summary in runs/
 make a world of your own:
   physim new my_world                one to begin with, every key explained
   physim import plan.svg -o my.yaml  one from a track, map, drawing, polygons

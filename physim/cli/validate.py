@@ -8,7 +8,7 @@ from pathlib import Path
 
 from physim.cli import rerun
 from physim.cli.compiling import tell_compiling
-from physim.cli.output import inputs, its_folder, new_file, write_text
+from physim.cli.output import inputs, new_json, people, write_json
 from physim.cli.progress import interrupts
 from physim.errors import PhysimError
 from physim.record import Record
@@ -29,10 +29,7 @@ COMPILING = 15
 
 def validate_command(options: argparse.Namespace) -> int:
     """Validate a world or a record; returns the exit code."""
-    if options.json is not None:
-        read = inputs(options.given, options.world)
-        new_file(options.json, options.force, *read, option="--json")
-        its_folder(options.json)
+    new_json(options.json, options.force, *inputs(options.given, options.world))
     if not is_record(options.given):
         if options.world is not None:
             raise PhysimError("--world: goes with a record: it checks where the record came from")
@@ -88,7 +85,8 @@ def _validate_world(world: World, document: Document, options: argparse.Namespac
         found = _run_and_validate(world, document, None, options)
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
-            "and no rate.\n"
+            "and no rate.\n",
+            file=people(options.json),
         )
         return _told(found, options)
     return _validate_seeds(world, document, options)
@@ -109,7 +107,7 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
             if worst is None or found.code > worst.code:
                 worst = found
             if not options.quiet:
-                print(seed_line(results[-1]), flush=True)
+                print(seed_line(results[-1]), flush=True, file=people(options.json))
             if interrupt():
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
@@ -122,11 +120,11 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
 
 
 def _tell_study(study: SeedStudy, worst: Validation | None, options: argparse.Namespace) -> None:
+    out = people(options.json)
     if worst is not None and worst.code and not options.quiet:
-        print("\n" + report(worst), end="")
-    print(("" if options.quiet else "\n") + seeds_text(study), end="")
-    if options.json is not None:
-        write_text(options.json, json_of_seeds(study))
+        print("\n" + report(worst), end="", file=out)
+    print(("" if options.quiet else "\n") + seeds_text(study), end="", file=out)
+    write_json(options.json, json_of_seeds(study))
 
 
 def _run_and_validate(
@@ -143,8 +141,8 @@ def _judged(record: Record, source: str, options: argparse.Namespace) -> Validat
 
 
 def _told(found: Validation, options: argparse.Namespace) -> int:
-    if options.json is not None:
-        write_text(options.json, json_of_validation(found))
+    write_json(options.json, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]
-    print("\n".join(short) + "\n" if options.quiet else report(found), end="")
+    told = "\n".join(short) + "\n" if options.quiet else report(found)
+    print(told, end="", file=people(options.json))
     return found.code

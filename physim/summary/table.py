@@ -68,7 +68,7 @@ def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
         for c in contacts.episodes[:SHOWN_CONTACTS]
     ]
     more = contacts.count - len(rows)
-    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more else [])]
+    return [*rows, *([("  ...", f"{more} more (physim summary --json lists all)")] if more else [])]
 
 
 def _graze_rows(grazes: tuple[Graze, ...]) -> list[tuple[str, str]]:
@@ -85,7 +85,10 @@ def _graze_rows(grazes: tuple[Graze, ...]) -> list[tuple[str, str]]:
         for g in grazes[:SHOWN_CONTACTS]
     ]
     more = len(grazes) - SHOWN_CONTACTS
-    return [*rows, *([("  ...", f"{more} more (--json lists all)")] if more > 0 else [])]
+    return [
+        *rows,
+        *([("  ...", f"{more} more (physim summary --json lists all)")] if more > 0 else []),
+    ]
 
 
 def _contacts_text(contacts: Contacts) -> str:

@@ -36,6 +36,16 @@ def test_agreement_ends_with_0_and_writes_nothing_but_the_json(
     assert (tmp_path / "found.json").read_bytes() == first
 
 
+def test_json_on_standard_output_stands_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = physim("crashtest", "--cases", 20, "--json", "-", capture=capsys)
+    assert json.loads(done.out)["cases"] == 20
+    assert done.err.endswith("agree: 0 of 20 cases (seed 0) unexplained\n")
+    assert list(tree(tmp_path)) == []
+
+
 def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -71,6 +71,14 @@ def test_json(folder, capsys):
     assert first["prediction"]["verdict"] == "same step"
 
 
+@pytest.mark.parametrize("more", [(), ("--quiet",)])
+def test_json_on_standard_output_stands_alone(folder, capsys, more):
+    code, out, err = run(capsys, folder / "bad.h5", "--json", "-", *more)
+    assert json.loads(out)["exit_code"] == code == 1
+    assert err.splitlines()[-1].startswith("verdict: contacts: ")
+    assert not (folder / "-").exists()
+
+
 def test_coarse_record_is_simulated_again(folder, capsys):
     path = folder / "coarse.h5"
     lane(REAR_END, path, **{"time.record_every": 7}).close()

@@ -39,7 +39,10 @@ def add(commands: Commands) -> None:
     )  # fmt: skip
     crash.add_argument("--seed", type=whole, default=0, metavar="N", help="seed of the throws (0)")
     crash.add_argument(
-        "--json", type=Path, metavar="FILE", help="write the figures to FILE as JSON"
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write the figures to FILE as JSON; - is standard output",
     )
     crash.add_argument(
         "-o", "--output", type=Path, metavar="DIR",

@@ -37,7 +37,10 @@ def add(commands: Commands) -> None:
         help="record.h5 of a run; or a world file or the name of a shipped world, to run and judge",
     )  # fmt: skip
     validate.add_argument(
-        "--json", type=Path, metavar="FILE", help="write everything to FILE as JSON"
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write everything to FILE as JSON; - is standard output",
     )
     validate.add_argument("--force", action="store_true", help="write over an existing FILE")
     validate.add_argument(

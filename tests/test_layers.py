@@ -79,6 +79,8 @@ FROM_THE_RECORD_ALONE = (
     "physim.video",
     "physim.plots",
 )
+BUILDS_THE_WORLD_INSIDE = ("physim.validation.origin", "physim.scene_builder")
+"""The one module of these that may, and what it takes: it holds a record against its own world."""
 NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
     "physim.simulation", "physim.recording", "physim.warm_up", "physim.scene_builder",
@@ -228,6 +230,8 @@ def test_physim_reaches_controllers_through_the_registry_alone(module: str) -> N
 @pytest.mark.parametrize("module", [m for m in MODULES if m.startswith(FROM_THE_RECORD_ALONE)])
 def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
     for line, name in imports(module):
+        if (module, name) == BUILDS_THE_WORLD_INSIDE:
+            continue
         assert room_of(name) not in NOT_FROM_THE_RECORD, f"{module}:{line} imports {name}"
 
 

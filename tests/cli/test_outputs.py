@@ -25,7 +25,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_text(SMALL)
     (tmp_path / "track.csv").write_text(TRACK)
-    make_record(tmp_path / "record.h5", seconds=1.0).close()
+    make_record(tmp_path / "record.h5", seconds=1.0, world_text="").close()
     return tmp_path
 
 

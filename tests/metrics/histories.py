@@ -27,6 +27,7 @@ def history(
 ) -> Record:
     """Record with these rows; contacts are (step, a, b, phase, depth, impulse).
 
+    Updates are put in the order of steps and hold for one step unless they say otherwise;
     ``pose`` (K, N, 3) are the samples 0 to K - 1.
     """
     out = RecordWriter(None, make_scene(robots), world, name="by hand")
@@ -35,7 +36,9 @@ def history(
     for row, values in zip(rows, updates, strict=True):
         for key, value in values.items():
             row[key] = value
-    out.append_updates(rows)
+        if "next_step" not in values:
+            row["next_step"] = row["step"] + 1
+    out.append_updates(rows[np.argsort(rows["step"], kind="stable")])
     touching = np.zeros(len(contacts), CONTACT)
     for name, column in zip(
         ("step", "a", "b", "phase", "depth", "impulse"), zip(*contacts, strict=True), strict=False

@@ -31,7 +31,7 @@ MISTAKES = {
     ("--seed", "3", "run", "x"): "--seed: stands before the command; write physim COMMAND ... "
     "--seed (see physim --help)",
     ("validate", "x", "--json"): "--json: its FILE is missing; --json FILE: write everything to "
-    "FILE as JSON (see physim validate --help)",
+    "FILE (-: standard output) as JSON (see physim validate --help)",
     ("new", "--template"): "--template: its value is missing; must be one of corridor, bend, "
     "doorway, s_bend, roundabout, warehouse (see physim new --help)",
     ("new", "--template", "bent"): "--template bent: must be one of corridor, bend, doorway, "

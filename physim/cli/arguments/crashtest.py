@@ -42,7 +42,7 @@ def add(commands: Commands) -> None:
         "--json",
         type=Path,
         metavar="FILE",
-        help="write the figures to FILE as JSON; - is standard output",
+        help="write the figures to FILE (-: standard output) as JSON",
     )
     crash.add_argument(
         "-o", "--output", type=Path, metavar="DIR",

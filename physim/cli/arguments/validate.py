@@ -40,7 +40,7 @@ def add(commands: Commands) -> None:
         "--json",
         type=Path,
         metavar="FILE",
-        help="write everything to FILE as JSON; - is standard output",
+        help="write everything to FILE (-: standard output) as JSON",
     )
     validate.add_argument("--force", action="store_true", help="write over an existing FILE")
     validate.add_argument(

@@ -6,7 +6,6 @@ import json
 import os
 import shutil
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,16 +16,10 @@ from numpy.typing import NDArray
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_polylines
 from physim.record import layout
-from physim.record.checks import check_layout, damaged, open_record
+from physim.record.checks import check_layout, open_record
 from physim.record.digest import digest
-from physim.record.values import (
-    Bounds,
-    check_extremes,
-    check_points,
-    check_start,
-    check_steps,
-    check_table,
-)
+from physim.record.rows import NO_END, Rows, frozen
+from physim.record.values import Bounds, check_points, check_start
 from physim.scene import Body
 
 if TYPE_CHECKING:
@@ -70,13 +63,13 @@ class Record:
         """K"""
         self.robots = int(file["/robots/stop_station"].size)
         """N"""
-        bodies = int(file["/bodies/id"].size)
-        last = self.steps_run if self.ended != "running" else np.iinfo(np.int64).max
-        self._bounds = Bounds(self.robots, bodies, last)
-        self._killed_at: int | None = None
-        if self.ended == "running":
-            self._killed_at = int(self.steps[-1]) if self.samples else -1
-            self.steps_run = max(0, self._killed_at)
+        self._bodies = int(file["/bodies/id"].size)
+        killed = self.ended == "running"
+        last = NO_END if killed else self.steps_run
+        bounds = Bounds(self.robots, self._bodies, last)
+        self._rows = Rows(file, self._where, bounds, self.samples)
+        if killed:
+            self.steps_run = max(0, self._rows.cut_tables())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -128,7 +121,7 @@ class Record:
     @cached_property
     def time(self) -> FloatArray:
         """(K,) [s]."""
-        return _frozen(self.steps * self.dt)
+        return frozen(self.steps * self.dt)
 
     @cached_property
     def pose(self) -> FloatArray:
@@ -204,15 +197,9 @@ class Record:
     @cached_property
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
-        groups = [layout.FOOTPRINTS.format(i) for i in range(self.robots)]
-        paths = [
-            [f"{group}/{part}" for part in sorted(self._file[group], key=int)] for group in groups
-        ]
-        found = tuple(tuple(self.read(path) for path in parts) for parts in paths)
-        for parts, arrays in zip(paths, found, strict=True):
-            for path, points in zip(parts, arrays, strict=True):
-                check_points(path, points, self._where)
-        return found
+        return tuple(
+            self._rows.parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots)
+        )
 
     @cached_property
     def walls(self) -> Shapes:
@@ -224,22 +211,22 @@ class Record:
         check_start("/walls/part_start", part_start, len(vertices), self._where, empty=False)
         check_start(
             "/walls/body_start", body_start, len(part_start) - 1, self._where,
-            empty=False, runs=self._bounds.bodies - self.robots,
+            empty=False, runs=self._bodies - self.robots,
         )  # fmt: skip
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
         runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
         radius = [float(lengths[first:last].max()) for first, last in runs]
-        return Shapes(vertices, part_start, body_start, _frozen(np.array(radius, dtype=float)))
+        return Shapes(vertices, part_start, body_start, frozen(np.array(radius, dtype=float)))
 
     @cached_property
     def paths(self) -> Polylines:
         """Own path of each robot."""
-        return pack_polylines(self._runs("/paths", self.robots))
+        return pack_polylines(self._rows.runs("/paths", self.robots))
 
     @cached_property
     def reference(self) -> Polylines:
         """The one reference path s*."""
-        return pack_polylines(self._runs("/reference", 1))
+        return pack_polylines(self._rows.runs("/reference", 1))
 
     @cached_property
     def stop_station(self) -> FloatArray:
@@ -249,12 +236,12 @@ class Record:
     @cached_property
     def accessible(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the accessible area."""
-        return tuple(self._runs("/areas/accessible"))
+        return tuple(self._rows.runs("/areas/accessible"))
 
     @cached_property
     def safe(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the safe area."""
-        return tuple(self._runs("/areas/safe"))
+        return tuple(self._rows.runs("/areas/safe"))
 
     @cached_property
     def world(self) -> World:
@@ -284,34 +271,12 @@ class Record:
     def read(
         self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
     ) -> NDArray[Any]:
-        """Rows ``first`` to ``last - 1`` of a dataset, without keeping them.
+        """Rows ``first`` to ``last - 1`` of a dataset, read-only, without keeping them.
 
         Raises RecordError when they cannot be read, and, with ``check``, for values that no run
         writes.
         """
-        try:
-            dataset = self._file[path]
-            if dataset.ndim == 0:
-                row = np.asarray(dataset[()], dtype=dataset.dtype)
-                return _frozen(self._checked(path, row, 0) if check else row)
-            if path in layout.STEPS:
-                last = self.samples if last is None else min(last, self.samples)
-            rows = np.asarray(dataset[first:last])
-        except (OSError, RuntimeError, KeyError, ValueError) as error:
-            raise damaged(self._where, path, error) from error
-        if path in layout.TABLES and self._killed_at is not None:
-            rows = rows[rows["step"] <= self._killed_at]
-        return _frozen(self._checked(path, rows, first) if check else rows)
-
-    def _checked(self, path: str, rows: NDArray[Any], first: int) -> NDArray[Any]:
-        """Rows as they are, when their values are such as a run writes."""
-        if path in layout.STEPS:
-            check_steps(path, rows, self._where, first)
-        elif path in layout.TABLES:
-            check_table(path, rows, self._bounds, self._where, first)
-        elif path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
-            check_extremes(path, rows, self._bounds, self._where)
-        return rows
+        return self._rows.read(path, first, last, check=check)
 
     def digest(self) -> str:
         """SHA-256 of all but the wall clock and the versions, see `physim.record.digest`."""
@@ -331,20 +296,6 @@ class Record:
         except OSError as error:
             draft.unlink(missing_ok=True)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
-
-    def _runs(self, group: str, runs: int | None = None) -> list[FloatArray]:
-        """Polylines or rings of a packed group; ``runs`` of them, if that is known."""
-        points, start = self.read(f"{group}/points"), self.read(f"{group}/start")
-        check_points(f"{group}/points", points, self._where)
-        check_start(
-            f"{group}/start", start, len(points), self._where, empty=runs is None, runs=runs
-        )
-        return [points[first:last] for first, last in pairwise(start)]
-
-
-def _frozen(array: NDArray[Any]) -> NDArray[Any]:
-    array.flags.writeable = False
-    return array
 
 
 __all__ = ["Record"]

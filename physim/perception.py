@@ -8,66 +8,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.compiled import compiled
 from physim.control import FormationView, Neighbour, Observation, Seen, Snapshot
 from physim.geometry.nearby import parts
-from physim.geometry.path import Path, track
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
+from physim.geometry.path import Path
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.sight import parts_in_range
+from physim.geometry.tracking import Tracking
 from physim.scene import Scene
-
-SHORTEST_WINDOW = 1.0
-"""[m] A projection may move at least this far along the path between two steps."""
-
-
-@compiled
-def track_all(
-    paths: Polylines,
-    reference: Polylines,
-    pose: FloatArray,
-    windows: FloatArray,
-    station: FloatArray,
-    deviation: FloatArray,
-    reference_station: FloatArray,
-) -> None:
-    """Move every robot's projections on its own path and on s* along with its pose, in place."""
-    for i in range(len(pose)):
-        x, y = pose[i, 0], pose[i, 1]
-        station[i], deviation[i] = track(paths, i, x, y, station[i], windows[i])
-        reference_station[i], _ = track(reference, 0, x, y, reference_station[i], windows[i])
 
 
 class Perception:
-    """Projections of all robots, followed step by step; observations made from them.
-
-    A projection looks at most a window along the path: two circumscribed radii of the robot, at
-    least 1 m. That is more than a robot moves in a step, and less than the way between two
-    branches of a path that passes near itself.
-    """
+    """Projections of all robots, followed step by step; observations made from them."""
 
     def __init__(self, scene: Scene) -> None:
-        n = scene.robots
         self.scene = scene
-        self.windows = np.maximum(SHORTEST_WINDOW, 2.0 * scene.shapes.radius[:n])
-        self.station = np.zeros(n)
-        self.deviation = np.zeros(n)
-        self.reference_station = np.zeros(n)
-        self._project(scene.start, np.full(n, np.inf))
+        self._tracking = Tracking(
+            scene.paths, scene.reference, scene.shapes.radius[: scene.robots], scene.start
+        )
+        self.station = self._tracking.station
+        self.deviation = self._tracking.deviation
+        self.reference_station = self._tracking.reference_station
 
     def track(self, pose: FloatArray) -> None:
         """Follow the robots to their poses (N, 3) one step later."""
-        self._project(pose, self.windows)
-
-    def _project(self, pose: FloatArray, windows: FloatArray) -> None:
-        track_all(
-            self.scene.paths,
-            self.scene.reference,
-            pose,
-            windows,
-            self.station,
-            self.deviation,
-            self.reference_station,
-        )
+        self._tracking.follow(pose)
 
     def formation_errors(self) -> FloatArray:
         """(N,) [m] distance to the robots' mean place on s* less its desired value."""

@@ -190,6 +190,8 @@ def record_run(
     )  # fmt: skip
     if simulation.filters:
         writer.note_filters()
+    if simulation.given:
+        writer.note_controller(simulation.given)
     started = time.perf_counter()
     recorder = Recorder(simulation, writer)
     ended = "error"

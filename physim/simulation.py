@@ -95,6 +95,8 @@ class Simulation:
             )
         self.scene = scene = world
         self.controller = _controller(scene.world, controller)
+        self.given = _name(controller, scene.world.controller.type)
+        """what decides in place of the world's own controller; empty where that one decides"""
         self.physics = Physics(
             scene.shapes,
             scene.walls,
@@ -210,6 +212,13 @@ def _controller(world: World, given: Controller | str | None) -> Controller:
     if isinstance(given, type):
         raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
     return given or make_controller(world.controller.type, world.controller.settings)
+
+
+def _name(given: Controller | str | None, own: str) -> str:
+    """Name of a controller, ``module:Class`` of an object; empty for the world's ``own``."""
+    if given is not None and not isinstance(given, str):
+        given = f"{type(given).__module__}:{type(given).__qualname__}"
+    return given if given and given != own else ""
 
 
 def read_only(array: FloatArray) -> FloatArray:

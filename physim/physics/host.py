@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.geometry.closeness import describe_pairs, joined
 from physim.geometry.motion import chord_velocities
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.physics.bodies import BodyArrays
-from physim.physics.closeness import describe_pairs, joined
 from physim.physics.guard import PythonGuard, Touches
 from physim.physics.pairs import (
     Pairs,

@@ -6,6 +6,7 @@ caught here are files that break off, that are something else, or that lack or t
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -78,8 +79,26 @@ def _check_attributes(file: h5py.File, where: str) -> None:
             raise RecordError(f"{where}: attribute {name} is missing")
         _check_attribute(name, file.attrs[name], where)
 
+    _check_versions(file.attrs.get("versions", "{}"), where)
+
+
+def _check_versions(text: Any, where: str) -> None:
+    try:
+        versions = json.loads(text)
+    except (TypeError, ValueError):
+        versions = None
+    if not isinstance(versions, dict):
+        raise RecordError(f"{where}: attribute versions is {text!r}; it must be a JSON object")
+
 
 def _check_attribute(name: str, value: Any, where: str) -> None:
+    if name == "ended" and isinstance(value, str):
+        raise RecordError(
+            f"{where}: attribute ended is a text of variable length; it must be of fixed length, "
+            f"S{layout.ENDED_BYTES}"
+        )
+    if name == "units" and value != layout.UNITS:
+        raise RecordError(f"{where}: attribute units is {value!r}; it must be {layout.UNITS!r}")
     if name in layout.TEXTS:
         good = isinstance(value, str)
     elif name == "ended":

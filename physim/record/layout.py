@@ -119,6 +119,10 @@ ATTRIBUTES = (
 )
 """Root attributes, all inside the digest. ``versions`` (of physim and its libraries) is outside."""
 
+NOTES = ("filtered", "controller")
+"""Root attributes that only some runs have, inside the digest: filters stood between controller and
+robots; what decided, where it was an object given from Python."""
+
 TEXTS = ("format", "units", "name", "world")
 """Attributes that are texts."""
 

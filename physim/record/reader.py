@@ -59,6 +59,9 @@ class Record:
         self.filtered = bool(attributes.get("filtered", False))
         """whether filters stood between controllers and robots: the update table then has the given
         commands of the steps of decisions only"""
+        self.controller = str(attributes.get("controller", ""))
+        """what decided, ``module:Class`` of an object given from Python; empty where it was the
+        world's own controller"""
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """K"""
         self.robots = int(file["/robots/stop_station"].size)

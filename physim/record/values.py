@@ -16,6 +16,19 @@ from physim.control import LONGEST_HOLD, NO_MODE, Mode
 from physim.errors import RecordError
 from physim.record import layout
 
+FINITE = {
+    "/updates": ("given_v", "given_omega"),
+    "/contacts": ("x", "y", "nx", "ny", "depth", "impulse"),
+    "/false_contacts": ("distance",),
+}
+"""Columns of the tables that are finite in every row."""
+ONCE = {
+    "/updates": ("robot",),
+    "/contacts": ("a", "b", "kind"),
+    "/false_contacts": ("a", "b"),
+}
+"""Columns that no two rows of one step have alike."""
+
 
 class Range(NamedTuple):
     """Least and greatest value that a column may have."""
@@ -38,8 +51,9 @@ class Bounds(NamedTuple):
 def check_table(path: str, rows: NDArray[np.void], bounds: Bounds, where: str, first: int) -> None:
     """Check rows of one of `layout.TABLES`, of which ``first`` is the number of the first.
 
-    Raises RecordError for the first value that is out of its range, for a command that is not
-    finite, and where the rows are not in the order of steps.
+    Raises RecordError for the first value that is out of its range, for a number that is not
+    finite and has to be, an impulse below 0, and where the rows are not in
+    the order of steps or one is there twice.
     """
     for column, low, high in _ranges(path, rows, bounds):
         values = rows[column]
@@ -48,18 +62,36 @@ def check_table(path: str, rows: NDArray[np.void], bounds: Bounds, where: str, f
             k = int(np.argmax(wrong))
             least, most = (int(np.broadcast_to(v, len(rows))[k]) for v in (low, high))
             raise _refused(where, path, first + k, f"{column} is {values[k]}", (least, most))
-    if path == "/updates":
-        for column in ("given_v", "given_omega"):
-            wrong = ~np.isfinite(rows[column])
-            if wrong.any():
-                k = int(np.argmax(wrong))
-                given = f"{column} is {rows[column][k]}"
-                raise _refused(where, path, first + k, given, "it must be finite")
+    for column in FINITE[path]:
+        wrong = ~np.isfinite(rows[column])
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            given = f"{column} is {rows[column][k]}"
+            raise _refused(where, path, first + k, given, "it must be finite")
+    if path == "/contacts" and (wrong := rows["impulse"] < 0.0).any():
+        k = int(np.argmax(wrong))
+        given = f"impulse is {rows['impulse'][k]:.6g}"
+        raise _refused(where, path, first + k, given, "it must not be negative")
     back = np.diff(rows["step"]) < 0
     if back.any():
         k = int(np.argmax(back)) + 1
         given = f"step {rows['step'][k]} comes after step {rows['step'][k - 1]}"
         raise _refused(where, path, first + k, given, "rows must be in the order of steps")
+    _check_once(path, rows, where, first)
+
+
+def _check_once(path: str, rows: NDArray[np.void], where: str, first: int) -> None:
+    """Raise RecordError for a second row of the same step and bodies."""
+    columns = [rows["step"], *(rows[name] for name in ONCE[path])]
+    order = np.lexsort(columns[::-1])
+    same = np.ones(max(len(rows) - 1, 0), dtype=np.bool_)
+    for column in columns:
+        same &= np.diff(column[order]) == 0
+    if same.any():
+        k = int(order[np.argmax(same) + 1])
+        who = ", ".join(f"{name} {rows[name][k]}" for name in ONCE[path])
+        given = f"step {rows['step'][k]}, {who} again"
+        raise _refused(where, path, first + k, given, "it may be there once")
 
 
 def check_steps(path: str, rows: NDArray[Any], where: str, first: int) -> None:

@@ -106,8 +106,12 @@ class RecordWriter:
             self.flush()
 
     def note_filters(self) -> None:
-        """Note that filters change commands between decisions, too; outside the digest."""
+        """Note that filters change commands between decisions, too."""
         self._file.attrs["filtered"] = np.bool_(True)
+
+    def note_controller(self, name: str) -> None:
+        """Note what decides, where it is not the controller that the world names."""
+        self._file.attrs["controller"] = name
 
     def append_updates(self, rows: NDArray[np.void]) -> None:
         """Append decisions, rows of `layout.UPDATE` in the order of steps."""

@@ -26,11 +26,13 @@ from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.record import Record
 from physim.tolerances import CONTACT
+from physim.validation.contact_rows import contact_rows
 from physim.validation.events import false_contacts, grazes
 from physim.validation.findings import DEPTH_SLACK, ROUNDING, TOLERANCE, UNEXPLAINED, Disagreement
 from physim.validation.ledger import Ledger
 from physim.validation.recorded import Exact, recorded_extremes
 from physim.validation.rows import body_keys, distance_at, stretches
+from physim.validation.stations import stations
 
 
 class Confusion(NamedTuple):
@@ -62,7 +64,7 @@ class Comparison:
 
 
 def compare(record: Record, ledger: Ledger, exact: Exact) -> Comparison:
-    """Hold contacts and distances of a record against the shapes.
+    """Hold contacts, distances and stations of a record against shapes and paths.
 
     Raises RecordError for an impossible id.
     """
@@ -78,6 +80,8 @@ def compare(record: Record, ledger: Ledger, exact: Exact) -> Comparison:
     found += _extremes(record, ledger)
     found += exact.disagreements
     found += recorded_extremes(record, exact, ledger.reach)
+    found += contact_rows(record)
+    found += stations(record)
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
     swept = np.union1d(_spread(ours, bodies, ledger.samples), body_keys(ledger.grazes, bodies))
     return Comparison(

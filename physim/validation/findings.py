@@ -30,7 +30,8 @@ class Disagreement:
     time: float
     """[s] of the first sample; of a graze, of its first touch"""
     distance: float
-    """[m] signed, at the first sample, from the poses; of a graze the least between its samples"""
+    """[m] signed, at the first sample, from the poses; of a graze the least between its samples;
+    NaN where no distance is in question"""
     cause: str
     what: str
     """what each of the two says"""

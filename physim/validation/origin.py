@@ -7,13 +7,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 
 from physim.errors import RecordError, WorldError
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import FloatArray, pack_shapes
 from physim.record import Record
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.tolerances import LENGTH
+
+AREA = 1e-6
+"""[m] The edges of an area may differ by this: another version of the library that makes them
+rounds in its own way."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +32,11 @@ class Origin:
 
 
 def check_origin(record: Record) -> Origin:
-    """Hold seed, step, names, footprints, walls, paths and start poses against the world inside.
+    """Hold what is known before the first step against the world inside.
 
-    Lengths and angles must agree within `LENGTH`. A record made without the text of a world is not
-    compared. Raises RecordError, one line, where the text cannot be read or built.
+    Seed, step, names, footprints, walls, paths, areas and start poses. Lengths and angles must
+    agree within `LENGTH`, the edges of areas within `AREA`. A record made without the text of a
+    world is not compared. Raises RecordError, one line, where the text cannot be read or built.
     """
     if not record.world_text.strip():
         return Origin(False, ())
@@ -40,11 +46,12 @@ def check_origin(record: Record) -> Origin:
         where = record.path or "record in memory"
         told = str(error).splitlines()[0].removeprefix(f"world of {where}:")
         raise RecordError(f"{where}: the world inside cannot be read: {told.strip()}") from error
-    return Origin(True, (*_values(record, scene), *_arrays(record, scene)))
+    return Origin(True, (*_values(record, scene), *_arrays(record, scene), *_areas(record, scene)))
 
 
 def _values(record: Record, scene: Scene) -> Iterator[str]:
     pairs: list[tuple[str, Any, Any]] = [
+        ("name", record.name, scene.world.name),
         ("seed", record.seed, scene.seed),
         ("dt", record.dt, scene.dt),
         ("steps_planned", record.steps_planned, scene.steps),
@@ -57,6 +64,9 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
             for field in ("id", "kind", "name")
         ]
     pairs.append(("number of bodies", len(record.bodies), len(scene.bodies)))
+    planned = record.steps_run == scene.steps
+    if record.ended == "duration" and not planned:
+        pairs.append(("number of steps run for the whole duration", record.steps_run, scene.steps))
     for name, inside, world in pairs:
         if inside != world:
             yield f"{name} is {inside} in the record, {world} by the world inside it"
@@ -91,6 +101,20 @@ def _arrays(record: Record, scene: Scene) -> Iterator[str]:
             who = f" ({names[k]})" if what.endswith("pose of robot") and k < len(names) else ""
             told, by = _shown(inside[k]), _shown(world[k])
             yield f"{what} {k}{who} is {told} in the record, {by} by the world inside it"
+
+
+def _areas(record: Record, scene: Scene) -> Iterator[str]:
+    for name, inside, world in (
+        ("accessible", record.accessible, scene.area.accessible_rings),
+        ("safe", record.safe, scene.area.safe_rings(record.safe_distance)),
+    ):
+        one, other = (shapely.MultiLineString([*map(_closed, rings)]) for rings in (inside, world))
+        if one.is_empty != other.is_empty or shapely.hausdorff_distance(one, other) > AREA:
+            yield f"the {name} area is another in the record than by the world inside it"
+
+
+def _closed(ring: FloatArray) -> FloatArray:
+    return np.concatenate((ring, ring[:1]))
 
 
 def _shown(value: Any) -> str:

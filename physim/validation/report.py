@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 from physim.tolerances import ONE_STEP
 from physim.validation.contact_text import contact_lines, opening, table_lines
 from physim.validation.near_misses import LOOK, NearMiss
@@ -53,10 +55,15 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller}",
+        f"  controller  {run.controller}{', given from Python' if run.given else ''}",
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]
+    if run.filtered:
+        lines.append(
+            "  filters     stood between controller and robots: motion is held against commands at "
+            "decisions only"
+        )
     if validation.resimulated:
         lines.append("  samples     not all in the record: simulated again, and those in it agree")
     made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
@@ -124,8 +131,9 @@ def _disagreements(validation: Validation) -> list[str]:
     for one in shown:
         who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
         long = f" for {one.steps} samples" if one.steps > 1 else ""
+        apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
         lines += wrapped(
-            f"{one.time:9.4f} s  {who}, signed distance {one.distance:.3g} m{long}: "
+            f"{one.time:9.4f} s  {who}{apart}{long}: "
             f"{one.cause} ({one.what})", "  ", 15 * " ",
         )  # fmt: skip
     for contact in validation.mispredicted[:SHOWN_DISAGREEMENTS]:

@@ -50,6 +50,10 @@ class Run:
     """[s]"""
     ended: str
     versions: dict[str, str]
+    given: bool
+    """the controller was given from Python, in place of the world's own"""
+    filtered: bool
+    """filters stood between controller and robots"""
 
 
 @dataclass(frozen=True)
@@ -185,12 +189,15 @@ def _run(record: Record, source: str | None) -> Run:
     return Run(
         record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
         record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
-        record.steps_planned * record.dt, record.ended, record.versions,
+        record.steps_planned * record.dt, record.ended, record.versions, bool(record.controller),
+        record.filtered,
     )  # fmt: skip
 
 
 def _controller(record: Record) -> str:
-    """Name of the controller, as far as the world's text tells."""
+    """Name of the controller: what decided, or that of the world's text, as far as it tells."""
+    if record.controller:
+        return record.controller
     try:
         world = yaml.safe_load(record.world_text)
         return str(world["controller"]["type"])

@@ -10,8 +10,8 @@ from hosts import ELL, box, distances, drive, host, pairs_in, segments
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from physim.geometry.closeness import joined
 from physim.geometry.shapes import pack_shapes
-from physim.physics.closeness import joined
 from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 from physim.tolerances import CONTACT
 

@@ -125,4 +125,4 @@ def test_a_contact_that_lay_not_ahead_is_told_in_words(rear_end):
 
 def test_the_head_names_the_controller_alone(rear_end):
     (line,) = [s for s in report(validate(rear_end)).splitlines() if s.startswith("  controller ")]
-    assert len(line.split()) == 2
+    assert line.split(maxsplit=1)[1] == "tests.validation.runs:Drivers, given from Python"

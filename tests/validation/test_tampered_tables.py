@@ -1,0 +1,170 @@
+"""Records whose tables of contacts and decisions, or whose attributes, were changed afterwards."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physim
+from physim.cli import main
+from physim.contacts import Phase
+from physim.validation import report, validate
+from tests.validation.runs import LANE, Drivers
+from tests.validation.test_tampered import tampered
+
+
+def column(path, name, change):
+    def apply(file):
+        rows = file[path][()]
+        rows[name] = change(rows[name])
+        file[path][...] = rows
+
+    return apply
+
+
+def without(phase):
+    def apply(file):
+        rows = file["/contacts"][()]
+        kept = rows[rows["phase"] != phase]
+        file["/contacts"].resize(len(kept), axis=0)
+        file["/contacts"][...] = kept
+
+    return apply
+
+
+def turned(file):
+    for name in ("nx", "ny"):
+        column("/contacts", name, np.negative)(file)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (column("/contacts", "x", lambda c: c + 50.0), "contact point (5"),
+        (turned, "normal ("),
+        (without(Phase.ENDED), "a contact whose end is not in the record"),
+        (without(Phase.BEGAN), "a row that begins a contact or goes on with one, wrongly"),
+        (column("/contacts", "phase", np.zeros_like), "a row that begins a contact"),
+        (column("/updates", "station", lambda c: c + 1e-6), "fast: unexplained (station on its"),
+        (column("/updates", "deviation", np.negative), "deviation from its path"),
+        (column("/updates", "reference_station", lambda c: c[::-1]), "station on the reference"),
+    ],
+)
+def test_tables(parted, tmp_path, change, told):
+    assert validate(parted).code == 1
+    with physim.Record.load(tampered(parted, tmp_path, change)) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert told in " ".join(report(found).split())
+
+
+@pytest.fixture(scope="module")
+def parted():
+    """The fast one hits the slow one in passing, and both go on."""
+    world = physim.parse_world(LANE, overrides=["time.duration=6"])
+    return physim.simulate(world, controller=Drivers((0.3, 0.0), (1.4, 0.0)))
+
+
+def test_a_gap_after_a_contact(parted, tmp_path):
+    def change(file):
+        rows = file["/contacts"][()]
+        rows["depth"][rows["phase"] == Phase.ENDED] -= 1e-6
+        file["/contacts"][...] = rows
+
+    assert (parted.contacts["phase"] == Phase.ENDED).any()
+    with physim.Record.load(tampered(parted, tmp_path, change)) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert "gap after a contact" in " ".join(report(found).split())
+
+
+def twice(path):
+    def apply(file):
+        rows = file[path][()]
+        file[path].resize(2 * len(rows), axis=0)
+        file[path][...] = np.repeat(rows, 2)
+
+    return apply
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (twice("/contacts"), "/contacts, row 1: step "),
+        (twice("/updates"), "/updates, row 1: step 0, robot 0 again; it may be there once"),
+        (column("/contacts", "impulse", lambda c: c - 1e9), "it must not be negative"),
+        (column("/contacts", "x", lambda c: c * np.nan), "/contacts, row 0: x is nan; it must be"),
+        (lambda f: f.attrs.modify("versions", "nonsense"), "it must be a JSON object"),
+        (lambda f: f.attrs.modify("units", "feet"), "attribute units is 'feet'; it must be "),
+        (lambda f: f.attrs.create("ended", b"finished"), "it must be of fixed length, S16"),
+    ],
+)
+def test_what_no_run_writes_is_refused_in_one_line(rear_end, tmp_path, capsys, change, told):
+    path = tampered(rear_end, tmp_path, change)
+    for command in ("summary", "validate"):
+        assert main([command, str(path)]) == 2
+        (line,) = [s for s in capsys.readouterr().err.splitlines() if not s.startswith("compiling")]
+        assert line.startswith(f"{path}: ")
+        assert told in line
+
+
+def cut(file):
+    """As if the run had been longer."""
+    file.attrs.modify("steps_planned", np.int64(900))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda f: f.attrs.modify("name", "other"), "name is other in the record, lane by"),
+        (cut, "steps_planned is 900 in the record, 300 by"),
+        (lambda f: f.attrs.modify("safe_distance", 1.0), "the safe area is another"),
+        (lambda f: f["/areas/accessible/points"].__setitem__((0, 1), 7.0), "the accessible area"),
+    ],
+)
+def test_name_duration_and_areas(rear_end, tmp_path, change, told):
+    with physim.Record.load(tampered(rear_end, tmp_path, change)) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert told in found.verdict
+
+
+def test_a_run_that_is_said_to_have_lasted_its_whole_duration(apart, tmp_path):
+    world = physim.parse_world(LANE)
+    half = physim.simulate(
+        world,
+        controller=Drivers((1.0, 0.0), (0.9, 0.05)),
+        stop=iter([False] * 99 + [True]).__next__,
+    )
+    assert half.ended == "interrupted"
+    assert validate(half).code == 0
+
+    def lasted(file):
+        file.attrs["ended"] = np.array(b"duration", dtype="S16")
+
+    with physim.Record.load(tampered(half, tmp_path, lasted)) as record:
+        found = validate(record)
+    assert found.code == 3
+    assert "whole duration is 100 in the record, 300 by the world inside it" in found.verdict
+
+
+def test_filters_are_told_and_inside_the_digest(apart, tmp_path):
+    def filtered(file):
+        file.attrs["filtered"] = np.bool_(True)
+
+    with physim.Record.load(tampered(apart, tmp_path, filtered)) as record:
+        assert "filters     stood between controller and robots" in report(validate(record))
+        assert record.digest() != apart.digest()
+    assert "filters" not in report(validate(apart))
+
+
+def test_what_decided_is_recorded(tmp_path):
+    world = physim.parse_world(LANE)
+    assert physim.simulate(world).controller == ""
+    assert physim.simulate(world, controller=world.controller.type).controller == ""
+    given = physim.simulate(world, controller=Drivers((1.0, 0.0), (0.9, 0.05)))
+    assert given.controller == "tests.validation.runs:Drivers"
+    path = tmp_path / "r.h5"
+    given.save(path)
+    with physim.Record.load(path) as copy:
+        assert copy.controller == given.controller

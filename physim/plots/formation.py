@@ -38,9 +38,10 @@ def formation(record: Record) -> Any:
     handles = draw_courses(above, record, *course)
     k = int(np.argmin(np.abs(course.time - peak.time)))
     signed = float(course.values[k, peak.a])
-    above.margins(y=0.14)
-    text = f"{peak.value:.2f} m ({names_of(record, [peak.a])})"
-    mark(above, peak.time, np.copysign(peak.value, signed), text, below=signed < 0.0)
+    above.margins(y=0.2)
+    value = float(np.copysign(peak.value, signed))
+    text = f"{value:.2f} m ({names_of(record, [peak.a])})"
+    mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)
     if energy is None:

@@ -147,8 +147,7 @@ def clear_marks(figure: Any) -> None:
             for line in axis.lines
             if len(line.get_xydata()) > 2
         ]
-        if len(lines) <= FEW_CURVES:
-            _off_curves(axis, text, lines)
+        _off_curves(axis, text, lines if len(lines) <= FEW_CURVES else [])
         box, room = text.get_window_extent(), axis.get_window_extent()
         over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
         if over:
@@ -173,14 +172,19 @@ def _off_curves(axis: Any, text: Any, lines: Sequence[FloatArray]) -> None:
 
 
 def _covered(axis: Any, text: Any, lines: Sequence[FloatArray]) -> float:
-    """Length [px] of lines (n, 2) [px] behind a text, a thousand for the sides of its axis."""
+    """Length [px] of lines (n, 2) [px] behind a text; a thousand each for what is worse.
+
+    That is a side of its axis, and the words of another mark.
+    """
     box, room = text.get_window_extent(), axis.get_window_extent()
     outside = box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1
     area = shapely.box(box.x0, box.y0, box.x1, box.y1)
     covered = shapely.length(
         shapely.intersection([shapely.LineString(line) for line in lines], area)
     )
-    return float(covered.sum() + 1000.0 * outside)
+    others = (one for one in axis.texts if one.get_gid() == "mark" and one is not text)
+    worse = outside + sum(box.overlaps(one.get_window_extent()) for one in others)
+    return float(covered.sum() + 1000.0 * worse)
 
 
 def mark(

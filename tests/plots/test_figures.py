@@ -332,3 +332,18 @@ def test_words_of_marks_stay_in_their_axes_and_off_the_curves() -> None:
     low, far = (text.get_window_extent() for text in axis.texts)
     assert not line.intersects(shapely.box(*low.extents))
     assert far.x1 <= axis.get_window_extent().x1 + 1e-6
+
+
+def test_words_of_two_marks_do_not_cover_each_other() -> None:
+    import matplotlib.figure
+
+    figure = matplotlib.figure.Figure(figsize=(4.0, 3.0), dpi=100)
+    axis = figure.add_subplot()
+    axis.set(xlim=(0.0, 60.0), ylim=(0.0, 2.0))
+    for k in range(6):  # many curves: none of them is looked at
+        axis.plot([0.0, 30.0, 60.0], [1.5 + 0.01 * k] * 3)
+    mark(axis, 48.0, 0.44, "0.436 m")
+    mark(axis, 47.0, 0.43, "0.721 m")
+    clear_marks(figure)
+    one, other = (text.get_window_extent() for text in axis.texts)
+    assert not one.overlaps(other)

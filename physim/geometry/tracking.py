@@ -42,6 +42,18 @@ class Tracking:
         """Follow the robots to their poses (N, 3) one step later."""
         self._project(pose, self._windows)
 
+    def course(self, poses: FloatArray) -> FloatArray:
+        """Follow the robots over poses (K, N, 3) of consecutive steps.
+
+        Returns (K, N, 3): station, deviation and reference station [m] at each.
+        """
+        found = np.empty(poses.shape)
+        track_course(
+            self._paths, self._reference, poses, self._windows,
+            self.station, self.deviation, self.reference_station, found,
+        )  # fmt: skip
+        return found
+
     def _project(self, pose: FloatArray, windows: FloatArray) -> None:
         track_all(
             self._paths, self._reference, pose, windows,
@@ -64,3 +76,22 @@ def track_all(
         x, y = pose[i, 0], pose[i, 1]
         station[i], deviation[i] = track(paths, i, x, y, station[i], windows[i])
         reference_station[i], _ = track(reference, 0, x, y, reference_station[i], windows[i])
+
+
+@compiled
+def track_course(
+    paths: Polylines,
+    reference: Polylines,
+    poses: FloatArray,
+    windows: FloatArray,
+    station: FloatArray,
+    deviation: FloatArray,
+    reference_station: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, N, 3) takes all."""
+    for k in range(len(poses)):
+        track_all(paths, reference, poses[k], windows, station, deviation, reference_station)
+        out[k, :, 0] = station
+        out[k, :, 1] = deviation
+        out[k, :, 2] = reference_station

@@ -46,16 +46,10 @@ def _exact(record: Record) -> FloatArray:
     """Station, deviation and reference station [m] at each decision (M, 3), from the poses."""
     rows, found = record.updates, np.full((len(record.updates), 3), np.nan)
     radius, tracking = robot_shapes(record).radius, None
-    step, robot = rows["step"], rows["robot"]
     for poses, start in blocks(record):
-        for k, pose in enumerate(poses):
-            if tracking is None:
-                tracking = Tracking(record.paths, record.reference, radius, pose)
-            elif k or start == 0:
-                tracking.follow(pose)
-            low, high = np.searchsorted(step, (start + k, start + k + 1))
-            who = robot[low:high]
-            found[low:high, 0] = tracking.station[who]
-            found[low:high, 1] = tracking.deviation[who]
-            found[low:high, 2] = tracking.reference_station[who]
+        if tracking is None:
+            tracking = Tracking(record.paths, record.reference, radius, poses[0])
+        course = tracking.course(poses)  # the first is the last of the block before: it stays
+        first, last = np.searchsorted(rows["step"], (start, start + len(poses)))
+        found[first:last] = course[rows["step"][first:last] - start, rows["robot"][first:last]]
     return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import yaml
 
 from physim.errors import RecordError
 from physim.metrics import Deep, deep_contacts
@@ -195,11 +194,7 @@ def _run(record: Record, source: str | None) -> Run:
 
 
 def _controller(record: Record) -> str:
-    """Name of the controller: what decided, or that of the world's text, as far as it tells."""
+    """Name of the controller: what decided, or that of the world's text."""
     if record.controller:
         return record.controller
-    try:
-        world = yaml.safe_load(record.world_text)
-        return str(world["controller"]["type"])
-    except (yaml.YAMLError, KeyError, TypeError):
-        return "not named in the record"
+    return record.world.controller.type if record.world_text.strip() else "not named in the record"

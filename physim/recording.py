@@ -179,7 +179,14 @@ def record_run(
     progress: Callable[[Simulation, float], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Record:
-    """Run a simulation from where it stands to its end and record it; see `simulate`."""
+    """Run a simulation from its start to its end and record it; see `simulate`.
+
+    Raises ValueError for one that has made steps already: its record would lack them.
+    """
+    if simulation.step_number:
+        raise ValueError(
+            f"the simulation is at step {simulation.step_number}; a record begins at step 0"
+        )
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     scene = simulation.scene

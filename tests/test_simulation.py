@@ -511,3 +511,10 @@ def test_a_run_that_touches_a_wall_tells_of_it() -> None:
 def test_a_name_in_place_of_a_world_is_told(world: Any) -> None:
     with pytest.raises(TypeError, match=r"a World or a Scene is needed, not (str|PosixPath); load"):
         simulate(world)
+
+
+def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:
+    simulation = Simulation(load_world("straight"))
+    simulation.step()
+    with pytest.raises(ValueError, match="at step 1; a record begins at step 0"):
+        record_run(simulation)

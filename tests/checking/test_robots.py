@@ -348,7 +348,7 @@ def test_lengths_beyond_their_bounds_may_be_in_millimetres(tmp_path):
 
 
 def test_a_step_that_would_tunnel_is_refused(tmp_path):
-    limits = "    limits: {v: 0.1, omega: 0.1}\n    pose: [3.0"
+    limits = "    limits: {v: 0.1, omega: 0.1}\n    omegas: [-0.1, 0, 0.1]\n    pose: [3.0"
     text = changed(CORRIDOR, ("step: 0.01", "step: 0.1"), ("    pose: [3.0", limits))
     error = only_error(tmp_path, text)
     assert '"a" could move 0.3147 m in one step of 0.1 s' in error

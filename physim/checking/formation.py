@@ -183,13 +183,15 @@ def _check_duration(sketch: Sketch, k: int, way: float, told: Told) -> None:
     """Warn once where the run is too short to arrive although it is expected to."""
     if not sketch.is_finish_expected or sketch.duration is None:
         return
-    needed = way / sketch.formation_speed
+    own = sketch.robots[k].v
+    speed = sketch.formation_speed if own is None else min(own, sketch.formation_speed)
+    needed = way / speed
     message = "the run is too short to finish: "
     if needed > sketch.duration and not any(message in f.message for f in told.warnings):
         told.warn(
             ("time", "duration"),
             f"{message}{_name(sketch, k)} has {way:.4g} m to go, {needed:.4g} s at "
-            f"{sketch.formation_speed:.4g} m/s, and the run lasts {sketch.duration:.6g} s; "
+            f"{speed:.4g} m/s, and the run lasts {sketch.duration:.6g} s; "
             "make it longer, or take expect.finished away",
         )
 

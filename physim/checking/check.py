@@ -71,7 +71,7 @@ def check_world(
         judged = judge(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))
-    told = Told(errors=judged.faults)
+    told = Told(errors=judged.faults, warnings=list(judged.document.doubts))
     profiles = _check_geometry(judged, told)
     document = judged.document
     errors = [*zip(document.faults, document.fault_positions, strict=True)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
@@ -192,13 +192,8 @@ def _with_controller(document: Document, name: str) -> Document:
     kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))
     line, column = (old.line, old.column) if old is not None else (root.line, root.column)
     members["controller"] = Member(line, column, Node(line, column, members=kept))
-    return Document(
-        document.source,
-        Node(root.line, root.column, members=members, size=root.size, height=root.height),
-        document.faults,
-        document.fault_positions,
-        document.void,
-    )
+    chosen_root = Node(root.line, root.column, members=members, size=root.size, height=root.height)
+    return replace(document, root=chosen_root)
 
 
 def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:

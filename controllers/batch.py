@@ -14,7 +14,6 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.control import Decisions, Snapshot
-from physim.errors import ControllerError
 from physim.geometry.nearby import Nearby, parts
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.sight import parts_in_range
@@ -165,7 +164,6 @@ class ModeSwitchingBatch:
             plan=np.zeros((scene.robots, len(self.rules.dwell), 2)),
             dwell=np.zeros(scene.robots, dtype=np.int64),
         )
-        self._check_limits(scene)
 
     def decide_due(self, snapshot: Snapshot, due: IntArray) -> Decisions:
         """Decide for robots ``due`` from one snapshot."""
@@ -180,24 +178,6 @@ class ModeSwitchingBatch:
             self.memories,
         )
         return Decisions(due, rows[:, :2], rows[:, 2], rows[:, 3].astype(np.int64), rows[:, 4:])
-
-    def _check_limits(self, scene: Scene) -> None:
-        """Refuse speeds to choose from that a robot's limits do not allow."""
-        omegas, speeds = self.cluster.omegas, self.cluster.speeds
-        for i, name in enumerate(scene.names):
-            fastest = np.abs(omegas.values[omegas.start[i] : omegas.start[i + 1]]).max()
-            if fastest > scene.limits[i, 1]:
-                raise ControllerError(
-                    f"robots[{i}] ({name}): limits.omega is {scene.limits[i, 1]:g} rad/s, below "
-                    f"{fastest:g} rad/s in the set of rotational speeds to choose from; raise "
-                    "the limit or give the robot its own omegas"
-                )
-            factor = np.abs(speeds.values[speeds.start[i] : speeds.start[i + 1]]).max()
-            if factor > 1.0:
-                raise ControllerError(
-                    f"robots[{i}] ({name}): speeds holds {factor:g}; multiples of nu are between "
-                    "-1 and 1"
-                )
 
 
 def _starts(items: Sequence[FloatArray]) -> IntArray:

@@ -6,17 +6,24 @@ driver there can be, for trying out what reports collisions.
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim.control import Decision, Observation
+from physim.errors import Fault
+
+if TYPE_CHECKING:
+    from physim.world import Robot
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 LONGEST = 1e9
 """[s] longer than any run"""
+ROUNDING = 1e-9
+"""Share of a limit that rounding may take up, as where commands are applied"""
 
 
 class ConstantSettings(BaseModel):
@@ -38,6 +45,23 @@ class Constant:
 
     def __init__(self, settings: ConstantSettings | None = None) -> None:
         self.settings = settings or ConstantSettings()
+
+    def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
+        """Refuse commands beyond the limits of their robots."""
+        faults = []
+        for i, command in enumerate(self.settings.commands):
+            limits = robots[i].limits if i in robots else None
+            if limits is None:
+                continue
+            for k, (key, unit) in enumerate((("v", "m/s"), ("omega", "rad/s"))):
+                limit = getattr(limits, key)
+                if abs(command[k]) > limit * (1.0 + ROUNDING):
+                    message = (
+                        f"{command[k]:g} {unit} is beyond limits.{key} = {limit:g} of "
+                        f'"{robots[i].name}"; use a slower one, or raise the limit'
+                    )
+                    faults.append(Fault(("controller", "commands", i, k), message))
+        return faults
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Hold the robot's command for good."""

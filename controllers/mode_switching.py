@@ -20,12 +20,14 @@ rule lists its own.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
 from physim.control import BatchController, Decision, Mode, Observation, Report
+from physim.errors import Fault
 from physim.geometry.path import path_length
 from physim.geometry.separation import wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
@@ -33,12 +35,16 @@ from physim.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import formation_speed, formation_sum
+from .limits import omega_faults
 from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
 from .priority import considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode
 from .timing import update_interval
+
+if TYPE_CHECKING:
+    from physim.world import Robot
 
 ARRIVED = int(Mode.ARRIVED)
 
@@ -174,6 +180,11 @@ class ModeSwitching:
     def __init__(self, settings: ModeSwitchingSettings | None = None) -> None:
         self.settings = settings or ModeSwitchingSettings()
         self.rules = self.settings.rules()
+
+    def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
+        """Refuse a set of rotational speeds that a robot's limits do not allow."""
+        settings = self.settings
+        return omega_faults(settings.omegas, "omegas" in settings.model_fields_set, robots)
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""

@@ -16,6 +16,7 @@ from physim.geometry.shapes import FloatArray
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
+Multiple = Annotated[float, Field(ge=-1.0, le=1.0, allow_inf_nan=False)]
 
 LONGEST_PLAN = 3
 """Dwell times at most: 15 speed pairs make 15^3 = 3375 plans."""
@@ -67,9 +68,10 @@ class ModeSwitchingSettings(BaseModel):
         description="[s] how far ahead (5) judges a plan, its last command held; update_period "
         "or less: at the end of the plan, as in the paper",
     )
-    speeds: Annotated[list[Number], Field(min_length=1, max_length=9)] = Field(
+    speeds: Annotated[list[Multiple], Field(min_length=1, max_length=9)] = Field(
         default=[-1.0, 0.0, 1.0],
-        description="[-] forward speeds to choose from, as multiples of nu (paper: -1, 0, 1)",
+        description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1 "
+        "(paper: -1, 0, 1)",
     )
     omegas: Annotated[list[Number], Field(min_length=1, max_length=15)] = Field(
         default=[-pi / 2, -pi / 4, 0.0, pi / 4, pi / 2],

@@ -12,6 +12,7 @@ is whatever the last decision returned, None at first.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
@@ -21,8 +22,10 @@ import numpy as np
 from physim.geometry.shapes import FloatArray, IntArray
 
 if TYPE_CHECKING:
+    from physim.errors import Fault
     from physim.geometry.path import Path
     from physim.scene import Scene
+    from physim.world import Robot
 
 
 NO_MODE = -1
@@ -179,6 +182,22 @@ class Controller(Protocol):
         ...
 
 
+@runtime_checkable
+class ChecksRobots(Protocol):
+    """A controller that can say before a run which robots it cannot drive.
+
+    It is asked when a world is read, so that `physim check`, `preview` and `run` refuse alike.
+    """
+
+    def robot_faults(self, robots: Mapping[int, Robot]) -> Iterable[Fault]:
+        """Faults of these robots, by number, under the controller's settings; or none.
+
+        ``Fault(("controller", key), message)`` points at a setting, and
+        ``Fault(("robots", i, "limits", "omega"), message)`` at a value of Robot i.
+        """
+        ...
+
+
 class Snapshot(NamedTuple):
     """All robots at one step: what every robot due at that step decides from."""
 
@@ -228,6 +247,7 @@ __all__ = [
     "NO_MODE",
     "BatchController",
     "Batched",
+    "ChecksRobots",
     "Controller",
     "Decision",
     "Decisions",

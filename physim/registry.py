@@ -22,6 +22,8 @@ from physim.world.frozen import thawed
 if TYPE_CHECKING:
     from pydantic import BaseModel
 
+    from physim.world import Robot
+
 GROUP = "physim.controllers"
 
 
@@ -81,6 +83,25 @@ def settings_model(controller: type[Any]) -> type[BaseModel] | None:
     return settings
 
 
+def robot_faults(controller: Any, robots: Mapping[int, Robot]) -> list[Fault]:
+    """What a controller (an object) says about robots before a run; empty where it says nothing.
+
+    ``robots`` by number. Raises `ControllerError` where its ``robot_faults`` fails.
+    """
+    from physim.control import ChecksRobots
+
+    if not isinstance(controller, ChecksRobots):
+        return []
+    name = f"{type(controller).__name__}.robot_faults"
+    try:
+        faults = list(controller.robot_faults(robots))
+    except Exception as error:
+        raise ControllerError(f"{name} fails: {_told(error)}") from error
+    if not all(isinstance(fault, Fault) for fault in faults):
+        raise ControllerError(f"{name} must return faults, Fault(location, message)")
+    return faults
+
+
 def make_controller(name: str, settings: Mapping[str, Any], trusted: bool = False) -> Any:
     """Make a controller with its settings checked: ``cls(settings)``, or ``cls()`` without any.
 
@@ -91,8 +112,13 @@ def make_controller(name: str, settings: Mapping[str, Any], trusted: bool = Fals
     made, faults = checked_settings(controller, settings)
     if faults:
         raise WorldError(faults)
+    return made_controller(controller, made, name)
+
+
+def made_controller(controller: type[Any], settings: BaseModel | None, name: str) -> Any:
+    """Make a controller from its checked settings. Raises `ControllerError` where it fails."""
     try:
-        return controller() if made is None else controller(made)
+        return controller() if settings is None else controller(settings)
     except Exception as error:
         raise ControllerError(f"controller {shown(name)} cannot be made: {_told(error)}") from error
 

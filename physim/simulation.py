@@ -24,11 +24,11 @@ from physim.control import (
     Snapshot,
 )
 from physim.control_loop import PlainBatch, as_commands, check_commands, check_told, hold_steps
-from physim.errors import ControllerError, PhysimError
+from physim.errors import ControllerError, PhysimError, WorldError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.perception import Perception
 from physim.physics import Physics
-from physim.registry import make_controller
+from physim.registry import make_controller, robot_faults
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.world import World
@@ -97,6 +97,8 @@ class Simulation:
         self.controller = _controller(scene.world, controller)
         self.given = _name(controller, scene.world.controller.type)
         """what decides in place of the world's own controller; empty where that one decides"""
+        if faults := robot_faults(self.controller, dict(enumerate(scene.world.robots))):
+            raise WorldError(faults)
         self.physics = Physics(
             scene.shapes,
             scene.walls,

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Fault, Location, WorldError
-from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
 from physim.places import Along, Ground, Spots
 from physim.randomness import stream
@@ -137,7 +137,10 @@ class _Group:
     def _crowded(self, placed: int, name: str) -> str:
         """What to do about robots that do not fit: in figures."""
         gap, n = self.start.min_gap, len(self.members)
-        free = self.free.difference(self.ground.kept_clear(gap)).area
+        room = self.free.difference(self.ground.kept_clear(gap))
+        if placed == 0 and (told := self._narrow(room, name)):
+            return told
+        free = room.area
         need = sum(
             shapely.Polygon(self.ground.footprints[i]).buffer(0.5 * gap).area for i in self.members
         )
@@ -153,6 +156,22 @@ class _Group:
             )
         rows = ", fewer abreast or none" if self.start.abreast is not None else ""
         return f"{told}, but not in this shape; use a wider region{rows} or a smaller min_gap"
+
+    def _narrow(self, room: shapely.Geometry, name: str) -> str:
+        """What to say where no place of ``room`` is as wide as any robot at its narrowest."""
+        wide = 0.0
+        if not room.is_empty:
+            wide = 2.0 * shapely.maximum_inscribed_circle(room, tolerance=1e-3).length
+        need = min(least_width(self.ground.footprints[i]) for i in self.members)
+        if wide >= need:
+            return ""
+        return (
+            f'no place in it is as wide as "{name}" needs: {self.free.area:.3g} of its '
+            f"{shapely.Polygon(self.start.region).area:.3g} m² lie in the accessible area, and "
+            f"{self.start.min_gap:.6g} m (min_gap) from all else the widest place is {wide:.3g} m "
+            f"wide, while a robot is {need:.3g} m at its narrowest; move the region inside, or use "
+            "a wider one or a smaller min_gap"
+        )
 
     def _fault(self, message: str) -> Fault:
         where = self.where or ("robots", self.members[0], "start")

@@ -8,10 +8,16 @@ from collections.abc import Sequence
 import shapely
 
 from physim.checking.clearance import ClearanceProfile
+from physim.checking.danger import (
+    check_always_danger,
+    check_safe_area,
+    check_turning_room,
+    setting,
+)
 from physim.checking.findings import Finding, Findings, printable
 from physim.checking.formation import check_formation
 from physim.checking.formation_speed import check_formation_speed
-from physim.checking.ground import Ground, ground_of
+from physim.checking.ground import ground_of
 from physim.checking.paths import (
     check_passage,
     check_paths,
@@ -22,7 +28,7 @@ from physim.checking.paths import (
     profiles_of,
 )
 from physim.checking.scale import check_scale
-from physim.checking.sketch import Sketch, number, sketch_of
+from physim.checking.sketch import Sketch, sketch_of
 from physim.checking.starts import (
     check_expected,
     check_headings,
@@ -33,8 +39,7 @@ from physim.checking.starts import (
     sound_outlines,
 )
 from physim.checking.telling import Told
-from physim.errors import ControllerError, Fault, WorldError
-from physim.registry import settings_model
+from physim.errors import Fault, WorldError
 from physim.world_file import read_document
 from physim.world_file.file_text import file_text
 from physim.world_file.loading import Judged, in_order, judge, placed
@@ -66,7 +71,7 @@ def check_world(
         judged = judge(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))
-    told = Told(errors=judged.faults)
+    told = Told(errors=judged.faults, warnings=list(judged.document.doubts))
     profiles = _check_geometry(judged, told)
     document = judged.document
     errors = [*zip(document.faults, document.fault_positions, strict=True)]
@@ -116,44 +121,19 @@ def _checked(sketch: Sketch, judged: Judged, told: Told) -> tuple[ClearanceProfi
     check_expected(sketch, judged.values, outlines, told)
     check_headings(sketch, paths, told)
     check_paths(sketch, paths, ground, told)
-    safe_distance = _safe_distance(judged)
+    safe_distance = setting(judged, "safe_distance")
     profiles = profiles_of(sketch, paths, outlines, ground, safe_distance)
     too_wide = check_width(sketch, outlines, told)
     fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
     check_room(sketch, fitting, ground, told)
     check_passage(sketch, paths, fitting, ground, told)
-    _check_safe_area(ground, safe_distance, told)
+    check_safe_area(ground, safe_distance, told)
+    check_always_danger(sketch, profiles, setting(judged, "boundary_low"), told)
+    check_turning_room(sketch, profiles, ground, told)
     check_formation(sketch, paths, outlines, told)
     check_formation_speed(sketch, judged.values, told)
     check_scale(sketch, judged.values, outlines, told)
     return profiles
-
-
-def _safe_distance(judged: Judged) -> float | None:
-    """The L of the world's controller [m]: as set, else its default; None where it has none."""
-    try:
-        model = settings_model(judged.controller) if judged.controller is not None else None
-    except ControllerError:
-        return None
-    field = model.model_fields.get("safe_distance") if model is not None else None
-    if field is None:
-        return None
-    settings = judged.values.get("controller", {})
-    return number(settings.get("safe_distance", field.default), 1e-9, 1e6)
-
-
-def _check_safe_area(ground: Ground, safe_distance: float | None, told: Told) -> None:
-    """Warn where no place is as far from the boundaries as the controller wants to be."""
-    if ground.area is None or safe_distance is None:
-        return
-    if ground.area.polygon.buffer(-safe_distance, quad_segs=4).is_empty:
-        circle = shapely.maximum_inscribed_circle(ground.area.polygon, tolerance=1e-3)
-        told.warn(
-            ("controller", "safe_distance"),
-            f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
-            f"the roomiest place is {circle.length:.4g} m from them; widen the corridor, or set "
-            "safe_distance below that",
-        )
 
 
 def _distinct(faults: list[Fault]) -> list[Fault]:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from physim.checking.ground import Ground
 from physim.geometry.polygon import circumscribed_radius
@@ -71,8 +72,12 @@ class ClearanceProfile:
         """Share of the path nearer to a wall than the safe distance; None without one."""
         if self.safe_distance is None:
             return None
+        return self.share(self.clearance < self.safe_distance)
+
+    def share(self, where: NDArray[np.bool_]) -> float:
+        """Share of the path at whose stations something holds, ``where`` (K,)."""
         weight = np.gradient(self.station) if len(self.station) > 1 else np.ones(1)
-        return float(weight[self.clearance < self.safe_distance].sum() / weight.sum())
+        return float(weight[where].sum() / weight.sum())
 
     def as_json(self) -> dict[str, Any]:
         """Return the profile as JSON holds it: lengths in metres."""

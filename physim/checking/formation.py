@@ -88,7 +88,7 @@ def _check_spacing(
             where if sketch.leads is None else (*where, j),
             f"{abs(leads[j] - leads[i]):.4g} m between {_name(sketch, i)} and {_name(sketch, j)} "
             "along the reference path is less than their footprints need on their paths: they "
-            "would overlap in formation; space them further apart, or part their paths",
+            f"would overlap in formation; {_remedy(sketch, i, j)}",
         )
     somewhere = sorted(pair for pair, count in met.items() if count < PLACES)
     for i, j in somewhere[:MOST_ALIKE]:
@@ -98,6 +98,22 @@ def _check_spacing(
             f"{met[i, j]} of {PLACES} places along the reference path, where their paths come "
             "close; space them further apart there",
         )
+
+
+def _remedy(sketch: Sketch, i: int, j: int) -> str:
+    """What parts two robots that would overlap in formation: depends on where spacing is from."""
+    if sketch.leads is not None:
+        return "space them further apart, or part their paths"
+    if any(sketch.robots[k].drawn is not None for k in (i, j)):
+        return (
+            "spacing is initial, and the seed places them so close along the road; try another "
+            "seed, a larger min_gap or another abreast in start, or list the leads in "
+            "formation.spacing"
+        )
+    return (
+        "spacing is initial, so they start so close along the road; move their poses apart, or "
+        "list the leads in formation.spacing, or part their paths"
+    )
 
 
 def _laid_out(
@@ -167,13 +183,15 @@ def _check_duration(sketch: Sketch, k: int, way: float, told: Told) -> None:
     """Warn once where the run is too short to arrive although it is expected to."""
     if not sketch.is_finish_expected or sketch.duration is None:
         return
-    needed = way / sketch.formation_speed
+    own = sketch.robots[k].v
+    speed = sketch.formation_speed if own is None else min(own, sketch.formation_speed)
+    needed = way / speed
     message = "the run is too short to finish: "
     if needed > sketch.duration and not any(message in f.message for f in told.warnings):
         told.warn(
             ("time", "duration"),
             f"{message}{_name(sketch, k)} has {way:.4g} m to go, {needed:.4g} s at "
-            f"{sketch.formation_speed:.4g} m/s, and the run lasts {sketch.duration:.6g} s; "
+            f"{speed:.4g} m/s, and the run lasts {sketch.duration:.6g} s; "
             "make it longer, or take expect.finished away",
         )
 

@@ -22,9 +22,10 @@ import numpy as np
 import shapely
 
 from physim.checking.sketch import Sketch, number
-from physim.checking.telling import Told
+from physim.checking.telling import MOST_ALIKE, Told
 from physim.geometry.shapes import FloatArray
 from physim.world import Formation
+from physim.world.faults import shown
 
 LAST_SHARE = 0.1
 """Share of the initial error sums at which (7) should be within the limits again."""
@@ -33,7 +34,7 @@ UPDATE = 0.1
 
 
 def check_formation_speed(sketch: Sketch, values: Mapping[str, Any], told: Told) -> None:
-    """Warn of a steady speed outside the limits, and of a gain that saturates the cluster."""
+    """Warn of a steady speed outside the limits, slow robots, and a gain that saturates."""
     plan = values.get("formation")
     if not sketch.has_formation or not isinstance(plan, Mapping) or len(sketch.robots) < 2:
         return
@@ -44,6 +45,7 @@ def check_formation_speed(sketch: Sketch, values: Mapping[str, Any], told: Told)
     low, high = (number(value, 0.0, 1000.0) for value in limits)
     if speed is None or low is None or high is None or low > high:
         return
+    _check_slow(sketch, low, told)
     if not low <= speed <= high:
         told.warn(
             ("formation", "speed" if "speed" in plan else "limits"),
@@ -53,6 +55,18 @@ def check_formation_speed(sketch: Sketch, values: Mapping[str, Any], told: Told)
         )
     elif gain is not None:
         _check_gain(sketch, {**defaults, **plan}, (gain, speed, low, high), told)
+
+
+def _check_slow(sketch: Sketch, low: float, told: Told) -> None:
+    """Warn of robots slower than the least speed [m/s] that (7) gives the others."""
+    slow = [robot for robot in sketch.robots if robot.v is not None and robot.v < low]
+    for robot in slow[:MOST_ALIKE]:
+        told.warn(
+            ("robots", robot.number, "limits", "v"),
+            f"{shown(robot.name)} drives at most {robot.v:.6g} m/s and cannot keep up: by "
+            f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
+            "the least speed of the formation",
+        )
 
 
 def _check_gain(

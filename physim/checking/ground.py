@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import shapely
 
+from physim.checking.bends import runs_into_itself, tell_folds
+from physim.checking.crossings import crossings, self_crossings
 from physim.checking.sketch import Sketch
-from physim.checking.telling import MOST_ALIKE, Told
-from physim.errors import Location, plural
+from physim.checking.telling import Told
+from physim.errors import Location
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
@@ -56,6 +58,9 @@ def ground_of(sketch: Sketch, told: Told) -> Ground:
     area = None
     if lines is not None and sketch.reference is not None:
         area = _area(sketch, sketch.reference, lines, [ring for _, ring in solids], told)
+    line = sketch.centreline if sketch.boundaries is None else None
+    if lines is not None and line is not None and (area is not None or sketch.reference is None):
+        tell_folds(line, [wall for _, wall in lines[:2]], told)
     known = lines if lines is not None else _readable(sketch)
     return Ground(
         walls=tuple((name, shapely.LineString(line)) for name, line in known),
@@ -71,7 +76,7 @@ def _corridor(sketch: Sketch, told: Told) -> list[tuple[str, FloatArray]] | None
     if line is None:
         return None
     where: Location = ("corridor", "centreline")
-    for x, y in _self_crossings(line)[:MOST_GAPS]:
+    for x, y in self_crossings(line)[:MOST_GAPS]:
         told.error(
             where,
             f"the centreline crosses itself at ({x:.6g}, {y:.6g}); walls would cut through the "
@@ -84,23 +89,7 @@ def _corridor(sketch: Sketch, told: Told) -> list[tuple[str, FloatArray]] | None
     except ValueError as error:
         told.error(where, f"the centreline {error}")
         return None
-    for name in ("left wall", "right wall"):
-        _fold(name, walls[name], told)
     return [("the edge of the corridor", wall) for wall in walls.values()]
-
-
-def _fold(name: str, wall: FloatArray, told: Told) -> None:
-    """Warn of a wall that overlaps itself on the inner side of a bend."""
-    places = _self_crossings(wall)
-    if places:
-        x, y = places[0]
-        more = f" and at {plural(len(places) - 1, 'more place')}" if len(places) > 1 else ""
-        told.warn(
-            ("corridor",),
-            f"the {name} crosses itself at ({x:.6g}, {y:.6g}){more}: the bend is tighter than half "
-            "the width, so the corridor is narrower there than written; widen the bend, or put "
-            "the points of the centreline further apart",
-        )
 
 
 def _readable(sketch: Sketch) -> list[tuple[str, FloatArray]]:
@@ -117,9 +106,9 @@ def _drawn(sketch: Sketch, told: Told) -> list[tuple[str, FloatArray]] | None:
     ends = _overshoots([line for _, line in lines])
     numbers = [k for k, line in enumerate(sketch.boundaries or ()) if line is not None]
     for k, (_, line) in zip(numbers, lines, strict=True):
-        for x, y in _self_crossings(line)[:MOST_GAPS]:
+        for x, y in self_crossings(line)[:MOST_GAPS]:
             _tell_crossing(("boundaries", k), "itself", x, y, ends, told)
-    for a, b, (x, y) in _crossings([line for _, line in lines]):
+    for a, b, (x, y) in crossings([line for _, line in lines]):
         where: Location = ("boundaries", numbers[max(a, b)])
         _tell_crossing(where, lines[min(a, b)][0], x, y, ends, told)
     return lines if len(lines) == len(sketch.boundaries or ()) else None
@@ -144,55 +133,6 @@ def _overshoots(lines: list[FloatArray]) -> FloatArray:
     return np.asarray(shapely.get_coordinates(dangles))
 
 
-def _crossings(lines: list[FloatArray]) -> list[tuple[int, int, tuple[float, float]]]:
-    """Pairs of polylines that meet elsewhere than at an end of one of them, and where first."""
-    shapes = [shapely.LineString(line) for line in lines]
-    if len(shapes) < 2:
-        return []
-    tree = shapely.STRtree(shapes)
-    found = []
-    for a, b in np.transpose(tree.query(shapes, predicate="intersects")):
-        if a >= b:
-            continue
-        meeting = shapely.get_coordinates(shapes[a].intersection(shapes[b]))
-        ends = np.array([lines[a][0], lines[a][-1], lines[b][0], lines[b][-1]])
-        inner = [p for p in meeting if np.hypot(*(ends - p).T).min() > LENGTH]
-        if inner and not _only_runs_along(shapes[a], shapes[b]):
-            found.append((int(a), int(b), (float(inner[0][0]), float(inner[0][1]))))
-        if len(found) >= 10 * MOST_ALIKE:
-            break
-    return found
-
-
-def _only_runs_along(a: Any, b: Any) -> bool:
-    """Whether two polylines share stretches only: a wall drawn twice does no harm."""
-    common = a.intersection(b)
-    points = [p for p in shapely.get_parts(common) if p.geom_type == "Point"]
-    return common.length > 0.0 and not points
-
-
-def _self_crossings(line: FloatArray) -> list[tuple[float, float]]:
-    """Points where a polyline crosses or touches itself, its own ends left out."""
-    if len(line) < 3 or shapely.LineString(line).is_simple:
-        return []
-    segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
-    tree = shapely.STRtree(segments)
-    first, second = tree.query(segments, predicate="intersects")
-    apart = second > first
-    first, second = first[apart], second[apart]
-    places = shapely.intersection(segments[first], segments[second])
-    found: dict[tuple[float, float], None] = {}
-    for a, b, place in zip(first, second, places, strict=True):
-        for point in shapely.get_coordinates(place):
-            is_joint = b == a + 1 and place.length == 0.0
-            at_end = np.hypot(*(line[[0, -1]] - point).T).min() <= LENGTH
-            if not is_joint and not at_end:
-                found[float(point[0]), float(point[1])] = None
-        if len(found) > MOST_ALIKE:
-            break
-    return list(found)
-
-
 def _area(
     sketch: Sketch,
     reference: FloatArray,
@@ -210,6 +150,9 @@ def _area(
         return None
     outside = area.outside_stretches(reference)
     if len(outside):
+        line = sketch.centreline if sketch.boundaries is None else None
+        if line is not None and runs_into_itself(line, drawn, told):
+            return None  # what the rest would say follows from that
         first, last = outside[0]
         told.error(
             sketch.reference_key,

@@ -13,10 +13,11 @@ SHARPEST_TURN = 2.6
 """[rad] Beyond this (150 degrees) a mitred corner would reach four half-widths out."""
 
 
-def offset_polyline(points: FloatArray, offset: FloatArray) -> FloatArray:
+def offset_polyline(points: FloatArray, offset: FloatArray, first: int = 0) -> FloatArray:
     """Move a polyline (n, 2) sideways by ``offset`` (n,) [m], left positive, corners mitred.
 
-    Raises ValueError, naming the waypoint, where the polyline turns back on itself.
+    Raises ValueError where the polyline turns back on itself, naming the waypoint as a world file
+    counts it: from 0, or from ``first``.
     """
     direction = np.diff(points, axis=0)
     direction /= np.hypot(*direction.T)[:, None]
@@ -29,7 +30,7 @@ def offset_polyline(points: FloatArray, offset: FloatArray) -> FloatArray:
         x, y = points[sharp[0]]
         turn = np.degrees(np.arccos(cosine[sharp[0]]))
         raise ValueError(
-            f"turns by {turn:.0f} degrees at waypoint {sharp[0]} ({x:g}, {y:g}); "
+            f"turns by {turn:.0f} degrees at waypoint [{sharp[0] + first}] ({x:g}, {y:g}); "
             f"at most {np.degrees(SHARPEST_TURN):.0f} degrees can be offset sideways"
         )
     mitre = (before + after) / (1.0 + cosine)[:, None]
@@ -55,7 +56,7 @@ def corridor_boundaries(
         ]
     )
     half = np.concatenate([width[:1], width, width[-1:]]) / 2.0
-    left, right = offset_polyline(line, half), offset_polyline(line, -half)
+    left, right = offset_polyline(line, half, -1), offset_polyline(line, -half, -1)
     return {
         SIDES[0]: left,
         SIDES[1]: right,

@@ -155,10 +155,19 @@ def _hint(kind: str, given: Any) -> str:
         return "; put it in quotes to make it a text"
     if isinstance(given, str) and kind in ("float_type", "int_type"):
         if LOOKS_NUMERIC.fullmatch(given):
-            return ", which is a text; write the number without quotes"
+            quoted = ", which is a text; write the number without quotes"
+            return quoted if _is_number(given) else ", which is no number; correct it"
         if given.strip().lower().lstrip("+-.") in ("nan", "inf", "infinity"):
             return "; it must be finite"
     return ""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 _NEEDED = {

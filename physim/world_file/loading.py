@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
-from physim.registry import checked_settings, find_controller
-from physim.world import World
+from physim.registry import checked_settings, find_controller, made_controller, robot_faults
+from physim.world import Robot, World
 from physim.world.faults import KeyFault
 from physim.world_file.file_text import file_text
 from physim.world_file.nodes import Document, Member, Node, holds_void
@@ -128,13 +129,15 @@ def judge(
     values = document.values()
     chosen: type[Any] | None = None
     faults: list[Fault] = []
-    if check_controller:
-        chosen, faults = _controller(values, trusted=controller is not None)
     world: World | None = None
     try:
         world = World(**values)
     except WorldError as error:
-        faults = [*error.faults, *faults]
+        faults = list(error.faults)
+    if check_controller:
+        robots = dict(enumerate(world.robots)) if world is not None else _sound_robots(values)
+        chosen, told = _controller(values, controller is not None, robots)
+        faults += told
     world = None if faults or document.faults else world
     return Judged(document, values, faults, world, chosen)
 
@@ -189,17 +192,24 @@ def _with_controller(document: Document, name: str) -> Document:
     kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))
     line, column = (old.line, old.column) if old is not None else (root.line, root.column)
     members["controller"] = Member(line, column, Node(line, column, members=kept))
-    return Document(
-        document.source,
-        Node(root.line, root.column, members=members, size=root.size, height=root.height),
-        document.faults,
-        document.fault_positions,
-        document.void,
-    )
+    chosen_root = Node(root.line, root.column, members=members, size=root.size, height=root.height)
+    return replace(document, root=chosen_root)
 
 
-def _controller(values: dict[str, object], trusted: bool) -> tuple[type[Any] | None, list[Fault]]:
-    """Class of the controller, and faults of its name and settings that the model does not say."""
+def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:
+    """Robots that have no fault themselves, by number, of a world that has some."""
+    given = values.get("robots")
+    found = {}
+    for i, robot in enumerate(given if isinstance(given, list) else []):
+        with suppress(WorldError, ValueError, TypeError):
+            found[i] = Robot(**robot)
+    return found
+
+
+def _controller(
+    values: dict[str, object], trusted: bool, robots: dict[int, Robot]
+) -> tuple[type[Any] | None, list[Fault]]:
+    """Class of the controller, and faults of its name, its settings and of what it cannot drive."""
     choice = values.get("controller", {})
     if not isinstance(choice, dict):
         return None, []
@@ -209,12 +219,15 @@ def _controller(values: dict[str, object], trusted: bool) -> tuple[type[Any] | N
     name = choice.get("type", "mode_switching")
     if not isinstance(name, str) or not name:
         return None, []
+    found: type[Any] | None = None
     try:
         found = find_controller(name, trusted)
-        faults = checked_settings(found, settings)[1]
+        made, faults = checked_settings(found, settings)
+        if not faults and not unread and hasattr(found, "robot_faults"):
+            faults = robot_faults(made_controller(found, made, name), robots)
         return found, [fault for fault in faults if unread.isdisjoint(fault.location[1:2])]
     except ControllerError as error:
-        return None, [Fault(("controller", "type"), str(error))]
+        return found, [Fault(("controller", "type"), str(error))]
 
 
 __all__ = [

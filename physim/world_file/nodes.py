@@ -76,7 +76,7 @@ class Document:
     """A world file as read: its tree, and what is already wrong with it.
 
     ``faults`` and ``fault_positions`` go together. ``void`` holds the locations of values that
-    could not be read; they stand in the tree as `VOID`.
+    could not be read; they stand in the tree as `VOID`. ``doubts`` are warnings about its text.
     """
 
     source: str
@@ -84,6 +84,7 @@ class Document:
     faults: tuple[Fault, ...] = ()
     fault_positions: tuple[Position, ...] = ()
     void: frozenset[Location] = frozenset()
+    doubts: tuple[Fault, ...] = ()
 
     def values(self) -> Any:
         """Return the world as dicts, lists, numbers and texts."""

@@ -153,4 +153,5 @@ def _without(
         tuple(fault for fault, _ in kept + new),
         tuple(position for _, position in kept + new),
         frozenset(void),
+        tuple(doubt for doubt in document.doubts if doubt.location[:depth] != location),
     )

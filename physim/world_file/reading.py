@@ -28,6 +28,7 @@ MOST_KEY = 100
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_GLUED_COMMENT = re.compile(r"\S#")
 _TAB = re.compile(r"^ *\t[ \t]*(?=[^ \t\r\n#])", re.MULTILINE)
 
 
@@ -57,6 +58,7 @@ def read_document(text: str, source: str = "<text>") -> Document:
         tuple(reader.faults),
         tuple(reader.positions),
         frozenset(reader.void),
+        tuple(reader.doubts),
     )
 
 
@@ -98,6 +100,9 @@ class _Open:
     waits_for_value: bool = False
     is_usable: bool = True
     """whether the value that comes next has a place: not after a key that was refused"""
+    is_block: bool = True
+    """whether it is written in lines, not in brackets"""
+    is_dash_told: bool = False
 
 
 @dataclass
@@ -109,6 +114,7 @@ class _Reader:
     faults: list[Fault] = field(default_factory=list)
     positions: list[Position] = field(default_factory=list)
     void: set[Location] = field(default_factory=set)
+    doubts: list[Fault] = field(default_factory=list)
     stack: list[_Open] = field(default_factory=list)
     anchors: dict[str, Node | None] = field(default_factory=dict)
     values: int = 0
@@ -184,10 +190,30 @@ class _Reader:
                     self._fault(Fault(self._here(), str(error)), line, column)
         if value is VOID:
             self.void.add(self._here())
+        elif not event.style and isinstance(value, str) and _GLUED_COMMENT.search(value):
+            self._doubt_comment(value)
         node = Node(line, column, value)
         if event.anchor is not None:
             self.anchors[event.anchor] = node
         self._put(node)
+
+    def _doubt_comment(self, text: str) -> None:
+        """Warn of a comment that is none, for want of a blank: ``r1#first``."""
+        here = self._here()
+        if here[-1:] != ("description",) and len(self.doubts) < MOST_FAULTS:
+            message = (
+                f'{shown(text)}: the "#" belongs to the text; a comment needs a blank before it; '
+                "put the text in quotes if it is meant so"
+            )
+            self.doubts.append(Fault(here, message))
+
+    def _dash_hint(self, top: _Open) -> str:
+        """What may be missing where a key of an entry of a list comes again; told once an entry."""
+        within = self.stack[-2] if len(self.stack) > 1 else None
+        if within is None or within.node.items is None or not top.is_block or top.is_dash_told:
+            return "keep one"
+        top.is_dash_told = True
+        return 'keep one, or put a dash before it ("- ") where the next entry of the list begins'
 
     def _key(self, text: str, line: int, column: int, quoted: bool = False) -> None:
         top = self.stack[-1]
@@ -217,7 +243,7 @@ class _Reader:
             self._fault(
                 KeyFault(
                     (*top.location, text),
-                    f"key given twice, first on line {first.line}; keep one",
+                    f"key given twice, first on line {first.line}; {self._dash_hint(top)}",
                 ),
                 line,
                 column,
@@ -245,7 +271,8 @@ class _Reader:
         node = Node(line, column, items=[] if is_list else None, members=None if is_list else {})
         if event.anchor is not None:
             self.anchors[event.anchor] = None
-        self.stack.append(_Open(node, event.anchor, self._here()))
+        is_block = not event.flow_style
+        self.stack.append(_Open(node, event.anchor, self._here(), is_block=is_block))
 
     def _close(self) -> None:
         closed = self.stack.pop()

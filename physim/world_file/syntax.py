@@ -8,6 +8,7 @@ itself is looked for; where none of the usual ones is found, the parser's own wo
 from __future__ import annotations
 
 import re
+import unicodedata
 from typing import NamedTuple
 
 import yaml
@@ -35,9 +36,13 @@ def stumble(error: yaml.YAMLError, text: str) -> Stumble:
     line, column = (mark.line + 1, mark.column + 1) if mark is not None else (1, 1)
     opened = (begun.line + 1, begun.column + 1) if begun is not None else None
     lines = text.splitlines() or [""]
-    found = _bracket(problem, lines, (line, column), opened) or _quote(context, problem, opened)
+    found = (
+        _early_end(lines, line, column)
+        or _bracket(problem, lines, (line, column), opened)
+        or _quote(context, problem, opened)
+    )
     if found is None and ("mapping values" in problem or "':'" in problem):
-        found = _missing_space(lines, line, opened)
+        found = _missing_space(lines, line, opened) or _look_alike(lines, line, opened)
     if found is not None:
         return found
     since = ""
@@ -113,6 +118,36 @@ def _bare(line: str) -> str:
 def _quote(context: object, problem: str, opened: tuple[int, int] | None) -> Stumble | None:
     if "quoted scalar" in str(context) and "unexpected" in problem and opened is not None:
         return Stumble(*opened, "the quote opened here is not closed; add one at the end of it")
+    return None
+
+
+def _early_end(lines: list[str], line: int, column: int) -> Stumble | None:
+    """A quoted text that ends at a quote within it: ``'it's'``."""
+    text = lines[line - 1] if line <= len(lines) else ""
+    if not re.match(r"[\w.;!?&/()+-]", _character(lines, line, column)):
+        return None
+    for quoted in re.finditer(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", text):
+        if quoted.end() == column - 1:
+            inside, other = ("''", "double") if quoted[0][0] == "'" else ('\\"', "single")
+            return Stumble(
+                line, quoted.start() + 1, f"the text in quotes that begins here ends at "
+                f"{line}:{column - 1} already; within it write {inside} for the quote, or put "
+                f"the text in {other} quotes",
+            )  # fmt: skip
+    return None
+
+
+def _look_alike(lines: list[str], line: int, opened: tuple[int, int] | None) -> Stumble | None:
+    """A character that looks like a sign of YAML and is none: a no-break space, a wide colon."""
+    first = opened[0] if opened is not None else line
+    for number in range(max(first, 1), min(line, len(lines)) + 1):
+        for column, sign in enumerate(_bare(lines[number - 1]), start=1):
+            plain = unicodedata.normalize("NFKC", sign)
+            if sign != plain and len(plain) == 1 and plain in " :,[]{}#-":
+                return Stumble(
+                    number, column, f"U+{ord(sign):04X} ({unicodedata.name(sign, '?').lower()}) "
+                    f'stands here for "{plain}"; type a plain "{plain}"',
+                )  # fmt: skip
     return None
 
 

@@ -172,7 +172,7 @@ def test_a_corridor_narrower_than_the_safe_distance_has_no_safe_area(tmp_path):
 )
 def test_places_are_counted_in_words(tmp_path, monkeypatch, places, told):
     crossings = [(0.0, 0.0)] * places
-    monkeypatch.setattr("physim.checking.ground._self_crossings", lambda wall: crossings)
+    monkeypatch.setattr("physim.checking.bends.self_crossings", lambda wall: crossings)
     _, warnings = lines(check(tmp_path, CORRIDOR))
     assert any(told in warning for warning in warnings)
 
@@ -185,3 +185,50 @@ def test_stretches_are_counted_in_words(tmp_path, times, told):
     text = changed(DRAWN, ("[[0, 1], [30, 1]]", f"[[0, 1], {', '.join(out)}, [30, 1]]"))
     errors, _ = lines(check(tmp_path, text))
     assert any(f"{told}" in error and f"{told}e" not in error for error in errors)
+
+
+@pytest.mark.parametrize(("across", "left"), [(6, 2), (5.5, 1.5)])
+def test_a_wall_that_folds_over_without_crossing_itself_is_told(tmp_path, across, left):
+    line = f"[[0, 0], [30, 0], [30, {across}], [0, {across}]]"
+    _, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
+    folds = [warning for warning in warnings if "folds over" in warning]
+    assert len(folds) == 1
+    assert folds[0].startswith(
+        f"3:11 corridor the left wall folds over at (26, 4), {left} m from the centreline instead "
+        "of 4 m: the bend is tighter than half the width"
+    )
+
+
+@pytest.mark.parametrize("across", [8, 12])
+def test_a_bend_that_leaves_the_width_is_not_told(tmp_path, across):
+    line = f"[[0, 0], [30, 0], [30, {across}], [0, {across}]]"
+    _, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
+    assert "folds" not in "".join(warnings)
+
+
+@pytest.mark.parametrize(
+    ("line", "legs"),
+    [
+        (
+            "[[0, 0], [20, 0], [20, 20], [0, 20], [0, 0]]",
+            "from [0] to [1] and the leg from [3] to [4]",
+        ),
+        (
+            "[[0, 0], [50, 0], [50, 40], [30, 40], [30, 3]]",
+            "from [0] to [1] and the leg from [3] to",
+        ),
+    ],
+)
+def test_legs_that_run_into_each_other_are_told_instead_of_what_follows(tmp_path, line, legs):
+    errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
+    assert "3:24 corridor.centreline the corridor runs into itself at (" in errors[0]
+    assert legs in errors[0]
+    assert "accessible area" not in "".join(errors)
+    assert "tighter" not in "".join(warnings)
+
+
+def test_a_point_is_counted_as_the_file_counts_it_for_walls_and_paths_alike(tmp_path):
+    text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [30, 0], [2, 0.5]]"))
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 2
+    assert all("turns by 179 degrees at waypoint [1] (30, 0)" in error for error in errors)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physim.scene_builder import build_scene
-from tests.checking.worlds import REGION, changed, check, lines
+from tests.checking.worlds import CORRIDOR, REGION, changed, check, lines
 
 
 def test_a_region_with_room_has_no_finding(tmp_path):
@@ -49,3 +49,24 @@ def test_a_region_that_no_robot_uses_is_a_warning(tmp_path):
     assert errors == []
     assert len(warnings) == 1
     assert "start no robot starts in this region" in warnings[0]
+
+
+def test_a_formation_that_overlaps_as_the_seed_placed_it_points_to_the_start(tmp_path):
+    text = changed(REGION, ("offset: -1.0", "offset: 1.0")) + "formation: {}\n"
+    for seed in range(40):  # one that places them side by side
+        errors, _ = lines(check(tmp_path, changed(text, ("seed: 3", f"seed: {seed}"))))
+        if errors:
+            break
+    assert len(errors) == 1
+    assert "would overlap in formation; spacing is initial, and the seed places them" in errors[0]
+    assert "another seed, a larger min_gap or another abreast in start" in errors[0]
+    assert errors[0].endswith("or list the leads in formation.spacing")
+
+
+def test_a_formation_of_poses_that_overlaps_points_to_the_poses(tmp_path):
+    text = changed(CORRIDOR, ("{spacing: [0.0, -3.0]}", "{}"), ("[3.0, -1.0, 0.0]", "[6, -1, 0]"))
+    errors, _ = lines(check(tmp_path, changed(text, ("offset: -1.0", "offset: 1.0"))))
+    assert len(errors) == 1
+    assert (
+        "spacing is initial, so they start so close along the road; move their poses" in errors[0]
+    )

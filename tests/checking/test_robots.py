@@ -348,7 +348,7 @@ def test_lengths_beyond_their_bounds_may_be_in_millimetres(tmp_path):
 
 
 def test_a_step_that_would_tunnel_is_refused(tmp_path):
-    limits = "    limits: {v: 0.1, omega: 0.1}\n    pose: [3.0"
+    limits = "    limits: {v: 0.1, omega: 0.1}\n    omegas: [-0.1, 0, 0.1]\n    pose: [3.0"
     text = changed(CORRIDOR, ("step: 0.01", "step: 0.1"), ("    pose: [3.0", limits))
     error = only_error(tmp_path, text)
     assert '"a" could move 0.3147 m in one step of 0.1 s' in error
@@ -425,3 +425,23 @@ def test_a_run_of_very_many_steps_is_a_warning(tmp_path, step, warned):
     errors, warnings = lines(check(tmp_path, text))
     assert errors == []
     assert any("40,000,000 steps" in line and "time.step" in line for line in warnings) == warned
+
+
+def test_a_robot_slower_than_the_formation_cannot_keep_up(tmp_path):
+    slow = ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {v: 0.5}")
+    _, warnings = lines(check(tmp_path, changed(CORRIDOR, slow)))
+    assert warnings == [
+        '13:17 robots[1].limits.v "b" drives at most 0.5 m/s and cannot keep up: by '
+        "formation.limits the others drive at least 0.8 m/s; raise this limit, or lower the least "
+        "speed of the formation"
+    ]
+    fast = (slow[0], slow[1].replace("0.5", "0.8"))
+    assert lines(check(tmp_path, changed(CORRIDOR, fast))) == ([], [])
+
+
+def test_the_time_to_finish_is_counted_at_the_limit_of_the_robot(tmp_path):
+    slow = ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {v: 0.5}")
+    text = changed(CORRIDOR, slow, ("duration: 60.0", "duration: 40.0"))
+    _, warnings = lines(check(tmp_path, text + "expect: {finished: true}\n"))
+    assert len(warnings) == 2
+    assert '"b" has 24 m to go, 48 s at 0.5 m/s, and the run lasts 40 s' in warnings[0]

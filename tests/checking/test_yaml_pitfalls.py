@@ -131,3 +131,81 @@ def test_no_yaml_at_all(tmp_path):
 )  # fmt: skip
 def test_yaml_mistakes_are_told_where_they_lie(tmp_path, change, told):
     assert only(tmp_path, changed(CORRIDOR, change).encode()).startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("0..05", 'must be a number; given "0..05", which is no number; correct it'),
+        ('"0.05"', 'given "0.05", which is a text; write the number without quotes'),
+    ],
+)
+def test_a_text_for_a_number_is_told_by_what_it_is(tmp_path, given, told):
+    text = changed(CORRIDOR, ("step: 0.01", f"step: {given}")).encode()
+    assert told in only(tmp_path, text)
+
+
+def test_an_entry_of_a_list_without_its_dash(tmp_path):
+    file = tmp_path / "w.yaml"
+    file.write_text(changed(CORRIDOR, ("  - name: b", "    name: b")), encoding="utf-8")
+    first, *others = check_world(file).errors
+    assert (first.line, first.key) == (9, "robots[0].name")
+    assert first.message == (
+        'key given twice, first on line 5; keep one, or put a dash before it ("- ") where the next '
+        "entry of the list begins"
+    )
+    others = [other.message for other in others if other.key.startswith("robots[0]")]
+    assert len(others) == 3
+    assert all(other.endswith("; keep one") for other in others)
+
+
+def test_no_dash_is_missing_in_brackets(tmp_path):
+    text = "robots: [{name: a, name: b}]\n"
+    file = tmp_path / "w.yaml"
+    file.write_text(text, encoding="utf-8")
+    (twice,) = [e for e in check_world(file).errors if "twice" in e.message]
+    assert twice.message.endswith("first on line 1; keep one")
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("'it's'", "1:7 not valid YAML: the text in quotes that begins here ends at 1:10 already; "
+         "within it write '' for the quote, or put the text in double quotes"),
+        ('"a "b" c"', "1:7 not valid YAML: the text in quotes that begins here ends at 1:10 "
+         'already; within it write \\" for the quote, or put the text in single quotes'),
+    ],
+)  # fmt: skip
+def test_a_quote_within_a_quoted_text(tmp_path, given, told):
+    assert only(tmp_path, changed(CORRIDOR, ("name: corridor", f"name: {given}")).encode()) == told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("time:\u00a0{", '2:6 not valid YAML: U+00A0 (no-break space) stands here for " "; type a '
+         'plain " "'),
+        ("time\uff1a {", '2:5 not valid YAML: U+FF1A (fullwidth colon) stands here for ":"; type a '
+         'plain ":"'),
+    ],
+)  # fmt: skip
+def test_characters_that_look_like_yaml(tmp_path, given, told):
+    text = changed(CORRIDOR, ("time: {", given))
+    assert only(tmp_path, text.encode()).replace(" ", " ") == told
+
+
+def test_a_comment_without_a_blank_before_it_is_part_of_the_text(tmp_path):
+    file = tmp_path / "w.yaml"
+    text = changed(CORRIDOR, ("- name: a\n", "- name: a#first\n"))
+    file.write_text(text, encoding="utf-8")
+    found = check_world(file)
+    assert found.ok
+    (doubt,) = found.warnings
+    assert (doubt.line, doubt.column, doubt.key) == (5, 11, "robots[0].name")
+    assert doubt.message.startswith(
+        '"a#first": the "#" belongs to the text; a comment needs a blank'
+    )
+    assert check_world(file, overrides=["robots.0.name=a"]).warnings == ()
+    assert len(check_world(file, overrides=["seed=3"]).warnings) == 1
+    file.write_text(changed(text, ("a#first", '"a#first"')), encoding="utf-8")
+    assert check_world(file).warnings == ()

@@ -55,7 +55,7 @@ def test_offset_of_a_right_angle_is_mitred() -> None:
 
 
 def test_a_line_that_turns_back_cannot_be_offset() -> None:
-    with pytest.raises(ValueError, match="waypoint 1 "):
+    with pytest.raises(ValueError, match=r"waypoint \[1\] "):
         offset_polyline(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 0.1]]), np.full(3, 1.0))
 
 

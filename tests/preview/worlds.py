@@ -35,6 +35,7 @@ def world(
                 "pose": [x0 + along * (x1 - x0), y0 + along * (y1 - y0), 0.0],
                 "path": {"offset": 0.0},
                 "limits": {"v": size, "omega": 1.0},
+                "omegas": [-1.0, 0.0, 1.0],
             }
         )
     corridor = {"centreline": centreline, "width": width, "end_margin": margin}

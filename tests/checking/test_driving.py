@@ -1,0 +1,112 @@
+"""What a controller cannot drive is refused when a world is read, at the key at fault."""
+
+from __future__ import annotations
+
+import pytest
+from pydantic import BaseModel
+
+from physim import Simulation, parse_world
+from physim.checking import check_world
+from physim.control import Decision
+from physim.errors import ControllerError, Fault, WorldError
+from physim.registry import robot_faults
+from physim.world_file import load_world
+from tests.checking.worlds import CORRIDOR, changed, check, lines
+
+SLOW = changed(CORRIDOR, ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {omega: 0.1}"))
+
+
+def test_a_limit_below_the_default_speeds_is_refused_at_the_limit(tmp_path):
+    errors, _ = lines(check(tmp_path, SLOW))
+    assert errors == [
+        "13:21 robots[1].limits.omega 0.1 rad/s is below 1.5708 rad/s, the fastest of the "
+        "controller's rotational speeds; raise the limit, or give the robot its own omegas within "
+        "it"
+    ]
+    with pytest.raises(WorldError, match=r"w\.yaml:13:21: robots\[1\]\.limits\.omega: 0\.1 rad/s"):
+        load_world(tmp_path / "w.yaml")
+
+
+def test_speeds_of_the_controller_are_refused_where_they_stand(tmp_path):
+    errors, _ = lines(check(tmp_path, CORRIDOR + "controller: {omegas: [-2.5, 0, 2.5]}\n"))
+    assert [error.split(" rad/s")[0] for error in errors] == [
+        "14:23 controller.omegas[0] -2.5",
+        "14:32 controller.omegas[2] 2.5",
+    ]
+    assert 'limits.omega = 1.6 of "a" and beyond that of 1 more robot' in errors[0]
+
+
+def test_multiples_of_nu_beyond_one_are_refused_at_the_controllers_own_key(tmp_path):
+    errors, _ = lines(check(tmp_path, CORRIDOR + "controller: {speeds: [-1, 0, 2]}\n"))
+    assert errors == ["14:30 controller.speeds[2] must be at most 1; given 2"]
+
+
+def test_a_robot_with_speeds_of_its_own_needs_no_other(tmp_path):
+    text = changed(
+        SLOW, ("limits: {omega: 0.1}", "limits: {omega: 0.1}\n    omegas: [-0.1, 0, 0.1]")
+    )
+    assert lines(check(tmp_path, text))[0] == []
+
+
+def test_they_are_told_together_with_faults_of_other_keys(tmp_path):
+    errors, _ = lines(check(tmp_path, changed(SLOW, ("name: corridor", "nme: corridor"))))
+    assert len([error for error in errors if "limits.omega" in error]) == 1
+    assert len(errors) >= 2
+
+
+def test_another_controller_of_the_command_line_checks_for_itself(tmp_path):
+    file = tmp_path / "w.yaml"
+    file.write_text(SLOW, encoding="utf-8")
+    found = check_world(file, controller="path_following")
+    assert [error.key for error in found.errors] == ["robots[1].limits.omega"]
+
+
+def test_constant_commands_stay_within_the_limits(tmp_path):
+    text = CORRIDOR + "controller: {type: constant, commands: [[1, 0], [9, -9]]}\n"
+    errors, _ = lines(check(tmp_path, text))
+    assert [error.split(" of ")[0] for error in errors] == [
+        "14:50 controller.commands[1][0] 9 m/s is beyond limits.v = 1.5",
+        "14:53 controller.commands[1][1] -9 rad/s is beyond limits.omega = 1.6",
+    ]
+
+
+class Picky:
+    """A controller of one's own that refuses every robot."""
+
+    class Settings(BaseModel):
+        fault: bool = True
+
+    def __init__(self, settings=None):
+        self.settings = settings or self.Settings()
+
+    def robot_faults(self, robots):
+        return [Fault(("robots", i, "name"), "never") for i in robots] if self.settings.fault else 7
+
+    def decide(self, observation, memory):
+        return Decision(0.0, 0.0, hold=1.0)
+
+
+def test_a_controller_of_ones_own_may_refuse_robots(tmp_path):
+    file = tmp_path / "w.yaml"
+    file.write_text(CORRIDOR, encoding="utf-8")
+    found = check_world(file, controller=f"{__name__}:Picky")
+    assert [(e.line, e.key, e.message) for e in found.errors] == [
+        (5, "robots[0].name", "never"),
+        (9, "robots[1].name", "never"),
+    ]
+    with pytest.raises(WorldError, match="never"):
+        Simulation(parse_world(CORRIDOR), controller=Picky())
+
+
+def test_a_check_that_fails_is_told_in_one_line():
+    with pytest.raises(ControllerError, match=r"Picky\.robot_faults fails: TypeError: 'int'"):
+        robot_faults(Picky(Picky.Settings(fault=False)), {})
+
+
+def test_path_following_keeps_the_limit_of_a_slow_robot():
+    world = parse_world(
+        changed(SLOW, ("{omega: 0.1}", "{v: 0.5}")) + "controller: {type: path_following}\n"
+    )
+    simulation = Simulation(world)
+    simulation.step()
+    assert simulation.command[:, 0].tolist() == [1.0, 0.5]

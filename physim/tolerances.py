@@ -61,4 +61,5 @@ def chord(v: float, omega: float, dt: float) -> float:
 
 PUSH = 1e-3
 """[m/s] A robot that closes on another by this much more than its command says was pushed: above
-the engine's corrections and roundings, far below any push that matters."""
+the engine's corrections and roundings, far below any push that matters. A robot stands by command
+where no point of it is to move by as much."""

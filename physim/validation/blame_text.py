@@ -63,6 +63,9 @@ def finding_words(one: ContactReport, names: list[str]) -> str:
             if one.warning > 0.0
             else "Contact did not lie ahead at the last decision."
         )
+    if side.stands:
+        said.append(f"{name} stood by command, and the record shows nobody that pushed it.")
+        return " ".join(said)
     wall = len(one.sides) == 1
     looked = not math.isnan(side.reported_time)
     looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)

@@ -19,7 +19,7 @@ MODES = {
     int(Mode.SAFE): "safe mode",
     int(Mode.DISTANCE): "danger mode (by distance)",
     int(Mode.TIME): "danger mode (by collision time)",
-    int(Mode.ARRIVED): "arrived, standing",
+    int(Mode.ARRIVED): "arrived",
 }
 
 
@@ -165,6 +165,8 @@ def _decision(side: Side, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
     mode = "" if side.mode is None else MODES.get(side.mode, f"mode {side.mode}") + ", "
+    if side.mode == Mode.ARRIVED and side.stands:
+        mode += "standing, "
     ago = one.prediction.touched - side.decided
     return (
         f"decided {short(ago)} before: {mode}v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import traceback
-from typing import NamedTuple
+from array import array
+from math import nan
+from typing import Any, NamedTuple
 
 from physim.control import NO_MODE, Decision, Mode, Report
 from physim.errors import ControllerError
+
+_NO_NUMBER = (TypeError, ValueError, OverflowError)
+"""What Python raises where something cannot be made a number."""
 
 
 class Row(NamedTuple):
@@ -32,7 +37,8 @@ def decision_row(decision: object, where: str) -> Row:
         given = type(report).__name__
         raise ControllerError(f"{where}: report is a {given}; it must be a Report")
     command = (_number(decision, "v", where), _number(decision, "omega", where))
-    return Row(command, _number(decision, "hold", where), _mode(decision, where), _report(decision))
+    told = _report(report, where)
+    return Row(command, _number(decision, "hold", where), _mode(decision, where), told)
 
 
 def _number(decision: Decision, field: str, where: str) -> float:
@@ -41,8 +47,9 @@ def _number(decision: Decision, field: str, where: str) -> float:
         if isinstance(value, str | bytes):
             raise TypeError
         return float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise ControllerError(f"{where}: {field} is {value!r}; it must be a number") from None
+    except _NO_NUMBER:
+        given = _shown(value)
+        raise ControllerError(f"{where}: {field} is {given}; it must be a number") from None
 
 
 def _mode(decision: Decision, where: str) -> int:
@@ -52,20 +59,58 @@ def _mode(decision: Decision, where: str) -> int:
         return int(Mode(decision.mode))
     except ValueError:
         allowed = ", ".join(f"Mode.{mode.name}" for mode in Mode)
-        message = f"{where}: mode is {decision.mode!r}; allowed: {allowed}"
+        message = f"{where}: mode is {_shown(decision.mode)}; allowed: {allowed}"
         raise ControllerError(message) from None
 
 
-def _report(decision: Decision) -> tuple[float, ...]:
-    r = decision.report
-    return (
-        *r.target,
-        r.distance,
-        r.boundary_distance,
-        r.collision_time,
-        float(r.considered),
-        float(r.evaluations),
-    )
+def _report(report: Report, where: str) -> tuple[float, ...]:
+    """Numbers of a report. All are converted at once, since this is done at every decision."""
+    r = report
+    try:
+        x, y = r.target
+        distances = r.distance, r.boundary_distance, r.collision_time
+        return tuple(array("d", (x, y, *distances, r.considered, r.evaluations)))
+    except _NO_NUMBER:
+        return _field_by_field(report, where)
+
+
+def _field_by_field(report: Report, where: str) -> tuple[float, ...]:
+    """Numbers of a report in which something is no number: refused, but None as NaN."""
+    try:
+        x, y = (_plain(value) for value in report.target)
+    except _NO_NUMBER:
+        given = _shown(report.target)
+        raise ControllerError(
+            f"{where}: report.target is {given}; it must be two numbers, x and y [m]"
+        ) from None
+    told = [x, y]
+    for field in ("distance", "boundary_distance", "collision_time", "considered", "evaluations"):
+        value = getattr(report, field)
+        try:
+            told.append(_plain(value, none=field not in ("considered", "evaluations")))
+        except _NO_NUMBER:
+            given = _shown(value)
+            raise ControllerError(
+                f"{where}: report.{field} is {given}; it must be a number"
+            ) from None
+    return tuple(told)
+
+
+def _plain(value: Any, none: bool = True) -> float:
+    """Value as a number. ``none``: None is NaN; controllers say so that they have no value."""
+    if value is None and none:
+        return nan
+    number: float = array("d", (value,))[0]
+    return number
+
+
+def _shown(value: object) -> str:
+    """What was given, on one line and cut off where it is long."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # of code that is not ours; or a whole number too long to be written out
+        text = f"of type {type(value).__name__}"
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def broken(error: BaseException, where: str) -> ControllerError:

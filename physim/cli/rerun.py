@@ -53,39 +53,46 @@ def run_again(
     seed: int | None,
     options: argparse.Namespace,
     stop: Callable[[], bool] | None = None,
+    last: int | None = None,
 ) -> Record:
-    """Run to the end, or until ``stop`` says so, in memory.
+    """Run to the end, to step ``last``, or until ``stop`` says so, in memory.
 
     Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
     middle of it the engine would swallow it.
     """
     if stop is None:
         with interrupts() as interrupt:
-            record = run_again(world, document, seed, options, interrupt)
+            record = run_again(world, document, seed, options, interrupt, last)
         if interrupt():
             record.close()
             raise KeyboardInterrupt
         return record
     simulation = ready(world, document, seed, options)
     scene = simulation.scene
-    bar = Bar(f"{scene.world.name}, seed {scene.seed}", scene.steps * scene.dt, "s", options.quiet)
+    end = scene.steps if last is None else last
+    bar = Bar(f"{scene.world.name}, seed {scene.seed}", end * scene.dt, "s", options.quiet)
     try:
         return record_run(
             simulation,
-            stop=stop,
+            stop=lambda: stop() or simulation.step_number == last,
             progress=lambda now, factor: bar.update(now.time, f"{factor:.0f} x real time"),
         )
     finally:
         bar.close()
 
 
+def last_step(record: Record) -> int | None:
+    """Step at which a run that was interrupted or killed ended; None where it ended by itself."""
+    return record.steps_run if record.ended in ("interrupted", "running") else None
+
+
 def check_samples(coarse: Record, full: Record) -> None:
     """Raise RecordError unless a coarse record has the samples and contacts of the run again."""
     names = coarse.names
-    if coarse.robots != full.robots or coarse.steps[-1] > full.steps_run:
+    if coarse.robots != full.robots or coarse.steps_run != full.steps_run:
         raise RecordError(
             f"{coarse.path}: simulated again from the world inside, the run ends at step "
-            f"{full.steps_run} instead of {coarse.steps[-1]}; this record cannot be validated"
+            f"{full.steps_run} instead of {coarse.steps_run}; this record cannot be validated"
         )
     gap = np.abs(full.pose[coarse.steps] - coarse.pose).max(axis=2)
     if (gap > SAME).any():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from physim.cli import rerun
@@ -71,9 +72,11 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
     for told in check_origin(record).differences[:1]:
         raise PhysimError(f"{record.path}: {told}")
     world, document = rerun.world_inside(options, record)
-    with rerun.run_again(world, document, record.seed, options) as full:
+    last = rerun.last_step(record)
+    with rerun.run_again(world, document, record.seed, options, last=last) as full:
         rerun.check_samples(record, full)
-        return _told(validate(full, source=str(record.path), resimulated=True), options)
+        found = validate(full, source=str(record.path), resimulated=True)
+    return _told(replace(found, run=replace(found.run, ended=record.ended)), options)
 
 
 def _validate_world(world: World, document: Document, options: argparse.Namespace) -> int:

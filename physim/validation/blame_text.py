@@ -63,6 +63,9 @@ def finding_words(one: ContactReport, names: list[str]) -> str:
             if one.warning > 0.0
             else "Contact did not lie ahead at the last decision."
         )
+    if side.stands:
+        said.append(f"{name} stood by command, and the record shows nobody that pushed it.")
+        return " ".join(said)
     wall = len(one.sides) == 1
     looked = not math.isnan(side.reported_time)
     looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)
@@ -75,7 +78,7 @@ def finding_words(one: ContactReport, names: list[str]) -> str:
     elif side.mode == Mode.SAFE:
         said.append(f"{name} was in safe mode: it did not take {other} for a danger.")
     elif side.mode == Mode.ARRIVED:
-        said.append(f"{name} had arrived and stood still.")
+        said.append(f"{name} said that it had arrived, yet its command was to move.")
     else:
         said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
     return " ".join(said)

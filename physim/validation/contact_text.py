@@ -8,7 +8,7 @@ from physim.control import Mode
 from physim.tolerances import CONTACT
 from physim.validation.blame_text import charge_words, finding_words, who_words
 from physim.validation.contact_report import ContactReport
-from physim.validation.numbers import joined, length, names_of, short, wrapped
+from physim.validation.numbers import HUGE, joined, length, names_of, short, wrapped
 from physim.validation.sides import Side
 from physim.validation.validation import Validation
 
@@ -19,7 +19,7 @@ MODES = {
     int(Mode.SAFE): "safe mode",
     int(Mode.DISTANCE): "danger mode (by distance)",
     int(Mode.TIME): "danger mode (by collision time)",
-    int(Mode.ARRIVED): "arrived, standing",
+    int(Mode.ARRIVED): "arrived",
 }
 
 
@@ -165,6 +165,8 @@ def _decision(side: Side, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
     mode = "" if side.mode is None else MODES.get(side.mode, f"mode {side.mode}") + ", "
+    if side.mode == Mode.ARRIVED and side.stands:
+        mode += "standing, "
     ago = one.prediction.touched - side.decided
     return (
         f"decided {short(ago)} before: {mode}v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
@@ -174,20 +176,25 @@ def _decision(side: Side, one: ContactReport) -> str:
 
 def _saw(side: Side) -> str:
     """What its controller reported to have looked at."""
-    if math.isnan(side.reported_time) and math.isnan(side.reported_distance):
+    time, near, boundary = side.reported_time, side.reported_distance, side.reported_boundary
+    if math.isnan(time) and math.isnan(near) and math.isnan(boundary):
         return "reported no distance and no collision time"
     words = [f"considered {side.considered} robot{'s' if side.considered != 1 else ''}"]
-    if not math.isnan(side.reported_distance):
-        near = "none" if math.isinf(side.reported_distance) else length(side.reported_distance)
-        words.append(f"nearest of them {near}")
-    if not math.isnan(side.reported_boundary):
-        words.append(f"nearest boundary {length(side.reported_boundary)}")
-    if math.isnan(side.reported_time):
+    if near == math.inf and side.considered:
+        words.append("the nearest infinitely far")
+    elif not math.isnan(near):
+        words.append(f"nearest of them {'none' if near == math.inf else length(near)}")
+    if not math.isnan(boundary):
+        words.append(f"nearest boundary {'none' if boundary == math.inf else length(boundary)}")
+    if math.isnan(time):
         words.append("no collision time")
     else:
-        seen = "none" if math.isinf(side.reported_time) else f"{side.reported_time:.3f} s"
-        words.append(f"collision time {seen}")
+        words.append(f"collision time {'none' if time == math.inf else _seconds(time)}")
     return ", ".join(words)
+
+
+def _seconds(time: float) -> str:
+    return short(time) if abs(time) >= HUGE else f"{time:.3f} s"
 
 
 def _before(validation: Validation, one: ContactReport) -> str:

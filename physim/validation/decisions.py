@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import IntArray
 from physim.record import Record
+from physim.validation.ledger import robot_shapes
 
 WINDOW = 2.0
 """[m] least stretch of the reference path in which a robot is looked for after its last decision"""
@@ -24,6 +25,8 @@ class DecisionTable:
         edges = np.searchsorted(sorted_robots, np.arange(record.robots + 1))
         self._index = [order[edges[i] : edges[i + 1]] for i in range(record.robots)]
         self._steps = [self.rows["step"][index] for index in self._index]
+        self.radius = robot_shapes(record).radius
+        """(N,) [m] of the circle round each reference point that holds the footprint"""
 
     def steps(self, robot: int) -> IntArray:
         """Steps at which a robot decided, increasing."""

@@ -3,11 +3,13 @@
 A robot that touches nothing follows the arc of its held command exactly (the engine moves it along
 the chord of that very arc), so its pose at each sample follows from the one before and from the
 update table. Left out are robots in contact, which move as far as the contact allows, and robots
-within `PUSHED` of another one, which may be pushed by one that is eased out of a contact.
+that one in contact could reach in the step: the engine eases it out of an overlap, and it may push
+them on its way though they touch nothing at either sample.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,11 +18,12 @@ from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
 from physim.geometry.motion import arcs
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.separation import body_distance
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
 from physim.tolerances import ONE_STEP, PUSHED
 from physim.validation.decisions import DecisionTable
-from physim.validation.ledger import blocks
+from physim.validation.ledger import blocks, robot_shapes
 
 ULPS = 8.0
 """Roundings of a coordinate in one step, for worlds far from the origin."""
@@ -98,7 +101,7 @@ def check_motion(record: Record, table: DecisionTable) -> Motion:
             free &= decided
         checked += int(free.sum())
         found.append(_off(poses, first, command, record.dt, free))
-    return Motion(checked, _strays(record, found, touched))
+    return Motion(checked, _strays(record, table, found, touched))
 
 
 def _touched(record: Record) -> NDArray[np.bool_]:
@@ -138,13 +141,22 @@ def _off(
     return _Off(step + first + 1, robot, gap[step, robot], turn[step, robot])
 
 
-def _strays(record: Record, found: list[_Off], touched: NDArray[np.bool_]) -> tuple[Stray, ...]:
-    strays = []
+def _strays(
+    record: Record, table: DecisionTable, found: list[_Off], touched: NDArray[np.bool_]
+) -> tuple[Stray, ...]:
+    shapes, strays = robot_shapes(record), []
     for i in range(record.robots):
         mine = [tuple(column[off.robot == i] for column in off) for off in found]
         step = np.concatenate([np.zeros(0, np.int64), *(off[0] for off in mine)])
         gap, turn = (np.concatenate([np.zeros(0), *(off[k] for off in mine)]) for k in (2, 3))
-        kept = np.array([not _pushed(record, i, int(k), touched) for k in step], dtype=np.bool_)
+        shift = np.maximum(gap, turn * shapes.radius[i])
+        kept = np.array(
+            [
+                not _pushed(record, table, shapes, i, int(k), float(far), touched)
+                for k, far in zip(step, shift, strict=True)
+            ],
+            dtype=np.bool_,
+        )
         step, gap, turn = step[kept], gap[kept], turn[kept]
         cuts = np.flatnonzero(np.diff(step) != 1) + 1
         for run in np.split(np.arange(len(step)), cuts) if len(step) else ():
@@ -158,8 +170,32 @@ def _strays(record: Record, found: list[_Off], touched: NDArray[np.bool_]) -> tu
     return tuple(sorted(strays, key=lambda one: (one.step, one.robot)))
 
 
-def _pushed(record: Record, robot: int, step: int, touched: NDArray[np.bool_]) -> bool:
-    """Whether a robot may have been pushed by one that is eased out of a contact with a third."""
+def _pushed(
+    record: Record,
+    table: DecisionTable,
+    shapes: Shapes,
+    robot: int,
+    step: int,
+    shift: float,
+    touched: NDArray[np.bool_],
+) -> bool:
+    """Whether a robot may have been shifted by ``shift`` [m] by one that is eased out of a contact.
+
+    Eased are robots that touch something at the sample before. Within the step such a one may go
+    forth and back: it reaches as far as its poses differ, and as its command would take it, and
+    `PUSHED` more. What it meets is shifted by no more than twice that.
+    """
     if not touched[step - 1].any():
         return False
-    return float(record.read("/steps/clearance", step - 1, step)[0, robot]) <= PUSHED
+    before, after = record.read("/steps/pose", step - 1, step + 1)
+    for j in np.flatnonzero(touched[step - 1]).tolist():
+        x, y, turn = np.abs(after[j] - before[j]).tolist()
+        v, omega = table.held(j, step - 1)
+        radius = float(shapes.radius[j])
+        reach = PUSHED + math.hypot(x, y) + radius * turn
+        reach += (abs(v) + radius * abs(omega)) * record.dt
+        if shift > 2.0 * reach:
+            continue
+        if body_distance(shapes, robot, before[robot], shapes, j, before[j]) <= reach:
+            return True
+    return False

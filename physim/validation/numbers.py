@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from physim.validation.validation import Validation
 
 COLUMNS = 100
+HUGE = 1e6
+"""[m, s] from here on values are told in powers of ten: no run has such, a controller may say so"""
 
 
 def names_of(validation: Validation) -> list[str]:
@@ -37,7 +39,7 @@ def length(metres: float) -> str:
         return f"{1e6 * metres:.2f} um"
     if math.isfinite(metres) and abs(metres) < 0.1:
         return f"{1e3 * metres:.2f} mm"
-    return f"{metres:.2f} m"
+    return f"{metres:.3g} m" if abs(metres) >= HUGE else f"{metres:.2f} m"
 
 
 def short(seconds: float) -> str:
@@ -45,6 +47,8 @@ def short(seconds: float) -> str:
     size = abs(seconds)
     if size < 1e-9:
         return "0 s"
+    if size >= HUGE:
+        return f"{seconds:.3g} s"
     if size >= 0.1:
         return f"{seconds:.3f} s"
     if size >= 1e-4:

@@ -28,7 +28,7 @@ from physim.validation.decisions import DecisionTable, last_before
 from physim.validation.ledger import robot_shapes
 
 HORIZON = 10.0
-"""[s] how far ahead collision times look"""
+"""[s] how far ahead one query looks; a contact later than that takes several"""
 
 AS_COMMANDED = 1e-7
 """[m, rad] A robot within this of the arc that it was to follow has moved as commanded."""
@@ -112,13 +112,24 @@ class Predictor:
         pose: FloatArray = self.record.read("/steps/pose", step, step + 1)[0]
         return pose
 
-    def due(self, a: int, b: int, step: int) -> float:
-        """Collision time [s] from a step on, under the commands held from then on."""
-        robots = self.record.robots
-        other = self.table.held(b, step) if b < robots else (0.0, 0.0)
-        return pair_time(
-            self.record, self.shapes, a, b, self.poses(step), self.table.held(a, step), other
-        )
+    def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
+        """Collision time [s] from a step on, under the commands held from then on.
+
+        Looked for up to ``until`` [s], at least; inf where there is none. Each query begins on the
+        arcs where the one before ended, so that none needs more advances than it may take.
+        """
+        other = self.table.held(b, step) if b < self.record.robots else (0.0, 0.0)
+        held = {a: self.table.held(a, step), b: other}
+        start = self.poses(step)
+        for k in range(max(1, math.ceil(until / HORIZON))):
+            later = k * HORIZON
+            pose = start.copy()
+            for i in (i for i in held if k and i < self.record.robots):
+                pose[i] = arc(tuple(start[i]), *held[i], later)
+            found = pair_time(self.record, self.shapes, a, b, pose, held[a], held[b])
+            if math.isfinite(found):
+                return later + found
+        return math.inf
 
     def predict(
         self, a: int, b: int, step: int, touched: float, closing: float, earlier: bool
@@ -133,11 +144,11 @@ class Predictor:
         made = last_before(self.table, robots, step)
         if made is None:
             return Prediction(a, b, step, found, touched, None, None, 0.0, NO_DECISION)
-        predicted = made * dt + self.due(a, b, made)
         gap = tolerances.CONTACT
         for i in robots:
             gap += tolerances.chord(*self.table.held(i, made), dt)
         slack = tolerances.TIME + gap / max(closing, tolerances.CLOSING_SPEED)
+        predicted = made * dt + self.due(a, b, made, found + dt + slack - made * dt)
         verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
         if verdict == DISAGREES and self._touches_then(a, b, step, predicted, gap):
             verdict = AGREES
@@ -145,7 +156,7 @@ class Predictor:
             verdict = STILL_TOUCHING
         elif not all(self._as_commanded(i, made, step) for i in robots):
             verdict = NOT_AS_COMMANDED
-        early = self._earlier(a, b, robots, step, touched) if earlier else ()
+        early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
         return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
 
     def _as_commanded(self, robot: int, start: int, end: int) -> bool:
@@ -164,13 +175,15 @@ class Predictor:
         return abs(body_distance(self.shapes, a, now[a], self.shapes, b, now[b])) <= 2.0 * gap
 
     def _earlier(
-        self, a: int, b: int, robots: list[int], step: int, touched: float
+        self, a: int, b: int, robots: list[int], made: int, step: int, touched: float
     ) -> tuple[Early, ...]:
-        first = step - math.floor(HORIZON / self.record.dt)
+        """Decisions of the last `HORIZON` before a contact, and the last one however early."""
+        first = min(made, step - math.floor(HORIZON / self.record.dt))
         steps = np.unique(np.concatenate([self.table.steps(i) for i in robots]))
         steps = steps[(steps >= max(0, first)) & (steps < step)]
         found = []
         for at in (int(s) for s in steps):
             time = at * self.record.dt
-            found.append(Early(at, touched - time, time + self.due(a, b, at) - touched))
+            due = time + self.due(a, b, at, touched - time)
+            found.append(Early(at, touched - time, due - touched))
         return tuple(found)

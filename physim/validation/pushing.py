@@ -2,7 +2,9 @@
 
 A robot counts as pushed when it closes on the other body by more than its command says, while it
 touches a further robot; that one is the pusher, or whoever pushes it in turn. A robot that stands
-by command and is pushed by nobody was run into by the other.
+by command and is pushed by nobody was run into by the other. Where there is no other that came, at
+a wall or where both stand, it was moved by one that it touches, whichever way: by itself it does
+not move.
 """
 
 from __future__ import annotations
@@ -38,33 +40,55 @@ def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) ->
     """Robot to be charged in place of ``robot``; None where it moved by its own command."""
     if touch.step == 0:
         return None
-    pusher = _pusher(record, table, robot, touch, {touch.a, touch.b})
-    other = touch.a + touch.b - robot
-    if pusher is not None or other >= record.robots or not stands(table, robot, touch.step):
+    ends = {touch.a, touch.b}
+    pusher = _pusher(record, table, robot, touch, ends)
+    if pusher is not None or not stands(table, robot, touch.step):
         return pusher
-    pusher = _pusher(record, table, other, touch, {touch.a, touch.b})
-    return other if pusher is None and not stands(table, other, touch.step) else pusher
+    other = touch.a + touch.b - robot
+    if other < record.robots:
+        pusher = _pusher(record, table, other, touch, ends)
+        if pusher is None and not stands(table, other, touch.step):
+            return other
+    for one in (robot, other):
+        if pusher is None and one < record.robots:
+            pusher = _pusher(record, table, one, touch, ends, carried=True)
+    return pusher
 
 
 def stands(table: DecisionTable, robot: int, step: int) -> bool:
-    """Whether a robot was commanded to stand in the step that led to a sample."""
-    return table.last(robot, step - 1) is not None and table.held(robot, step - 1) == (0.0, 0.0)
+    """Whether a robot was commanded to stand in the step that led to a sample.
+
+    That is, to move no point of its footprint by `PUSH` or more: a command of 1e-15 rad/s stands.
+    """
+    if table.last(robot, step - 1) is None:
+        return False
+    v, omega = table.held(robot, step - 1)
+    return abs(v) + float(table.radius[robot]) * abs(omega) < PUSH
 
 
 def _pusher(
-    record: Record, table: DecisionTable, robot: int, touch: Touch, seen: set[int]
+    record: Record,
+    table: DecisionTable,
+    robot: int,
+    touch: Touch,
+    seen: set[int],
+    carried: bool = False,
 ) -> int | None:
-    """Robot at the end of the chain of pushes into a contact, not counting those ``seen``."""
-    if not _exceeds_command(record, table, robot, touch):
+    """Robot at the end of the chain of pushes into a contact, not counting those ``seen``.
+
+    ``carried``: of a robot that stands by command, whichever way it moves.
+    """
+    if not carried and not _exceeds_command(record, table, robot, touch):
         return None
     for contact in _contacts(record, robot, touch.step):
         third = contact.a + contact.b - robot
         if third >= record.robots or third in seen:
             continue
-        further = _pusher(record, table, third, contact, seen | {third})
+        idle = stands(table, third, touch.step)
+        further = _pusher(record, table, third, contact, seen | {third}, carried and idle)
         if further is not None:
             return further
-        if not stands(table, third, touch.step):
+        if not idle:
             return third
     return None
 

@@ -55,7 +55,7 @@ class Side:
     """[m] how far it was behind the other along s* at that decision; negative: ahead. None for
     a boundary"""
     stands: bool
-    """its command in that step was to stand, v = omega = 0"""
+    """its command in that step was to stand: no point of it was to move by `PUSH` or more"""
     pushed_by: int | None
     """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
     its place; None where there is none, or where it did not have to keep clear"""

@@ -157,7 +157,7 @@ def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
 
 def is_coarse(record: Record) -> bool:
     """Whether a record leaves steps out, so that its run has to be simulated again."""
-    return record.record_every > 1
+    return record.record_every > 1 and record.steps_run > 0
 
 
 def check_complete(record: Record) -> None:

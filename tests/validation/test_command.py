@@ -56,6 +56,7 @@ def test_world_with_a_careless_controller(folder, capsys):
     code, out, _ = run(capsys, folder / "lane.yaml", "--controller", CARELESS)
     assert code == 1
     assert "Responsible is fast" in out
+    assert "of at most 3 s, step 0.01 s; ran for its whole duration" in out
     assert CARELESS in out
 
 

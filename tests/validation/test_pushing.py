@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+from math import hypot
 
+import numpy as np
 import pytest
 
 import physim
+from physim.contacts import Phase
 from physim.validation import report, validate
 from physim.validation.as_json import json_of_validation
-from tests.validation.runs import LANE, Drivers
+from physim.validation.blame_text import finding_words
+from physim.validation.decisions import DecisionTable
+from physim.validation.pushing import Touch, pushed_by
+from tests.validation.runs import LANE, Drivers, edited
 
 BOX = "footprint: {length: 1.8, width: 1.0}"
 STAND, DRIVE = (0.0, 0.0), (0.8, 0.0)
@@ -82,3 +88,55 @@ def test_a_standing_robot_behind_is_run_into_by_one_that_is_pushed():
 def test_a_robot_that_pushes_is_not_pushed_by_what_it_pushes(speed):
     found, _ = row((8.0, 0.0, (0.1, 0.0)), (5.9, 0.0, (speed, 0.0)))
     assert all(one.responsible == (1,) for one in found.contacts)
+
+
+ROUNDING = (0.0, -1e-15)
+
+
+def test_a_command_of_rounding_size_stands():
+    found, text = row((8.0, 3.14159, DRIVE), (4.5, 0.0, ROUNDING))
+    assert contact(found, 0, 1).responsible == (0,)
+    assert "r1: it ran into r2, which stood by command." in text
+
+
+@pytest.mark.parametrize(("turn", "expected"), [(9e-4, True), (1.1e-3, False)])
+def test_standing_is_a_matter_of_the_footprint_and_its_speed(turn, expected):
+    found, _ = row((8.0, 3.14159, DRIVE), (4.5, 0.0, (0.0, turn / hypot(0.9, 0.5))))
+    assert contact(found, 0, 1).sides[1].stands == expected
+
+
+@pytest.fixture(scope="module")
+def pushed_along():
+    """A standing robot, driven against a wall by another."""
+    lines = [
+        f"  - {{name: {name}, {BOX}, pose: {pose}, path: {{offset: 0.0}}}}"
+        for name, pose in (("stander", [8.0, 3.45, 0.0]), ("driver", [6.1, 3.3, 0.1]))
+    ]
+    world = physim.parse_world(LANE[: LANE.index("  - {")] + "\n".join(lines) + "\n")
+    return physim.simulate(world, controller=Drivers(STAND, DRIVE))
+
+
+def test_a_standing_robot_at_a_wall_is_moved_by_whom_it_touches(pushed_along):
+    table = DecisionTable(pushed_along)
+    rows = pushed_along.contacts
+    walls = rows[(rows["a"] == 0) & (rows["b"] >= 2) & (rows["phase"] != Phase.ENDED)]
+    pushed = rows["step"][(rows["b"] == 1) & (rows["phase"] != Phase.ENDED)]
+    walls = walls[np.isin(walls["step"], pushed)]
+    assert len(walls) > 50
+    for one in walls:  # at each of these it moves along the wall, hardly towards it
+        x, y, nx, ny = (float(one[key]) for key in ("x", "y", "nx", "ny"))
+        touch = Touch(0, int(one["b"]), int(one["step"]), (x, y), (nx, ny))
+        assert pushed_by(pushed_along, table, 0, touch) == 1
+
+
+def test_a_standing_robot_that_nobody_is_seen_to_push(tmp_path, pushed_along):
+    found = validate(pushed_along)
+    first = next(one for one in found.contacts if one.b >= 2)
+    assert first.responsible == (1,)
+    alone = edited(pushed_along, tmp_path / "r.h5", lambda rows: rows[rows["b"] >= 2])
+    with alone:
+        found = validate(alone)
+    one = next(one for one in found.contacts if one.b >= 2)
+    assert one.responsible == (0,)
+    said = finding_words(one, [body.name for body in found.run.bodies])
+    assert said.endswith("stander stood by command, and the record shows nobody that pushed it.")

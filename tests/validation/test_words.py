@@ -1,0 +1,77 @@
+"""What a report says of a robot: by its command, and by all that its controller reported."""
+
+from __future__ import annotations
+
+from math import inf
+
+import pytest
+
+import physim
+from physim import Decision, Mode
+from physim.control import Report
+from physim.validation import report, validate
+from physim.validation.numbers import length, short
+from tests.validation.runs import LANE, REAR_END
+
+
+class Saying:
+    """Drives as in REAR_END; the fast one, which comes from behind, tells the same each time."""
+
+    def __init__(self, mode=None, **told) -> None:
+        self.told = ((Mode.SAFE, Report()), (mode, Report(**told)))
+
+    def decide(self, observation, memory):
+        v, omega = REAR_END[observation.index]
+        mode, told = self.told[observation.index]
+        return Decision(v=v, omega=omega, hold=0.1, mode=mode, report=told)
+
+
+def words(mode=None, **told):
+    record = physim.simulate(physim.parse_world(LANE), controller=Saying(mode, **told))
+    return " ".join(report(validate(record)).split())
+
+
+def test_a_robot_that_says_it_has_arrived_and_drives_on():
+    text = words(Mode.ARRIVED, distance=0.5, collision_time=0.1, considered=1)
+    assert "fast said that it had arrived, yet its command was to move." in text
+    assert "ms before: arrived, v 1.400 m/s" in text
+    assert "standing" not in text
+    assert "stood" not in text
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({}, "it reported no distance and no collision time"),
+        (
+            {"boundary_distance": 0.37},
+            "it considered 0 robots, nearest boundary 0.37 m, no collision time",
+        ),
+        (
+            {"distance": inf, "considered": 3},
+            "it considered 3 robots, the nearest infinitely far, no collision time",
+        ),
+        (
+            {"distance": inf, "collision_time": inf},
+            "it considered 0 robots, nearest of them none, collision time none",
+        ),
+        (
+            {"distance": 1e308, "considered": 1, "collision_time": 1e308},
+            "it considered 1 robot, nearest of them 1e+308 m, collision time 1e+308 s",
+        ),
+        (
+            {"distance": -inf, "boundary_distance": inf, "collision_time": -3.0},
+            "it considered 0 robots, nearest of them -inf m, nearest boundary none, "
+            "collision time -3.000 s",
+        ),
+    ],
+)
+def test_all_that_a_controller_reported_is_told(told, said):
+    assert f"omega 0.200 rad/s; {said} finding" in words(**told)
+
+
+def test_huge_values_are_short():
+    assert [length(x) for x in (1e308, -1e308, 999_999.0, 0.5)] == [
+        "1e+308 m", "-1e+308 m", "999999.00 m", "0.50 m",
+    ]  # fmt: skip
+    assert [short(x) for x in (1e308, inf, 12.0)] == ["1e+308 s", "inf s", "12.000 s"]

@@ -15,6 +15,7 @@ from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
 from physim.importing.group import Placed, as_drawn, fill_in
 from physim.importing.line import stations
+from physim.importing.soundness import LARGEST, check_size, check_sound
 from physim.importing.source import format_of
 from physim.importing.world_text import world_text
 from physim.scene_builder import build_scene
@@ -28,9 +29,6 @@ READERS = {
     "wkt": ("physim.importing.polygons", "read_wkt"),
     "geojson": ("physim.importing.polygons", "read_geojson"),
 }
-
-SMALLEST, LARGEST = 1.0, 10_000.0
-"""[m] extent below which a place is refused, and above which it is told"""
 
 
 @dataclass(frozen=True)
@@ -59,6 +57,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
     inside = None if options.origin is None else np.array(options.origin)
+    check_sound(source, drawing)
     if drawing.area is None:
         enclose(source, drawing, inside)
     _check_extent(source, drawing)
@@ -80,11 +79,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
 def _check_extent(source: Path, drawing: Drawing) -> None:
     """Refuse a place too small for robots, and tell one that is hardly in metres."""
     x0, y0, x1, y1 = drawing.area.bounds
-    size = f"the place is {x1 - x0:.3g} x {y1 - y0:.3g} m"
-    if max(x1 - x0, y1 - y0) < SMALLEST:
-        raise refused(source, f"{size}; --scale M says how many metres a unit of the source is")
+    check_size(source, np.array([x1 - x0, y1 - y0]))
     if max(x1 - x0, y1 - y0) > LARGEST:
-        drawing.changes.append(f"mind the scale: {size} (--scale 0.001 for millimetres)")
+        drawing.changes.append(
+            f"mind the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
+            "millimetres)"
+        )
 
 
 def _find_route(source: Path, drawing: Drawing, options: Options) -> None:

@@ -212,11 +212,11 @@ def _drawing(path: Path, kind: str, parts: list[_Part], options: Options) -> Dra
             drawing.changes.append("third coordinates (height) left out")
         shape = shapely.transform(shapely.force_2d(part.shape), lambda p: p * scale)
         if shape.geom_type == "Polygon" and part.role == "robot":
-            ring = rounded(shapely.get_coordinates(shape.exterior))[:-1]
+            ring = _ring(shape)
             name = part.name or f"r{len(drawing.robots) + 1}"
             drawing.robots.append(DrawnRobot(name, ring))
         elif shape.geom_type == "Polygon" and part.role == "obstacle":
-            drawing.obstacles.append(rounded(shapely.get_coordinates(shape.exterior))[:-1])
+            drawing.obstacles.append(_ring(shape))
         elif shape.geom_type == "Polygon":
             polygons.append(_Part(_valid(path, shape, part.line, drawing), part.role, part.name))
         elif shape.geom_type in ("LineString", "LinearRing"):
@@ -231,6 +231,12 @@ def _drawing(path: Path, kind: str, parts: list[_Part], options: Options) -> Dra
     else:
         drawing.changes += join_ends(drawing.boundaries)
     return drawing
+
+
+def _ring(shape: Any) -> FloatArray:
+    """Corners (n, 2) [m] of a polygon's outline, the first not repeated; one of a mere grain."""
+    points = rounded(shapely.get_coordinates(shape.exterior))
+    return points[:-1] if len(points) > 1 else points
 
 
 def _line(drawing: Drawing, part: _Part, points: FloatArray, unused: list[str]) -> None:

@@ -11,6 +11,7 @@ import shapely
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, listed, place, refused, rounded
 from physim.importing.loops import CrossingError, without_loops
+from physim.importing.soundness import check_size
 from physim.importing.source import read_text
 from physim.importing.track_file import TrackFile, read_track_file
 
@@ -68,6 +69,7 @@ def read_track(path: Path, options: Options) -> Drawing:
         f"{width.max():.2f} m wide; {scale:g} m per unit"
     )
     road = _road(file, closed)
+    check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
     if closed:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:

@@ -49,6 +49,18 @@ TRACKS = {
     "one point": (HEADER + "0,0,3,3\n", ": 1 points; a centreline needs at least 2"),
     "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: x_m: 5e+06 m is beyond 1e+06 m"),
     "words below": (HEADER + ROWS + "the end\n", ':22: "the end" is not a row of numbers'),
+    "other names": (
+        "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
+        ":1: no column x_m; there: x, y, width_left, width_right; rename x to x_m, y to y_m, "
+        "width_right to w_tr_right_m, width_left to w_tr_left_m, if that is what they are",
+    ),
+    "other names, commented": ("# by hand\n# x,y,left,right\n0,0,2,3\n", ":2: no column x_m"),
+    "other names, semicolons": ("x;y;width_left;width_right\n0;0;2;3\n", ":1: no column x_m"),
+    "fewer names": ("# x, y, width\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: x, y, width"),
+    "units": ("# X [m], Y [m], right (m), left (m)\n0,0,2,3\n9,0,2,3\n", "rename x [m] to x_m, y"),
+    "words": ("# north,east,a,b\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: north, east, a"),
+    "misspelt": ("x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n", "rename w_tr_lft_m to w_tr_left_m"),
+    "a title": ("Monza\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,2,3\n", ':1: "Monza" names no col'),
     "figure of eight": (
         HEADER + "".join(f"{np.sin(a) * 30},{np.sin(2 * a) * 15},2,2\n" for a in ROUND),
         "the track passes over itself there, or its points are noisy; noisy points become a clean",

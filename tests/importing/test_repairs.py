@@ -104,6 +104,23 @@ def test_repeated_points_and_further_columns_of_a_track(tmp_path: Path) -> None:
     assert {y for _, y in right} == {-2.0}
 
 
+COMMENTS = (
+    "# a road by hand\n",
+    "# Monza, smoothed, in metres of the local frame, by hand\n",
+    "# 52c11ac8-1f\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n",
+    "# 2,3,4,5\n",
+    "",
+)
+
+
+@pytest.mark.parametrize("comment", COMMENTS)
+def test_a_comment_that_lists_no_names_stays_a_comment(comment: str, tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(comment + "0,0,2,3\n20,0,2,3\n40,0,2,3\n")
+    left, right = (import_world(path).world.boundaries or ())[:2]
+    assert ({y for _, y in left}, {y for _, y in right}) == ({3.0}, {-2.0})
+
+
 def test_specks_regions_and_doors_of_a_map(tmp_path: Path) -> None:
     plan = shapely.box(0, 0, 12, 8)
     free, corner = free_cells(plan, margin=30)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, sin
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,11 @@ import shapely
 
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import Drawing, Options, number, refused
+from physim.importing.drawing import Drawing, ImportSourceError, Options, number, refused, rounded
 from physim.importing.fit import Fit
 from physim.importing.lanes import Lane, lane
-from physim.importing.line import directions_at, points_at, stations
+from physim.importing.line import directions_at, points_at, stations, stretch
+from physim.importing.stops import CLEAR, WAITING, corners_of, least_stop_gap
 
 LANE = 2.0
 """[m] from lane to lane at size 1"""
@@ -25,6 +26,12 @@ GAP = 0.5
 """[m] least distance between two robots at the start at size 1"""
 WALL_GAP = 0.15
 """[m] least distance of a robot to a wall at the start at size 1"""
+SPREADS = (1.0, 1.25, 1.5)
+"""[-] how many times as far apart as need be robots start, where they would stop too near"""
+CUT, MOST_CUT = 0.4, 6.4
+"""[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
+MOST_CUT_SHARE = 0.15
+"""[-] share of the path by which it is shortened for that at most"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
@@ -40,30 +47,110 @@ class Placed:
     """offset [m] from the reference path, or points (n, 2)"""
 
 
-def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[Placed]:
+@dataclass(frozen=True)
+class _Group:
+    """Lanes of a group, the lane and start of each robot from the rear, least gap at the stops."""
+
+    found: Fit
+    made: list[Lane]
+    lanes: list[Lane]
+    poses: list[tuple[float, float, float]]
+    gap: float
+
+
+def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple[Fit, list[Placed]]:
     """Place ``--robots`` boxes in ``--lanes`` lanes, the first of them furthest ahead.
 
     Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
-    of each other. Raises ImportSourceError when there is no room for so many.
+    of each other. Where two would stop near each other in a bend, the path ends before that.
+    Returns the fit with the path that they follow. Raises ImportSourceError when there is no room
+    for so many.
     """
     count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
-    made = [
-        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, drawing.area,
-             found.room, found.size)
-        for k in range(lanes)
-    ]  # fmt: skip
-    for one in made:
+    group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
+    for one in group.made:
         if _narrower(one):
             drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {_drawn_in(one)}")
+    return group.found, [
+        Placed(f"r{count - n}", found.box, group.poses[n],
+               one.offset if one.is_plain else one.line)
+        for n, one in reversed(list(enumerate(group.lanes)))
+    ]  # fmt: skip
+
+
+def _group(
+    path: Path, area: Any, found: Fit, count: int, lanes: int, spread: float = 1.0
+) -> _Group:
+    """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
+    made = [
+        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, area, found.room,
+             found.size)
+        for k in range(lanes)
+    ]  # fmt: skip
     order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
     files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
-    step = found.size * (COLUMN if files else ROW / lanes)  # in one file where lanes are drawn in
-    slots = [order[(count - 1 - n) % lanes] for n in range(count)]
-    poses = _poses(path, drawing.area, found, [made[k] for k in slots], step)
+    step = (
+        spread * found.size * (COLUMN if files else ROW / lanes)
+    )  # in one file where lanes are drawn in
+    own = [made[order[(count - 1 - n) % lanes]] for n in range(count)]
+    poses = _poses(path, area, found, own, step)
+    outlines = [corners_of(found.box)] * count
+    lines = [one.line for one in own]
+    gap = least_stop_gap(found.reference, lines, poses, outlines, found.size)[0]
+    return _Group(found, made, own, poses, gap)
+
+
+def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
+    """The group on a path that ends earlier, where its robots would stop too near each other."""
+    found, wanted = group.found, CLEAR * group.found.size
+    if group.gap >= wanted:
+        return group
+    best, cut, apart = group, 0.0, 1.0
+    for spread, less in _tries(found):
+        line = stretch(found.reference, 0.0, float(stations(found.reference)[-1]) - less)
+        shorter = replace(found, reference=rounded(line))
+        count, lanes = len(group.lanes), len(group.made)
+        try:
+            other = _group(path, drawing.area, shorter, count, lanes, spread)
+        except ImportSourceError:  # no room at the start on a shorter path
+            continue
+        if min(other.gap, wanted) > best.gap:
+            best, cut, apart = other, less, spread
+        if other.gap >= wanted:
+            break
+    if best is not group:
+        wider = "" if apart == 1.0 else f", robots {apart:g} times as far apart"
+        drawing.changes.append(
+            f"path shortened by {cut:.2f} m more at its end{wider}: in the bend there two would "
+            f"stop {group.gap:.2f} m from each other, and do so {best.gap:.2f} m apart now"
+        )
+    return best
+
+
+def _tries(found: Fit) -> list[tuple[float, float]]:
+    """Spreads of a group, and by how much the path is shortened [m], in the order of trying."""
+    most = min(MOST_CUT * found.size, MOST_CUT_SHARE * float(stations(found.reference)[-1]))
+    cuts = np.arange(0.0, most, CUT * found.size)
+    return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
+
+
+def told_stops(found: Fit, robots: list[Placed], area: Any) -> list[str]:
+    """Say which two robots stop so near each other that they may wait for ever; else nothing."""
+    lines = [
+        lane(found.reference, one.path, area, found.room, found.size).line
+        if isinstance(one.path, float)
+        else one.path
+        for one in robots
+    ]
+    poses, outlines = [one.pose for one in robots], [corners_of(one.footprint) for one in robots]
+    gap, i, j = least_stop_gap(found.reference, lines, poses, outlines, found.size)
+    if gap >= WAITING * found.size:
+        return []
     return [
-        Placed(f"r{count - n}", found.box, poses[n], one.offset if one.is_plain else one.line)
-        for n, one in reversed(list(enumerate(made[k] for k in slots)))
+        f"mind: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
+        "of the path, and may wait for each other and never arrive; another end of the path "
+        "(--to), fewer --robots or --lanes 1"
     ]
 
 

@@ -13,7 +13,7 @@ from physim.errors import WorldError, plural
 from physim.importing.drawing import Drawing, Options, number, place, printable, refused
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
-from physim.importing.group import Placed, as_drawn, fill_in
+from physim.importing.group import Placed, as_drawn, fill_in, told_stops
 from physim.importing.line import stations
 from physim.importing.soundness import LARGEST, check_size, check_sound
 from physim.importing.source import format_of
@@ -68,8 +68,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
         drawing.changes.append(
             f"{plural(len(drawing.robots), 'robot')} as drawn left out (--robots)"
         )
-    robots = as_drawn(drawing, found) if drawn else fill_in(source, drawing, found, options)
+    if drawn:
+        robots = as_drawn(drawing, found)
+    else:
+        found, robots = fill_in(source, drawing, found, options)
     drawing.facts += _about(drawing, found, robots, options)
+    drawing.facts += told_stops(found, robots, drawing.area)
     text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
     return Imported(
         text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)

@@ -120,7 +120,11 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
         return [*facts, f"{count} as drawn"]
     lanes = plural(min(options.lanes or 1, len(robots)), "lane")
     chosen = "as asked (--robot)"
-    if options.robot is None:
+    if options.robot is None and drawing.robots:
+        drawn = len(drawing.robots)
+        which = "the robot drawn" if drawn == 1 else f"the largest of {drawn} robots drawn"
+        chosen = f"the size of {which} (--robot)"
+    elif options.robot is None:
         chosen = "as large as has room, at most 1.8 x 1.0 m (--robot)"
     box = f"{number(found.box[0])} x {number(found.box[1])} m"
     return [*facts, f"{count} in {lanes}, {box}, {chosen}"]

@@ -242,6 +242,39 @@ def test_a_polygon_that_crosses_itself_is_mended(tmp_path: Path) -> None:
     assert only(import_world(path), "polygon of 4.000 m² at")
 
 
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("2 5, 40 5", "path leaves the area at (30.00, 5.00): the 10.00 m after that left out"),
+        ("-5 5, 28 5", "path enters the area at (0.00, 5.00): the 5.00 m before that left out"),
+    ],
+)
+def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
+    line: str, told: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "p.wkt"
+    path.write_text(f"POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING ({line})\n")
+    imported = import_world(path, Options(robots=3))
+    assert only(imported, "the area at") == told
+    footprint: Any = imported.world.robots[0].footprint
+    assert (footprint.length, footprint.width) == (1.8, 1.0)
+    path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
+    with pytest.raises(ImportSourceError, match="the path leaves the area"):
+        import_world(path)
+
+
+def test_the_size_of_a_robot_drawn_is_told(tmp_path: Path) -> None:
+    imported = drawn(
+        tmp_path,
+        ROOM + '<rect id="robot" x="3" y="6" width="2.2" height="1.1"/>',
+        Options(scale=1.0, robots=2),
+    )
+    assert (
+        imported.facts[-1]
+        == "2 robots in 1 lane, 2.2 x 1.1 m, the size of the robot drawn (--robot)"
+    )
+
+
 def test_lanes_are_drawn_in_where_the_corridor_is_narrow(tmp_path: Path) -> None:
     """Two lanes of boxes of 1 m through a door of 2.4 m: side by side before and after it."""
     plan = shapely.box(0, 0, 40, 8).difference(

@@ -27,7 +27,7 @@ READERS = {
     "ros-map": ("physim.importing.ros_map", "read_ros_map"),
     "svg": ("physim.importing.svg", "read_svg"),
     "wkt": ("physim.importing.polygons", "read_wkt"),
-    "geojson": ("physim.importing.polygons", "read_geojson"),
+    "geojson": ("physim.importing.geojson", "read_geojson"),
 }
 
 

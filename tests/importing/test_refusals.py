@@ -218,6 +218,17 @@ def polygon(ring: Any, **more: Any) -> str:
     return json.dumps({"type": "Polygon", "coordinates": [ring], **more})
 
 
+def featured(kind: str, coordinates: Any, **properties: Any) -> str:
+    """Feature beside a square place."""
+    shapes = [{"type": "Polygon", "coordinates": [SQUARE]},
+              {"type": kind, "coordinates": coordinates}]  # fmt: skip
+    features = [
+        {"type": "Feature", "properties": about, "geometry": shape}
+        for about, shape in zip(({}, properties), shapes, strict=True)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features})
+
+
 POLYGONS = {
     "degrees.geojson": (polygon(DEGREES), "are degrees of longitude and latitude"),
     "crs.geojson": (
@@ -228,7 +239,26 @@ POLYGONS = {
     "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN is not a finite number"),
     "list.geojson": ("[1]", 'not GeoJSON: an object with "type" is needed'),
     "kind.geojson": ('{"type": "Circle", "coordinates": [0, 0]}', 'geometry "Circle"'),
-    "text.geojson": (polygon("abc"), 'geometry "Polygon" cannot be read'),
+    "text.geojson": (polygon("abc"), 'geometry "Polygon": "abc" is not a number'),
+    "quoted.geojson": (polygon([[0, "4"], *SQUARE]), 'geometry "Polygon": "4" is not a number'),
+    "flag.geojson": (polygon([[0, True], *SQUARE]), "true is not a number; coordinates are lists"),
+    "null.geojson": (polygon([[0, None], *SQUARE]), 'geometry "Polygon" cannot be read'),
+    "flat.geojson": (polygon([1, 2, 3]), 'geometry "Polygon" cannot be read'),
+    "role.geojson": (
+        featured("Polygon", [SQUARE], role="obsacle"),
+        'role: "obsacle" is none of boundary, obstacle, path, robot; did you mean "obstacle"?',
+    ),
+    "number.geojson": (featured("Polygon", [SQUARE], role=3), 'role: "3" is none of boundary, obs'),
+    "layer.geojson": (
+        featured("Polygon", [SQUARE], layer="Robots"), 'layer: "robots" is none of boundary, obsta'
+    ),
+    "fence.geojson": (
+        featured("LineString", SQUARE, role="obstacle"),
+        'a LineString has the role "obstacle"; that is a Polygon',
+    ),
+    "way.geojson": (
+        featured("Polygon", [SQUARE], role="path"), 'a Polygon has the role "path"; that is a Line'
+    ),
     "none.geojson": ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
     "features.geojson": ('{"type": "FeatureCollection"}', '"features" must be a list'),
     "deep.geojson": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),

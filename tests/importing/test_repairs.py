@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -261,6 +262,15 @@ def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
     path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
     with pytest.raises(ImportSourceError, match="the path leaves the area"):
         import_world(path)
+
+
+def test_a_layer_of_another_name_is_no_role(tmp_path: Path) -> None:
+    path = tmp_path / "p.geojson"
+    ring = [[0, 0], [20, 0], [20, 10], [0, 10], [0, 0]]
+    shape = {"type": "Polygon", "coordinates": [ring]}
+    about = {"layer": "ground floor", "role": None}
+    path.write_text(json.dumps({"type": "Feature", "properties": about, "geometry": shape}))
+    assert len(import_world(path).world.boundaries or ()) == 1
 
 
 def test_the_size_of_a_robot_drawn_is_told(tmp_path: Path) -> None:

@@ -80,6 +80,33 @@ def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:
     assert "3.00 m are stated" in told
 
 
+def test_a_road_that_narrows_abruptly_does_not_fold(tmp_path: Path) -> None:
+    path = tmp_path / "neck.csv"
+    rows = [f"{x},0,{half},{half}" for x in range(60) for half in [0.9 if 26 <= x < 35 else 4.0]]
+    path.write_text("\n".join(rows))
+    imported = import_world(path, Options(robot=(0.6, 0.3)))
+    told = [change for change in imported.changes if "are stated" in change]
+    assert len(told) == 2
+    assert all(change.endswith("the road narrows abruptly there") for change in told)
+
+
+def test_the_width_as_made_is_told_where_it_is_less_than_stated(tmp_path: Path) -> None:
+    """At a right angle the walls keep 3 m along its bisector, 3 sin 45° = 2.12 m from a leg."""
+    path = tmp_path / "corner.csv"
+    path.write_text("0,0,3,3\n15,0,3,3\n30,0,3,3\n30,15,3,3\n30,30,3,3\n")
+    facts = import_world(path).facts
+    assert "6.00 to 6.00 m wide as stated" in facts[0]
+    assert facts[1].startswith("walls 4.")
+    left, right = (
+        shapely.LineString(line) for line in (import_world(path).world.boundaries or ())[:2]
+    )
+    along = shapely.points([(x, 0.0) for x in np.arange(3.0, 30.0, 0.01)])
+    least = (left.distance(along) + right.distance(along)).min()
+    assert float(facts[1].split()[1]) == pytest.approx(least, abs=0.02)
+    path.write_text("0,0,3,3\n15,0,3,3\n30,0,3,3\n")
+    assert not any(fact.startswith("walls") for fact in import_world(path).facts)
+
+
 def test_loops_up_to_a_length_are_cut_and_longer_ones_refused() -> None:
     line = np.array([(0, 0), (4, 0), (4, 1), (3, 1), (3, -1), (8, -1)], dtype=float)
     clean, cut = without_loops(line, 5.0)

@@ -167,6 +167,14 @@ def _poses(
     for one in lanes:
         while True:
             if station > MOST_SHARE * length:
+                if not poses:
+                    raise refused(
+                        path,
+                        f"no room for a robot of {number(found.box[0])} x {number(found.box[1])} m "
+                        f"on the first {MOST_SHARE * length:.1f} m of the path, "
+                        f"{WALL_GAP * found.size:.2g} m clear of the walls; a smaller --robot "
+                        "LENGTH,WIDTH, or another --from",
+                    )
                 raise refused(
                     path,
                     f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "

@@ -81,8 +81,21 @@ def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
             shape = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
         reason = printable(str(error).split(": ", 1)[-1].strip())[:100]
-        raise refused(path, f"not valid WKT: {reason}", line) from None
+        raise refused(path, f"not valid WKT: {reason}{_missing(text)}", line) from None
     return [Part(one, line=line) for one in flat(shape)]
+
+
+def _missing(text: str) -> str:
+    """``; ...`` for the bracket or comma that seems to be missing; empty where none does."""
+    opened, closed = text.count("("), text.count(")")
+    if opened != closed:
+        side = "closing" if opened > closed else "opening"
+        return f"; a bracket is missing: {opened} opening, {closed} closing; one {side} more"
+    for point in re.split(r"[(),]", text):
+        numbers = point.split()
+        if len(numbers) > 3 and not re.search(r"[A-DF-Za-df-z]", point):
+            return f'; a comma is missing: "{printable(point.strip())[:40]}" is more than one point'
+    return ""
 
 
 def _depth(text: str) -> int:

@@ -101,7 +101,10 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
                    ':1: image: "../../etc/passwd" lies outside the folder of the map'),
         "absolute": (yaml.replace("map.pgm", "/etc/passwd"), good, "lies outside the folder"),
         "no image": (yaml.replace("image: map.pgm\n", ""), good, ":1: image: missing"),
-        "misspelt": (yaml.replace("resolution", "resolutoin"), good, 'did you mean "resolutoin"?'),
+        "misspelt": (yaml.replace("resolution", "resolutoin"), good,
+                     ":2: resolution: missing"),
+        "nearest key": (yaml.replace("resolution", "resolutoin"), good,
+                        'did you mean "resolutoin"?'),
         "resolution": (yaml.replace("0.05", "0.0"), good, ":2: resolution: 0 m a cell"),
         "text": (yaml.replace("resolution: 0.05", "resolution: five"), good,
                  ':2: resolution: "five" is not a number'),
@@ -177,6 +180,13 @@ DRAWINGS = {
     "not SVG": ("<html></html>", ":1: the root is <html>, not <svg>"),
     "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: nested deeper than 100 levels"),
     "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: path data: "garbage"'),
+    "rotation": (
+        svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),
+        ':2: transform: "rotate(30,120)" has 2 numbers; rotate takes 1 or 3',
+    ),
+    "turning": (svg('<g transform="turn(30)"/>'), ':2: transform: "turn(30)" is none of matrix'),
+    "degrees": (svg('<g transform="rotate(30°)"/>'), "only numbers may stand in the brackets"),
+    "unclosed": (svg('<g transform="rotate(30"/>'), ':2: transform: "rotate(30" is none of'),
     "beyond numbers": (
         svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "is not a finite number"
     ),
@@ -262,6 +272,15 @@ POLYGONS = {
     "none.geojson": ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
     "features.geojson": ('{"type": "FeatureCollection"}', '"features" must be a list'),
     "deep.geojson": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),
+    "comma.wkt": (
+        "POLYGON ((0 0, 30 0, 30 10, 0 10 0 0))",
+        """'0'; a comma is missing: "0 10 0 0" is more than one point""",
+    ),
+    "bracket.wkt": (
+        "POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
+        "a bracket is missing: 2 opening, 1 closing; one closing more",
+    ),
+    "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: not valid WKT: Unknown type: 'POLIGON'"),
     "line.wkt": ("LINESTRING (0 0, 10 0)", "holds no polygon; one says where robots may go"),
     "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: not valid WKT"),
     "srid.wkt": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", ":1: coordinates are degrees"),
@@ -316,6 +335,15 @@ OPTIONS = {
 def test_options(name: str) -> None:
     options, message = OPTIONS[name]
     assert message in refusal(SAMPLES / "track.csv", options)
+
+
+def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:
+    path = tmp_path / "narrow.wkt"
+    path.write_text("POLYGON ((0 0, 30 0, 30 1.2, 0 1.2, 0 0))\nLINESTRING (1 0.6, 29 0.6)")
+    message = refusal(path, Options(robots=4, robot=(1.8, 1.0)))
+    assert message.startswith(": no room for a robot of 1.8 x 1.0 m on the first")
+    assert "--lanes" not in message
+    assert "--robots" not in message
 
 
 SOURCES = {

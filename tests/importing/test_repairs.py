@@ -240,6 +240,16 @@ def test_hidden_and_nameless_lines_of_a_drawing(tmp_path: Path) -> None:
     assert len(imported.world.boundaries or ()) == 1
 
 
+@pytest.mark.parametrize(
+    "transform",
+    ["", "none", "translate(2-3)", "translate(1.5,.5) scale(1e0)", "rotate (0 5,5), skewX(0)",
+     " matrix(1 0 0 1 2 -3)\n"],
+)  # fmt: skip
+def test_transforms_as_they_may_be_written(transform: str, tmp_path: Path) -> None:
+    obstacle = f'<rect id="obstacle" x="5" y="6" width="2" height="1" transform="{transform}"/>'
+    assert len(drawn(tmp_path, ROOM + obstacle).world.obstacles) == 1
+
+
 def test_ends_that_nearly_meet_are_joined(tmp_path: Path) -> None:
     imported = drawn(tmp_path, '<path id="walls" d="M 0,0 24,0 24,14 0,14 0,0.05"/>')
     assert only(imported, "apart") == "wall ends 0.050 m apart at (0.00, 14.00) joined"

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.geometry.polygon import counter_clockwise
-from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, ImportSourceError, Options, number, refused, rounded
 from physim.importing.fit import Fit
-from physim.importing.lanes import Lane, lane
+from physim.importing.lanes import Lane, drawn_in, is_narrower, lane
 from physim.importing.line import directions_at, points_at, stations, stretch
-from physim.importing.stops import CLEAR, WAITING, corners_of, least_stop_gap
+from physim.importing.placed import Placed
+from physim.importing.stops import CLEAR, corners_of, least_stop_gap
 
 LANE = 2.0
 """[m] from lane to lane at size 1"""
@@ -34,17 +33,6 @@ MOST_CUT_SHARE = 0.15
 """[-] share of the path by which it is shortened for that at most"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
-
-
-@dataclass(frozen=True)
-class Placed:
-    """One robot of the world: footprint in its own frame, a (length, width) or outline (n, 2)."""
-
-    name: str
-    footprint: tuple[float, float] | FloatArray
-    pose: tuple[float, float, float]
-    path: float | FloatArray
-    """offset [m] from the reference path, or points (n, 2)"""
 
 
 @dataclass(frozen=True)
@@ -70,8 +58,8 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
     lanes = min(1 if options.lanes is None else options.lanes, count)
     group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
     for one in group.made:
-        if _narrower(one):
-            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {_drawn_in(one)}")
+        if is_narrower(one):
+            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {drawn_in(one)}")
     return group.found, [
         Placed(f"r{count - n}", found.box, group.poses[n],
                one.offset if one.is_plain else one.line)
@@ -120,10 +108,11 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
         if other.gap >= wanted:
             break
     if best is not group:
-        wider = "" if apart == 1.0 else f", robots {apart:g} times as far apart"
+        done = [f"path shortened by {cut:.2f} m more at its end"] if cut > 0.0 else []
+        done += [f"robots {apart:g} times as far apart as usual"] if apart > 1.0 else []
         drawing.changes.append(
-            f"path shortened by {cut:.2f} m more at its end{wider}: in the bend there two would "
-            f"stop {group.gap:.2f} m from each other, and do so {best.gap:.2f} m apart now"
+            f"{', '.join(done)}: in the last bend two would stop {group.gap:.2f} m from each "
+            f"other, and do so {best.gap:.2f} m apart now"
         )
     return best
 
@@ -133,25 +122,6 @@ def _tries(found: Fit) -> list[tuple[float, float]]:
     most = min(MOST_CUT * found.size, MOST_CUT_SHARE * float(stations(found.reference)[-1]))
     cuts = np.arange(0.0, most, CUT * found.size)
     return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
-
-
-def told_stops(found: Fit, robots: list[Placed], area: Any) -> list[str]:
-    """Say which two robots stop so near each other that they may wait for ever; else nothing."""
-    lines = [
-        lane(found.reference, one.path, area, found.room, found.size).line
-        if isinstance(one.path, float)
-        else one.path
-        for one in robots
-    ]
-    poses, outlines = [one.pose for one in robots], [corners_of(one.footprint) for one in robots]
-    gap, i, j = least_stop_gap(found.reference, lines, poses, outlines, found.size)
-    if gap >= WAITING * found.size:
-        return []
-    return [
-        f"mind: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
-        "of the path, and may wait for each other and never arrive; another end of the path "
-        "(--to), fewer --robots or --lanes 1"
-    ]
 
 
 def _poses(
@@ -213,79 +183,3 @@ def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
     corners = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
     c, s = cos(heading), sin(heading)
     return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y))
-
-
-def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
-    """Robots where they are drawn, each on its own path or beside the reference path.
-
-    A robot heads along its path: of the four directions of the smallest rectangle about its
-    outline the one nearest to the direction of the path. Its reference point is the middle of
-    that rectangle.
-    """
-    reference = shapely.LineString(found.reference)
-    placed = []
-    for robot in drawing.robots:
-        rectangle = shapely.Polygon(robot.outline).minimum_rotated_rectangle
-        centre = np.array(rectangle.centroid.coords[0]).round(3)
-        own = drawing.paths.get(robot.name)
-        line = found.reference if own is None else own
-        station = np.array([shapely.LineString(line).project(shapely.Point(centre))])
-        tx, ty = directions_at(line, station, found.size)[0]
-        edge = np.diff(np.array(rectangle.exterior.coords)[:2], axis=0)[0]
-        axis = atan2(edge[1], edge[0])
-        turned = [axis + k * np.pi / 2.0 for k in range(4)]
-        heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
-        heading = float((heading + np.pi) % (2.0 * np.pi) - np.pi)
-        heading = round(heading, 4)
-        follows: float | FloatArray
-        if own is not None:
-            follows = own
-        else:
-            beside = points_at(line, station)[0]
-            gap = round(float(reference.distance(shapely.Point(centre))), 2)
-            left = tx * (centre[1] - beside[1]) - ty * (centre[0] - beside[0]) >= 0.0
-            follows = _own_lane(drawing, found, robot.name, gap if left else -gap)
-        placed.append(
-            Placed(
-                robot.name,
-                _footprint(robot.outline, centre, heading),
-                (float(centre[0]), float(centre[1]), heading),
-                follows,
-            )
-        )
-    return placed
-
-
-def _footprint(
-    outline: FloatArray, centre: FloatArray, heading: float
-) -> tuple[float, float] | FloatArray:
-    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
-    c, s = cos(heading), sin(heading)
-    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
-    half = np.abs(own).max(axis=0)
-    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
-        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
-    return own
-
-
-def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float | FloatArray:
-    one = lane(found.reference, offset, drawing.area, found.room, found.size)
-    if one.is_plain:
-        return one.offset
-    if _narrower(one):
-        drawing.changes.append(
-            f"path of {name}, {offset:+.2f} m beside the reference path, {_drawn_in(one)}"
-        )
-    return one.line
-
-
-def _narrower(one: Lane) -> bool:
-    """Whether a lane is drawn in by as much as is told."""
-    return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"
-
-
-def _drawn_in(one: Lane) -> str:
-    where = "where the corridor is narrow or bends tightly"
-    if one.narrowest < 0.0:
-        return f"is drawn over to {-one.narrowest:.2f} m on its other side {where}"
-    return f"is drawn in to {one.narrowest:.2f} m {where}"

@@ -11,10 +11,12 @@ import numpy as np
 
 from physim.errors import WorldError, plural
 from physim.importing.drawing import Drawing, Options, number, place, printable, refused
+from physim.importing.drawn import as_drawn
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
-from physim.importing.group import Placed, as_drawn, fill_in, told_stops
+from physim.importing.group import fill_in
 from physim.importing.line import stations
+from physim.importing.placed import Placed, told_stops
 from physim.importing.soundness import LARGEST, check_size, check_sound
 from physim.importing.source import format_of
 from physim.importing.world_text import world_text

@@ -63,10 +63,24 @@ def test_a_path_that_ends_after_a_bend_is_shortened_until_all_arrive(tmp_path: P
     imported = import_world(track(tmp_path, CORNER, 3.0), Options(robots=4))
     told = [change for change in imported.changes if "more at its end" in change]
     assert told == [
-        "path shortened by 1.20 m more at its end: in the bend there two would stop 0.36 m from "
+        "path shortened by 1.20 m more at its end: in the last bend two would stop 0.36 m from "
         "each other, and do so 1.24 m apart now"
     ]
     assert finishes(imported)
+
+
+def test_robots_are_spread_where_no_end_of_the_path_will_do(tmp_path: Path) -> None:
+    """Legs of 10 m, shorter than the group: a corner is among its stops wherever that ends."""
+    points = [(0, 0), (10, 0), (20, 0), (20, 10), (20, 20), (30, 20), (40, 20), (40, 10), (40, 0),
+              (50, 0)]  # fmt: skip
+    imported = import_world(
+        track(tmp_path, np.array(points, dtype=float), 3.0), Options(robots=4, lanes=2)
+    )
+    told = [change for change in imported.changes if "more at its end" in change]
+    assert len(told) == 1
+    assert ", robots 1.25 times as far apart as usual: in the last bend" in told[0]
+    along = [robot.pose[0] for robot in imported.world.robots]
+    assert np.diff(along) == pytest.approx([-4.0] * 3, abs=0.3)
 
 
 def test_a_straight_end_is_left_as_it_is(tmp_path: Path) -> None:

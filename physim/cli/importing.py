@@ -25,7 +25,11 @@ def import_command(options: argparse.Namespace) -> int:
     write_text(output, imported.text)
     schema, kept = put_schema(output, options.force)
     if not options.quiet:
-        told = [_report(source, imported), *_doubts(output), written(output, schema, kept)]
+        told = [
+            _report(source, imported),
+            *_doubts(output, options.lanes or 1),
+            written(output, schema, kept),
+        ]
         print("\n".join(told))
     return 0
 
@@ -48,7 +52,7 @@ def _report(source: Path, imported: Imported) -> str:
     return "\n".join(lines)
 
 
-def _doubts(world: Path) -> list[str]:
+def _doubts(world: Path, lanes: int) -> list[str]:
     """What `physim check` says of a world just written, what concerns the whole group first."""
     found = check_world(world)
     order = ("formation", "robots")
@@ -57,4 +61,7 @@ def _doubts(world: Path) -> list[str]:
         return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
 
     said = [*found.errors, *sorted(found.warnings, key=rank)]
-    return ["the check of the world says:", *(f"  {one}" for one in said)] if said else []
+    told = [f"  {one}" for one in said]
+    if lanes > 1 and any(one.key.startswith("formation") for one in said):
+        told.append("  --lanes 1 has fewer places where paths come close")
+    return ["the check of the world says:", *told] if told else []

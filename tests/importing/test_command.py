@@ -158,6 +158,21 @@ def test_what_the_check_says_of_the_world_is_told(
     assert "the check of the world says" not in done.out
 
 
+def test_lanes_that_come_close_in_a_sharp_bend_are_told(
+    here: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    """A road in Z, as wide as its legs are apart."""
+    legs = [(x, 0.0) for x in range(21)]
+    legs += [(20.0 - 0.75 * k, 0.75 * k) for k in range(1, 17)]
+    legs += [(8.0 + k, 12.0) for k in range(1, 23)]
+    (here / "z.csv").write_text("".join(f"{x},{y},3,3\n" for x, y in legs))
+    command = ("import", "z.csv", "-o", "w.yaml", "--robots", "6", "--force", "--lanes")
+    done = physim(*command, "2", capture=capture)
+    assert "formation: in formation" in done.out
+    assert "\n  --lanes 1 has fewer places where paths come close\nwritten: " in done.out
+    assert "the check of the world says" not in physim(*command, "1", capture=capture).out
+
+
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
     from physim.cli.arguments.importing import FORMATS as OFFERED
 

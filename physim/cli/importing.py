@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from physim.checking import Finding, check_world
 from physim.cli.output import its_folder, new_file, write_text
 from physim.cli.schema_file import check_schema, put_schema, written
 from physim.errors import PhysimError
@@ -24,7 +25,12 @@ def import_command(options: argparse.Namespace) -> int:
     write_text(output, imported.text)
     schema, kept = put_schema(output, options.force)
     if not options.quiet:
-        print(_report(source, imported), written(output, schema, kept), sep="\n")
+        told = [
+            _report(source, imported),
+            *_doubts(output, options.lanes or 1),
+            written(output, schema, kept),
+        ]
+        print("\n".join(told))
     return 0
 
 
@@ -44,3 +50,18 @@ def _report(source: Path, imported: Imported) -> str:
     else:
         lines.append("dropped or repaired: nothing")
     return "\n".join(lines)
+
+
+def _doubts(world: Path, lanes: int) -> list[str]:
+    """What `physim check` says of a world just written, what concerns the whole group first."""
+    found = check_world(world)
+    order = ("formation", "robots")
+
+    def rank(finding: Finding) -> int:
+        return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
+
+    said = [*found.errors, *sorted(found.warnings, key=rank)]
+    told = [f"  {one}" for one in said]
+    if lanes > 1 and any(one.key.startswith("formation") for one in said):
+        told.append("  --lanes 1 has fewer places where paths come close")
+    return ["the check of the world says:", *told] if told else []

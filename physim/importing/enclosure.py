@@ -53,6 +53,8 @@ def enclose(path: Path, drawing: Drawing, inside: FloatArray | None = None) -> N
     drawing.obstacles = solid
     drawing.changes += listed(dropped) + listed(away)
     free = face.difference(unary_union([shapely.Polygon(ring) for ring in solid]))
+    if free.is_empty:
+        raise refused(path, "the obstacles leave no place for robots; they cover the whole area")
     drawing.area = _largest(free, drawing.reference, inside)
 
 

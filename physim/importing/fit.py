@@ -51,6 +51,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     """
     reference, area = drawing.reference, drawing.area
     assert reference is not None  # the pipeline finds one before
+    reference = _inside(drawing, reference)
     length = float(stations(reference)[-1])
     at = samples(length, min(0.1, length / 500.0))
     gaps = clearances(points_at(reference, at), area)
@@ -81,6 +82,46 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
                 f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
     return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
+
+
+def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
+    """The path without what lies outside the area at either end, which is told.
+
+    It stays as it is where more than ``MOST_TRIMMED`` of it would go.
+    """
+    length = float(stations(reference)[-1])
+    at = samples(length, min(0.1, length / 500.0))
+    inside = np.flatnonzero(clearances(points_at(reference, at), drawing.area) >= 0.0)
+    if not inside.size:
+        return reference
+    first, last = int(inside[0]), int(inside[-1])
+    if max(at[first], length - at[last]) > MOST_TRIMMED * length:
+        return reference
+    begin, end = 0.0, length
+    if first > 0:
+        begin = _crossing(reference, drawing.area, at[first], at[first - 1])
+        where = place(points_at(reference, np.array([begin]))[0])
+        drawing.changes.append(
+            f"path enters the area at {where}: the {begin:.2f} m before that left out"
+        )
+    if last < len(at) - 1:
+        end = _crossing(reference, drawing.area, at[last], at[last + 1])
+        where = place(points_at(reference, np.array([end]))[0])
+        drawing.changes.append(
+            f"path leaves the area at {where}: the {length - end:.2f} m after that left out"
+        )
+    return reference if end - begin == length else stretch(reference, begin, end)
+
+
+def _crossing(reference: FloatArray, area: Any, inside: float, outside: float) -> float:
+    """Station [m] at which a path crosses the edge of an area, between two stations."""
+    for _ in range(30):
+        middle = 0.5 * (inside + outside)
+        if area.covers(shapely.Point(points_at(reference, np.array([middle]))[0])):
+            inside = middle
+        else:
+            outside = middle
+    return inside
 
 
 def room_of(box: tuple[float, float]) -> float:

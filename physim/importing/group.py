@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, sin
 from pathlib import Path
 from typing import Any
@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.geometry.polygon import counter_clockwise
-from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import Drawing, Options, number, refused
+from physim.importing.drawing import Drawing, ImportSourceError, Options, number, refused, rounded
 from physim.importing.fit import Fit
-from physim.importing.lanes import Lane, lane
-from physim.importing.line import directions_at, points_at, stations
+from physim.importing.lanes import Lane, drawn_in, is_narrower, lane
+from physim.importing.line import directions_at, points_at, stations, stretch
+from physim.importing.placed import Placed
+from physim.importing.stops import CLEAR, corners_of, least_stop_gap
 
 LANE = 2.0
 """[m] from lane to lane at size 1"""
@@ -25,46 +25,103 @@ GAP = 0.5
 """[m] least distance between two robots at the start at size 1"""
 WALL_GAP = 0.15
 """[m] least distance of a robot to a wall at the start at size 1"""
+SPREADS = (1.0, 1.25, 1.5)
+"""[-] how many times as far apart as need be robots start, where they would stop too near"""
+CUT, MOST_CUT = 0.4, 6.4
+"""[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
+MOST_CUT_SHARE = 0.15
+"""[-] share of the path by which it is shortened for that at most"""
 MOST_SHARE = 0.6
 """[-] share of the path that the group may take up at the start"""
 
 
 @dataclass(frozen=True)
-class Placed:
-    """One robot of the world: footprint in its own frame, a (length, width) or outline (n, 2)."""
+class _Group:
+    """Lanes of a group, the lane and start of each robot from the rear, least gap at the stops."""
 
-    name: str
-    footprint: tuple[float, float] | FloatArray
-    pose: tuple[float, float, float]
-    path: float | FloatArray
-    """offset [m] from the reference path, or points (n, 2)"""
+    found: Fit
+    made: list[Lane]
+    lanes: list[Lane]
+    poses: list[tuple[float, float, float]]
+    gap: float
 
 
-def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> list[Placed]:
+def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple[Fit, list[Placed]]:
     """Place ``--robots`` boxes in ``--lanes`` lanes, the first of them furthest ahead.
 
     Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
-    of each other. Raises ImportSourceError when there is no room for so many.
+    of each other. Where two would stop near each other in a bend, the path ends before that.
+    Returns the fit with the path that they follow. Raises ImportSourceError when there is no room
+    for so many.
     """
     count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
+    group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
+    for one in group.made:
+        if is_narrower(one):
+            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {drawn_in(one)}")
+    return group.found, [
+        Placed(f"r{count - n}", found.box, group.poses[n],
+               one.offset if one.is_plain else one.line)
+        for n, one in reversed(list(enumerate(group.lanes)))
+    ]  # fmt: skip
+
+
+def _group(
+    path: Path, area: Any, found: Fit, count: int, lanes: int, spread: float = 1.0
+) -> _Group:
+    """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
     made = [
-        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, drawing.area,
-             found.room, found.size)
+        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, area, found.room,
+             found.size)
         for k in range(lanes)
     ]  # fmt: skip
-    for one in made:
-        if _narrower(one):
-            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {_drawn_in(one)}")
     order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
     files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
-    step = found.size * (COLUMN if files else ROW / lanes)  # in one file where lanes are drawn in
-    slots = [order[(count - 1 - n) % lanes] for n in range(count)]
-    poses = _poses(path, drawing.area, found, [made[k] for k in slots], step)
-    return [
-        Placed(f"r{count - n}", found.box, poses[n], one.offset if one.is_plain else one.line)
-        for n, one in reversed(list(enumerate(made[k] for k in slots)))
-    ]
+    step = (
+        spread * found.size * (COLUMN if files else ROW / lanes)
+    )  # in one file where lanes are drawn in
+    own = [made[order[(count - 1 - n) % lanes]] for n in range(count)]
+    poses = _poses(path, area, found, own, step)
+    outlines = [corners_of(found.box)] * count
+    lines = [one.line for one in own]
+    gap = least_stop_gap(found.reference, lines, poses, outlines, found.size)[0]
+    return _Group(found, made, own, poses, gap)
+
+
+def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
+    """The group on a path that ends earlier, where its robots would stop too near each other."""
+    found, wanted = group.found, CLEAR * group.found.size
+    if group.gap >= wanted:
+        return group
+    best, cut, apart = group, 0.0, 1.0
+    for spread, less in _tries(found):
+        line = stretch(found.reference, 0.0, float(stations(found.reference)[-1]) - less)
+        shorter = replace(found, reference=rounded(line))
+        count, lanes = len(group.lanes), len(group.made)
+        try:
+            other = _group(path, drawing.area, shorter, count, lanes, spread)
+        except ImportSourceError:  # no room at the start on a shorter path
+            continue
+        if min(other.gap, wanted) > best.gap:
+            best, cut, apart = other, less, spread
+        if other.gap >= wanted:
+            break
+    if best is not group:
+        done = [f"path shortened by {cut:.2f} m more at its end"] if cut > 0.0 else []
+        done += [f"robots {apart:g} times as far apart as usual"] if apart > 1.0 else []
+        drawing.changes.append(
+            f"{', '.join(done)}: in the last bend two would stop {group.gap:.2f} m from each "
+            f"other, and do so {best.gap:.2f} m apart now"
+        )
+    return best
+
+
+def _tries(found: Fit) -> list[tuple[float, float]]:
+    """Spreads of a group, and by how much the path is shortened [m], in the order of trying."""
+    most = min(MOST_CUT * found.size, MOST_CUT_SHARE * float(stations(found.reference)[-1]))
+    cuts = np.arange(0.0, most, CUT * found.size)
+    return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
 
 
 def _poses(
@@ -80,6 +137,14 @@ def _poses(
     for one in lanes:
         while True:
             if station > MOST_SHARE * length:
+                if not poses:
+                    raise refused(
+                        path,
+                        f"no room for a robot of {number(found.box[0])} x {number(found.box[1])} m "
+                        f"on the first {MOST_SHARE * length:.1f} m of the path, "
+                        f"{WALL_GAP * found.size:.2g} m clear of the walls; a smaller --robot "
+                        "LENGTH,WIDTH, or another --from",
+                    )
                 raise refused(
                     path,
                     f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "
@@ -118,79 +183,3 @@ def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
     corners = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
     c, s = cos(heading), sin(heading)
     return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y))
-
-
-def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
-    """Robots where they are drawn, each on its own path or beside the reference path.
-
-    A robot heads along its path: of the four directions of the smallest rectangle about its
-    outline the one nearest to the direction of the path. Its reference point is the middle of
-    that rectangle.
-    """
-    reference = shapely.LineString(found.reference)
-    placed = []
-    for robot in drawing.robots:
-        rectangle = shapely.Polygon(robot.outline).minimum_rotated_rectangle
-        centre = np.array(rectangle.centroid.coords[0]).round(3)
-        own = drawing.paths.get(robot.name)
-        line = found.reference if own is None else own
-        station = np.array([shapely.LineString(line).project(shapely.Point(centre))])
-        tx, ty = directions_at(line, station, found.size)[0]
-        edge = np.diff(np.array(rectangle.exterior.coords)[:2], axis=0)[0]
-        axis = atan2(edge[1], edge[0])
-        turned = [axis + k * np.pi / 2.0 for k in range(4)]
-        heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
-        heading = float((heading + np.pi) % (2.0 * np.pi) - np.pi)
-        heading = round(heading, 4)
-        follows: float | FloatArray
-        if own is not None:
-            follows = own
-        else:
-            beside = points_at(line, station)[0]
-            gap = round(float(reference.distance(shapely.Point(centre))), 2)
-            left = tx * (centre[1] - beside[1]) - ty * (centre[0] - beside[0]) >= 0.0
-            follows = _own_lane(drawing, found, robot.name, gap if left else -gap)
-        placed.append(
-            Placed(
-                robot.name,
-                _footprint(robot.outline, centre, heading),
-                (float(centre[0]), float(centre[1]), heading),
-                follows,
-            )
-        )
-    return placed
-
-
-def _footprint(
-    outline: FloatArray, centre: FloatArray, heading: float
-) -> tuple[float, float] | FloatArray:
-    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
-    c, s = cos(heading), sin(heading)
-    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
-    half = np.abs(own).max(axis=0)
-    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
-        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
-    return own
-
-
-def _own_lane(drawing: Drawing, found: Fit, name: str, offset: float) -> float | FloatArray:
-    one = lane(found.reference, offset, drawing.area, found.room, found.size)
-    if one.is_plain:
-        return one.offset
-    if _narrower(one):
-        drawing.changes.append(
-            f"path of {name}, {offset:+.2f} m beside the reference path, {_drawn_in(one)}"
-        )
-    return one.line
-
-
-def _narrower(one: Lane) -> bool:
-    """Whether a lane is drawn in by as much as is told."""
-    return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"
-
-
-def _drawn_in(one: Lane) -> str:
-    where = "where the corridor is narrow or bends tightly"
-    if one.narrowest < 0.0:
-        return f"is drawn over to {-one.narrowest:.2f} m on its other side {where}"
-    return f"is drawn in to {one.narrowest:.2f} m {where}"

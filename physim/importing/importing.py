@@ -11,10 +11,13 @@ import numpy as np
 
 from physim.errors import WorldError, plural
 from physim.importing.drawing import Drawing, Options, number, place, printable, refused
+from physim.importing.drawn import as_drawn
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
-from physim.importing.group import Placed, as_drawn, fill_in
+from physim.importing.group import fill_in
 from physim.importing.line import stations
+from physim.importing.placed import Placed, told_stops
+from physim.importing.soundness import LARGEST, check_size, check_sound
 from physim.importing.source import format_of
 from physim.importing.world_text import world_text
 from physim.scene_builder import build_scene
@@ -26,11 +29,8 @@ READERS = {
     "ros-map": ("physim.importing.ros_map", "read_ros_map"),
     "svg": ("physim.importing.svg", "read_svg"),
     "wkt": ("physim.importing.polygons", "read_wkt"),
-    "geojson": ("physim.importing.polygons", "read_geojson"),
+    "geojson": ("physim.importing.geojson", "read_geojson"),
 }
-
-SMALLEST, LARGEST = 1.0, 10_000.0
-"""[m] extent below which a place is refused, and above which it is told"""
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
     inside = None if options.origin is None else np.array(options.origin)
+    check_sound(source, drawing)
     if drawing.area is None:
         enclose(source, drawing, inside)
     _check_extent(source, drawing)
@@ -69,8 +70,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
         drawing.changes.append(
             f"{plural(len(drawing.robots), 'robot')} as drawn left out (--robots)"
         )
-    robots = as_drawn(drawing, found) if drawn else fill_in(source, drawing, found, options)
+    if drawn:
+        robots = as_drawn(drawing, found)
+    else:
+        found, robots = fill_in(source, drawing, found, options)
     drawing.facts += _about(drawing, found, robots, options)
+    drawing.facts += told_stops(found, robots, drawing.area)
     text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
     return Imported(
         text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
@@ -80,11 +85,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
 def _check_extent(source: Path, drawing: Drawing) -> None:
     """Refuse a place too small for robots, and tell one that is hardly in metres."""
     x0, y0, x1, y1 = drawing.area.bounds
-    size = f"the place is {x1 - x0:.3g} x {y1 - y0:.3g} m"
-    if max(x1 - x0, y1 - y0) < SMALLEST:
-        raise refused(source, f"{size}; --scale M says how many metres a unit of the source is")
+    check_size(source, np.array([x1 - x0, y1 - y0]))
     if max(x1 - x0, y1 - y0) > LARGEST:
-        drawing.changes.append(f"mind the scale: {size} (--scale 0.001 for millimetres)")
+        drawing.changes.append(
+            f"mind the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
+            "millimetres)"
+        )
 
 
 def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
@@ -116,7 +122,11 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
         return [*facts, f"{count} as drawn"]
     lanes = plural(min(options.lanes or 1, len(robots)), "lane")
     chosen = "as asked (--robot)"
-    if options.robot is None:
+    if options.robot is None and drawing.robots:
+        drawn = len(drawing.robots)
+        which = "the robot drawn" if drawn == 1 else f"the largest of {drawn} robots drawn"
+        chosen = f"the size of {which} (--robot)"
+    elif options.robot is None:
         chosen = "as large as has room, at most 1.8 x 1.0 m (--robot)"
     box = f"{number(found.box[0])} x {number(found.box[1])} m"
     return [*facts, f"{count} in {lanes}, {box}, {chosen}"]

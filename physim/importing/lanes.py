@@ -116,3 +116,16 @@ def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
     for k in range(len(low) - 2, -1, -1):
         low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
     return low
+
+
+def is_narrower(one: Lane) -> bool:
+    """Whether a lane is drawn in by as much as is told."""
+    return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"
+
+
+def drawn_in(one: Lane) -> str:
+    """Say how far a lane is drawn in."""
+    where = "where the corridor is narrow or bends tightly"
+    if one.narrowest < 0.0:
+        return f"is drawn over to {-one.narrowest:.2f} m on its other side {where}"
+    return f"is drawn in to {one.narrowest:.2f} m {where}"

@@ -15,6 +15,7 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import DIGITS, Drawing, Options, listed, place, refused
+from physim.importing.soundness import check_size
 
 SPECK = 2.0
 """[cells] Occupied patches up to this many are left out unless the user says otherwise."""
@@ -48,6 +49,8 @@ def outline_map(
     region = _region(path, drawing, free, cell, centre, options.origin)
     exact = _polygon(path, region)
     exact = shapely.transform(exact, lambda points: centre.placed(points * cell))
+    x0, y0, x1, y1 = exact.bounds
+    check_size(path, np.array([x1 - x0, y1 - y0]))
     polygon = _simplified(exact, tolerance)
     moved = max(_farthest(polygon, exact), _farthest(exact, polygon))
     drawing.facts.append(

@@ -90,8 +90,11 @@ class _Yaml:
         unknown = [key for key in values if key not in KEYS]
         for key in ("image", "resolution", "origin"):
             if key not in values:
-                near = nearest(key, unknown)
-                raise refused(self.path, f"{key}: missing; a map has {', '.join(KEYS)}{near}", 1)
+                near = nearest(key, [str(name) for name in unknown])
+                meant = next((name for name in unknown if near and f'"{name}"' in near), None)
+                line = 1 if meant is None else self.document.position((meant,)).line
+                message = f"{key}: missing; a map has {', '.join(KEYS)}{near}"
+                raise refused(self.path, message, line)
         origin = values["origin"]
         if not isinstance(origin, list) or len(origin) not in (2, 3):
             raise self._fault(("origin",), "must be [x, y, yaw] in m and rad")

@@ -24,6 +24,13 @@ XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
 SVG = "http://www.w3.org/2000/svg|"
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
+NUMBERS = {
+    "matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
+    "skewY": (1,),
+}  # fmt: skip
+"""How many numbers each function of a transform takes."""
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
 HIDDEN = re.compile(r"display\s*:\s*none")
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
@@ -50,6 +57,28 @@ class _Element:
 def look_at(path: Path, text: str) -> SvgLook:
     """Check an SVG text. Raises ImportSourceError with file:line."""
     return _Guard(path).run(text)
+
+
+def transform_fault(text: str) -> str:
+    """What is wrong with the text of a transform; empty where nothing is.
+
+    One with too many or too few numbers would be applied as something else.
+    """
+    at = 0
+    text = text.strip()
+    while at < len(text) and text != "none":
+        found = FUNCTION.match(text, at)
+        if found is None or found[1] not in NUMBERS:
+            return f'"{printable(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
+        shown, allowed = printable(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
+        numbers = NUMBER.findall(found[2])
+        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
+            return f'"{shown}": only numbers may stand in the brackets'
+        if len(numbers) not in allowed:
+            counts = " or ".join(map(str, allowed))
+            return f'"{shown}" has {len(numbers)} numbers; {found[1]} takes {counts}'
+        at = found.end()
+    return ""
 
 
 class _Guard:
@@ -110,6 +139,8 @@ class _Guard:
         if bad := NO_PATH_DATA.search(attributes.get("d", "")):
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(f'path data: "{printable(around)}" cannot be read')
+        if wrong := transform_fault(attributes.get("transform", "")):
+            raise self._refused(f"transform: {wrong}")
         if self.hidden or tag == "defs":
             self.hidden += 1
         elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):

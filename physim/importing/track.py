@@ -10,7 +10,9 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, listed, place, refused, rounded
+from physim.importing.line import points_at, samples, stations
 from physim.importing.loops import CrossingError, without_loops
+from physim.importing.soundness import check_size
 from physim.importing.source import read_text
 from physim.importing.track_file import TrackFile, read_track_file
 
@@ -22,6 +24,10 @@ GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
 FOLDED = 0.5
 """[-] share of the stated width below which a wall is told to be too near"""
+SLIGHTLY = 0.05
+"""[-] share by which a road may be narrower than stated before that is told"""
+ABOUT = 2.0
+"""[-] times the stated width along the road within which a narrower place explains a near wall"""
 NEAR = 1e-6
 """[m] points of the file this near the road's centreline lie on it, and not in the gap"""
 LONGEST_LOOP = 6.0
@@ -65,9 +71,10 @@ def read_track(path: Path, options: Options) -> Drawing:
     width = file.left + file.right
     drawing.facts.append(
         f"{len(file.points)} points, {total:.1f} m, {kind}, {width.min():.2f} to "
-        f"{width.max():.2f} m wide; {scale:g} m per unit"
+        f"{width.max():.2f} m wide as stated; {scale:g} m per unit"
     )
     road = _road(file, closed)
+    check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
     if closed:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:
@@ -84,10 +91,30 @@ def read_track(path: Path, options: Options) -> Drawing:
             f"the left edge meets the right one at {at}: the track crosses itself "
             f"there, or its points are noisy; {SMOOTH}",
         )
+    drawing.facts += _as_made(road.centre, left, right, float(width.min()))
     caps = [np.array([left[0], right[0]]), np.array([left[-1], right[-1]])]
     drawing.boundaries = [rounded(line) for line in (left, right, *caps)]
     drawing.reference = rounded(road.centre)
     return drawing
+
+
+def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: float) -> list[str]:
+    """Say how far apart the walls are [m] where that is less than the file states.
+
+    The sum of the shortest distances from the centreline to either wall, as `physim preview` has
+    it: at a corner the walls keep their distance along its bisector, and lie nearer beside it.
+    """
+    at = samples(float(stations(centre)[-1]), 0.1)
+    points = points_at(centre, at)
+    width = sum(shapely.distance(shapely.LineString(wall), shapely.points(points))
+                for wall in (left, right))  # fmt: skip
+    k = int(np.argmin(width))
+    if width[k] >= (1.0 - SLIGHTLY) * stated:
+        return []
+    return [
+        f"walls {width[k]:.2f} to {width.max():.2f} m apart as made, narrowest at "
+        f"{place(points[k])}: in bends they lie nearer than stated"
+    ]
 
 
 def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
@@ -101,10 +128,18 @@ def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
         share = np.where(on_road, gap / width, 1.0)
         k = int(np.argmin(share))
         if share[k] < FOLDED:
+            why = "narrows abruptly" if _narrows(file.points, width, k, gap[k]) else "folds"
             drawing.changes.append(
                 f"{side} wall comes within {gap[k]:.2f} m of the centreline at "
-                f"{place(file.points[k])}, {width[k]:.2f} m are stated: the road folds there"
+                f"{place(file.points[k])}, {width[k]:.2f} m are stated: the road {why} there"
             )
+
+
+def _narrows(points: FloatArray, width: FloatArray, k: int, gap: float) -> bool:
+    """Whether a place nearby along the road is stated to be about as narrow as ``gap`` [m]."""
+    at = stations(points)
+    nearby = np.abs(at - at[k]) <= ABOUT * width[k]
+    return bool((width[nearby] <= 1.1 * gap + NEAR).any())
 
 
 def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:

@@ -1,6 +1,6 @@
 """A centreline with widths, in the race-track convention: ``x_m, y_m, w_tr_right_m, w_tr_left_m``.
 
-The first line may name the columns, with or without ``#``; commas or semicolons between values.
+Commas or semicolons between values; lines that begin with ``#`` are comments.
 """
 
 from __future__ import annotations
@@ -11,11 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.errors import nearest
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import listed, printable, refused
+from physim.importing.track_columns import COLUMNS, Columns, columns_of, is_data
 
-COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
 MOST_POINTS = 100_000
 LARGEST = 1.0e6
 """[m] largest coordinate of a world"""
@@ -40,17 +39,17 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     """
     rows = [(k, row.strip()) for k, row in enumerate(text.split("\n"), start=1)]
     rows = [(k, row) for k, row in rows if row]
-    order, separator, extra = _columns(path, rows)
-    changes = [f"columns left out: {', '.join(extra)}"] if extra else []
+    columns = columns_of(path, rows)
+    changes = [f"columns left out: {', '.join(columns.extra)}"] if columns.extra else []
     values: list[list[float]] = []
     lines: list[int] = []
     repeated: list[str] = []
     for k, row in rows:
-        if row.startswith("#") or not _is_data(row):
+        if row.startswith("#") or not is_data(row):
             if values and not row.startswith("#"):
                 raise refused(path, f'"{printable(row[:40])}" is not a row of numbers', k)
             continue
-        value = [v * scale for v in _numbers(path, k, row, separator, order)]
+        value = [v * scale for v in _numbers(path, k, row, columns)]
         _check(path, k, value)
         if values and math.dist(values[-1][:2], value[:2]) <= 1e-6:
             repeated.append(f"line {k}: repeats the point before it, dropped")
@@ -66,47 +65,8 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(lines), tuple(changes))
 
 
-def _is_data(row: str) -> bool:
-    """Whether a row holds values rather than names: it does not begin with a letter."""
-    first = row.lstrip("\"'")[:3].lower()
-    return not first[:1].isalpha() or first in ("nan", "inf")
-
-
-def _columns(path: Path, rows: list[tuple[int, str]]) -> tuple[list[int], str, list[str]]:
-    """Which columns hold x, y, right and left width; the separator; names of other columns."""
-    data = next(((k, row) for k, row in rows if not row.startswith("#") and _is_data(row)), None)
-    if data is None:
-        raise refused(path, "no row of numbers; columns: " + ", ".join(COLUMNS))
-    separator = ";" if ";" in data[1] else ","
-    header: list[str] = []
-    header_line = 1
-    for k, row in rows:
-        if k >= data[0]:
-            break
-        names = [name.strip(" \"'#\t").lower() for name in row.replace(";", ",").split(",")]
-        if "x_m" in names or len(set(names) & set(COLUMNS)) >= 2:
-            header, header_line = names, k
-    if not header:
-        count = len(data[1].split(separator))
-        if separator == "," and count == 1 and len(data[1].split()) == 4:
-            raise refused(path, "values stand apart by spaces; put commas between them", data[0])
-        if count != 4:
-            raise refused(
-                path, f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}", data[0]
-            )
-        return [0, 1, 2, 3], separator, []
-    for name in COLUMNS:
-        if name not in header:
-            near = nearest(name, header)
-            raise refused(path, f"no column {name}; there: {', '.join(header)}{near}", header_line)
-    twice = next((name for name in COLUMNS if header.count(name) > 1), None)
-    if twice is not None:
-        raise refused(path, f"two columns {twice}", header_line)
-    extra = [printable(name) for name in header if name and name not in COLUMNS]
-    return [header.index(name) for name in COLUMNS], separator, extra
-
-
-def _numbers(path: Path, line: int, row: str, separator: str, order: list[int]) -> list[float]:
+def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
+    order, separator = columns.order, columns.separator
     cells = [cell.strip() for cell in row.split(separator)]
     if separator == ";" and any("," in cell for cell in cells):
         raise refused(path, "numbers with a decimal comma; write a point", line)

@@ -11,8 +11,8 @@ import numpy as np
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, number, printable
 from physim.importing.fit import Fit
-from physim.importing.group import Placed
 from physim.importing.line import stations
+from physim.importing.placed import Placed
 from physim.world_file.schema import FILE
 
 LINE = 100

@@ -133,6 +133,46 @@ def test_names_from_outside_are_only_names(here: Path, capture: pytest.CaptureFi
     assert len(world.robots) == len(names)
 
 
+def test_what_the_check_says_of_the_world_is_told(
+    here: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    """A robot drawn at the end of the path, where it has arrived before it moves."""
+    (here / "d.svg").write_text(
+        svg(
+            '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/><path id="path" d="M 3,7 H 18"/>'
+            '<rect id="robot" x="19" y="6.5" width="1.8" height="1"/>'
+        )
+    )
+    done = physim("import", "d.svg", "-o", "w.yaml", "--scale", "1", capture=capture)
+    assert (done.code, done.err) == (0, "")
+    _, told = done.out.split("\nthe check of the world says:\n")
+    warning, rest = told.split("\n", 1)
+    assert warning.startswith("  w.yaml:")
+    assert "starts at station 15.00 m of its path, at or past its stop station" in warning
+    assert rest.startswith("written: w.yaml")
+    checked = physim("check", "w.yaml", capture=capture)
+    assert warning in checked.out
+    physim("import", "hall.svg", "-o", "v.yaml", "--scale", "0.1", "--quiet", capture=capture)
+    assert "no warnings" in physim("check", "v.yaml", capture=capture).out
+    done = physim("import", "hall.svg", "-o", "u.yaml", "--scale", "0.1", capture=capture)
+    assert "the check of the world says" not in done.out
+
+
+def test_lanes_that_come_close_in_a_sharp_bend_are_told(
+    here: Path, capture: pytest.CaptureFixture[str]
+) -> None:
+    """A road in Z, as wide as its legs are apart."""
+    legs = [(x, 0.0) for x in range(21)]
+    legs += [(20.0 - 0.75 * k, 0.75 * k) for k in range(1, 17)]
+    legs += [(8.0 + k, 12.0) for k in range(1, 23)]
+    (here / "z.csv").write_text("".join(f"{x},{y},3,3\n" for x, y in legs))
+    command = ("import", "z.csv", "-o", "w.yaml", "--robots", "6", "--force", "--lanes")
+    done = physim(*command, "2", capture=capture)
+    assert "formation: in formation" in done.out
+    assert "\n  --lanes 1 has fewer places where paths come close\nwritten: " in done.out
+    assert "the check of the world says" not in physim(*command, "1", capture=capture).out
+
+
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
     from physim.cli.arguments.importing import FORMATS as OFFERED
 

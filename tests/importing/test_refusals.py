@@ -49,6 +49,18 @@ TRACKS = {
     "one point": (HEADER + "0,0,3,3\n", ": 1 points; a centreline needs at least 2"),
     "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: x_m: 5e+06 m is beyond 1e+06 m"),
     "words below": (HEADER + ROWS + "the end\n", ':22: "the end" is not a row of numbers'),
+    "other names": (
+        "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
+        ":1: no column x_m; there: x, y, width_left, width_right; rename x to x_m, y to y_m, "
+        "width_right to w_tr_right_m, width_left to w_tr_left_m, if that is what they are",
+    ),
+    "other names, commented": ("# by hand\n# x,y,left,right\n0,0,2,3\n", ":2: no column x_m"),
+    "other names, semicolons": ("x;y;width_left;width_right\n0;0;2;3\n", ":1: no column x_m"),
+    "fewer names": ("# x, y, width\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: x, y, width"),
+    "units": ("# X [m], Y [m], right (m), left (m)\n0,0,2,3\n9,0,2,3\n", "rename x [m] to x_m, y"),
+    "words": ("# north,east,a,b\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: north, east, a"),
+    "misspelt": ("x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n", "rename w_tr_lft_m to w_tr_left_m"),
+    "a title": ("Monza\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,2,3\n", ':1: "Monza" names no col'),
     "figure of eight": (
         HEADER + "".join(f"{np.sin(a) * 30},{np.sin(2 * a) * 15},2,2\n" for a in ROUND),
         "the track passes over itself there, or its points are noisy; noisy points become a clean",
@@ -89,7 +101,10 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
                    ':1: image: "../../etc/passwd" lies outside the folder of the map'),
         "absolute": (yaml.replace("map.pgm", "/etc/passwd"), good, "lies outside the folder"),
         "no image": (yaml.replace("image: map.pgm\n", ""), good, ":1: image: missing"),
-        "misspelt": (yaml.replace("resolution", "resolutoin"), good, 'did you mean "resolutoin"?'),
+        "misspelt": (yaml.replace("resolution", "resolutoin"), good,
+                     ":2: resolution: missing"),
+        "nearest key": (yaml.replace("resolution", "resolutoin"), good,
+                        'did you mean "resolutoin"?'),
         "resolution": (yaml.replace("0.05", "0.0"), good, ":2: resolution: 0 m a cell"),
         "text": (yaml.replace("resolution: 0.05", "resolution: five"), good,
                  ':2: resolution: "five" is not a number'),
@@ -165,6 +180,13 @@ DRAWINGS = {
     "not SVG": ("<html></html>", ":1: the root is <html>, not <svg>"),
     "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: nested deeper than 100 levels"),
     "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: path data: "garbage"'),
+    "rotation": (
+        svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),
+        ':2: transform: "rotate(30,120)" has 2 numbers; rotate takes 1 or 3',
+    ),
+    "turning": (svg('<g transform="turn(30)"/>'), ':2: transform: "turn(30)" is none of matrix'),
+    "degrees": (svg('<g transform="rotate(30°)"/>'), "only numbers may stand in the brackets"),
+    "unclosed": (svg('<g transform="rotate(30"/>'), ':2: transform: "rotate(30" is none of'),
     "beyond numbers": (
         svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "is not a finite number"
     ),
@@ -206,6 +228,17 @@ def polygon(ring: Any, **more: Any) -> str:
     return json.dumps({"type": "Polygon", "coordinates": [ring], **more})
 
 
+def featured(kind: str, coordinates: Any, **properties: Any) -> str:
+    """Feature beside a square place."""
+    shapes = [{"type": "Polygon", "coordinates": [SQUARE]},
+              {"type": kind, "coordinates": coordinates}]  # fmt: skip
+    features = [
+        {"type": "Feature", "properties": about, "geometry": shape}
+        for about, shape in zip(({}, properties), shapes, strict=True)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features})
+
+
 POLYGONS = {
     "degrees.geojson": (polygon(DEGREES), "are degrees of longitude and latitude"),
     "crs.geojson": (
@@ -216,10 +249,38 @@ POLYGONS = {
     "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN is not a finite number"),
     "list.geojson": ("[1]", 'not GeoJSON: an object with "type" is needed'),
     "kind.geojson": ('{"type": "Circle", "coordinates": [0, 0]}', 'geometry "Circle"'),
-    "text.geojson": (polygon("abc"), 'geometry "Polygon" cannot be read'),
+    "text.geojson": (polygon("abc"), 'geometry "Polygon": "abc" is not a number'),
+    "quoted.geojson": (polygon([[0, "4"], *SQUARE]), 'geometry "Polygon": "4" is not a number'),
+    "flag.geojson": (polygon([[0, True], *SQUARE]), "true is not a number; coordinates are lists"),
+    "null.geojson": (polygon([[0, None], *SQUARE]), 'geometry "Polygon" cannot be read'),
+    "flat.geojson": (polygon([1, 2, 3]), 'geometry "Polygon" cannot be read'),
+    "role.geojson": (
+        featured("Polygon", [SQUARE], role="obsacle"),
+        'role: "obsacle" is none of boundary, obstacle, path, robot; did you mean "obstacle"?',
+    ),
+    "number.geojson": (featured("Polygon", [SQUARE], role=3), 'role: "3" is none of boundary, obs'),
+    "layer.geojson": (
+        featured("Polygon", [SQUARE], layer="Robots"), 'layer: "robots" is none of boundary, obsta'
+    ),
+    "fence.geojson": (
+        featured("LineString", SQUARE, role="obstacle"),
+        'a LineString has the role "obstacle"; that is a Polygon',
+    ),
+    "way.geojson": (
+        featured("Polygon", [SQUARE], role="path"), 'a Polygon has the role "path"; that is a Line'
+    ),
     "none.geojson": ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
     "features.geojson": ('{"type": "FeatureCollection"}', '"features" must be a list'),
     "deep.geojson": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),
+    "comma.wkt": (
+        "POLYGON ((0 0, 30 0, 30 10, 0 10 0 0))",
+        """'0'; a comma is missing: "0 10 0 0" is more than one point""",
+    ),
+    "bracket.wkt": (
+        "POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
+        "a bracket is missing: 2 opening, 1 closing; one closing more",
+    ),
+    "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: not valid WKT: Unknown type: 'POLIGON'"),
     "line.wkt": ("LINESTRING (0 0, 10 0)", "holds no polygon; one says where robots may go"),
     "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: not valid WKT"),
     "srid.wkt": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", ":1: coordinates are degrees"),
@@ -274,6 +335,15 @@ OPTIONS = {
 def test_options(name: str) -> None:
     options, message = OPTIONS[name]
     assert message in refusal(SAMPLES / "track.csv", options)
+
+
+def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:
+    path = tmp_path / "narrow.wkt"
+    path.write_text("POLYGON ((0 0, 30 0, 30 1.2, 0 1.2, 0 0))\nLINESTRING (1 0.6, 29 0.6)")
+    message = refusal(path, Options(robots=4, robot=(1.8, 1.0)))
+    assert message.startswith(": no room for a robot of 1.8 x 1.0 m on the first")
+    assert "--lanes" not in message
+    assert "--robots" not in message
 
 
 SOURCES = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -79,6 +80,33 @@ def test_a_road_that_folds_onto_itself_is_told(tmp_path: Path) -> None:
     assert "3.00 m are stated" in told
 
 
+def test_a_road_that_narrows_abruptly_does_not_fold(tmp_path: Path) -> None:
+    path = tmp_path / "neck.csv"
+    rows = [f"{x},0,{half},{half}" for x in range(60) for half in [0.9 if 26 <= x < 35 else 4.0]]
+    path.write_text("\n".join(rows))
+    imported = import_world(path, Options(robot=(0.6, 0.3)))
+    told = [change for change in imported.changes if "are stated" in change]
+    assert len(told) == 2
+    assert all(change.endswith("the road narrows abruptly there") for change in told)
+
+
+def test_the_width_as_made_is_told_where_it_is_less_than_stated(tmp_path: Path) -> None:
+    """At a right angle the walls keep 3 m along its bisector, 3 sin 45° = 2.12 m from a leg."""
+    path = tmp_path / "corner.csv"
+    path.write_text("0,0,3,3\n15,0,3,3\n30,0,3,3\n30,15,3,3\n30,30,3,3\n")
+    facts = import_world(path).facts
+    assert "6.00 to 6.00 m wide as stated" in facts[0]
+    assert facts[1].startswith("walls 4.")
+    left, right = (
+        shapely.LineString(line) for line in (import_world(path).world.boundaries or ())[:2]
+    )
+    along = shapely.points([(x, 0.0) for x in np.arange(3.0, 30.0, 0.01)])
+    least = (left.distance(along) + right.distance(along)).min()
+    assert float(facts[1].split()[1]) == pytest.approx(least, abs=0.02)
+    path.write_text("0,0,3,3\n15,0,3,3\n30,0,3,3\n")
+    assert not any(fact.startswith("walls") for fact in import_world(path).facts)
+
+
 def test_loops_up_to_a_length_are_cut_and_longer_ones_refused() -> None:
     line = np.array([(0, 0), (4, 0), (4, 1), (3, 1), (3, -1), (8, -1)], dtype=float)
     clean, cut = without_loops(line, 5.0)
@@ -102,6 +130,23 @@ def test_repeated_points_and_further_columns_of_a_track(tmp_path: Path) -> None:
     left, right = (imported.world.boundaries or ())[:2]
     assert {y for _, y in left} == {3.0}
     assert {y for _, y in right} == {-2.0}
+
+
+COMMENTS = (
+    "# a road by hand\n",
+    "# Monza, smoothed, in metres of the local frame, by hand\n",
+    "# 52c11ac8-1f\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n",
+    "# 2,3,4,5\n",
+    "",
+)
+
+
+@pytest.mark.parametrize("comment", COMMENTS)
+def test_a_comment_that_lists_no_names_stays_a_comment(comment: str, tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text(comment + "0,0,2,3\n20,0,2,3\n40,0,2,3\n")
+    left, right = (import_world(path).world.boundaries or ())[:2]
+    assert ({y for _, y in left}, {y for _, y in right}) == ({3.0}, {-2.0})
 
 
 def test_specks_regions_and_doors_of_a_map(tmp_path: Path) -> None:
@@ -195,6 +240,16 @@ def test_hidden_and_nameless_lines_of_a_drawing(tmp_path: Path) -> None:
     assert len(imported.world.boundaries or ()) == 1
 
 
+@pytest.mark.parametrize(
+    "transform",
+    ["", "none", "translate(2-3)", "translate(1.5,.5) scale(1e0)", "rotate (0 5,5), skewX(0)",
+     " matrix(1 0 0 1 2 -3)\n"],
+)  # fmt: skip
+def test_transforms_as_they_may_be_written(transform: str, tmp_path: Path) -> None:
+    obstacle = f'<rect id="obstacle" x="5" y="6" width="2" height="1" transform="{transform}"/>'
+    assert len(drawn(tmp_path, ROOM + obstacle).world.obstacles) == 1
+
+
 def test_ends_that_nearly_meet_are_joined(tmp_path: Path) -> None:
     imported = drawn(tmp_path, '<path id="walls" d="M 0,0 24,0 24,14 0,14 0,0.05"/>')
     assert only(imported, "apart") == "wall ends 0.050 m apart at (0.00, 14.00) joined"
@@ -223,6 +278,48 @@ def test_a_polygon_that_crosses_itself_is_mended(tmp_path: Path) -> None:
     assert told.startswith("polygon mended (Self-intersection[")
     path.write_text("MULTIPOLYGON (((0 0, 20 0, 20 10, 0 10, 0 0)), ((30 0, 34 0, 34 2, 30 0)))")
     assert only(import_world(path), "polygon of 4.000 m² at")
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("2 5, 40 5", "path leaves the area at (30.00, 5.00): the 10.00 m after that left out"),
+        ("-5 5, 28 5", "path enters the area at (0.00, 5.00): the 5.00 m before that left out"),
+    ],
+)
+def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
+    line: str, told: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "p.wkt"
+    path.write_text(f"POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING ({line})\n")
+    imported = import_world(path, Options(robots=3))
+    assert only(imported, "the area at") == told
+    footprint: Any = imported.world.robots[0].footprint
+    assert (footprint.length, footprint.width) == (1.8, 1.0)
+    path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
+    with pytest.raises(ImportSourceError, match="the path leaves the area"):
+        import_world(path)
+
+
+def test_a_layer_of_another_name_is_no_role(tmp_path: Path) -> None:
+    path = tmp_path / "p.geojson"
+    ring = [[0, 0], [20, 0], [20, 10], [0, 10], [0, 0]]
+    shape = {"type": "Polygon", "coordinates": [ring]}
+    about = {"layer": "ground floor", "role": None}
+    path.write_text(json.dumps({"type": "Feature", "properties": about, "geometry": shape}))
+    assert len(import_world(path).world.boundaries or ()) == 1
+
+
+def test_the_size_of_a_robot_drawn_is_told(tmp_path: Path) -> None:
+    imported = drawn(
+        tmp_path,
+        ROOM + '<rect id="robot" x="3" y="6" width="2.2" height="1.1"/>',
+        Options(scale=1.0, robots=2),
+    )
+    assert (
+        imported.facts[-1]
+        == "2 robots in 1 lane, 2.2 x 1.1 m, the size of the robot drawn (--robot)"
+    )
 
 
 def test_lanes_are_drawn_in_where_the_corridor_is_narrow(tmp_path: Path) -> None:

@@ -1,0 +1,107 @@
+"""Robots stop apart: a path whose end has them too near each other in a bend is shortened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.importing import Imported, Options, import_world
+from physim.importing.stops import corners_of, least_stop_gap, stop_stations
+from physim.registry import make_controller
+from physim.scene_builder import build_scene
+from physim.simulation import Simulation
+from tests.importing.plans import svg
+
+BOX = corners_of((1.8, 1.0))
+CORNER = np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 10.0)])
+
+
+def track(folder: Path, points: np.ndarray, half: float) -> Path:
+    path = folder / "t.csv"
+    path.write_text("".join(f"{x},{y},{half},{half}\n" for x, y in points))
+    return path
+
+
+def test_stops_are_those_of_the_scene(tmp_path: Path) -> None:
+    path = track(tmp_path, CORNER * 2.0, 3.0)
+    world = import_world(path, Options(robots=4, lanes=2)).world
+    scene = build_scene(world)
+    paths = scene.paths
+    lines = [paths.points[a:b] for a, b in zip(paths.start[:-1], paths.start[1:], strict=True)]
+    poses = [tuple(pose) for pose in scene.start]
+    stops = stop_stations(scene.reference.points, lines, poses)
+    assert stops == pytest.approx(scene.stop_station, abs=1e-6)
+
+
+@pytest.mark.parametrize(("behind", "gap"), [(2.4, 0.6), (14.0, 9.0 - 0.5)])
+def test_the_gap_at_the_stops(behind: float, gap: float) -> None:
+    """One box at the end of the path, the other on the same leg, or 4 m before the corner."""
+    poses = [(3.0 + behind, 0.0, 0.0), (3.0, 0.0, 0.0)]
+    found = least_stop_gap(CORNER, [CORNER, CORNER], poses, [BOX, BOX], 1.0)
+    first = shapely.box(29.5, 9.1, 30.5, 10.9)
+    if behind > 10.0:
+        gap = first.distance(shapely.box(25.1, -0.5, 26.9, 0.5))
+    assert found == (pytest.approx(gap), 0, 1)
+    assert least_stop_gap(CORNER, [CORNER], poses[:1], [BOX], 1.0)[0] == np.inf
+
+
+def finishes(imported: Imported) -> bool:
+    choice = imported.world.controller
+    controller = make_controller(choice.type, choice.settings)
+    simulation = Simulation(build_scene(imported.world), controller=controller)
+    for _ in range(4000):
+        if simulation.finished:
+            return True
+        simulation.step()
+    return False
+
+
+def test_a_path_that_ends_after_a_bend_is_shortened_until_all_arrive(tmp_path: Path) -> None:
+    imported = import_world(track(tmp_path, CORNER, 3.0), Options(robots=4))
+    told = [change for change in imported.changes if "more at its end" in change]
+    assert told == [
+        "path shortened by 1.20 m more at its end: in the last bend two would stop 0.36 m from "
+        "each other, and do so 1.24 m apart now"
+    ]
+    assert finishes(imported)
+
+
+def test_robots_are_spread_where_no_end_of_the_path_will_do(tmp_path: Path) -> None:
+    """Legs of 10 m, shorter than the group: a corner is among its stops wherever that ends."""
+    points = [(0, 0), (10, 0), (20, 0), (20, 10), (20, 20), (30, 20), (40, 20), (40, 10), (40, 0),
+              (50, 0)]  # fmt: skip
+    imported = import_world(
+        track(tmp_path, np.array(points, dtype=float), 3.0), Options(robots=4, lanes=2)
+    )
+    told = [change for change in imported.changes if "more at its end" in change]
+    assert len(told) == 1
+    assert ", robots 1.25 times as far apart as usual: in the last bend" in told[0]
+    along = [robot.pose[0] for robot in imported.world.robots]
+    assert np.diff(along) == pytest.approx([-4.0] * 3, abs=0.3)
+
+
+def test_a_straight_end_is_left_as_it_is(tmp_path: Path) -> None:
+    line = np.array([(0.0, 0.0), (15.0, 0.0), (15.0, 40.0)])
+    imported = import_world(track(tmp_path, line, 3.0), Options(robots=4, lanes=2))
+    assert not any("more at its end" in change for change in imported.changes)
+    assert not any(fact.startswith("mind") for fact in imported.facts)
+
+
+def test_drawn_robots_that_stop_too_near_are_told(tmp_path: Path) -> None:
+    """Two abreast, on paths that end in the same place."""
+    path = tmp_path / "d.svg"
+    path.write_text(
+        svg(
+            '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/><path id="path" d="M 2,7 H 20"/>'
+            '<rect id="robot_a" x="4" y="4.5" width="1.8" height="1"/>'
+            '<rect id="robot_b" x="4" y="8.5" width="1.8" height="1"/>'
+            '<path id="path_a" d="M 4,5 L 20,6.6"/><path id="path_b" d="M 4,9 L 20,7.4"/>'
+        )
+    )
+    imported = import_world(path, Options(scale=1.0))
+    told = [fact for fact in imported.facts if fact.startswith("mind: ")]
+    assert len(told) == 1
+    assert told[0].startswith("mind: a and b stop 0.00 m from each other at the end of the path")

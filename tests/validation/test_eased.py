@@ -16,11 +16,11 @@ time: {step: 0.1, duration: 0.6}
 corridor: {centreline: [[-10, 0], [20, 0]], width: 8.0}
 robots:
   - {name: behind, footprint: {length: 1.8, width: 1.0}, pose: [0.0, 0.0, 0.0], path: {offset: 0},
-     limits: {v: 0.5, omega: 0.2}}
+     limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2]}
   - {name: middle, footprint: {length: 1.8, width: 1.0}, pose: [1.815, 0, 0], path: {offset: 0},
-     limits: {v: 0.5, omega: 0.2}}
+     limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2]}
   - {name: heavy, footprint: {length: 1.8, width: 1.0}, pose: [3.625, 0.0, 0.0], path: {offset: 0},
-     limits: {v: 0.5, omega: 0.2}, mass: 20000.0}
+     limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2], mass: 20000.0}
 """
 
 

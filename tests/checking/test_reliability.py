@@ -186,7 +186,7 @@ from physim.checking import check_world
 check_world("good.yaml")
 for name in sys.argv[1:]:
     took = []
-    while not took or (min(took) > 2.0 and len(took) < 3):  # other load slows a processor down, too
+    while not took or (min(took) > 2.0 and len(took) < 3):  # other load slows it down, too
         before = time.process_time()
         found = check_world(name)
         took.append(time.process_time() - before)

@@ -186,12 +186,13 @@ from physim.checking import check_world
 check_world("good.yaml")
 for name in sys.argv[1:]:
     took = []
-    while not took or (min(took) > 2.0 and len(took) < 3):  # other load slows it down, too
+    while not took or (min(took) > 2.0 and len(took) < 3):  # other load slows it
         before = time.process_time()
         found = check_world(name)
         took.append(time.process_time() - before)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    print(json.dumps([name, min(took), peak, found.ok, [str(f) for f in found.errors][:3]]), flush=True)
+    errors = [str(f) for f in found.errors][:3]
+    print(json.dumps([name, min(took), peak, found.ok, errors]), flush=True)
 """
 
 

@@ -95,7 +95,7 @@ class Simulation:
             )
         self.scene = scene = world
         self.controller = _controller(scene.world, controller)
-        self.given = _name(controller, scene.world.controller.type)
+        self.given = "" if controller is None else _name(controller, scene.world)
         """what decides in place of the world's own controller; empty where that one decides"""
         if faults := robot_faults(self.controller, dict(enumerate(scene.world.robots))):
             raise WorldError(faults)
@@ -216,11 +216,19 @@ def _controller(world: World, given: Controller | str | None) -> Controller:
     return given or make_controller(world.controller.type, world.controller.settings)
 
 
-def _name(given: Controller | str | None, own: str) -> str:
-    """Name of a controller, ``module:Class`` of an object; empty for the world's ``own``."""
-    if given is not None and not isinstance(given, str):
+def _name(given: Controller | str, world: World) -> str:
+    """Name of a controller, ``module:Class`` of an object; empty where it is the world's own."""
+    own = world.controller
+    if not isinstance(given, str):
+        if ":" not in own.type and _alike(given, make_controller(own.type, own.settings)):
+            return ""
         given = f"{type(given).__module__}:{type(given).__qualname__}"
-    return given if given and given != own else ""
+    return "" if given == own.type else given
+
+
+def _alike(one: Controller, other: Controller) -> bool:
+    settings = (getattr(controller, "settings", None) for controller in (one, other))
+    return type(one) is type(other) and next(settings) == next(settings)
 
 
 def read_only(array: FloatArray) -> FloatArray:

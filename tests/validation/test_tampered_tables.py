@@ -8,6 +8,7 @@ import pytest
 import physim
 from physim.cli import main
 from physim.contacts import Phase
+from physim.registry import make_controller
 from physim.validation import report, validate
 from tests.validation.runs import LANE, Drivers
 from tests.validation.test_tampered import tampered
@@ -162,6 +163,10 @@ def test_what_decided_is_recorded(tmp_path):
     world = physim.parse_world(LANE)
     assert physim.simulate(world).controller == ""
     assert physim.simulate(world, controller=world.controller.type).controller == ""
+    for gap, told in ((0.5, ""), (0.7, "physim.controllers.mode_switching:ModeSwitching")):
+        own = make_controller("mode_switching", {"safe_distance": gap})
+        usual = physim.parse_world(LANE, overrides=["controller.safe_distance=0.5"])
+        assert physim.simulate(usual, controller=own).controller == told
     given = physim.simulate(world, controller=Drivers((1.0, 0.0), (0.9, 0.05)))
     assert given.controller == "tests.validation.runs:Drivers"
     path = tmp_path / "r.h5"

@@ -41,6 +41,7 @@ from physim.checking.starts import (
 from physim.checking.telling import Told
 from physim.errors import Fault, WorldError
 from physim.world_file import read_document
+from physim.world_file.collector import collector_paused
 from physim.world_file.file_text import file_text
 from physim.world_file.loading import Judged, in_order, judge, placed
 from physim.world_file.nodes import Document
@@ -60,15 +61,16 @@ def check_world(
     """Check a world file, or a shipped world by its name; never raises for a bad world.
 
     ``overrides``, ``controller`` and ``seed`` are as the command line gives them; the world is
-    checked as a run with them would read it. What `physim run` refuses
-    is among the errors; so is what would run but cannot be meant, as a path through a wall.
+    checked as a run with them would read it. What `physim run` refuses is among the errors; so is
+    what would run but cannot be meant, as a path through a wall.
     """
     try:
         found = find_world(path)
-        document = read_document(file_text(found), str(found))
         if seed is not None:
             overrides = [*overrides, f"seed={seed}"]
-        judged = judge(document, overrides=overrides, controller=controller)
+        with collector_paused():
+            document = read_document(file_text(found), str(found))
+            judged = judge(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))
     told = Told(errors=judged.faults, warnings=list(judged.document.doubts))

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from physim.control import Decision, Observation
 from physim.errors import Fault
+from physim.tolerances import SHARE
 
 if TYPE_CHECKING:
     from physim.world import Robot
@@ -22,8 +23,6 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 
 LONGEST = 1e9
 """[s] longer than any run"""
-ROUNDING = 1e-9
-"""Share of a limit that rounding may take up, as where commands are applied"""
 
 
 class ConstantSettings(BaseModel):
@@ -55,7 +54,7 @@ class Constant:
                 continue
             for k, (key, unit) in enumerate((("v", "m/s"), ("omega", "rad/s"))):
                 limit = getattr(limits, key)
-                if abs(command[k]) > limit * (1.0 + ROUNDING):
+                if abs(command[k]) > limit * (1.0 + SHARE):
                     message = (
                         f"{command[k]:g} {unit} is beyond limits.{key} = {limit:g} of "
                         f'"{robots[i].name}"; use a slower one, or raise the limit'

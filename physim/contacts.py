@@ -11,6 +11,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 import numpy as np
+from numpy.typing import NDArray
 
 
 class Phase(IntEnum):
@@ -60,3 +61,9 @@ FALSE_CONTACT = np.dtype([("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distanc
 """A contact that the engine reported and the exact check rejected: sample, body ids a < b, signed
 distance [m] of the two at that sample, above the contact tolerance. At most one a sample and
 pair."""
+
+
+def touching(rows: NDArray[np.void]) -> NDArray[np.void]:
+    """Rows of `CONTACT` whose bodies touch at the sample: physical, and not ended."""
+    kept: NDArray[np.void] = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    return kept

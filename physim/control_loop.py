@@ -22,9 +22,7 @@ from physim.control_decisions import Row, broken, decision_row
 from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.scene import Scene
-
-ROUNDING = 1e-9
-"""Share of a step, and of a limit, that rounding may take up."""
+from physim.tolerances import SHARE
 
 
 class PlainBatch:
@@ -81,7 +79,7 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
         raise ControllerError(
             f"commands at {time:g} s have the shape {command.shape}; it must be ({len(robots)}, 2)"
         )
-    allowed = scene.limits[robots] * (1.0 + ROUNDING)
+    allowed = scene.limits[robots] * (1.0 + SHARE)
     fine = np.abs(command) <= allowed  # False for NaN
     if fine.all():
         return
@@ -121,5 +119,5 @@ def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) ->
             f"{scene.names[robots[row]]} at {time:g} s: hold = {hold[row]:g} s; it must be a "
             "time of at least 0 s"
         )
-    steps = np.floor(hold / scene.dt + ROUNDING)
+    steps = np.floor(hold / scene.dt + SHARE)
     return np.minimum(np.maximum(steps, 1.0), LONGEST_HOLD).astype(np.int64)

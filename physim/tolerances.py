@@ -59,6 +59,9 @@ def chord(v: float, omega: float, dt: float) -> float:
     return abs(v) * abs(omega) * dt * dt / 8.0
 
 
+SHARE = 1e-9
+"""Share of a step, and of a limit of commands, that rounding may take up."""
+
 PUSH = 1e-3
 """[m/s] A robot that closes on another by this much more than its command says was pushed: above
 the engine's corrections and roundings, far below any push that matters. A robot stands by command

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, Phase
+from physim.contacts import Kind, touching
 from physim.record import Record
 
 
@@ -56,8 +56,7 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
 
     Contacts between two samples are none of them, see `grazes`.
     """
-    rows = record.contacts
-    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    rows = touching(record.contacts)
     rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
     if not len(rows):
         return ()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.contacts import Kind, Phase
+from physim.contacts import touching
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.tolerances import DEEP
@@ -49,8 +49,7 @@ class Deep:
 
 def deep_contacts(record: Record) -> tuple[Deep, ...]:
     """Pairs deeper than allowed at a sample, in the order of time; empty where all were held."""
-    rows = record.contacts
-    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    rows = touching(record.contacts)
     rows = rows[rows["depth"] > DEEP]
     if not len(rows):
         return ()
@@ -74,7 +73,7 @@ def deep_contacts(record: Record) -> tuple[Deep, ...]:
 def _advance(record: Record) -> FloatArray:
     """(N,) [m] farthest that a point of each robot goes in one step, by its fastest command."""
     rows, far = record.updates, np.zeros(record.robots)
-    radius = [max(float(np.hypot(*p.T).max()) for p in parts) for parts in record.footprints]
-    speed = np.abs(rows["given_v"]) + np.array(radius)[rows["robot"]] * np.abs(rows["given_omega"])
+    radius = record.shapes.radius[rows["robot"]]
+    speed = np.abs(rows["given_v"]) + radius * np.abs(rows["given_omega"])
     np.maximum.at(far, rows["robot"], speed * record.dt)
     return far

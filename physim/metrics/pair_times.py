@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from physim.geometry.batch import collision_times
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray
 from physim.metrics.values import Moment, Series
 from physim.record import Record
 
@@ -35,7 +35,7 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     steps = steps[:: -(-len(steps) * len(pairs) // MOST_TIMES)]
     twist = _commands(record, steps)
     pose = record.pose[np.searchsorted(record.steps, steps)]
-    shapes = pack_shapes(record.footprints)
+    shapes = record.shapes
     least, who = np.full(len(steps), np.inf), np.zeros((len(steps), 2))
     reach = _reach(record, twist, horizon)
     for i, j in pairs:
@@ -76,5 +76,5 @@ def _commands(record: Record, steps: FloatArray) -> FloatArray:
 
 def _reach(record: Record, twist: FloatArray, horizon: float) -> FloatArray:
     """How far (K, N) [m] from its position any point of a robot comes within the horizon."""
-    radius = pack_shapes(record.footprints).radius
+    radius = record.shapes.radius
     return np.asarray(np.abs(twist[:, :, 0]) * horizon + radius)

@@ -14,7 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import RecordError
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_polylines
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    Shapes,
+    pack_polylines,
+    pack_shapes,
+)
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
 from physim.record.digest import digest
@@ -203,6 +210,11 @@ class Record:
         return tuple(
             self._rows.parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots)
         )
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """Footprints of the N robots, packed, in their frames."""
+        return pack_shapes(self.footprints)
 
     @cached_property
     def walls(self) -> Shapes:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, Phase
+from physim.contacts import touching
 from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.record import Record
@@ -105,8 +105,7 @@ def physical_rows(record: Record) -> NDArray[np.void]:
             f"{row['a']} and {row['b']}; bodies are 0 to {count - 1}, "
             f"steps 0 to {record.samples - 1}"
         )
-    kept: NDArray[np.void] = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
-    return kept
+    return touching(rows)
 
 
 def _spread(keys: IntArray, bodies: int, samples: int) -> IntArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.contacts import Kind, Phase
+from physim.contacts import Kind, touching
 from physim.geometry.path import path_length, project
 from physim.metrics import Episode, contact_episodes
 from physim.record import Record
@@ -130,9 +130,7 @@ def _report(
 ) -> ContactReport:
     a, b, step = episode.a, episode.b, episode.step
     rows = record.contacts
-    mine = rows[(rows["a"] == a) & (rows["b"] == b) & (rows["phase"] != Phase.ENDED)]
-    mine = mine[mine["kind"] == Kind.PHYSICAL]
-    row = mine[mine["step"] == step][0]
+    row = touching(rows[(rows["a"] == a) & (rows["b"] == b) & (rows["step"] == step)])[0]
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
     relative = velocity_at(record, a, step, point) - velocity_at(record, b, step, point)
     closing = float(relative @ np.array(normal))

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
 from physim.tolerances import CONTACT
 from physim.validation.scan import FULL, scan_robots, scan_walls
@@ -62,7 +62,7 @@ class Ledger:
 
 def robot_shapes(record: Record) -> Shapes:
     """Footprints of the N robots as the analytic checks use them, from the record."""
-    return pack_shapes(record.footprints)
+    return record.shapes
 
 
 def near_reach(record: Record, shapes: Shapes) -> float:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, Phase
+from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
@@ -107,8 +107,7 @@ def check_motion(record: Record, table: DecisionTable) -> Motion:
 def _touched(record: Record) -> NDArray[np.bool_]:
     """(K, N) whether a robot touches something at a sample."""
     touched = np.zeros((record.samples, record.robots), dtype=np.bool_)
-    rows = record.contacts
-    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    rows = touching(record.contacts)
     for who in ("a", "b"):
         mine = rows[rows[who] < record.robots]
         touched[mine["step"], mine[who]] = True

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from physim.errors import RecordError, WorldError
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.scene import Scene
 from physim.scene_builder import build_scene
@@ -64,8 +64,7 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
             for field in ("id", "kind", "name")
         ]
     pairs.append(("number of bodies", len(record.bodies), len(scene.bodies)))
-    planned = record.steps_run == scene.steps
-    if record.ended == "duration" and not planned:
+    if record.ended == "duration":
         pairs.append(("number of steps run for the whole duration", record.steps_run, scene.steps))
     for name, inside, world in pairs:
         if inside != world:
@@ -73,7 +72,7 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
 
 
 def _arrays(record: Record, scene: Scene) -> Iterator[str]:
-    names, shapes = record.names, pack_shapes(record.footprints)
+    names, shapes = record.names, record.shapes
     ours: list[tuple[str, Any, Any]] = [
         ("vertex", record.walls.vertices, scene.walls.vertices),
         ("start of part", record.walls.part_start, scene.walls.part_start),

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.contacts import Kind, Phase
+from physim.contacts import touching
 from physim.geometry.motion import arcs
 from physim.record import Record
 from physim.tolerances import PUSH
@@ -110,8 +110,7 @@ def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: To
 def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
     """Contacts of a robot in the step that led to a sample, the hardest first."""
     rows = record.contacts
-    rows = rows[(rows["step"] == step) | (rows["step"] == step - 1)]
-    rows = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
+    rows = touching(rows[(rows["step"] == step) | (rows["step"] == step - 1)])
     rows = rows[(rows["a"] == robot) | (rows["b"] == robot)]
     rows = rows[np.argsort(-rows["impulse"], kind="stable")]
     return [

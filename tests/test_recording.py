@@ -1,0 +1,157 @@
+"""The record of a run: the same however it is written, and it says how the run ended."""
+
+from __future__ import annotations
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from physim.control import Decision, Mode, Observation
+from physim.metrics import contact_episodes
+from physim.record import Record
+from physim.recording import record_run, simulate
+from physim.simulation import Simulation
+from physim.world_file import load_world
+from physim.world_file.shipped import find_world
+from tests.roads import road
+from tests.says import THREE, Says
+
+
+@pytest.fixture(scope="module")
+def wild() -> Any:
+    """Robots that cross, meet and touch walls now and then: 6.11 s, two thirds of a block over."""
+    return road(
+        [[20.0, -2.0, 1.2], [20.0, 2.0, -1.2], [30.0, 17.0, 0.8]],
+        duration=6.11,
+    )  # fmt: skip
+
+
+def drift(o: Observation) -> Decision:
+    return Decision(1.0, 0.1 * math.sin(3.0 * o.time), hold=0.07)
+
+
+def test_extremes_are_over_all_steps_however_few_are_recorded(wild: Any) -> None:
+    every = simulate(wild, controller=Says(drift))
+    time = type(wild.time)(step=0.01, duration=6.11, record_every=7)
+    seventh = simulate(wild.changed(time=time), controller=Says(drift))
+    assert every.steps.tolist() == list(range(612))
+    assert seventh.steps.tolist() == [*range(0, 612, 7), 611]
+    assert np.array_equal(seventh.pose, every.pose[seventh.steps])
+    assert np.array_equal(seventh.extremes, every.extremes)
+    assert seventh.updates.tobytes() == every.updates.tobytes()
+    assert seventh.contacts.tobytes() == every.contacts.tobytes()
+    assert len(contact_episodes(every)) >= 2
+    for name in ("clearance", "boundary_clearance"):
+        full, thin = getattr(every, name), getattr(seventh, name)
+        assert np.array_equal(thin[0], full[0])
+        for k in range(1, len(thin)):
+            window = full[seventh.steps[k - 1] + 1 : seventh.steps[k] + 1]
+            assert np.array_equal(thin[k], window.min(axis=0))
+        assert np.array_equal(every.extremes[name], full.min(axis=0))
+
+
+def test_clearances_of_the_record_are_those_of_the_poses(wild: Any) -> None:
+    record = simulate(wild, controller=Says(drift))
+    corners = np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.5], [-0.9, 0.5]])
+    for k in range(0, 612, 47):
+        boxes = []
+        for x, y, heading in record.pose[k]:
+            c, s = math.cos(heading), math.sin(heading)
+            boxes.append(shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y)))
+        for i in range(3):
+            apart = min(boxes[i].distance(boxes[j]) for j in range(3) if j != i)
+            if apart > 0.0:
+                assert record.clearance[k, i] == pytest.approx(apart, abs=1e-9)
+            else:
+                assert record.clearance[k, i] <= 1e-9
+
+
+def test_file_and_memory_hold_the_same_run(wild: Any, tmp_path: Path) -> None:
+    memory = simulate(wild, controller=Says(drift))
+    with simulate(wild, controller=Says(drift), path=tmp_path / "r.h5") as file:
+        assert file.digest() == memory.digest()
+    with Record.load(tmp_path / "r.h5") as loaded:
+        assert loaded.digest() == memory.digest()
+        assert loaded.seed == 0
+        assert loaded.world == wild
+    slower = simulate(wild, controller=Says(lambda o: Decision(0.999, 0.0, hold=0.1)))
+    assert slower.digest() != memory.digest()
+
+
+def test_blocks_of_any_length_give_the_same_record(
+    wild: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """How often a block goes to the record hangs on the wall clock; what is in it must not."""
+    for every in (1, 4):
+        time = type(wild.time)(step=0.01, duration=2.99, record_every=every)
+        world = wild.changed(time=time)
+        whole = simulate(world, controller=Says(drift))
+        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", -1.0)  # every step
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", 1e9)
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.setattr("physim.recording.BLOCK_STEPS", 13)
+        assert simulate(world, controller=Says(drift)).digest() == whole.digest()
+        monkeypatch.undo()
+
+
+@pytest.mark.parametrize("hash_seed", ["1", "2"])
+def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
+    script = (
+        "import physim\n"
+        "from physim.world_file.shipped import find_world\n"
+        "world = physim.load_world(find_world('three_robots'), overrides=['time.duration=8.0'])\n"
+        "print(physim.simulate(world, seed=12).digest())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True, text=True, env={**os.environ, "PYTHONHASHSEED": hash_seed},
+    )  # fmt: skip
+    world = load_world(find_world("three_robots"), overrides=["time.duration=8.0"])
+    assert done.stdout.strip() == simulate(world, seed=12).digest(), done.stderr
+
+
+def test_a_run_says_how_it_ended() -> None:
+    def until(o: Observation) -> Decision:
+        done = o.time > 0.1 * (1 + o.index) - 1e-6
+        return Decision(0.0, 0.0, hold=0.05, mode=Mode.ARRIVED if done else Mode.SAFE)
+
+    world = road(THREE, duration=1.0)
+    record = simulate(world, controller=Says(until))
+    assert (record.ended, record.steps_run) == ("finished", 31)
+    record = simulate(road(THREE, duration=0.25), controller=Says(until))
+    assert (record.ended, record.steps_run, record.steps_planned) == ("duration", 25, 25)
+
+    seen = []
+    simulation = Simulation(world, controller=Says(until))
+    record = record_run(
+        simulation,
+        progress=lambda now, factor: seen.append(now.step_number),
+        stop=lambda: simulation.step_number == 17,
+    )
+    assert (record.ended, record.steps_run, record.samples) == ("interrupted", 17, 18)
+    assert seen == list(range(1, 18))
+
+
+def test_a_run_that_touches_a_wall_tells_of_it() -> None:
+    record = simulate(
+        road([[198.004, 0.0, 0.0]], duration=5.0),
+        controller=Says(lambda o: Decision(1.0, 0.0, hold=0.1)),
+    )
+    (episode,) = contact_episodes(record)
+    assert episode.time == pytest.approx(4.1, abs=0.011)  # 203 m - 0.9 m - 198.004 m at 1 m/s
+    assert record.boundary_clearance.min() < 0.0
+
+
+def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:
+    simulation = Simulation(load_world("straight"))
+    simulation.step()
+    with pytest.raises(ValueError, match="at step 1; a record begins at step 0"):
+        record_run(simulation)

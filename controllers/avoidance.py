@@ -18,6 +18,7 @@ from physim.geometry.motion import move
 from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
+from .bodies import Bodies
 from .path_following import comes_first, judge, single
 
 TIE = tolerances.TIE
@@ -25,27 +26,27 @@ TIE = tolerances.TIE
 
 @compiled
 def smallest_distance(
-    shapes: Shapes, me: int, pose: FloatArray, rows: IntArray, poses: FloatArray
+    bodies: Bodies, me: int, pose: FloatArray, rows: IntArray, poses: FloatArray
 ) -> float:
-    """Smallest d_ij [m] by (11) of body ``me`` at ``pose`` to bodies ``rows`` at ``poses``, signed.
+    """Smallest d_ij [m] by (11) of row ``me`` at ``pose`` to rows ``rows`` at ``poses``, signed.
 
-    ``poses`` (n, 3) of all bodies of ``shapes``; only ``rows`` are looked at. inf without any.
+    ``poses`` (n, 3) of all rows of ``bodies``; only ``rows`` are looked at. inf without any.
     """
+    shapes, mine = bodies.shapes, bodies.shape[me]
     smallest = np.inf
     for j in rows:
+        its = bodies.shape[j]
         gap = hypot(poses[j, 0] - pose[0], poses[j, 1] - pose[1])
-        if gap - shapes.radius[me] - shapes.radius[j] < smallest:  # the discs are no farther
-            d = body_distance(shapes, me, pose, shapes, j, poses[j])  # (11)
+        if gap - shapes.radius[mine] - shapes.radius[its] < smallest:  # the discs are no farther
+            d = body_distance(shapes, mine, pose, shapes, its, poses[j])  # (11)
             smallest = min(smallest, d)
     return smallest
 
 
 @compiled
 def smallest_time(
-    shapes: Shapes,
+    bodies: Bodies,
     me: int,
-    pose: FloatArray,
-    command: FloatArray,
     pair: FloatArray,
     rows: IntArray,
     walls: Shapes,
@@ -54,35 +55,36 @@ def smallest_time(
     translation_only: bool,
     enough: float,
 ) -> float:
-    """Smallest xi [s] by (11) of body ``me`` under the speed pair ``pair``; inf when none.
+    """Smallest xi [s] by (11) of row ``me`` under the speed pair ``pair``; inf when none.
 
-    ``pose`` (n, 3) and held ``command`` (n, 2) of all bodies of ``shapes``. As soon as a value is
-    below ``enough`` the rest is left out: the caller has no use for anything smaller.
+    The others keep the commands they hold. As soon as a value is below ``enough`` the rest is left
+    out: the caller has no use for anything smaller.
     """
+    shapes, pose, command, body = bodies.shapes, bodies.pose, bodies.command, bodies.shape[me]
     keep = 0.0 if translation_only else 1.0
     smallest = np.inf
     mine = (pair[0], keep * pair[1])
     for j in rows:
         theirs = (command[j, 0], keep * command[j, 1])
         gap = hypot(pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1])
-        room = gap - shapes.radius[me] - shapes.radius[j]
+        room = gap - shapes.radius[body] - shapes.radius[bodies.shape[j]]
         closing = abs(mine[0]) + abs(theirs[0])
         if room > 0.0 and room > closing * min(smallest, horizon):
             continue  # even head-on the discs meet later
-        xi = collision_time_pair(shapes, me, pose[me], mine, j, pose[j], theirs, horizon)  # (11)
+        xi = collision_time_pair(
+            shapes, body, pose[me], mine, bodies.shape[j], pose[j], theirs, horizon
+        )  # (11)
         smallest = min(smallest, float(xi))
         if smallest < enough:
             return smallest
-    xi = collision_time_walls(shapes, me, pose[me], mine, walls, parts, horizon)
+    xi = collision_time_walls(shapes, body, pose[me], mine, walls, parts, horizon)
     return min(smallest, float(xi))
 
 
 @compiled
 def widest_pair(
-    shapes: Shapes,
+    bodies: Bodies,
     me: int,
-    pose: FloatArray,
-    command: FloatArray,
     pairs: FloatArray,
     rows: IntArray,
     walls: Shapes,
@@ -96,6 +98,7 @@ def widest_pair(
 
     Other robots move on under their held commands. ``parts`` are the wall parts that count.
     """
+    shapes, pose, command = bodies.shapes, bodies.pose, bodies.command
     poses = np.empty((len(pose), 3))
     for j in rows:
         move(pose[j], command[j, 0], command[j, 1], period, poses[j])
@@ -104,8 +107,8 @@ def widest_pair(
     best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
         move(pose[me], pairs[c, 0], pairs[c, 1], period, end)
-        width = smallest_distance(shapes, me, end, rows, poses)
-        width = min(width, wall_distance(shapes, me, end, walls, parts))
+        width = smallest_distance(bodies, me, end, rows, poses)
+        width = min(width, wall_distance(shapes, bodies.shape[me], end, walls, parts))
         if width < widest - TIE:
             continue
         value = judge(pose[me], pairs[c : c + 1], dwell, judge_ahead, tx, ty)
@@ -116,10 +119,8 @@ def widest_pair(
 
 @compiled
 def longest_pair(
-    shapes: Shapes,
+    bodies: Bodies,
     me: int,
-    pose: FloatArray,
-    command: FloatArray,
     pairs: FloatArray,
     rows: IntArray,
     walls: Shapes,
@@ -132,17 +133,16 @@ def longest_pair(
     ty: float,
 ) -> int:
     """Index of the speed pair with the largest smallest collision time (13)."""
-    dwell = single(period)
+    dwell, pose = single(period), bodies.pose[me]
     best, longest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
         enough = longest - TIE
         xi = smallest_time(
-            shapes, me, pose, command, pairs[c], rows, walls, parts, horizon, translation_only,
-            enough,
-        )  # fmt: skip
+            bodies, me, pairs[c], rows, walls, parts, horizon, translation_only, enough
+        )
         if xi < enough:
             continue
-        value = judge(pose[me], pairs[c : c + 1], dwell, judge_ahead, tx, ty)
+        value = judge(pose, pairs[c : c + 1], dwell, judge_ahead, tx, ty)
         if xi > longest + TIE or comes_first(value, best_value):  # (13)
             best, longest, best_value = c, xi, value
     return best

@@ -1,26 +1,28 @@
 """The paper's controller for all robots that are due, in one compiled call.
 
-For every robot it gathers just what the robot may see (`Bodies` within range by `considered`,
-wall parts within range, stations of its formation neighbours) and runs the same `decide_one` as
-the plain form.
+For every robot it gathers just what the robot may see (its rows of what is sensed, of which
+`considered` takes those within range, wall parts within range, stations of its formation
+neighbours) and runs the same `decide_one` as the plain form.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.control import Decisions, Snapshot
+from physim.control import Decisions, Sensed
 from physim.geometry.nearby import Nearby, parts
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.sight import parts_in_range
 from physim.scene import Scene
 
+from .bodies import Bodies
 from .formation import formation_speed, formation_sum, is_neighbour
-from .mode_switching import Bodies, Memory, Own, decide_one
+from .mode_switching import Memory, Own, decide_one
 from .path_following import copy_plan
 from .settings import ModeSwitchingSettings, Rules
 
@@ -36,7 +38,6 @@ class Cluster(NamedTuple):
     """What does not change in a run, for every robot."""
 
     shapes: Shapes
-    number: IntArray
     walls: Shapes
     nearby: Nearby
     paths: Polylines
@@ -55,83 +56,124 @@ class Cluster(NamedTuple):
     nu_0: float
     v_min: float
     v_max: float
+    formation_range: float
     reach: float
 
 
-class Memories(NamedTuple):
-    """`Memory` of every robot."""
+class Decided(NamedTuple):
+    """What `decide_all` answers, one row a robot that was due."""
 
-    mode: IntArray
-    plan: FloatArray
-    """(N, m, 2)"""
-    dwell: IntArray
+    rows: FloatArray
+    """(M, 5) v, omega, hold, mode, rule"""
+    report: FloatArray
+    """(M, 6)"""
+    considered: IntArray
+    """robot indices, one decision after the other"""
+    considered_start: IntArray
+    """(M + 1,)"""
 
 
 @compiled
-def forward_speed(i: int, cluster: Cluster, station: FloatArray) -> float:
-    """Forward speed of Robot i by (7) [m/s], within its limit."""
-    nu = cluster.nu_0
+def forward_speed(me: int, bodies: Bodies, cluster: Cluster) -> float:
+    """Forward speed of row ``me`` by (7) [m/s], within its robot's limit."""
+    nu, station, number = cluster.nu_0, bodies.station, bodies.number
     if cluster.active:
         neighbours = np.empty(len(station), dtype=np.int64)
         count = 0
         for j in range(len(station)):
-            if is_neighbour(i, j, station, cluster.adjacency, cluster.reach):
+            if is_neighbour(
+                number[me], number[j], station[me], station[j],
+                cluster.adjacency, cluster.formation_range,
+            ):  # fmt: skip
                 neighbours[count] = j
                 count += 1
-        error = formation_sum(i, neighbours[:count], station, cluster.lead)
+        error = formation_sum(me, neighbours[:count], station, cluster.lead[number])
         nu = formation_speed(cluster.nu_0, cluster.alpha, cluster.v_min, cluster.v_max, error)
-    return min(nu, float(cluster.top_speed[i]))
+    return min(nu, float(cluster.top_speed[number[me]]))
+
+
+@compiled
+def row_of(number: IntArray, i: int) -> int:
+    """Row of Robot i; -1 where it has none."""
+    if i < len(number) and number[i] == i:
+        return i  # everybody, in their order
+    for row in range(len(number)):
+        if number[row] == i:
+            return row
+    return -1
+
+
+@compiled
+def longer(values: IntArray, length: int) -> IntArray:
+    """Array of at least twice the length that begins with ``values``."""
+    out = np.empty(max(2 * len(values), length), dtype=np.int64)
+    out[: len(values)] = values
+    return out
 
 
 @compiled
 def decide_all(
     due: IntArray,
     cluster: Cluster,
-    pose: FloatArray,
-    command: FloatArray,
-    station: FloatArray,
-    reference_station: FloatArray,
+    sensed: Sensed,
     rules: Rules,
-    memories: Memories,
-) -> FloatArray:
-    """Decide for every robot of ``due``; rows (M, 11): v, omega, hold, mode, report.
+    mode: IntArray,
+    plan: FloatArray,
+    dwell: IntArray,
+) -> Decided:
+    """Decide for every robot of ``due``.
 
-    Writes the robots' memories. All decide from the same state, so their order does not matter.
+    Writes the robots' memories ``mode`` (N,), ``plan`` (N, m, 2), ``dwell`` (N,). All decide from
+    the same state, so their order does not matter.
     """
-    rows = np.empty((len(due), 11))
-    bodies = Bodies(cluster.shapes, cluster.number, pose, command, reference_station)
+    rows = np.empty((len(due), 5))
+    reports = np.empty((len(due), 6))
+    start = np.zeros(len(due) + 1, dtype=np.int64)
+    listed = np.empty(8 * len(due) + 8, dtype=np.int64)
     for k in range(len(due)):
         i = due[k]
-        near = parts(cluster.nearby, pose[i, 0], pose[i, 1])
-        seen = parts_in_range(cluster.walls, near, pose[i, 0], pose[i, 1], cluster.reach)
+        a, b = sensed.first[i], sensed.end[i]
+        number = sensed.index[a:b]
+        bodies = Bodies(
+            cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
+            sensed.reference_station[a:b],
+        )  # fmt: skip
+        me = row_of(number, i)
+        x, y = bodies.pose[me, 0], bodies.pose[me, 1]
+        near = parts(cluster.nearby, x, y)
+        seen = parts_in_range(cluster.walls, near, x, y, cluster.reach)
         own = Own(
+            me,
             i,
-            i,
-            station[i],
+            sensed.station[i],
             cluster.stop_station[i],
             cluster.outside[cluster.outside_start[i] : cluster.outside_start[i + 1]],
-            forward_speed(i, cluster, reference_station),
+            forward_speed(me, bodies, cluster),
             cluster.forward_only,
             cluster.speeds.values[cluster.speeds.start[i] : cluster.speeds.start[i + 1]],
             cluster.omegas.values[cluster.omegas.start[i] : cluster.omegas.start[i + 1]],
             seen,
             cluster.reach,
         )
-        memory = Memory(memories.mode[i], memories.plan[i], memories.dwell[i])
-        v, omega, hold, mode, plan, dwell, report = decide_one(
+        memory = Memory(mode[i], plan[i], dwell[i])
+        v, omega, hold, new_mode, rule, new_plan, new_dwell, report, others = decide_one(
             bodies, own, cluster.paths, cluster.walls, rules, memory
         )
-        memories.mode[i] = mode
-        copy_plan(plan, memories.plan[i])
-        memories.dwell[i] = dwell
-        rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3] = v, omega, hold, mode
+        mode[i], dwell[i] = new_mode, new_dwell
+        copy_plan(new_plan, plan[i])
+        rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4] = v, omega, hold, new_mode, rule
         for m in range(len(report)):
-            rows[k, 4 + m] = report[m]
-    return rows
+            reports[k, m] = report[m]
+        start[k + 1] = start[k] + len(others)
+        if start[k + 1] > len(listed):
+            listed = longer(listed, start[k + 1])
+        for m in range(len(others)):
+            listed[start[k] + m] = number[others[m]]
+    return Decided(rows, reports, listed[: start[-1]], start)
 
 
 class ModeSwitchingBatch:
-    """Batch form of `ModeSwitching` for one run: holds the robots' memories."""
+    """Batch form of `ModeSwitching` for one run."""
 
     def __init__(self, settings: ModeSwitchingSettings, scene: Scene) -> None:
         plan = scene.formation
@@ -139,7 +181,6 @@ class ModeSwitchingBatch:
         stretches = [np.reshape(s, (-1, 2)) for s in scene.outside]
         self.cluster = Cluster(
             shapes=scene.shapes,
-            number=np.arange(scene.robots),
             walls=scene.walls,
             nearby=scene.nearby,
             paths=scene.paths,
@@ -157,27 +198,28 @@ class ModeSwitchingBatch:
             nu_0=plan.speed,
             v_min=plan.v_min,
             v_max=plan.v_max,
-            reach=plan.range,
-        )
-        self.memories = Memories(
-            mode=np.zeros(scene.robots, dtype=np.int64),
-            plan=np.zeros((scene.robots, len(self.rules.dwell), 2)),
-            dwell=np.zeros(scene.robots, dtype=np.int64),
+            formation_range=plan.range,
+            reach=scene.sensing_range,
         )
 
-    def decide_due(self, snapshot: Snapshot, due: IntArray) -> Decisions:
-        """Decide for robots ``due`` from one snapshot."""
-        rows = decide_all(
-            due,
-            self.cluster,
-            snapshot.pose,
-            snapshot.command,
-            snapshot.station,
-            snapshot.reference_station,
-            self.rules,
-            self.memories,
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Mode, plan and next dwell number of every robot, before its first decision."""
+        robots = len(self.cluster.stop_station)
+        return {
+            "mode": np.zeros(robots, dtype=np.int64),
+            "plan": np.zeros((robots, len(self.rules.dwell), 2)),
+            "dwell": np.zeros(robots, dtype=np.int64),
+        }
+
+    def decide_due(
+        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
+    ) -> Decisions:
+        """Decide for robots ``due`` from what each of them senses."""
+        rows, report, considered, start = decide_all(
+            due, self.cluster, sensed, self.rules, memory["mode"], memory["plan"], memory["dwell"]
         )
-        return Decisions(due, rows[:, :2], rows[:, 2], rows[:, 3].astype(np.int64), rows[:, 4:])
+        mode, rule = rows[:, 3].astype(np.int64), rows[:, 4].astype(np.int64)
+        return Decisions(due, rows[:, :2], rows[:, 2], mode, rule, report, considered, start)
 
 
 def _starts(items: Sequence[FloatArray]) -> IntArray:

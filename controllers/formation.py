@@ -17,14 +17,19 @@ from physim.geometry.shapes import FloatArray, IntArray
 
 @compiled
 def is_neighbour(
-    i: int, j: int, station: FloatArray, adjacency: IntArray, neighbour_range: float
+    i: int,
+    j: int,
+    station_i: float,
+    station_j: float,
+    adjacency: IntArray,
+    neighbour_range: float,
 ) -> bool:
     """Whether j is in N_i: listed in ``adjacency``, or within range along s* when it is (0, 0)."""
     if i == j:
         return False
     if adjacency.shape[0] > 0:
         return bool(adjacency[i, j] != 0)
-    return bool(abs(station[j] - station[i]) <= neighbour_range)
+    return bool(abs(station_j - station_i) <= neighbour_range)
 
 
 @compiled

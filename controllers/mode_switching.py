@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.control import BatchController, Decision, Mode, Observation, Report
+from physim.control import BatchController, Decision, Observation
+from physim.declared import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.errors import Fault
 from physim.geometry.path import path_length
 from physim.geometry.separation import wall_distance
@@ -34,6 +35,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack
 from physim.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
+from .bodies import Bodies
 from .formation import formation_speed, formation_sum
 from .limits import omega_faults
 from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
@@ -46,21 +48,18 @@ from .timing import update_interval
 if TYPE_CHECKING:
     from physim.world import Robot
 
-ARRIVED = int(Mode.ARRIVED)
+ARRIVED = 3
+"""Number of the mode in `PAPER_MODES`"""
 
-
-class Bodies(NamedTuple):
-    """Robots that a decision may look at, one row each: all of them, or those in sight."""
-
-    shapes: Shapes
-    number: IntArray
-    """(n,) robot indices"""
-    pose: FloatArray
-    """(n, 3)"""
-    command: FloatArray
-    """(n, 2) held"""
-    station: FloatArray
-    """(n,) [m] along the reference path"""
+RULES = (
+    Rule("path_following", "path following by (5), speed by (7)"),
+    Rule("plan", "next speed pair of the plan of (5)"),
+    Rule("distance", "avoidance by distance, (12)"),
+    Rule("time", "avoidance by collision time, (13)"),
+    Rule("stop", "stands at its stop station"),
+)
+FOLLOW, PLAN, WIDEST, LONGEST, STOP = range(5)
+"""Numbers of the rules"""
 
 
 class Own(NamedTuple):
@@ -98,9 +97,9 @@ class Memory(NamedTuple):
 
 @compiled
 def empty_report() -> FloatArray:
-    """Report (7,) of a decision that looked at nothing: target, distance, boundary, xi, counts."""
-    report = np.empty(7)
-    for k in range(7):
+    """Report (6,) of a decision that looked at nothing: the columns of `STANDARD_COLUMNS`."""
+    report = np.empty(6)
+    for k in range(6):
         report[k] = np.nan if k < 5 else 0.0
     return report
 
@@ -108,14 +107,18 @@ def empty_report() -> FloatArray:
 @compiled
 def decide_one(
     bodies: Bodies, own: Own, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
-) -> tuple[float, float, float, int, FloatArray, int, FloatArray]:
-    """Decide for one robot: v, omega, hold, mode, plan, next dwell number, report (7,)."""
-    me, shapes, pose = own.row, bodies.shapes, bodies.pose
+) -> tuple[float, float, float, int, int, FloatArray, int, FloatArray, IntArray]:
+    """Decide for one robot: v, omega, hold, mode, rule, plan, next dwell number, report, rows.
+
+    The report (6,) holds `STANDARD_COLUMNS`; the rows are those of the considered robots.
+    """
+    me, pose = own.row, bodies.pose
     report = empty_report()
     x, y, ax, ay = target_on_path(paths, own.path, own.station, rules.look_ahead)  # (3)
     if own.station >= own.stop_station - rules.arrival_tolerance:
         report[0], report[1] = x, y
-        return 0.0, 0.0, rules.update_period, ARRIVED, memory.plan, 0, report
+        nobody = np.empty(0, dtype=np.int64)
+        return 0.0, 0.0, rules.update_period, ARRIVED, STOP, memory.plan, 0, report, nobody
     outside = is_outside(own.outside, own.station + rules.look_ahead)
     position = (pose[me, 0], pose[me, 1])
     tx, ty = safe_target(
@@ -126,8 +129,8 @@ def decide_one(
     left = path_length(paths, own.path) - own.station
     judge_ahead = judging_time(rules.judge_ahead, left, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
-    distance = smallest_distance(shapes, me, pose[me], rows, pose)
-    boundary = wall_distance(shapes, me, pose[me], walls, own.parts)
+    distance = smallest_distance(bodies, me, pose[me], rows, pose)
+    boundary = wall_distance(bodies.shapes, bodies.shape[me], pose[me], walls, own.parts)
     pairs = speed_pairs(own.speeds, own.nu, own.omegas)
     dwell = memory.dwell
     plan = memory.plan
@@ -136,31 +139,31 @@ def decide_one(
         plan = best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty)  # (5)
     pair = plan[dwell]
     xi = smallest_time(
-        shapes, me, pose, bodies.command, pair, rows, walls, own.parts, rules.horizon,
-        rules.translation_only, -1.0,
-    )  # fmt: skip
+        bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
+    )
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
+    rule = FOLLOW if dwell == 0 else PLAN
     interval = rules.dwell[dwell]
     if mode != SAFE:
         interval = rules.update_period
         if mode == DISTANCE:
             near = own.parts if boundary < rules.safe_distance else own.parts[:0]
+            rule = WIDEST
             best = widest_pair(
-                shapes, me, pose, bodies.command, pairs, rows, walls, near,
-                rules.update_period, judge_ahead, tx, ty,
-            )  # fmt: skip
+                bodies, me, pairs, rows, walls, near, rules.update_period, judge_ahead, tx, ty
+            )
         else:
+            rule = LONGEST
             best = longest_pair(
-                shapes, me, pose, bodies.command, pairs, rows, walls, own.parts, rules.horizon,
+                bodies, me, pairs, rows, walls, own.parts, rules.horizon,
                 rules.translation_only, rules.update_period, judge_ahead, tx, ty,
             )  # fmt: skip
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]
         xi = smallest_time(
-            shapes, me, pose, bodies.command, pair, rows, walls, own.parts, rules.horizon,
-            rules.translation_only, -1.0,
-        )  # fmt: skip
+            bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
+        )
         evaluations += len(rows) + 1
     hold = interval
     if rules.event_triggered:
@@ -168,18 +171,22 @@ def decide_one(
     goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
     report[0], report[1] = tx, ty
     report[2], report[3], report[4] = distance, boundary, xi
-    report[5], report[6] = len(rows), evaluations
-    return pair[0], pair[1], hold, mode, plan, dwell + 1 if goes_on else 0, report
+    report[5] = evaluations
+    dwell = dwell + 1 if goes_on else 0
+    return pair[0], pair[1], hold, mode, rule, plan, dwell, report, rows
 
 
 class ModeSwitching:
     """Formation, path following and collision avoidance by the paper's rules, all of them."""
 
     Settings = ModeSwitchingSettings
+    modes = PAPER_MODES
+    rules = RULES
+    columns = STANDARD_COLUMNS
 
     def __init__(self, settings: ModeSwitchingSettings | None = None) -> None:
         self.settings = settings or ModeSwitchingSettings()
-        self.rules = self.settings.rules()
+        self._rules = self.settings.rules()
 
     def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
         """Refuse a set of rotational speeds that a robot's limits do not allow."""
@@ -189,7 +196,7 @@ class ModeSwitching:
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
         o = observation
-        plan = np.zeros((len(self.rules.dwell), 2))
+        plan = np.zeros((len(self._rules.dwell), 2))
         memory = memory or Memory(mode=SAFE, plan=plan, dwell=0)
         nu = o.formation.speed
         if o.formation.active:
@@ -201,6 +208,7 @@ class ModeSwitching:
             )
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
+            shape=np.arange(1 + len(o.others)),
             number=np.array([o.index, *(other.index for other in o.others)]),
             pose=np.array([o.pose, *(other.pose for other in o.others)]),
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
@@ -220,23 +228,19 @@ class ModeSwitching:
             reach=o.range,
         )
         walls = pack_shapes([[part] for part in o.walls])
-        v, omega, hold, mode, plan, dwell, report = decide_one(
-            bodies, own, o.path.lines, walls, self.rules, memory
+        v, omega, hold, mode, rule, plan, dwell, report, rows = decide_one(
+            bodies, own, o.path.lines, walls, self._rules, memory
         )
+        columns = (column.name for column in STANDARD_COLUMNS)
         return Decision(
             v=v,
             omega=omega,
             hold=hold,
-            mode=Mode(mode),
+            mode=PAPER_MODES[mode],
             memory=Memory(mode, plan, dwell),
-            report=Report(
-                target=(report[0], report[1]),
-                distance=report[2],
-                boundary_distance=report[3],
-                collision_time=report[4],
-                considered=int(report[5]),
-                evaluations=int(report[6]),
-            ),
+            rule=RULES[rule],
+            considered=bodies.number[rows].tolist(),
+            report=dict(zip(columns, report.tolist(), strict=True)),
         )
 
     def batch(self, scene: Scene) -> BatchController:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physim.control import Decision, Mode, Observation, Report
+from physim.control import Decision, Observation
+from physim.declared import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
 from physim.errors import Fault
 
 from .limits import omega_faults
@@ -24,9 +25,15 @@ if TYPE_CHECKING:
 class PathFollowing:
     """Path following by target chasing only, without formation or avoidance."""
 
+    modes = (SAFE, AT_STOP)
+    rules = (
+        Rule("path_following", "path following by (5)"),
+        Rule("stop", "stands at its stop station"),
+    )
+    columns = STANDARD_COLUMNS[:2]
+
     def __init__(self) -> None:
         self.settings = ModeSwitchingSettings()
-        self.rules = self.settings.rules()
 
     def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
         """Refuse robots whose limits do not allow the rotational speeds to choose from."""
@@ -34,10 +41,10 @@ class PathFollowing:
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""
-        rules = self.rules
+        rules = self.settings.rules()
         x, y = observation.path.target(observation.station, rules.look_ahead)
         if observation.station >= observation.stop_station - rules.arrival_tolerance:
-            return Decision(0.0, 0.0, hold=rules.update_period, mode=Mode.ARRIVED)
+            return Decision(0.0, 0.0, hold=rules.update_period, mode=AT_STOP, rule="stop")
         omegas = observation.omegas or self.settings.omegas
         nu = min(observation.formation.speed, observation.limits[0])
         pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))
@@ -46,5 +53,7 @@ class PathFollowing:
         ahead = judging_time(rules.judge_ahead, left, nu)
         plan = best_plan(observation.pose, pairs, dwell, ahead, x, y)
         v, omega = plan[0]
-        report = Report(target=(x, y))
-        return Decision(v, omega, hold=rules.update_period, mode=Mode.SAFE, report=report)
+        return Decision(
+            v, omega, hold=rules.update_period, mode=SAFE, rule="path_following",
+            report={"target_x": x, "target_y": y},
+        )  # fmt: skip

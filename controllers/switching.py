@@ -12,11 +12,11 @@ short, (12) otherwise.
 from __future__ import annotations
 
 from physim.compiled import compiled
-from physim.control import Mode
 
 from .settings import Rules
 
-SAFE, DISTANCE, TIME = int(Mode.SAFE), int(Mode.DISTANCE), int(Mode.TIME)
+SAFE, DISTANCE, TIME = 0, 1, 2
+"""Numbers of the modes in `physim.declared.PAPER_MODES`"""
 
 
 @compiled

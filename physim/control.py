@@ -12,13 +12,13 @@ is whatever the last decision returned, None at first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
+from numpy.typing import NDArray
 
+from physim.declared import Column, Mode, Rule
 from physim.geometry.shapes import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -28,23 +28,8 @@ if TYPE_CHECKING:
     from physim.world import Robot
 
 
-NO_MODE = -1
-"""In tables, the mode of a decision that gave none."""
 LONGEST_HOLD = 10**9
 """[steps] a hold of inf: never again"""
-
-
-class Mode(IntEnum):
-    """Control mode of a robot, as recorded."""
-
-    SAFE = 0
-    """follows its path by (5) and (7)"""
-    DISTANCE = 1
-    """danger: avoids by distance, (12)"""
-    TIME = 2
-    """danger: avoids by collision time, (13)"""
-    ARRIVED = 3
-    """at its stop station, command (0, 0)"""
 
 
 @dataclass(frozen=True)
@@ -63,7 +48,7 @@ class Seen:
     station: float
     """[m] along the reference path"""
     time: float
-    """[s] when this was seen"""
+    """[s] when this was true, as far as is known"""
 
 
 @dataclass(frozen=True)
@@ -141,41 +126,28 @@ class Decision:
 
     ``v`` [m/s] along the heading, ``omega`` [rad/s] counter-clockwise: finite and within the
     robot's limits, or the run stops. ``hold`` [s] until the next decision, rounded down to physics
-    steps, at least one (0: every step; inf: never again). ``mode`` goes to the record and the
-    video; a controller that has no modes leaves it out, and none are reported. A run is finished
-    when every robot's is `Mode.ARRIVED`. ``memory`` comes back at the
-    next decision. ``report`` names further values for the record.
+    steps, at least one (0: every step; inf: never again). ``memory`` comes back at the next
+    decision; it must be a value that can be pickled. The rest goes to the record: ``mode`` and
+    ``rule``, by name or as declared (`Mode`, `Rule`); ``considered``, the robots that the decision
+    took into account; ``report``, numbers by the names of declared columns.
     """
 
     v: float
     omega: float
     hold: float
-    mode: Mode | None = None
+    mode: str | Mode | None = None
     memory: Any = None
-    report: Report = field(default_factory=lambda: Report())
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a decision rested on; NaN or 0 where a controller has no such value."""
-
-    target: tuple[float, float] = (np.nan, np.nan)
-    """[m] point steered to"""
-    distance: float = np.nan
-    """[m] smallest distance to a considered robot"""
-    boundary_distance: float = np.nan
-    """[m] smallest distance to a boundary or obstacle"""
-    collision_time: float = np.nan
-    """[s] smallest collision time under the new command; inf when there is none"""
-    considered: int = 0
-    """robots considered: the messages that the decision needed"""
-    evaluations: int = 0
-    """collision times worked out"""
+    rule: str | Rule | None = None
+    considered: Sequence[int] = ()
+    report: Mapping[str, float] = field(default_factory=dict)
 
 
 @runtime_checkable
 class Controller(Protocol):
-    """Decides for one robot from what that robot sees."""
+    """Decides for one robot from what that robot sees.
+
+    It may declare ``modes``, ``rules`` and ``columns``, tuples of `Mode`, `Rule` and `Column`.
+    """
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the command to hold from now on."""
@@ -199,17 +171,49 @@ class ChecksRobots(Protocol):
 
 
 class Snapshot(NamedTuple):
-    """All robots at one step: what every robot due at that step decides from."""
+    """All robots at one sample, as they are. Arrays never change once they are handed out."""
 
     step: int
     pose: FloatArray
     """(N, 3)"""
     command: FloatArray
-    """(N, 2) held before this step"""
+    """(N, 2) nominal commands held before this step"""
     station: FloatArray
-    """(N,) own projection on the own path"""
+    """(N,) [m] own projection on the own path"""
+    deviation: FloatArray
+    """(N,) [m] from the own path, left positive"""
     reference_station: FloatArray
-    """(N,) projection on s*"""
+    """(N,) [m] projection on s*"""
+
+
+class Sensed(NamedTuple):
+    """What robots know at one step: rows of bodies, of which observer i has ``rows(i)``.
+
+    Where all know the same, every observer has all rows, and nothing is copied. Among its rows
+    every observer has one of itself. Arrays must not be written to.
+    """
+
+    step: int
+    index: IntArray
+    """(M,) which robot"""
+    pose: FloatArray
+    """(M, 3)"""
+    command: FloatArray
+    """(M, 2) nominal command held before this step"""
+    reference_station: FloatArray
+    """(M,) [m] along s*"""
+    age: FloatArray
+    """(M,) [s] how old the row is"""
+    first: IntArray
+    """(N,) first row of each observer"""
+    end: IntArray
+    """(N,) one past its last row"""
+    station: FloatArray
+    """(N,) [m] own projection of each observer on its own path"""
+
+    def rows(self, i: int) -> slice:
+        """Rows of observer i."""
+        return slice(int(self.first[i]), int(self.end[i]))
 
 
 class Decisions(NamedTuple):
@@ -217,20 +221,35 @@ class Decisions(NamedTuple):
 
     robot: IntArray
     command: FloatArray
-    """(M, 2)"""
+    """(M, 2) nominal"""
     hold: FloatArray
     """(M,) [s]"""
     mode: IntArray
-    """(M,) `Mode`, or NO_MODE"""
+    """(M,) number of the declared mode, or `physim.declared.NO_NUMBER`"""
+    rule: IntArray
+    """(M,) number of the declared rule, or `physim.declared.NO_NUMBER`"""
     report: FloatArray
-    """(M, 7) target x, y, distance, boundary distance, collision time, considered, evaluations"""
+    """(M, C) declared columns"""
+    considered: IntArray
+    """(E,) robots considered, those of row k from ``considered_start[k]`` on"""
+    considered_start: IntArray
+    """(M + 1,)"""
 
 
 class BatchController(Protocol):
-    """Decides for all robots that are due, in one call; keeps its memory in arrays."""
+    """Decides for all robots that are due, in one call.
 
-    def decide_due(self, snapshot: Snapshot, due: IntArray) -> Decisions:
-        """Decide for robots ``due`` (increasing indices) from one snapshot."""
+    Its memory is a mapping of named arrays, held by the simulation and written in place.
+    """
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Memory before the first decision."""
+        ...
+
+    def decide_due(
+        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
+    ) -> Decisions:
+        """Decide for robots ``due`` (increasing indices) from what each of them senses."""
         ...
 
 
@@ -244,10 +263,11 @@ class Batched(Protocol):
 
 
 __all__ = [
-    "NO_MODE",
+    "LONGEST_HOLD",
     "BatchController",
     "Batched",
     "ChecksRobots",
+    "Column",
     "Controller",
     "Decision",
     "Decisions",
@@ -255,7 +275,8 @@ __all__ = [
     "Mode",
     "Neighbour",
     "Observation",
-    "Report",
+    "Rule",
     "Seen",
+    "Sensed",
     "Snapshot",
 ]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import traceback
-from array import array
+from collections.abc import Mapping, Sequence
 from math import nan
+from operator import index
 from typing import Any, NamedTuple
 
-from physim.control import NO_MODE, Decision, Mode, Report
-from physim.errors import ControllerError
+from physim.control import Decision
+from physim.declared import NO_NUMBER, Declared, Mode, Rule
+from physim.errors import ControllerError, nearest
 
 _NO_NUMBER = (TypeError, ValueError, OverflowError)
 """What Python raises where something cannot be made a number."""
@@ -20,29 +22,31 @@ class Row(NamedTuple):
     command: tuple[float, float]
     hold: float
     mode: int
-    report: tuple[float, ...]
+    rule: int
+    considered: list[int]
+    report: list[float]
 
 
-def decision_row(decision: object, where: str) -> Row:
+def decision_row(decision: object, where: str, declared: Declared, robots: int) -> Row:
     """Numbers of a decision.
 
-    Raises ControllerError, which begins with ``where``, when it is no Decision or one of its
-    fields is of a wrong type.
+    Raises ControllerError, which begins with ``where``, when it is no Decision, when one of its
+    fields is of a wrong type, or names what the controller has not declared.
     """
     if not isinstance(decision, Decision):
         given = type(decision).__name__
         raise ControllerError(f"{where}: decide returned {given}; it must return a Decision")
-    report: object = decision.report
-    if not isinstance(report, Report):
-        given = type(report).__name__
-        raise ControllerError(f"{where}: report is a {given}; it must be a Report")
-    command = (_number(decision, "v", where), _number(decision, "omega", where))
-    told = _report(report, where)
-    return Row(command, _number(decision, "hold", where), _mode(decision, where), told)
+    return Row(
+        (_number(decision.v, "v", where), _number(decision.omega, "omega", where)),
+        _number(decision.hold, "hold", where),
+        _declared(decision.mode, "mode", declared.modes, where),
+        _declared(decision.rule, "rule", declared.rules, where),
+        _considered(decision.considered, where, robots),
+        _report(decision.report, where, declared),
+    )
 
 
-def _number(decision: Decision, field: str, where: str) -> float:
-    value: object = getattr(decision, field)
+def _number(value: object, field: str, where: str) -> float:
     try:
         if isinstance(value, str | bytes):
             raise TypeError
@@ -52,56 +56,57 @@ def _number(decision: Decision, field: str, where: str) -> float:
         raise ControllerError(f"{where}: {field} is {given}; it must be a number") from None
 
 
-def _mode(decision: Decision, where: str) -> int:
-    if decision.mode is None:
-        return NO_MODE
+def _declared(
+    given: str | Mode | Rule | None, field: str, among: Sequence[Mode | Rule], where: str
+) -> int:
+    """Number of a declared mode or rule, given by name or as it was declared."""
+    if given is None:
+        return NO_NUMBER
+    name = getattr(given, "name", given)
+    for number, one in enumerate(among):
+        if one.name == name and (given is name or given == one):
+            return number
+    names = [one.name for one in among]
+    hint = nearest(name[:100], names) if isinstance(name, str) else ""
+    allowed = f"declared: {', '.join(names)}" if names else f"the controller declares no {field}s"
+    raise ControllerError(f"{where}: {field} is {_shown(given)}; {allowed}{hint}")
+
+
+def _considered(given: object, where: str, robots: int) -> list[int]:
     try:
-        return int(Mode(decision.mode))
-    except ValueError:
-        allowed = ", ".join(f"Mode.{mode.name}" for mode in Mode)
-        message = f"{where}: mode is {_shown(decision.mode)}; allowed: {allowed}"
-        raise ControllerError(message) from None
-
-
-def _report(report: Report, where: str) -> tuple[float, ...]:
-    """Numbers of a report. All are converted at once, since this is done at every decision."""
-    r = report
-    try:
-        x, y = r.target
-        distances = r.distance, r.boundary_distance, r.collision_time
-        return tuple(array("d", (x, y, *distances, r.considered, r.evaluations)))
-    except _NO_NUMBER:
-        return _field_by_field(report, where)
-
-
-def _field_by_field(report: Report, where: str) -> tuple[float, ...]:
-    """Numbers of a report in which something is no number: refused, but None as NaN."""
-    try:
-        x, y = (_plain(value) for value in report.target)
-    except _NO_NUMBER:
-        given = _shown(report.target)
+        found = [index(j) for j in given]  # type: ignore[attr-defined]
+    except TypeError:
         raise ControllerError(
-            f"{where}: report.target is {given}; it must be two numbers, x and y [m]"
+            f"{where}: considered is {_shown(given)}; it must list robots by index"
         ) from None
-    told = [x, y]
-    for field in ("distance", "boundary_distance", "collision_time", "considered", "evaluations"):
-        value = getattr(report, field)
-        try:
-            told.append(_plain(value, none=field not in ("considered", "evaluations")))
-        except _NO_NUMBER:
-            given = _shown(value)
+    if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
+        raise ControllerError(
+            f"{where}: considered is {_shown(given)}; it must list robots 0 to {robots - 1}, "
+            "each once"
+        )
+    return found
+
+
+def _report(report: object, where: str, declared: Declared) -> list[float]:
+    """Numbers of a report, one a declared column; NaN where one is left out or None."""
+    if not isinstance(report, Mapping):
+        raise ControllerError(
+            f"{where}: report is a {type(report).__name__}; it must be a mapping of columns"
+        )
+    names = [column.name for column in declared.columns]
+    for name in report:
+        if name not in names:
+            hint = nearest(name[:100], names) if isinstance(name, str) else ""
+            allowed = ", ".join(names) or "none, give the controller some: columns = (Column(...),)"
             raise ControllerError(
-                f"{where}: report.{field} is {given}; it must be a number"
-            ) from None
-    return tuple(told)
-
-
-def _plain(value: Any, none: bool = True) -> float:
-    """Value as a number. ``none``: None is NaN; controllers say so that they have no value."""
-    if value is None and none:
-        return nan
-    number: float = array("d", (value,))[0]
-    return number
+                f"{where}: report names {_shown(name)}, which is not declared; declared: "
+                f"{allowed}{hint}"
+            )
+    values = (report.get(name) for name in names)
+    return [
+        nan if value is None else _number(value, f"report {name}", where)
+        for name, value in zip(names, values, strict=True)
+    ]
 
 
 def _shown(value: object) -> str:

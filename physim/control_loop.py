@@ -2,75 +2,114 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from physim.control import (
-    LONGEST_HOLD,
-    NO_MODE,
-    Controller,
-    Decision,
-    Decisions,
-    Mode,
-    Observation,
-    Snapshot,
-)
+from physim.control import LONGEST_HOLD, BatchController, Controller, Decision, Decisions, Sensed
 from physim.control_decisions import Row, broken, decision_row
+from physim.declared import NO_NUMBER, Declared
 from physim.errors import ControllerError, PhysimError
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.perception import observe
 from physim.scene import Scene
 from physim.tolerances import SHARE
+
+NOBODY = read_only(np.zeros(0, dtype=np.int64))
+
+
+class Decided(NamedTuple):
+    """Nominal commands (N, 2) from a step on, and who decided at it."""
+
+    nominal: FloatArray
+    decisions: Decisions | None = None
+    next_step: IntArray = NOBODY
+
+
+def decide(
+    batch: BatchController,
+    scene: Scene,
+    declared: Declared,
+    sensed: Sensed,
+    due: IntArray,
+    held: FloatArray,
+    memory: dict[str, NDArray[Any]],
+) -> tuple[Decided, Decisions]:
+    """Ask the robots that are due, and check what they say. ``held`` (N, 2) are the commands so far.
+
+    Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
+    """
+    time = sensed.step * scene.dt
+    decisions = batch.decide_due(sensed, due, memory)
+    check_commands(scene, time, due, decisions.command)
+    check_told(scene, time, decisions, declared)
+    next_step = sensed.step + hold_steps(scene, time, due, decisions.hold)
+    nominal = held.copy()
+    nominal[due] = decisions.command
+    return Decided(read_only(nominal), decisions, next_step), decisions
+
+
+MEMORY = "memory"
+"""Name of the one array of a plain controller's memories: (N,) of Python values."""
 
 
 class PlainBatch:
     """A controller that decides for one robot at a time, asked for each robot that is due."""
 
-    def __init__(
-        self, controller: Controller, scene: Scene, observe: Callable[[int], Observation]
-    ) -> None:
+    def __init__(self, controller: Controller, scene: Scene, declared: Declared) -> None:
         self.controller = controller
         self.scene = scene
-        self.observe = observe
-        self.memory: list[Any] = [None] * scene.robots
+        self.declared = declared
 
-    def decide_due(self, snapshot: Snapshot, due: IntArray) -> Decisions:
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """What each robot's last decision returned: None at first."""
+        return {MEMORY: np.full(self.scene.robots, None, dtype=object)}
+
+    def decide_due(
+        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
+    ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
         rows, memories = [], []
         for i in due.tolist():
-            decision, row = self._decide(i, snapshot.step * self.scene.dt)
+            decision, row = self._decide(i, sensed, memory[MEMORY][i])
             rows.append(row)
             memories.append(decision.memory)
-        for i, memory in zip(due, memories, strict=True):
-            self.memory[i] = memory
+        for i, value in zip(due, memories, strict=True):
+            memory[MEMORY][i] = value
+        considered = [row.considered for row in rows]
+        columns = len(self.declared.columns)
         return Decisions(
             due,
             np.array([row.command for row in rows], dtype=np.float64),
             np.array([row.hold for row in rows], dtype=np.float64),
             np.array([row.mode for row in rows], dtype=np.int64),
-            np.array([row.report for row in rows], dtype=np.float64),
+            np.array([row.rule for row in rows], dtype=np.int64),
+            np.array([row.report for row in rows], dtype=np.float64).reshape(-1, columns),
+            np.array([j for robots in considered for j in robots], dtype=np.int64),
+            np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
         )
 
-    def _decide(self, i: int, time: float) -> tuple[Decision, Row]:
-        name = type(self.controller).__name__
+    def _decide(self, i: int, sensed: Sensed, memory: Any) -> tuple[Decision, Row]:
+        name, time = type(self.controller).__name__, sensed.step * self.scene.dt
         where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
         try:
-            decision = self.controller.decide(self.observe(i), self.memory[i])
+            decision = self.controller.decide(observe(self.scene, sensed, i), memory)
         except PhysimError:
             raise
         except (Exception, SystemExit) as error:
             raise broken(error, where) from error
-        return decision, decision_row(decision, where)
+        return decision, decision_row(decision, where, self.declared, self.scene.robots)
 
 
-def as_commands(given: ArrayLike, time: float) -> FloatArray:
-    """Commands as an array of floats, a copy; ControllerError where they are no numbers."""
+def outside(scene: Scene, time: float, given: ArrayLike) -> FloatArray:
+    """Commands (N, 2) from outside, a copy; ControllerError where robots cannot take them."""
     try:
-        return np.array(given, dtype=np.float64)
+        nominal = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise ControllerError(f"commands at {time:g} s are no array of numbers (N, 2)") from None
+    check_commands(scene, time, np.arange(scene.robots), nominal)
+    return read_only(nominal)
 
 
 def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatArray) -> None:
@@ -92,22 +131,48 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
     )
 
 
-def check_told(scene: Scene, time: float, decisions: Decisions) -> None:
-    """Refuse modes and counts of robots that no record may hold."""
-    considered, evaluations = decisions.report[:, 5], decisions.report[:, 6]
-    bodies = len(scene.bodies)
-    for values, low, high, name in (
-        (decisions.mode, NO_MODE, max(Mode), "mode"),
-        (considered, 0, bodies, "report: considered"),
-        (evaluations, 0, np.iinfo(np.int32).max, "report: evaluations"),
-    ):
-        fine = (values >= low) & (values <= high)  # False for NaN
-        if not fine.all():
-            row = int(np.argmin(fine))
+def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:
+    """Refuse applied commands that are no finite (N, 2)."""
+    name = type(part).__name__
+    if np.shape(applied) != (scene.robots, 2) or not np.isfinite(applied).all():
+        raise ControllerError(
+            f"disturbance {name} at {time:g} s: applied commands must be finite, "
+            f"({scene.robots}, 2); the shape is {np.shape(applied)}"
+        )
+
+
+def check_told(scene: Scene, time: float, decisions: Decisions, declared: Declared) -> None:
+    """Refuse numbers of modes, rules and robots, and shapes, that no record may hold."""
+    d, robots = decisions, decisions.robot
+    many = len(robots)
+    start = d.considered_start
+    shapes = (
+        ("hold", d.hold.shape, (many,)),
+        ("mode", d.mode.shape, (many,)),
+        ("rule", d.rule.shape, (many,)),
+        ("report", d.report.shape, (many, len(declared.columns))),
+        ("considered_start", start.shape, (many + 1,)),
+    )
+    for name, found, wanted in shapes:
+        if found != wanted:
             raise ControllerError(
-                f"{scene.names[decisions.robot[row]]} at {time:g} s: {name} = {values[row]:g}; "
-                f"allowed: {int(low)} to {int(high)}"
+                f"decisions at {time:g} s: {name} has the shape {found}; it must be {wanted}"
             )
+    for name, values, most in (
+        ("mode", d.mode, len(declared.modes)),
+        ("rule", d.rule, len(declared.rules)),
+    ):
+        if values.min() < NO_NUMBER or values.max() >= most:
+            row = int(np.argmax((values < NO_NUMBER) | (values >= most)))
+            raise ControllerError(
+                f"{scene.names[robots[row]]} at {time:g} s: {name} = {values[row]}; allowed: "
+                f"{NO_NUMBER} to {most - 1}"
+            )
+    if len(d.considered) and (d.considered.min() < 0 or d.considered.max() >= scene.robots):
+        raise ControllerError(
+            f"decisions at {time:g} s: considered robots {d.considered.min()} to "
+            f"{d.considered.max()}; allowed: 0 to {scene.robots - 1}"
+        )
 
 
 def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) -> IntArray:

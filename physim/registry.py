@@ -1,7 +1,7 @@
-"""Controllers by name: those that installed packages register, and, when trusted, any class.
+"""Parts of a run by name: those that installed packages register, and, when trusted, any class.
 
-A package registers one by the entry point group ``physim.controllers``. ``module:Class`` imports a
-module, so it is taken from the command line or Python alone, never from a world file.
+A package registers a part by the entry point group of its kind (`Kind.group`). ``module:Class``
+imports a module, so it is taken from the command line or Python alone, never from a world file.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import sys
 import traceback
 from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from physim.errors import ControllerError, Fault, WorldError, nearest
+from physim.errors import ControllerError, Fault, Location, WorldError, nearest
 from physim.world.faults import faults_of, shown, unknown_key
 from physim.world.frozen import thawed
 
@@ -24,62 +24,96 @@ if TYPE_CHECKING:
 
     from physim.world import Robot
 
-GROUP = "physim.controllers"
+class Kind(NamedTuple):
+    """A kind of part that is found by name."""
+
+    word: str
+    """what it is called in messages"""
+    group: str
+    """of entry points"""
+    methods: tuple[str, ...]
+    """that its classes must have"""
 
 
-def controller_names() -> dict[str, str]:
-    """Name and one-line description of every registered controller, by name.
+CONTROLLER = Kind("controller", "physim.controllers", ("decide",))
+SENSING = Kind("sensing stage", "physim.sensing", ("start", "sense"))
+FILTER = Kind("filter", "physim.filters", ("start", "filter"))
+DISTURBANCE = Kind("disturbance", "physim.disturbances", ("start", "disturb"))
+OBSERVER = Kind("observer", "physim.observers", ("start", "after_step", "close"))
+
+
+def part_names(kind: Kind) -> dict[str, str]:
+    """Name and one-line description of every registered part of a kind, by name.
 
     One that cannot be imported is listed with the reason.
     """
     found = {}
-    for name, entry in sorted(_entries().items()):
+    for name, entry in sorted(_entries(kind).items()):
         try:
-            found[name] = _first_line(_load(entry.value, name))
+            found[name] = _first_line(_load(kind, entry.value, name))
         except ControllerError as error:
             found[name] = str(error)
     return found
 
 
+def controller_names() -> dict[str, str]:
+    """Name and one-line description of every registered controller, by name."""
+    return part_names(CONTROLLER)
+
+
 def shipped_controllers() -> list[str]:
     """Names of the controllers that come with physim."""
-    return sorted(n for n, e in _entries().items() if e.value.startswith(f"{GROUP}."))
+    group = CONTROLLER.group
+    return sorted(n for n, e in _entries(CONTROLLER).items() if e.value.startswith(f"{group}."))
 
 
-def find_controller(name: str, trusted: bool = False) -> type[Any]:
-    """Return the class of a controller: a registered name, or ``module:Class`` when trusted.
+def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
+    """Return the class of a part: a registered name, or ``module:Class`` when trusted.
 
     Raises `ControllerError` when it is unknown, may not be named here, or cannot be imported.
     """
-    entries = _entries()
+    entries = _entries(kind)
     if name in entries:
-        return _load(entries[name].value, name)
+        return _load(kind, entries[name].value, name)
     if ":" in name:
         if not trusted:
+            option = "; give it on the command line by --controller" if kind is CONTROLLER else ""
             raise ControllerError(
-                f"{shown(name)} names a class; a world may name registered controllers only: "
-                f"{', '.join(sorted(entries))}; give it on the command line by --controller"
+                f"{shown(name)} names a class; a world may name registered {kind.word}s only: "
+                f"{', '.join(sorted(entries)) or 'none'}{option}"
             )
         _make_folder_importable()
-        return _load(name, name)
+        return _load(kind, name, name)
     raise ControllerError(
-        f"no controller is called {shown(name)}; registered: "
+        f"no {kind.word} is called {shown(name)}; registered: "
         f"{', '.join(sorted(entries)) or 'none'}{nearest(name[:100], sorted(entries))}"
     )
 
 
-def settings_model(controller: type[Any]) -> type[BaseModel] | None:
-    """Return the pydantic model of a controller's settings, or None when it has none.
+def check_part(kind: Kind, part: object) -> None:
+    """Raise `ControllerError` where an object lacks a method of its kind, or is a class."""
+    if isinstance(part, type):
+        raise ControllerError(f"{kind.word} is the class {part.__name__}; give an instance of it")
+    for method in kind.methods:
+        if not callable(getattr(part, method, None)):
+            raise ControllerError(
+                f"{kind.word} {type(part).__name__} has no method {method}; it needs "
+                f"{', '.join(kind.methods)}"
+            )
+
+
+def settings_model(part: type[Any]) -> type[BaseModel] | None:
+    """Return the pydantic model of a part's settings, or None when it has none.
 
     Raises `ControllerError` when its ``Settings`` is something else.
     """
     from pydantic import BaseModel
 
-    settings = getattr(controller, "Settings", None)
+    settings = getattr(part, "Settings", None)
     if settings is None:
         return None
     if not (isinstance(settings, type) and issubclass(settings, BaseModel)):
-        raise ControllerError(f"{controller.__name__}.Settings must be a pydantic model")
+        raise ControllerError(f"{part.__name__}.Settings must be a pydantic model")
     return settings
 
 
@@ -102,39 +136,47 @@ def robot_faults(controller: Any, robots: Mapping[int, Robot]) -> list[Fault]:
     return faults
 
 
-def make_controller(name: str, settings: Mapping[str, Any], trusted: bool = False) -> Any:
-    """Make a controller with its settings checked: ``cls(settings)``, or ``cls()`` without any.
+def make_part(
+    kind: Kind,
+    name: str,
+    settings: Mapping[str, Any],
+    trusted: bool = False,
+    where: Location | None = None,
+) -> Any:
+    """Make a part with its settings checked: ``cls(settings)``, or ``cls()`` without any.
 
-    Raises `ControllerError` as `find_controller` does, and `WorldError` with a fault at
-    ``("controller", key)`` for each setting that is wrong.
+    Raises `ControllerError` as `find_part` does, and `WorldError` with a fault at ``where`` (for a
+    controller ``("controller",)``) and the key for each setting that is wrong.
     """
-    controller = find_controller(name, trusted)
-    made, faults = checked_settings(controller, settings)
+    part = find_part(kind, name, trusted)
+    made, faults = checked_settings(part, settings, where or (kind.word,))
     if faults:
         raise WorldError(faults)
-    return made_controller(controller, made, name)
+    return made_part(kind, part, made, name)
 
 
-def made_controller(controller: type[Any], settings: BaseModel | None, name: str) -> Any:
-    """Make a controller from its checked settings. Raises `ControllerError` where it fails."""
+def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:
+    """Make a part from its checked settings. Raises `ControllerError` where it fails."""
     try:
-        return controller() if settings is None else controller(settings)
+        return part() if settings is None else part(settings)
     except Exception as error:
-        raise ControllerError(f"controller {shown(name)} cannot be made: {_told(error)}") from error
+        raise ControllerError(
+            f"{kind.word} {shown(name)} cannot be made: {_told(error)}"
+        ) from error
 
 
 def checked_settings(
-    controller: type[Any], settings: Mapping[str, Any]
+    part: type[Any], settings: Mapping[str, Any], where: Location = ("controller",)
 ) -> tuple[BaseModel | None, list[Fault]]:
-    """Settings object of a controller, or the faults of ``settings``.
+    """Settings object of a part, or the faults of ``settings``, each at ``where`` and its key.
 
     They are checked strictly, as JSON would be: text is no number, a list may fill a tuple.
     """
     from pydantic import ValidationError
 
-    model = settings_model(controller)
+    model = settings_model(part)
     allowed = [] if model is None else list(model.model_fields)
-    faults = [unknown_key(("controller", key), allowed) for key in settings if key not in allowed]
+    faults = [unknown_key((*where, key), allowed) for key in settings if key not in allowed]
     if model is None:
         return None, faults
     known = {key: thawed(value) for key, value in settings.items() if key in allowed}
@@ -142,31 +184,30 @@ def checked_settings(
         made = model.model_validate_json(json.dumps(known), strict=True)
     except ValidationError as error:
         faults += [
-            Fault(("controller", *fault.location), fault.message)
-            for fault in faults_of(error, model)
+            Fault((*where, *fault.location), fault.message) for fault in faults_of(error, model)
         ]
         return None, faults
     except (TypeError, ValueError) as error:
-        return None, [*faults, Fault(("controller",), f"settings cannot be read: {error}")]
+        return None, [*faults, Fault(where, f"settings cannot be read: {error}")]
     return made, faults
 
 
-def _entries() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=GROUP)}
+def _entries(kind: Kind) -> dict[str, EntryPoint]:
+    return {entry.name: entry for entry in entry_points(group=kind.group)}
 
 
-def _first_line(controller: type[Any]) -> str:
-    lines = (controller.__doc__ or "").strip().splitlines()
+def _first_line(part: type[Any]) -> str:
+    lines = (part.__doc__ or "").strip().splitlines()
     return lines[0] if lines else "no description"
 
 
-def _load(target: str, name: str) -> type[Any]:
+def _load(kind: Kind, target: str, name: str) -> type[Any]:
     """Import ``module:Class``; every failure is a `ControllerError` on one line."""
     module_name, _, class_name = target.partition(":")
     if "/" in module_name or module_name.endswith(".py"):
         stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
         raise ControllerError(
-            f"controller {shown(name)} names a file; write the module: {stem}:{class_name}, and "
+            f"{kind.word} {shown(name)} names a file; write the module: {stem}:{class_name}, and "
             "run in its folder or put that on PYTHONPATH"
         )
     try:
@@ -174,16 +215,16 @@ def _load(target: str, name: str) -> type[Any]:
     except ModuleNotFoundError as error:
         if error.name != module_name:
             raise ControllerError(
-                f"controller {shown(name)}: module {shown(module_name)} cannot be imported: "
+                f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
                 f"{_told(error)}"
             ) from error
         raise ControllerError(
-            f"controller {shown(name)}: no module {shown(module_name)} in the current folder or "
+            f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
             "on the Python path"
         ) from error
     except (Exception, SystemExit) as error:
         raise ControllerError(
-            f"controller {shown(name)}: module {shown(module_name)} cannot be imported: "
+            f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
             f"{_told(error)}"
         ) from error
     found: Any = module
@@ -192,14 +233,15 @@ def _load(target: str, name: str) -> type[Any]:
     if not isinstance(found, type):
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
         raise ControllerError(
-            f"controller {shown(name)}: module {shown(module_name)} has no class "
+            f"{kind.word} {shown(name)}: module {shown(module_name)} has no class "
             f"{shown(class_name)}{nearest(class_name[:100], classes)}"
         )
-    if not callable(getattr(found, "decide", None)):
-        raise ControllerError(
-            f"controller {shown(name)}: class {class_name} has no method "
-            "decide(observation, memory)"
-        )
+    for method in kind.methods:
+        if not callable(getattr(found, method, None)):
+            arguments = "(observation, memory)" if kind is CONTROLLER else ""
+            raise ControllerError(
+                f"{kind.word} {shown(name)}: class {class_name} has no method {method}{arguments}"
+            )
     return found
 
 

@@ -47,7 +47,7 @@ class FormationPlan:
     adjacency: IntArray
     """(N, N) 1 where j is in N_i; (0, 0) when neighbours are those within ``range``"""
     range: float
-    """[m] along s*; inf for all; robots consider and see others within it too"""
+    """[m] along s* within which formation neighbours are"""
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,10 @@ class Scene:
     stop_station: FloatArray
     """(N,) [m] along the own path; at or past it a robot has arrived"""
     formation: FormationPlan
+    sensing_range: float
+    """[m] within which robots see and consider others and walls"""
+    arrival_tolerance: float
+    """[m] along its path by which a robot that stands may be short of its stop station"""
     area: Area
     """accessible face"""
 

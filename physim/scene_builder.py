@@ -111,6 +111,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         [_segments(line) for line in drawn.values()] + [list(convex_parts(o)) for o in obstacles]
     )
     formation = _formation(world, start, reference)
+    sensing_range = formation.range if world.sensing.range is None else world.sensing.range
     names = [("robot", robot.name) for robot in world.robots]
     names += [("boundary", name) for name in drawn]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(obstacles))]
@@ -124,7 +125,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
         shapes=pack_shapes(parts),
         walls=walls,
-        nearby=build_nearby(walls, formation.range, GRID_CELL),
+        nearby=build_nearby(walls, sensing_range, GRID_CELL),
         mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
         start=start,
@@ -135,6 +136,8 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         omegas=tuple(robot.omegas for robot in world.robots),
         stop_station=np.maximum(ends - (formation.lead.max() - formation.lead), 0.0),
         formation=formation,
+        sensing_range=sensing_range,
+        arrival_tolerance=world.arrival.tolerance,
         area=area,
     )  # fmt: skip
 

@@ -1,72 +1,57 @@
-"""The simulation: observe, decide, filter, move, once a step.
+"""The simulation: sense, decide, filter, disturb, move, report, once a step.
 
-One step runs from sample k to sample k + 1: the robots that are due at k decide from one snapshot,
-all hold their commands over the step, and the physics moves them as far as contacts allow.
+One step runs from sample k to sample k + 1: the robots that are due at k decide from what they
+sense of it, all hold their commands over the step, and the physics moves them as far as contacts
+allow. What each stage is for: `physim.stages`.
 """
 
 from __future__ import annotations
 
+import copy
+import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import (
-    NO_MODE,
-    BatchController,
-    Batched,
-    Controller,
-    Decisions,
-    Mode,
-    Observation,
-    Snapshot,
-)
-from physim.control_loop import PlainBatch, as_commands, check_commands, check_told, hold_steps
-from physim.errors import ControllerError, PhysimError, WorldError
-from physim.geometry.shapes import FloatArray, IntArray
-from physim.perception import Perception
+from physim.arrival import note_arrivals, still_steps
+from physim.control import BatchController, Batched, Controller, Observation, Sensed, Snapshot
+from physim.control_loop import Decided, PlainBatch, check_applied, check_commands, decide, outside
+from physim.declared import NO_NUMBER, Declared
+from physim.errors import PhysimError, WorldError
+from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.tracking import Tracking
+from physim.parts import parts_of
+from physim.perception import observe
 from physim.physics import Physics
-from physim.registry import make_controller, robot_faults
+from physim.registry import robot_faults
 from physim.scene import Scene
 from physim.scene_builder import build_scene
+from physim.stages import (
+    Disturbance,
+    Filter,
+    Observer,
+    SenseStage,
+    Step,
+    check_sensed,
+    everybody,
+    shared,
+)
+from physim.state import SimulationState
 from physim.world import World
-
-
-class Filter(Protocol):
-    """Stands between what controllers want and what robots are given, at every step."""
-
-    def __call__(self, scene: Scene, snapshot: Snapshot, wanted: FloatArray) -> FloatArray:
-        """Given commands (N, 2) for wanted ones (N, 2); must not write to its arguments."""
-        ...
-
-
-@dataclass(slots=True)
-class Update:
-    """Decisions of one step with what the robots knew then: rows of the update table."""
-
-    snapshot: Snapshot
-    """as it was, stations of the deciding robots only"""
-    decisions: Decisions
-    given: FloatArray
-    """(M, 2) commands after the filters"""
-    next_step: IntArray
-    """(M,) when each decides again"""
-    formation_error: FloatArray
-    """(M,) [m]"""
-    deviation: FloatArray
-    """(M,) [m] left positive"""
 
 
 class Simulation:
     """A world in motion, step by step.
 
-    How things stand at the present sample: ``pose`` (N, 3) x, y [m], heading [rad, unwrapped],
-    read-only; ``command`` (N, 2) v [m/s], omega [rad/s] as wanted by the controllers; ``mode``
-    (N,), NO_MODE where none was given; ``contacts``, rows of `physim.contacts.CONTACT`;
-    ``step_number``; ``time`` [s]. Stepping may go on beyond the world's duration; `simulate` stops
-    there.
+    How things stand at the present sample: ``now``, a `Snapshot` (poses, nominal commands,
+    stations); ``mode`` (N,), the number of each robot's declared mode; ``arrived`` (N,);
+    ``contacts``, rows of `physim.contacts.CONTACT`; ``step_number``; ``time`` [s]. ``declared``
+    are the modes, rules and columns of the controller, ``last`` is what happened in the last step.
+    Nothing that was handed out changes later. Stepping may go on beyond the world's duration;
+    `simulate` stops there. A copy (`copy.deepcopy`, pickle) goes on like the original; it has no
+    observers, and shares the controller and the stages, which are settings only.
     """
 
     def __init__(
@@ -74,31 +59,216 @@ class Simulation:
         world: World | Scene,
         seed: int | None = None,
         controller: Controller | str | None = None,
+        *,
+        sensing: Sequence[SenseStage] = (),
         filters: Sequence[Filter] = (),
+        disturbances: Sequence[Disturbance] = (),
+        observers: Sequence[Observer] = (),
+        state: SimulationState | None = None,
     ) -> None:
-        """Set up sample 0.
+        """Set up sample 0, or the sample of a ``state`` of the same world and parts.
 
-        Raises WorldError or ControllerError where it cannot be run, TypeError for a name or a file
-        in place of a world.
-
+        Without ``seed`` the world's own is used, or that of ``state``; a Scene has its seed.
         ``controller`` is an object, or a registered name or ``module:Class`` that takes the place
-        of the world's own. Without ``seed`` the world's own is used; a Scene has its seed.
+        of the world's own; ``sensing``, ``filters`` and ``disturbances`` stand behind those that
+        the world names. Raises WorldError or ControllerError where it cannot be run, TypeError for
+        a name or a file in place of a world, PhysimError for a state of something else.
         """
         if isinstance(world, World):
             if isinstance(controller, str):
                 world = world.changed(controller={"type": controller})
+            seed = state.seed if seed is None and state is not None else seed
             world = build_scene(world, seed)
         if not isinstance(world, Scene):
             raise TypeError(
                 f"a World or a Scene is needed, not {type(world).__name__}; "
                 "load_world(name or file) gives one"
             )
-        self.scene = scene = world
-        self.controller = _controller(scene.world, controller)
-        self.given = "" if controller is None else _name(controller, scene.world)
-        """what decides in place of the world's own controller; empty where that one decides"""
-        if faults := robot_faults(self.controller, dict(enumerate(scene.world.robots))):
+        self.scene = world
+        self.parts = parts_of(world.world, controller, sensing, filters, disturbances)
+        self.declared = Declared.of(self.parts.controller)
+        if faults := robot_faults(self.parts.controller, dict(enumerate(world.world.robots))):
             raise WorldError(faults)
+        self.observers: list[Observer] = []
+        self._host()
+        self._begin()
+        if state is not None:
+            self.restore(state)
+        for observer in observers:
+            self.look_on(observer)
+
+    # How things stand
+
+    @property
+    def step_number(self) -> int:
+        """Number of the present sample."""
+        return self.now.step
+
+    @property
+    def time(self) -> float:
+        """[s] simulated time of the present sample."""
+        return self.now.step * self.scene.dt
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) x, y [m], heading [rad, unwrapped]; read-only."""
+        return self.now.pose
+
+    @property
+    def command(self) -> FloatArray:
+        """(N, 2) nominal commands v [m/s], omega [rad/s] that are held; read-only."""
+        return self.now.command
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """Contact rows of the present sample."""
+        return self.physics.contacts
+
+    @property
+    def finished(self) -> bool:
+        """Whether every robot has arrived, by `physim.arrival`."""
+        return bool(self.arrived.all())
+
+    def observe(self, i: int) -> Observation:
+        """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
+        if not 0 <= i < self.scene.robots:
+            raise PhysimError(f"robot {i}; allowed: 0 to {self.scene.robots - 1}")
+        return observe(self.scene, self._sense()[0], i)
+
+    def look_on(self, observer: Observer) -> None:
+        """Let an observer look on from now on."""
+        observer.start(self)
+        self.observers.append(observer)
+
+    # A step
+
+    def step(self, commands: FloatArray | None = None) -> None:
+        """Go from this sample to the next.
+
+        With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
+        ControllerError for a command that is not finite or beyond a robot's limits.
+        """
+        truth = self.now
+        sensed, sensing = self._sense()
+        decided = self._decide(sensed) if commands is None else self._outside(commands)
+        filtered, filters = self._filter(sensed, decided.nominal)
+        applied, disturbances = self._disturb(truth, filtered)
+        self.physics.step(applied)
+        self._stages = (sensing, filters, disturbances)
+        self._arrive(truth.step + 1, decided.nominal)
+        self.last = Step(
+            truth, sensed, decided.decisions, decided.next_step, decided.nominal, filtered,
+            applied, self.now.pose, self.physics.contacts, self.physics.false_contacts,
+            self.arrived,
+        )  # fmt: skip
+        for observer in self.observers:
+            observer.after_step(self.last)
+
+    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
+        """What robots know at this sample, and the states of the stages for the next."""
+        if self._sensed is None:
+            sensed, states = everybody(self.now, self._shared), []
+            for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
+                sensed, state = part.sense(self.scene, self.now, sensed, state)
+                states.append(state)
+                check_sensed(sensed, self.scene, part)
+            self._sensed = sensed, tuple(states)
+        return self._sensed
+
+    def _decide(self, sensed: Sensed) -> Decided:
+        """Ask the robots that are due; nominal commands of all robots from now on."""
+        due = (self.next_decision <= sensed.step).nonzero()[0]
+        if not len(due):
+            return Decided(self.now.command)
+        decided, decisions = decide(
+            self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
+        )
+        self.mode = replaced(self.mode, due, decisions.mode)
+        self.next_decision = replaced(self.next_decision, due, decided.next_step)
+        return decided
+
+    def _outside(self, commands: FloatArray) -> Decided:
+        """Nominal commands that somebody else gives."""
+        return Decided(outside(self.scene, self.time, commands))
+
+    def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+        """Filtered commands (N, 2): the nominal ones through every filter in turn."""
+        filtered, states = nominal, []
+        for part, state in zip(self.parts.filters, self._stages[1], strict=True):
+            filtered, state = part.filter(self.scene, sensed, filtered, state)
+            check_commands(self.scene, self.time, np.arange(self.scene.robots), filtered)
+            states.append(state)
+        return filtered, tuple(states)
+
+    def _disturb(self, truth: Snapshot, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+        """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
+        applied, states = filtered, []
+        for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
+            applied, state = part.disturb(self.scene, truth, applied, state)
+            check_applied(self.scene, self.time, applied, part)
+            states.append(state)
+        return applied, tuple(states)
+
+    def _arrive(self, step: int, nominal: FloatArray) -> None:
+        """Take up the sample to which the physics brought the robots."""
+        pose = read_only(self.physics.pose)
+        if step:
+            self._tracking.follow(pose)
+        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
+        self.arrived = np.empty(self.scene.robots, dtype=np.bool_)
+        note_arrivals(step, pose, self.now.station, self._least, self._trail, self.arrived)
+        self._sensed: tuple[Sensed, tuple[Any, ...]] | None = None
+
+    # State
+
+    @property
+    def state(self) -> SimulationState:
+        """Everything that the next step depends on, as a value."""
+        return SimulationState(
+            scene=scene_digest(self.scene),
+            seed=self.scene.seed,
+            parts=self.parts.names,
+            now=self.now,
+            mode=self.mode,
+            next_decision=self.next_decision,
+            memory={name: array.copy() for name, array in self.memory.items()},
+            stages=self._stages,
+            trail=self._trail.copy(),
+            arrived=self.arrived,
+            physics=self.physics.state,
+        )
+
+    def restore(self, state: SimulationState) -> None:
+        """Go to the sample of a state; what follows is bit for bit what followed there.
+
+        Raises PhysimError for a state of another world, seed, controller or stage.
+        """
+        if state.parts != self.parts.names:
+            raise PhysimError(
+                f"the state is of a run with {', '.join(state.parts)}; this one has "
+                f"{', '.join(self.parts.names)}"
+            )
+        if state.scene != scene_digest(self.scene):
+            raise PhysimError("the state is of another world or seed; restore it in its own")
+        self.physics.restore(state.physics)
+        self._tracking.stations = np.stack(state.now[3:])
+        self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
+        self.memory = {name: array.copy() for name, array in state.memory.items()}
+        self._stages = state.stages
+        self._trail, self.arrived = state.trail.copy(), state.arrived
+        self._sensed, self.last = None, None
+
+    def reset(self, seed: int | None = None) -> None:
+        """Go back to sample 0, with another seed or the same. Observers are let go."""
+        if seed is not None and seed != self.scene.seed:
+            self.scene = self.scene.reseeded(seed)
+        self.observers = []
+        self.physics.reset(self.scene.start)
+        self._begin()
+
+    def _host(self) -> None:
+        """Put the robots into the engine."""
+        scene = self.scene
         self.physics = Physics(
             scene.shapes,
             scene.walls,
@@ -108,130 +278,55 @@ class Simulation:
             friction=scene.world.physics.friction,
             elasticity=scene.world.physics.elasticity,
         )
-        self.perception = Perception(scene)
-        self.filters = tuple(filters)
-        self.step_number = 0
-        self.pose: FloatArray = read_only(self.physics.pose)
-        self.command = np.zeros((scene.robots, 2))
-        self.mode = np.full(scene.robots, NO_MODE, dtype=np.int64)
-        self.next_decision = np.zeros(scene.robots, dtype=np.int64)
-        self.update: Update | None = None
+
+    def _begin(self) -> None:
+        """Everything but the engine, as it is at sample 0."""
+        scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
         self._batch: BatchController = (
-            self.controller.batch(scene)
-            if isinstance(self.controller, Batched)
-            else PlainBatch(self.controller, scene, self.observe)
+            controller.batch(scene)
+            if isinstance(controller, Batched)
+            else PlainBatch(controller, scene, self.declared)
         )
-
-    @property
-    def time(self) -> float:
-        """[s] simulated time of the present sample."""
-        return self.step_number * self.scene.dt
-
-    @property
-    def contacts(self) -> NDArray[np.void]:
-        """Contact rows of the present sample."""
-        return self.physics.contacts
-
-    @property
-    def finished(self) -> bool:
-        """Whether every robot has arrived."""
-        return bool((self.mode == int(Mode.ARRIVED)).all())
-
-    def snapshot(self) -> Snapshot:
-        """All robots now: poses, commands held before this step, stations."""
-        p = self.perception
-        return Snapshot(self.step_number, self.pose, self.command, p.station, p.reference_station)
-
-    def observe(self, i: int) -> Observation:
-        """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
-        if not 0 <= i < self.scene.robots:
-            raise PhysimError(f"robot {i}; allowed: 0 to {self.scene.robots - 1}")
-        return self.perception.observe(i, self.snapshot())
-
-    def step(self, commands: FloatArray | None = None) -> None:
-        """Go from this sample to the next.
-
-        With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
-        ControllerError for a command that is not finite or beyond a robot's limits.
-        """
-        update: Update | None = None
-        snapshot = self.snapshot()
-        if commands is not None:
-            wanted = as_commands(commands, self.time)
-            check_commands(self.scene, self.time, np.arange(self.scene.robots), wanted)
-        else:
-            due = (self.next_decision <= self.step_number).nonzero()[0]
-            wanted = self.command
-            if len(due):
-                wanted, update = self._decide(snapshot, due)
-        given = self._filtered(snapshot, wanted) if self.filters else wanted
-        if update is not None:
-            update.given = given[update.decisions.robot]
-        self.update = update
-        self.physics.step(given)
-        self.command = wanted
-        self.pose = read_only(self.physics.pose)
-        self.step_number += 1
-        self.perception.track(self.pose)
-
-    def _filtered(self, snapshot: Snapshot, wanted: FloatArray) -> FloatArray:
-        """Given commands (N, 2): the wanted ones through every filter in turn."""
-        given = wanted
-        for rule in self.filters:
-            given = rule(self.scene, snapshot, given)
-        check_commands(self.scene, self.time, np.arange(self.scene.robots), given)
-        return given
-
-    def _decide(self, snapshot: Snapshot, due: IntArray) -> tuple[FloatArray, Update]:
-        """Ask the robots that are due; commands (N, 2) of all robots from now on, and who said."""
-        decisions = self._batch.decide_due(snapshot, due)
-        check_commands(self.scene, self.time, due, decisions.command)
-        check_told(self.scene, self.time, decisions)
-        next_step = self.step_number + hold_steps(self.scene, self.time, due, decisions.hold)
-        wanted = self.command.copy()
-        wanted[due] = decisions.command
-        self.mode[due] = decisions.mode
-        self.next_decision[due] = next_step
-        known = self.perception
-        frozen = snapshot._replace(
-            station=known.station[due], reference_station=known.reference_station[due]
+        self.memory = self._batch.memory()
+        self._shared = shared(robots)
+        self._stages = self.parts.start(scene)
+        self._tracking = Tracking(
+            scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
-        update = Update(
-            frozen,
-            decisions,
-            decisions.command,
-            next_step,
-            known.formation_errors()[due],
-            known.deviation[due],
-        )
-        return wanted, update
+        self._least = scene.stop_station - scene.arrival_tolerance
+        self._trail = np.zeros((still_steps(scene.dt) + 1, robots, 2))
+        self.mode = np.full(robots, NO_NUMBER, dtype=np.int64)
+        self.next_decision = np.zeros(robots, dtype=np.int64)
+        self.last: Step | None = None
+        self._arrive(0, read_only(np.zeros((robots, 2))))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Scene, parts and state: the engine itself is built anew from these."""
+        return {"scene": self.scene, "parts": self.parts, "state": self.state}
+
+    def __setstate__(self, values: dict[str, Any]) -> None:
+        """Build the engine anew and go to the state."""
+        self.scene, self.parts = values["scene"], values["parts"]
+        self.declared = Declared.of(self.parts.controller)
+        self.observers = []
+        self._host()
+        self._begin()
+        self.restore(values["state"])
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        """Return a simulation of its own that shares what never changes."""
+        other = copy.copy(self)  # by __getstate__
+        memo[id(self)] = other
+        return other
 
 
-def _controller(world: World, given: Controller | str | None) -> Controller:
-    if isinstance(given, str):
-        made: Controller = make_controller(given, {}, trusted=True)
-        return made
-    if isinstance(given, type):
-        raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
-    return given or make_controller(world.controller.type, world.controller.settings)
+def scene_digest(scene: Scene) -> str:
+    """SHA-256 of the effective world, its seed in it."""
+    return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()
 
 
-def _name(given: Controller | str, world: World) -> str:
-    """Name of a controller, ``module:Class`` of an object; empty where it is the world's own."""
-    own = world.controller
-    if not isinstance(given, str):
-        if ":" not in own.type and _alike(given, make_controller(own.type, own.settings)):
-            return ""
-        given = f"{type(given).__module__}:{type(given).__qualname__}"
-    return "" if given == own.type else given
-
-
-def _alike(one: Controller, other: Controller) -> bool:
-    settings = (getattr(controller, "settings", None) for controller in (one, other))
-    return type(one) is type(other) and next(settings) == next(settings)
-
-
-def read_only(array: FloatArray) -> FloatArray:
-    """Return the array itself, so marked that writing to it is an error."""
-    array.flags.writeable = False
-    return array
+def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
+    """Copy of an array with other values in some places."""
+    new = array.copy()
+    new[at] = values
+    return new

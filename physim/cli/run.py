@@ -15,7 +15,7 @@ from physim.control import Controller
 from physim.errors import WorldError
 from physim.record import Record
 from physim.recording import record_run
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
@@ -80,7 +80,7 @@ def ready(
 
     def controller() -> Controller:
         choice, trusted = world.controller, options.controller is not None
-        made: Controller = make_controller(choice.type, choice.settings, trusted=trusted)
+        made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
         return made
 
     simulation = Simulation(scene, controller=controller())

@@ -7,13 +7,19 @@ part of two vertices. A nonconvex shape is several parts. A *body* is a run of p
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return the array itself, so marked that writing to it is an error."""
+    array.flags.writeable = False
+    return array
 
 
 class Shapes(NamedTuple):

@@ -21,44 +21,52 @@ class Tracking:
     """Stations of N robots along the way, from their start poses (N, 3) on.
 
     ``radius`` (N,) [m] are the circumscribed radii. At the start the nearest point of the whole
-    path is taken.
+    path is taken. What was handed out never changes: every sample has arrays of its own.
     """
 
     def __init__(
         self, paths: Polylines, reference: Polylines, radius: FloatArray, start: FloatArray
     ) -> None:
-        n = len(start)
         self._paths, self._reference = paths, reference
         self._windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
-        self.station = np.zeros(n)
-        """(N,) [m] along the own path"""
-        self.deviation = np.zeros(n)
-        """(N,) [m] from the own path, left positive"""
-        self.reference_station = np.zeros(n)
-        """(N,) [m] along s*"""
-        self._project(start, np.full(n, np.inf))
+        nowhere, everywhere = np.zeros((3, len(start))), np.full(len(start), np.inf)
+        self.stations = self._projected(start, everywhere, nowhere)
+        """(3, N) [m] station on the own path, deviation from it (left positive), station on s*"""
+
+    @property
+    def station(self) -> FloatArray:
+        """(N,) [m] along the own path."""
+        return self.stations[0]
+
+    @property
+    def deviation(self) -> FloatArray:
+        """(N,) [m] from the own path, left positive."""
+        return self.stations[1]
+
+    @property
+    def reference_station(self) -> FloatArray:
+        """(N,) [m] along s*."""
+        return self.stations[2]
 
     def follow(self, pose: FloatArray) -> None:
         """Follow the robots to their poses (N, 3) one step later."""
-        self._project(pose, self._windows)
+        self.stations = self._projected(pose, self._windows, self.stations)
 
     def course(self, poses: FloatArray) -> FloatArray:
         """Follow the robots over poses (K, N, 3) of consecutive steps.
 
         Returns (K, N, 3): station, deviation and reference station [m] at each.
         """
-        found = np.empty(poses.shape)
-        track_course(
-            self._paths, self._reference, poses, self._windows,
-            self.station, self.deviation, self.reference_station, found,
-        )  # fmt: skip
-        return found
+        found = np.empty((len(poses), *self.stations.shape))
+        track_course(self._paths, self._reference, poses, self._windows, self.stations, found)
+        if len(found):
+            self.stations = found[-1].copy()
+        return found.transpose(0, 2, 1)
 
-    def _project(self, pose: FloatArray, windows: FloatArray) -> None:
-        track_all(
-            self._paths, self._reference, pose, windows,
-            self.station, self.deviation, self.reference_station,
-        )  # fmt: skip
+    def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
+        after = np.empty(before.shape)
+        track_all(self._paths, self._reference, pose, windows, before, after)
+        return after
 
 
 @compiled
@@ -67,15 +75,17 @@ def track_all(
     reference: Polylines,
     pose: FloatArray,
     windows: FloatArray,
-    station: FloatArray,
-    deviation: FloatArray,
-    reference_station: FloatArray,
+    before: FloatArray,
+    after: FloatArray,
 ) -> None:
-    """Move every robot's projections on its own path and on s* along with its pose, in place."""
+    """Move every robot's projections on its own path and on s* along with its pose.
+
+    ``before`` and ``after`` (3, N): station, deviation, reference station.
+    """
     for i in range(len(pose)):
         x, y = pose[i, 0], pose[i, 1]
-        station[i], deviation[i] = track(paths, i, x, y, station[i], windows[i])
-        reference_station[i], _ = track(reference, 0, x, y, reference_station[i], windows[i])
+        after[0, i], after[1, i] = track(paths, i, x, y, before[0, i], windows[i])
+        after[2, i], _ = track(reference, 0, x, y, before[2, i], windows[i])
 
 
 @compiled
@@ -84,14 +94,17 @@ def track_course(
     reference: Polylines,
     poses: FloatArray,
     windows: FloatArray,
-    station: FloatArray,
-    deviation: FloatArray,
-    reference_station: FloatArray,
+    before: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, N, 3) takes all."""
+    """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, 3, N) takes all."""
     for k in range(len(poses)):
-        track_all(paths, reference, poses[k], windows, station, deviation, reference_station)
-        out[k, :, 0] = station
-        out[k, :, 1] = deviation
-        out[k, :, 2] = reference_station
+        if k == 0:
+            track_all(paths, reference, poses[k], windows, before, out[k])
+        else:
+            track_all(paths, reference, poses[k], windows, out[k - 1], out[k])
+
+
+def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
+    """Station [m] of the point of path k next to (x, y), within `SHORTEST_WINDOW` of ``near``."""
+    return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])

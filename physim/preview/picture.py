@@ -16,7 +16,7 @@ from physim.preview.ground_plan import draw_map
 from physim.preview.key import draw_key
 from physim.preview.profile import draw_profile
 from physim.preview.words import counts, drawable, families, shortened
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import Layout
 
 FORMATS = ("png", "svg")
@@ -57,7 +57,7 @@ def shown_of(layout: Layout) -> Contents:
 def _safe_distance(layout: Layout) -> float:
     """L of the controller [m]; 0 where it has none."""
     choice = layout.world.controller
-    settings = getattr(make_controller(choice.type, choice.settings), "settings", None)
+    settings = getattr(make_part(CONTROLLER, choice.type, choice.settings), "settings", None)
     return float(getattr(settings, "safe_distance", 0.0))
 
 

@@ -68,18 +68,25 @@ def _check_attributes(file: h5py.File, where: str) -> None:
         raise RecordError(
             f"{where}: not a record of physim (no attribute format = {layout.FORMAT})"
         )
-    version = file.attrs.get("version")
-    if version != layout.VERSION:
-        raise RecordError(
-            f"{where}: record version {version}; this physim reads version {layout.VERSION}; "
-            "make the record again"
-        )
+    _check_version(file.attrs.get("version"), where)
     for name in layout.ATTRIBUTES:
         if name not in file.attrs:
             raise RecordError(f"{where}: attribute {name} is missing")
         _check_attribute(name, file.attrs[name], where)
 
     _check_versions(file.attrs.get("versions", "{}"), where)
+
+
+def _check_version(version: Any, where: str) -> None:
+    """An unknown minor version adds only what may be passed over; a major one is refused."""
+    major, _, minor = version.partition(".") if isinstance(version, str) else ("", "", "")
+    if major == str(layout.MAJOR) and minor.isdecimal() and len(minor) < 6:
+        return
+    told = version if isinstance(version, int | np.integer) else repr(str(version)[:20])
+    raise RecordError(
+        f"{where}: record version {told}; this physim reads version {layout.MAJOR}; make the "
+        "record again"
+    )
 
 
 def _check_versions(text: Any, where: str) -> None:
@@ -99,6 +106,9 @@ def _check_attribute(name: str, value: Any, where: str) -> None:
         )
     if name == "units" and value != layout.UNITS:
         raise RecordError(f"{where}: attribute units is {value!r}; it must be {layout.UNITS!r}")
+    if name in ("tables", "given"):
+        _check_list(name, value, where)
+        return
     if name in layout.TEXTS:
         good = isinstance(value, str)
     elif name == "ended":
@@ -109,6 +119,24 @@ def _check_attribute(name: str, value: Any, where: str) -> None:
         good = good and value > 0
     if not good:
         raise RecordError(f"{where}: attribute {name} is {value!r}, which no record has")
+
+
+def _check_list(name: str, text: Any, where: str) -> None:
+    """``tables`` is a JSON list of table names, ``given`` one of [kind, name]."""
+    try:
+        found = json.loads(text)
+        good = isinstance(found, list)
+    except (TypeError, ValueError):
+        good = False
+    if good and name == "tables":
+        good = all(table in layout.OPTIONAL for table in found)
+    elif good:
+        good = all(
+            isinstance(one, list) and len(one) == 2 and all(isinstance(t, str) for t in one)
+            for one in found
+        )
+    if not good:
+        raise RecordError(f"{where}: attribute {name} is {text!r}, which no record has")
 
 
 def _check_datasets(file: h5py.File, where: str) -> None:
@@ -124,7 +152,7 @@ def _check_datasets(file: h5py.File, where: str) -> None:
                 f"{robots} robots"
             )
     wanted: dict[str, tuple[tuple[int, ...], Any]] = {
-        **{path: ((), row) for path, row in layout.TABLES.items()},
+        **{path: ((), row) for path, row in _table_types(file).items()},
         **layout.steps_rows(robots),
     }
     for path, (shape, row) in wanted.items():
@@ -139,9 +167,17 @@ def _check_datasets(file: h5py.File, where: str) -> None:
     ):
         if file[path].dtype != row:
             raise RecordError(f"{where}: dataset {path} has rows of {file[path].dtype}")
+    for path in ("/robots/lead", layout.ARRIVED):
+        if file[path].shape != (robots,):
+            raise RecordError(f"{where}: dataset {path} has rows {file[path].shape}")
     for i in range(robots):
         if not len(file.get(layout.FOOTPRINTS.format(i), ())):
             raise RecordError(f"{where}: group {layout.FOOTPRINTS.format(i)} is missing")
+
+
+def _table_types(file: h5py.File) -> dict[str, Any]:
+    names = [name.decode() for name in file["/columns/name"][:]]
+    return dict(layout.table_types(names))
 
 
 def _one_line(error: Exception) -> str:

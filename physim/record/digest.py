@@ -17,8 +17,7 @@ BLOCK_BYTES = 1 << 22
 
 
 def digest(record: Record, file: h5py.File) -> str:
-    """SHA-256 (hexadecimal) over all datasets and the root attributes in `layout.ATTRIBUTES`, and
-    those of `layout.NOTES` that it has.
+    """SHA-256 (hexadecimal) over all datasets and the root attributes in `layout.ATTRIBUTES`.
 
     Each part goes in with its name, type and shape, so nothing can move from one to another. Left
     out: ``/wall_clock`` and the attribute ``versions``; chunks and places in the file do not
@@ -26,7 +25,7 @@ def digest(record: Record, file: h5py.File) -> str:
     a record in memory and its copy on disk.
     """
     total = hashlib.sha256()
-    for name in (*layout.ATTRIBUTES, *(note for note in layout.NOTES if note in file.attrs)):
+    for name in layout.ATTRIBUTES:
         total.update(f"{name}={file.attrs[name]!r}\n".encode())
     footprints = (
         f"{group}/{part}"

@@ -6,14 +6,18 @@ radians, times seconds, in the world frame; steps count from 0, the start.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from physim.contacts import CONTACT, FALSE_CONTACT
 
 FORMAT = "physim-record"
-VERSION = 2
-"""Raised with every change that an older reader would misread. 2: contacts between samples, and
-false contacts of the engine one by one."""
+MAJOR, MINOR = 3, 0
+"""The major number is raised with every change that an older reader would misread, the minor one
+where something is added that it may pass over. 3: modes, rules and columns as the controller
+declares them, commands of all stages, considered robots, arrival by the motion."""
+VERSION = f"{MAJOR}.{MINOR}"
 
 UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
 
@@ -23,33 +27,54 @@ ENDED = ("running", "finished", "duration", "interrupted", "error")
 ENDED_BYTES = 16
 """Length of the attribute ``ended``: fixed, so that it changes in place (see `crash_safe`)."""
 
-UPDATE = np.dtype(
-    [
-        ("step", "<i8"),
-        ("robot", "<i4"),
-        ("mode", "i1"),
-        ("wanted_v", "<f8"),
-        ("wanted_omega", "<f8"),
-        ("given_v", "<f8"),
-        ("given_omega", "<f8"),
-        ("target_x", "<f8"),
-        ("target_y", "<f8"),
-        ("station", "<f8"),
-        ("reference_station", "<f8"),
-        ("formation_error", "<f8"),
-        ("deviation", "<f8"),
-        ("distance", "<f8"),
-        ("boundary_distance", "<f8"),
-        ("collision_time", "<f8"),
-        ("considered", "<i4"),
-        ("evaluations", "<i4"),
-        ("next_step", "<i8"),
+_DECISION = [
+    ("step", "<i8"),
+    ("robot", "<i4"),
+    ("mode", "i1"),
+    ("rule", "i1"),
+    ("nominal_v", "<f8"),
+    ("nominal_omega", "<f8"),
+    ("applied_v", "<f8"),
+    ("applied_omega", "<f8"),
+    ("station", "<f8"),
+    ("reference_station", "<f8"),
+    ("formation_error", "<f8"),
+    ("deviation", "<f8"),
+    ("considered", "<i4"),
+    ("next_step", "<i8"),
+]
+
+
+def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
+    """Row of the update table: one decision, with the columns that its controller declares.
+
+    Step, robot, numbers of mode and rule (-1 where none was given), nominal and applied command
+    [m/s, rad/s], stations [m] along the own and the reference path, formation error [m], deviation
+    [m] from the own path (left positive), how many robots were considered, step of the next
+    decision; then the declared columns, NaN where the decision left one out.
+    """
+    return np.dtype([*_DECISION, *((name, "<f8") for name in columns)])
+
+
+DECISION = tuple(name for name, _ in _DECISION)
+"""Columns of the update table that every record has."""
+
+COMMAND = np.dtype(
+    [("step", "<i8"), ("robot", "<i4")]
+    + [
+        (f"{stage}_{part}", "<f8")
+        for stage in ("nominal", "filtered", "applied")
+        for part in ("v", "omega")
     ]
 )
-"""One decision: commands [m/s, rad/s], target [m], stations [m] along the own and the reference
-path, formation error [m], deviation [m] from the own path (left positive), deciding distances [m]
-and collision time [s] (inf when there is none, NaN where a controller has no such value), robots
-considered, collision times worked out, step of the next decision."""
+"""Command of one robot over the step that begins at a sample, at all its stages [m/s, rad/s]: a row
+at every step at which they differ, or at which the nominal one is not that of the robot's last
+decision. Where there is no row, all three are the nominal command of the last decision, and 0
+before the first."""
+
+CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
+"""A robot that was considered in the decision of another: as many rows a decision as its column
+``considered`` says."""
 
 EXTREME = np.dtype(
     [
@@ -71,8 +96,11 @@ robot."""
 NO_EXTREME = np.array((np.inf, -1, -1, np.inf, -1, -1), dtype=EXTREME)
 NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
 
-TABLES = {"/updates": UPDATE, "/contacts": CONTACT, "/false_contacts": FALSE_CONTACT}
+TABLES = ("/updates", "/commands", "/considered", "/contacts", "/false_contacts")
 """Growing tables of rows."""
+
+OPTIONAL = ("updates", "considered", "contacts", "false_contacts")
+"""Tables that a run may leave out; the commands and the samples are always there."""
 
 STEPS = ("/steps/step", "/steps/pose", "/steps/clearance", "/steps/boundary_clearance")
 """Growing datasets with one row a recorded sample; they come last in the file, see `crash_safe`."""
@@ -82,6 +110,16 @@ FIXED = (
     "/bodies/kind",
     "/bodies/name",
     "/robots/stop_station",
+    "/robots/lead",
+    "/modes/name",
+    "/modes/words",
+    "/modes/colour",
+    "/modes/danger",
+    "/rules/name",
+    "/rules/words",
+    "/columns/name",
+    "/columns/unit",
+    "/columns/words",
     "/walls/vertices",
     "/walls/part_start",
     "/walls/body_start",
@@ -99,7 +137,10 @@ FIXED = (
 EXTREMES = "/extremes"
 EXTREMES_FARTHEST = "/extremes_farthest"
 
-DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, *TABLES, *STEPS)
+ARRIVED = "/robots/arrived"
+"""(N,) sample from which on each robot has arrived, to the end of the run; -1 where it has not."""
+
+DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, ARRIVED, *TABLES, *STEPS)
 """Every dataset that a record must have, besides the footprints."""
 
 ATTRIBUTES = (
@@ -112,18 +153,18 @@ ATTRIBUTES = (
     "dt",
     "steps_planned",
     "record_every",
+    "tables",
+    "given",
     "safe_distance",
     "ended",
     "steps_run",
     "rejected_contacts",
 )
-"""Root attributes, all inside the digest. ``versions`` (of physim and its libraries) is outside."""
+"""Root attributes, all inside the digest. ``versions`` (of physim and its libraries) is outside.
+``tables`` are the optional ones that the run recorded, ``given`` the parts [kind, name] that came
+from Python in place of or beside those that the world names, both JSON lists."""
 
-NOTES = ("filtered", "controller")
-"""Root attributes that only some runs have, inside the digest: filters stood between controller and
-robots; what decided, where it was an object given from Python."""
-
-TEXTS = ("format", "units", "name", "world")
+TEXTS = ("format", "version", "units", "name", "world", "tables", "given")
 """Attributes that are texts."""
 
 FOOTPRINTS = "/robots/{:03d}/footprint"
@@ -144,4 +185,10 @@ def steps_rows(robots: int) -> dict[str, tuple[tuple[int, ...], str]]:
     return shapes
 
 
-__all__ = ["CONTACT", "DATASETS", "ENDED", "EXTREME", "FARTHEST", "FORMAT", "UPDATE", "VERSION"]
+def table_types(columns: Sequence[str]) -> dict[str, np.dtype[np.void]]:
+    """Row type of each of `TABLES`."""
+    types = (update_type(columns), COMMAND, CONSIDERED, CONTACT, FALSE_CONTACT)
+    return dict(zip(TABLES, types, strict=True))
+
+
+__all__ = ["CONTACT", "DATASETS", "ENDED", "EXTREME", "FARTHEST", "FORMAT", "VERSION"]

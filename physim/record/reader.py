@@ -7,12 +7,13 @@ import os
 import shutil
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.declared import Mode
 from physim.errors import RecordError
 from physim.geometry.shapes import (
     FloatArray,
@@ -24,6 +25,8 @@ from physim.geometry.shapes import (
 )
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
+from physim.record.commands import commands_over
+from physim.record.declarations import read_declared
 from physim.record.digest import digest
 from physim.record.rows import NO_END, Rows, frozen
 from physim.record.values import Bounds, check_points, check_start
@@ -63,12 +66,10 @@ class Record:
         self.ended = attributes["ended"].decode()
         """"running" (it was killed), "finished", "duration", "interrupted" or "error\""""
         self.rejected_contacts = int(attributes["rejected_contacts"])
-        self.filtered = bool(attributes.get("filtered", False))
-        """whether filters stood between controllers and robots: the update table then has the given
-        commands of the steps of decisions only"""
-        self.controller = str(attributes.get("controller", ""))
-        """what decided, ``module:Class`` of an object given from Python; empty where it was the
-        world's own controller"""
+        self.tables: tuple[str, ...] = tuple(json.loads(attributes["tables"]))
+        """the optional tables (`layout.OPTIONAL`) that the run recorded; others are empty"""
+        self.given = tuple((str(kind), str(name)) for kind, name in json.loads(attributes["given"]))
+        """parts that came from Python beside or in place of what the world names: kind and name"""
         self.samples = min(len(file[path]) for path in layout.STEPS)
         """K"""
         self.robots = int(file["/robots/stop_station"].size)
@@ -76,7 +77,11 @@ class Record:
         self._bodies = int(file["/bodies/id"].size)
         killed = self.ended == "running"
         last = NO_END if killed else self.steps_run
-        bounds = Bounds(self.robots, self._bodies, last)
+        self.declared = read_declared(file, self._where)
+        """modes, rules and columns of the controller"""
+        bounds = Bounds(
+            self.robots, self._bodies, last, len(self.declared.modes), len(self.declared.rules)
+        )
         self._rows = Rows(file, self._where, bounds, self.samples)
         if killed:
             self.steps_run = max(0, self._rows.cut_tables())
@@ -100,7 +105,7 @@ class Record:
         """
         for path in layout.TABLES:
             getattr(self, path[1:])
-        for name in ("steps", "extremes", "farthest", "bodies", "footprints", "walls", "paths",
+        for name in ("steps", "arrived", "lead", "extremes", "farthest", "bodies", "footprints", "walls", "paths",
                      "reference", "accessible", "safe"):  # fmt: skip
             getattr(self, name)
 
@@ -162,10 +167,47 @@ class Record:
 
     # Tables
 
+    @property
+    def controller(self) -> str:
+        """What decided, ``module:Class`` of an object given from Python; empty where it was the
+        world's own controller."""
+        return dict(self.given).get("controller", "")
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Modes that the controller declares; the column ``mode`` has their numbers."""
+        return self.declared.modes
+
     @cached_property
     def updates(self) -> NDArray[np.void]:
-        """Decisions, rows of `layout.UPDATE` in the order of steps."""
+        """Decisions, rows of `layout.update_type` in the order of steps."""
         return self.read("/updates")
+
+    def column(self, name: str) -> FloatArray:
+        """(M,) values of a column of the decisions; NaN where the controller declares none such."""
+        names = self.updates.dtype.names or ()
+        if name not in names:
+            return frozen(np.full(len(self.updates), np.nan))
+        return np.asarray(self.updates[name], dtype=np.float64)
+
+    @cached_property
+    def commands(self) -> NDArray[np.void]:
+        """Commands that differ between stages, rows of `layout.COMMAND` in the order of steps."""
+        return self.read("/commands")
+
+    def commands_over(
+        self, stage: Literal["nominal", "filtered", "applied"], first: int, last: int
+    ) -> FloatArray:
+        """(last - first, N, 2) command of each robot over steps ``first`` to ``last - 1``.
+
+        [m/s, rad/s]; a robot's command is 0 before its first decision.
+        """
+        return commands_over(self, stage, first, last)
+
+    @cached_property
+    def considered(self) -> NDArray[np.void]:
+        """Robots considered in decisions, rows of `layout.CONSIDERED` in the order of steps."""
+        return self.read("/considered")
 
     @cached_property
     def contacts(self) -> NDArray[np.void]:
@@ -189,6 +231,11 @@ class Record:
     def farthest(self) -> NDArray[np.void]:
         """() one `layout.FARTHEST`: farthest [m], step, a, b over all physics steps."""
         return self.read(layout.EXTREMES_FARTHEST)
+
+    @cached_property
+    def arrived(self) -> IntArray:
+        """(N,) sample from which on each robot has arrived, to the end; -1 where it has not."""
+        return self.read(layout.ARRIVED)
 
     # Scene
 
@@ -247,6 +294,11 @@ class Record:
     def stop_station(self) -> FloatArray:
         """(N,) [m] along the own path."""
         return self.read("/robots/stop_station")
+
+    @cached_property
+    def lead(self) -> FloatArray:
+        """(N,) [m] wanted lead of each robot over the first along the reference path."""
+        return self.read("/robots/lead")
 
     @cached_property
     def accessible(self) -> tuple[FloatArray, ...]:

@@ -12,9 +12,10 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physim.declared import Declared
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
 from physim.record import layout
-from physim.scene import Body
+from physim.scene import Body, FormationPlan
 
 LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
 
@@ -42,6 +43,8 @@ class SceneArrays(Protocol):
     def reference(self) -> Polylines: ...  # noqa: D102
     @property
     def stop_station(self) -> FloatArray: ...  # noqa: D102
+    @property
+    def formation(self) -> FormationPlan: ...  # noqa: D102
 
 
 def write_attributes(
@@ -52,6 +55,8 @@ def write_attributes(
     world_text: str,
     record_every: int,
     safe_distance: float,
+    tables: Sequence[str],
+    given: Sequence[tuple[str, str]],
 ) -> None:
     """Set the root attributes of a run that begins."""
     attributes = file.attrs
@@ -64,6 +69,8 @@ def write_attributes(
     attributes["dt"] = float(scene.dt)
     attributes["steps_planned"] = np.int64(scene.steps)
     attributes["record_every"] = np.int64(record_every)
+    attributes["tables"] = json.dumps(list(tables))
+    attributes["given"] = json.dumps([list(one) for one in given])
     attributes["safe_distance"] = float(safe_distance)
     attributes["steps_run"] = np.int64(0)
     attributes["rejected_contacts"] = np.int64(0)
@@ -84,6 +91,7 @@ def write_scene(
         for p, part in enumerate(parts):
             file[f"{layout.FOOTPRINTS.format(i)}/{p:02d}"] = part
     file["/robots/stop_station"] = np.asarray(scene.stop_station, dtype=np.float64)
+    file["/robots/lead"] = np.asarray(scene.formation.lead, dtype=np.float64)
     for field in ("vertices", "part_start", "body_start"):
         file[f"/walls/{field}"] = getattr(scene.walls, field)
     for group, lines in (("/paths", scene.paths), ("/reference", scene.reference)):
@@ -94,6 +102,20 @@ def write_scene(
         file[f"{group}/points"] = np.concatenate([np.zeros((0, 2)), *arrays])
         lengths = [0, *(len(ring) for ring in arrays)]
         file[f"{group}/start"] = np.cumsum(lengths).astype(np.int64)
+
+
+def write_declared(file: h5py.File, declared: Declared) -> None:
+    """Write modes, rules and columns of the controller, in the order of their numbers."""
+    text = h5py.string_dtype("utf-8")
+    for group, rows, fields in (
+        ("/modes", declared.modes, ("name", "words", "colour")),
+        ("/rules", declared.rules, ("name", "words")),
+        ("/columns", declared.columns, ("name", "unit", "words")),
+    ):
+        for field in fields:
+            values = np.array([getattr(row, field) for row in rows], dtype=object)
+            file.create_dataset(f"{group}/{field}", data=values, dtype=text)
+    file["/modes/danger"] = np.array([mode.danger for mode in declared.modes], dtype=np.int8)
 
 
 def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:

@@ -12,18 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
-from physim.control import LONGEST_HOLD, NO_MODE, Mode
+from physim.control import LONGEST_HOLD
+from physim.declared import NO_NUMBER
 from physim.errors import RecordError
 from physim.record import layout
 
-FINITE = {
-    "/updates": ("given_v", "given_omega"),
+FINITE: dict[str, tuple[str, ...]] = {
+    "/updates": ("nominal_v", "nominal_omega", "applied_v", "applied_omega"),
+    "/commands": (layout.COMMAND.names or ())[2:],
+    "/considered": (),
     "/contacts": ("x", "y", "nx", "ny", "depth", "impulse"),
     "/false_contacts": ("distance",),
 }
 """Columns of the tables that are finite in every row."""
 ONCE = {
     "/updates": ("robot",),
+    "/commands": ("robot",),
+    "/considered": ("robot", "other"),
     "/contacts": ("a", "b", "kind"),
     "/false_contacts": ("a", "b"),
 }
@@ -46,6 +51,9 @@ class Bounds(NamedTuple):
     bodies: int
     last_step: int
     """last step of the run"""
+    modes: int
+    rules: int
+    """how many the controller declares"""
 
 
 def check_table(path: str, rows: NDArray[np.void], bounds: Bounds, where: str, first: int) -> None:
@@ -187,17 +195,22 @@ def check_points(path: str, points: NDArray[Any], where: str) -> None:
 
 
 def _ranges(path: str, rows: NDArray[np.void], bounds: Bounds) -> list[Range]:
-    robots, bodies, last = bounds
+    robots, bodies, last, modes, rules = bounds
     if path == "/updates":
         step = rows["step"]
         return [
             Range("step", 0, last),
             Range("robot", 0, robots - 1),
-            Range("mode", NO_MODE, max(Mode)),
-            Range("considered", 0, bodies),
-            Range("evaluations", 0, np.iinfo(np.int32).max),
+            Range("mode", NO_NUMBER, modes - 1),
+            Range("rule", NO_NUMBER, rules - 1),
+            Range("considered", 0, robots - 1),
             Range("next_step", step + 1, step + LONGEST_HOLD),
         ]
+    if path == "/commands":
+        return [Range("step", 0, last), Range("robot", 0, robots - 1)]
+    if path == "/considered":
+        ranges = (Range("robot", 0, robots - 1), Range("other", 0, robots - 1))
+        return [Range("step", 0, last), *ranges]
     found = [
         Range("step", 0, last),
         Range("a", 0, robots - 1),

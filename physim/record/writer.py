@@ -14,14 +14,21 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physim.declared import Declared
 from physim.errors import RecordError
 from physim.record import layout
 from physim.record.buffer import RowBuffer
 from physim.record.crash_safe import PAGE, CrashSafeFile
 from physim.record.extremes import ClearanceBlock, Extremes
 from physim.record.reader import Record
-from physim.record.skeleton import SceneArrays, write_attributes, write_scene
+from physim.record.skeleton import (
+    SceneArrays,
+    write_attributes,
+    write_declared,
+    write_scene,
+)
 
+NOTHING = Declared()
 CHUNK_BYTES = 1 << 18
 BUFFER_BYTES = 1 << 21
 
@@ -46,13 +53,18 @@ class RecordWriter:
         safe: Sequence[ArrayLike] = (),
         safe_distance: float = 0.0,
         record_every: int | None = None,
+        declared: Declared = NOTHING,
+        tables: Sequence[str] = layout.OPTIONAL,
+        given: Sequence[tuple[str, str]] = (),
         flush_every_s: float = 0.5,
     ) -> None:
         """Begin the record of ``scene``; with ``path`` None it stays in memory.
 
         ``accessible`` and ``safe`` are rings (n, 2) [m] for pictures, ``safe`` at ``safe_distance``
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
-        world where they are not given. Raises RecordError where the file cannot be written.
+        world where they are not given. ``declared`` are modes, rules and columns of the controller,
+        ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
+        Python. Raises RecordError where the file cannot be written.
         """
         world = getattr(scene, "world", None)
         name = name if name is not None else str(world.name) if world else ""
@@ -66,17 +78,21 @@ class RecordWriter:
         try:
             write_attributes(
                 self._file, scene, name=name, world_text=world_text,
-                record_every=every, safe_distance=safe_distance,
+                record_every=every, safe_distance=safe_distance, tables=tables, given=given,
             )  # fmt: skip
             write_scene(self._file, scene, accessible, safe)
+            write_declared(self._file, declared)
             self._file.create_group(layout.WALL_CLOCK)
             self.extremes = Extremes(self.robots)
             self._file[layout.EXTREMES] = self.extremes.rows
             self._file[layout.EXTREMES_FARTHEST] = self.extremes.farthest
+            self.arrived = np.full(self.robots, -1, dtype=np.int64)
+            self._file[layout.ARRIVED] = self.arrived
             samples = scene.steps // every + 2
+            self.types = layout.table_types([column.name for column in declared.columns])
             self._tables = {
                 path: self._growing(path, (), row, samples * self.robots)
-                for path, row in layout.TABLES.items()
+                for path, row in self.types.items()
             }
             self._steps = {
                 path: self._growing(path, shape, row, samples)
@@ -105,25 +121,20 @@ class RecordWriter:
         if time.monotonic() >= self._due:
             self.flush()
 
-    def note_filters(self) -> None:
-        """Note that filters change commands between decisions, too."""
-        self._file.attrs["filtered"] = np.bool_(True)
+    def append(self, table: str, rows: NDArray[np.void]) -> None:
+        """Append rows of a table (``updates``, ``contacts``, …), in the order of steps.
 
-    def note_controller(self, name: str) -> None:
-        """Note what decides, where it is not the controller that the world names."""
-        self._file.attrs["controller"] = name
+        Raises RecordError where they are not of its type, `types`.
+        """
+        path = f"/{table}"
+        if rows.dtype != self.types[path]:
+            raise RecordError(f"{path}: rows of type {rows.dtype}; {self.types[path]} expected")
+        with self._writing():
+            self._tables[path].append(rows)
 
-    def append_updates(self, rows: NDArray[np.void]) -> None:
-        """Append decisions, rows of `layout.UPDATE` in the order of steps."""
-        self._append_table("/updates", rows)
-
-    def append_contacts(self, rows: NDArray[np.void]) -> None:
-        """Append contacts, rows of `physim.contacts.CONTACT` in the order of steps."""
-        self._append_table("/contacts", rows)
-
-    def append_false_contacts(self, rows: NDArray[np.void]) -> None:
-        """Append rejected contacts, rows of `physim.contacts.FALSE_CONTACT` by steps."""
-        self._append_table("/false_contacts", rows)
+    def note_arrived(self, since: NDArray[np.int64]) -> None:
+        """Set the samples (N,) from which on robots have arrived; -1 where they have not."""
+        self.arrived[:] = since
 
     def note_extremes(self, step: ArrayLike, found: ClearanceBlock) -> None:
         """Take the clearances of B physics steps into account, see `Extremes.note`."""
@@ -142,6 +153,7 @@ class RecordWriter:
                 buffer.flush()
             self._file[layout.EXTREMES][:] = self.extremes.rows
             self._file[layout.EXTREMES_FARTHEST][()] = self.extremes.farthest
+            self._file[layout.ARRIVED][:] = self.arrived
             if self._disk is not None:
                 self._disk.holding = True
             self._file.flush()
@@ -200,12 +212,6 @@ class RecordWriter:
             path, (0, *shape), row, maxshape=(None, *shape), chunks=(rows, *shape)
         )
         return RowBuffer(dataset, min(BUFFER_BYTES // size, 8 * rows))
-
-    def _append_table(self, path: str, rows: NDArray[np.void]) -> None:
-        if rows.dtype != layout.TABLES[path]:
-            raise RecordError(f"{path}: rows of type {rows.dtype}; {layout.TABLES[path]} expected")
-        with self._writing():
-            self._tables[path].append(rows)
 
     def _close_disk(self, disk: CrashSafeFile) -> None:
         with self._writing():

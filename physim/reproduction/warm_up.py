@@ -6,7 +6,7 @@ from physim.compiled import is_cached
 from physim.geometry.batch import fill_times
 from physim.metrics.pair_times import shortest_pair_collision_time
 from physim.recording import simulate
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.warm_up import is_warm as runs_are_warm
 from physim.warm_up import warm_up as warm_up_runs
@@ -26,6 +26,6 @@ def warm_up() -> None:
     """Take a run that is thrown away."""
     world = load_world(WORLD, overrides=[f"time.duration={SECONDS}"])
     choice = world.controller
-    warm_up_runs(build_scene(world), make_controller(choice.type, choice.settings))
+    warm_up_runs(build_scene(world), make_part(CONTROLLER, choice.type, choice.settings))
     with simulate(world) as record:
         shortest_pair_collision_time(record)

@@ -15,8 +15,9 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, ConfigDict, Field
 
 from physim.errors import Fault
+from physim.world.arrival import Arrival
 from physim.world.base import Model
-from physim.world.controller_choice import ControllerChoice, nested_choice
+from physim.world.controller_choice import ControllerChoice
 from physim.world.expectation import Expectation
 from physim.world.formation import Formation
 from physim.world.kinds import (
@@ -34,6 +35,7 @@ from physim.world.kinds import (
 from physim.world.material import Physics
 from physim.world.road import Corridor
 from physim.world.robot import Robot
+from physim.world.stages import Choices, Sensing, nested_choice
 from physim.world.start import Start
 from physim.world.time_grid import Time
 
@@ -79,6 +81,18 @@ class World(Model):
     controller: Annotated[ControllerChoice, BeforeValidator(nested_choice)] = Field(
         default=ControllerChoice(), description="who decides, and its settings"
     )
+    sensing: Sensing = Field(
+        default=Sensing(), description="what robots perceive of one another and of the walls"
+    )
+    filters: Choices = Field(
+        default=(),
+        description="what stands between controllers and robots, by name, one after the other",
+    )
+    disturbances: Choices = Field(
+        default=(),
+        description="what makes robots move otherwise than told, by name, one after the other",
+    )
+    arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
     obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS)] = Field(
         default=(), description="[m] closed, solid polygons"
     )

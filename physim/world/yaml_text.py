@@ -13,12 +13,15 @@ from typing import Any
 from pydantic import BaseModel
 
 from physim.errors import PhysimError
-from physim.world.controller_choice import ControllerChoice
 from physim.world.frozen import thawed
 from physim.world.model import World
+from physim.world.stages import Choice
 
 LINE = 100
 """Columns after which a list is broken."""
+
+ABSENT = ("description", "obstacles", "filters", "disturbances", "stages")
+"""Keys that are left out where they are empty."""
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[ -][A-Za-z0-9_]+)*")
 _NOT_PLAIN = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan", "inf"}
@@ -62,25 +65,30 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
     space = " " * indent
     for key, field in type(model).model_fields.items():
         value = getattr(model, key)
-        if value is None or (key in ("description", "obstacles") and not value):
+        if value is None or (key in ABSENT and not value):
             continue
         unit = _unit(field.description or "")
-        if isinstance(value, ControllerChoice):
-            flat = {"type": value.type, **thawed(value.settings)}
+        if isinstance(value, Choice):
             yield f"{space}{key}:"
-            for name, setting in flat.items():
-                yield from _entry(f"{space}  {scalar_text(name)}", setting, "", indent + 2)
+            yield from _choice(value, indent + 2)
         elif isinstance(value, BaseModel):
             lines = list(_block(value, indent + 2))
             yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
         elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
             yield f"{space}{key}:"
             for item in value:
-                first, *others = _block(item, indent + 4)
+                lines = _choice if isinstance(item, Choice) else _block
+                first, *others = lines(item, indent + 4)  # type: ignore[arg-type]
                 yield f"{space}  - {first.strip()}"
                 yield from others
         else:
             yield from _entry(f"{space}{key}", value, unit, indent)
+
+
+def _choice(choice: Choice, indent: int) -> Iterator[str]:
+    """Lines of a part by name: type and settings in one mapping."""
+    for name, setting in {"type": choice.type, **thawed(choice.settings)}.items():
+        yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "", indent)
 
 
 def _unit(description: str) -> str:

@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
-from physim.registry import checked_settings, find_controller, made_controller, robot_faults
+from physim.registry import (
+    CONTROLLER,
+    checked_settings,
+    find_part,
+    made_part,
+    robot_faults,
+)
 from physim.world import Robot, World
 from physim.world.faults import KeyFault
 from physim.world_file.file_text import file_text
@@ -221,10 +227,10 @@ def _controller(
         return None, []
     found: type[Any] | None = None
     try:
-        found = find_controller(name, trusted)
+        found = find_part(CONTROLLER, name, trusted)
         made, faults = checked_settings(found, settings)
         if not faults and not unread and hasattr(found, "robot_faults"):
-            faults = robot_faults(made_controller(found, made, name), robots)
+            faults = robot_faults(made_part(CONTROLLER, found, made, name), robots)
         return found, [fault for fault in faults if unread.isdisjoint(fault.location[1:2])]
     except ControllerError as error:
         return found, [Fault(("controller", "type"), str(error))]

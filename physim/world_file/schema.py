@@ -12,7 +12,13 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from physim.registry import controller_names, find_controller, settings_model, shipped_controllers
+from physim.registry import (
+    CONTROLLER,
+    controller_names,
+    find_part,
+    settings_model,
+    shipped_controllers,
+)
 from physim.world import ControllerChoice, World
 
 FILE = "world.schema.json"
@@ -123,7 +129,7 @@ def _settings(name: str) -> Schema | None:
     from physim.errors import ControllerError
 
     try:
-        model = settings_model(find_controller(name))
+        model = settings_model(find_part(CONTROLLER, name))
     except ControllerError:
         return None
     if model is None:

@@ -1,0 +1,80 @@
+"""Arrival, judged from the motion alone: at the stop station, and standing.
+
+A robot has arrived at a sample when its station along its own path is at least the stop station
+less the world's tolerance, and no sample of the last `STILL_TIME` shows it farther than
+`STILL_DISTANCE` from where it is. Before that much time has passed nobody has arrived. What a
+controller says of itself does not matter. A run is finished when all have arrived.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.compiled import compiled
+from physim.geometry.shapes import FloatArray, IntArray
+
+STILL_TIME = 0.5
+"""[s]"""
+STILL_DISTANCE = 0.01
+"""[m]"""
+
+
+def still_steps(dt: float) -> int:
+    """Steps that make up `STILL_TIME`, rounded up."""
+    return int(np.ceil(STILL_TIME / dt - 1e-9))
+
+
+@compiled
+def note_arrivals(
+    step: int,
+    pose: FloatArray,
+    station: FloatArray,
+    least: FloatArray,
+    trail: FloatArray,
+    arrived: NDArray[np.bool_],
+) -> None:
+    """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,).
+
+    ``least`` (N,) [m] are the stations from which on they may have arrived. ``trail`` (W + 1, N, 2)
+    holds the places of the last W + 1 samples, sample k in row k % (W + 1); this one is added.
+    """
+    length = len(trail)
+    row = step % length
+    for i in range(len(pose)):
+        x, y = pose[i, 0], pose[i, 1]
+        trail[row, i, 0], trail[row, i, 1] = x, y
+        still = station[i] >= least[i] and step + 1 >= length
+        k = 1  # the oldest first: of a robot that moves it is the farthest
+        while still and k < length:
+            dx, dy = trail[(row + k) % length, i, 0] - x, trail[(row + k) % length, i, 1] - y
+            still = dx * dx + dy * dy <= STILL_DISTANCE * STILL_DISTANCE
+            k += 1
+        arrived[i] = still
+
+
+def arrivals(
+    pose: FloatArray, station: FloatArray, least: FloatArray, dt: float
+) -> NDArray[np.bool_]:
+    """(K, N) who has arrived at each of K consecutive samples from 0 on: `note_arrivals` in numpy.
+
+    ``pose`` (K, N, 3), ``station`` (K, N) [m].
+    """
+    window = still_steps(dt)
+    place = pose[:, :, :2]
+    found = station >= least
+    found[:window] = False
+    for k in range(1, window + 1):
+        apart = np.square(place[k:] - place[:-k]).sum(axis=2)
+        found[k:] &= apart <= STILL_DISTANCE * STILL_DISTANCE
+    return np.asarray(found)
+
+
+def since(arrived: NDArray[np.bool_]) -> IntArray:
+    """(N,) sample from which on each robot has arrived to the end of (K, N); -1 where it has not.
+
+    One that moves on has not arrived: its last stretch counts.
+    """
+    samples = len(arrived)
+    away = np.where(~arrived, np.arange(samples)[:, None], -1).max(axis=0, initial=-1)
+    return np.where(away + 1 < samples, away + 1, -1)

@@ -1,0 +1,157 @@
+"""What a controller declares of itself: its modes, the rules it decides by, what it reports.
+
+Everything that shows a run (record, summary, pictures) takes names, colours and units from here,
+so a controller of one's own is told like the shipped one. No mode says whether a run succeeds:
+arrival is judged from the motion alone.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from physim.errors import ControllerError
+
+NO_NUMBER = -1
+"""In tables, the mode or rule of a decision that gave none."""
+MOST_MODES = 100
+"""Modes, rules or columns of one controller."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode of a controller. ``name`` is a word; ``colour`` is ``#rrggbb``."""
+
+    name: str
+    colour: str
+    words: str = ""
+    """as people read it; the name where it is empty"""
+    danger: bool = False
+    """whether the robot keeps clear of something: such decisions make the share of danger mode"""
+
+    def __str__(self) -> str:
+        """Words that people read."""
+        return self.words or self.name
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule by which decisions are made, e.g. an equation."""
+
+    name: str
+    words: str = ""
+
+    def __str__(self) -> str:
+        """Words that people read."""
+        return self.words or self.name
+
+
+@dataclass(frozen=True)
+class Column:
+    """A number that a controller reports with its decisions; NaN where a decision leaves it out."""
+
+    name: str
+    unit: str = "-"
+    words: str = ""
+
+
+SAFE = Mode("safe", "#0072b2", "safe")
+BY_DISTANCE = Mode("danger_distance", "#e69f00", "danger, by distance", danger=True)
+BY_TIME = Mode("danger_time", "#cc5aa0", "danger, by collision time", danger=True)
+AT_STOP = Mode("arrived", "#009e73", "arrived")
+PAPER_MODES = (SAFE, BY_DISTANCE, BY_TIME, AT_STOP)
+"""Modes of the paper's controller, in the colours of Okabe and Ito (2008)."""
+
+STANDARD_COLUMNS = (
+    Column("target_x", "m", "point steered to"),
+    Column("target_y", "m", "point steered to"),
+    Column("distance", "m", "smallest distance to a considered robot; inf without any"),
+    Column("boundary_distance", "m", "smallest distance to a boundary or obstacle in range"),
+    Column(
+        "collision_time",
+        "s",
+        "smallest collision time under the new command with considered robots and boundaries; "
+        "inf when there is none within the controller's horizon",
+    ),
+    Column("evaluations", "-", "collision times worked out"),
+)
+"""Columns whose meaning is fixed: whoever declares one must mean this, and it is checked."""
+
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+_COLOUR = re.compile(r"#[0-9a-fA-F]{6}")
+
+
+@dataclass(frozen=True)
+class Declared:
+    """All that a controller declares, checked; numbers in tables count in these tuples."""
+
+    modes: tuple[Mode, ...] = ()
+    rules: tuple[Rule, ...] = ()
+    columns: tuple[Column, ...] = ()
+
+    @classmethod
+    def of(cls, controller: object) -> Declared:
+        """Declarations of a controller: its attributes ``modes``, ``rules`` and ``columns``.
+
+        Raises ControllerError for what is no such thing, for names given twice, and for a standard
+        column with another unit.
+        """
+        told = cls(
+            *(
+                _declared(controller, key, kind)
+                for key, kind in (("modes", Mode), ("rules", Rule), ("columns", Column))
+            )
+        )
+        name = type(controller).__name__
+        for mode in told.modes:
+            if not _COLOUR.fullmatch(mode.colour):
+                raise ControllerError(
+                    f'{name}.modes: colour of "{mode.name}" is {mode.colour!r}; it must be #rrggbb'
+                )
+        standard = {column.name: column for column in STANDARD_COLUMNS}
+        for column in told.columns:
+            if column.name in RESERVED:
+                raise ControllerError(
+                    f'{name}.columns: "{column.name}" is written for every decision anyway'
+                )
+            meant = standard.get(column.name)
+            if meant is not None and meant.unit != column.unit:
+                raise ControllerError(
+                    f'{name}.columns: "{column.name}" has the unit {column.unit!r}; the standard '
+                    f"column has {meant.unit!r}: use it, or another name"
+                )
+        return told
+
+    def mode_number(self, name: str) -> int:
+        """Number of a mode by name; NO_NUMBER where there is none."""
+        names = [mode.name for mode in self.modes]
+        return names.index(name) if name in names else NO_NUMBER
+
+
+RESERVED = frozenset(
+    "step robot mode rule nominal_v nominal_omega applied_v applied_omega station "
+    "reference_station formation_error deviation considered next_step".split()
+)
+"""Columns that the record writes itself."""
+
+
+def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignore[type-arg]
+    given = getattr(controller, key, ())
+    where = f"{type(controller).__name__}.{key}"
+    if not isinstance(given, tuple | list) or not all(isinstance(one, kind) for one in given):
+        raise ControllerError(f"{where} must be a tuple of {kind.__name__}(...)")
+    if len(given) > MOST_MODES:
+        raise ControllerError(f"{where} has {len(given)} entries; at most {MOST_MODES} are allowed")
+    names = [one.name for one in given]
+    for name in names:
+        if not isinstance(name, str) or not _NAME.fullmatch(name):
+            raise ControllerError(
+                f"{where}: name {name!r}; allowed are small letters, digits and _, a letter first"
+            )
+        if names.count(name) > 1:
+            raise ControllerError(f'{where}: "{name}" is there {names.count(name)} times')
+    for one in given:
+        words = getattr(one, "words", "") + getattr(one, "unit", "")
+        if not isinstance(words, str) or not words.isprintable() or len(words) > 300:
+            raise ControllerError(f'{where}: words of "{one.name}" must be a line of plain text')
+    return tuple(given)

@@ -1,0 +1,105 @@
+"""The parts of a run that are found by name or given from Python: controller and stages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from physim.control import Controller
+from physim.errors import ControllerError
+from physim.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, Kind, check_part, make_part
+from physim.scene import Scene
+from physim.stages import Disturbance, Filter, SenseStage
+from physim.world import Choice, World
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Controller and stages of a run, in their order."""
+
+    controller: Controller
+    sensing: tuple[SenseStage, ...] = ()
+    filters: tuple[Filter, ...] = ()
+    disturbances: tuple[Disturbance, ...] = ()
+    given: tuple[tuple[str, str], ...] = ()
+    """stage and name of what was given from Python in place of or beside what the world names"""
+    names: tuple[str, ...] = ()
+    """of all of them"""
+
+    def start(self, scene: Scene) -> tuple[tuple[Any, ...], ...]:
+        """States of sensing stages, filters and disturbances at sample 0."""
+        return tuple(
+            tuple(part.start(scene) for part in stage)
+            for stage in (self.sensing, self.filters, self.disturbances)
+        )
+
+
+def parts_of(
+    world: World,
+    controller: Controller | str | None,
+    sensing: Sequence[SenseStage],
+    filters: Sequence[Filter],
+    disturbances: Sequence[Disturbance],
+) -> Parts:
+    """Parts that a world names, with what is given from Python.
+
+    A controller takes the place of the world's own; stages stand behind those of the world. Raises
+    ControllerError for what is no such part, WorldError for settings that are wrong.
+    """
+    chosen = _controller(world, controller)
+    name = "" if controller is None else _given_name(controller, chosen, world)
+    given = [("controller", name)] if name else []
+    names = [name or world.controller.type]
+    found: list[tuple[Any, ...]] = []
+    for kind, choices, extra in (
+        (SENSING, world.sensing.stages, sensing),
+        (FILTER, world.filters, filters),
+        (DISTURBANCE, world.disturbances, disturbances),
+    ):
+        for part in extra:
+            check_part(kind, part)
+            given.append((kind.word, class_name(part)))
+        found.append((*_named(kind, choices), *extra))
+        names += [f"{kind.word} {choice.type}" for choice in choices]
+        names += [f"{kind.word} {class_name(part)}" for part in extra]
+    return Parts(chosen, *found, given=tuple(given), names=tuple(names))
+
+
+def class_name(part: object) -> str:
+    """``module:Class`` of an object."""
+    return f"{type(part).__module__}:{type(part).__qualname__}"
+
+
+def _named(kind: Kind, choices: Sequence[Choice]) -> tuple[Any, ...]:
+    return tuple(make_part(kind, choice.type, choice.settings) for choice in choices)
+
+
+def _controller(world: World, given: Controller | str | None) -> Controller:
+    made: Controller
+    if isinstance(given, str):
+        made = make_part(CONTROLLER, given, {}, trusted=True)
+        return made
+    if isinstance(given, type):
+        raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
+    if given is None:
+        made = make_part(CONTROLLER, world.controller.type, world.controller.settings)
+        return made
+    check_part(CONTROLLER, given)
+    return given
+
+
+def _given_name(given: Controller | str, chosen: Controller, world: World) -> str:
+    """Name of a controller, ``module:Class`` of an object; empty where it is the world's own."""
+    own = world.controller
+    if isinstance(given, str):
+        return "" if given == own.type else given
+    if ":" not in own.type and _alike(chosen, make_part(CONTROLLER, own.type, own.settings)):
+        return ""
+    name = class_name(given)
+    return "" if name == own.type else name
+
+
+def _alike(one: Controller, other: Controller) -> bool:
+    settings = (getattr(controller, "settings", None) for controller in (one, other))
+    return type(one) is type(other) and next(settings) == next(settings)

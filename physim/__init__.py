@@ -22,12 +22,16 @@ if TYPE_CHECKING:
     from physim._version import VERSION as __version__  # noqa: N811
     from physim.checking import check_world
     from physim.contacts import Kind, Phase
-    from physim.control import Controller, Decision, Mode, Observation, Report
+    from physim.control import Controller, Decision, Observation
+    from physim.declared import PAPER_MODES, Column, Mode, Rule
     from physim.errors import ControllerError, Fault, PhysimError, RecordError, WorldError
     from physim.record import Record
+    from physim.recorder import SaveAt
     from physim.recording import simulate
     from physim.scene_builder import build_scene
     from physim.simulation import Simulation
+    from physim.stages import Step
+    from physim.state import SimulationState
     from physim.summary import summarise
     from physim.validation import validate
     from physim.video import render
@@ -35,19 +39,24 @@ if TYPE_CHECKING:
     from physim.world_file import load_world, parse_world
 
 _WHERE = {
+    "Column": "physim.declared",
     "Controller": "physim.control",
     "ControllerError": "physim.errors",
     "Decision": "physim.control",
     "Fault": "physim.errors",
     "Kind": "physim.contacts",
-    "Mode": "physim.control",
+    "Mode": "physim.declared",
     "Observation": "physim.control",
+    "PAPER_MODES": "physim.declared",
     "Phase": "physim.contacts",
     "PhysimError": "physim.errors",
     "Record": "physim.record",
     "RecordError": "physim.errors",
-    "Report": "physim.control",
+    "Rule": "physim.declared",
+    "SaveAt": "physim.recorder",
     "Simulation": "physim.simulation",
+    "SimulationState": "physim.state",
+    "Step": "physim.stages",
     "World": "physim.world",
     "WorldError": "physim.errors",
     "build_scene": "physim.scene_builder",
@@ -61,6 +70,8 @@ _WHERE = {
 }
 
 __all__ = [
+    "PAPER_MODES",
+    "Column",
     "Controller",
     "ControllerError",
     "Decision",
@@ -72,8 +83,11 @@ __all__ = [
     "PhysimError",
     "Record",
     "RecordError",
-    "Report",
+    "Rule",
+    "SaveAt",
     "Simulation",
+    "SimulationState",
+    "Step",
     "World",
     "WorldError",
     "__version__",

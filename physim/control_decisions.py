@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Mapping, Sequence
 from math import nan
 from operator import index
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from physim.control import Decision
 from physim.declared import NO_NUMBER, Declared, Mode, Rule

@@ -129,8 +129,22 @@ class Declared:
 
 
 RESERVED = frozenset(
-    "step robot mode rule nominal_v nominal_omega applied_v applied_omega station "
-    "reference_station formation_error deviation considered next_step".split()
+    [
+        "step",
+        "robot",
+        "mode",
+        "rule",
+        "nominal_v",
+        "nominal_omega",
+        "applied_v",
+        "applied_omega",
+        "station",
+        "reference_station",
+        "formation_error",
+        "deviation",
+        "considered",
+        "next_step",
+    ]
 )
 """Columns that the record writes itself."""
 

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from physim.world import Robot
 
+
 class Kind(NamedTuple):
     """A kind of part that is found by name."""
 

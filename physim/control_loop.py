@@ -36,7 +36,7 @@ def decide(
     held: FloatArray,
     memory: dict[str, NDArray[Any]],
 ) -> tuple[Decided, Decisions]:
-    """Ask the robots that are due, and check what they say. ``held`` (N, 2) are the commands so far.
+    """Ask the robots that are due and check what they say; ``held`` (N, 2) are commands so far.
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """

@@ -129,23 +129,12 @@ class Declared:
 
 
 RESERVED = frozenset(
-    [
-        "step",
-        "robot",
-        "mode",
-        "rule",
-        "nominal_v",
-        "nominal_omega",
-        "applied_v",
-        "applied_omega",
-        "station",
-        "reference_station",
-        "formation_error",
-        "deviation",
-        "considered",
-        "next_step",
-    ]
-)
+    (
+        "step", "robot", "mode", "rule", "nominal_v", "nominal_omega", "applied_v",
+        "applied_omega", "station", "reference_station", "formation_error", "deviation",
+        "considered", "next_step",
+    )
+)  # fmt: skip
 """Columns that the record writes itself."""
 
 

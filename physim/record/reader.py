@@ -105,8 +105,8 @@ class Record:
         """
         for path in layout.TABLES:
             getattr(self, path[1:])
-        for name in ("steps", "arrived", "lead", "extremes", "farthest", "bodies", "footprints", "walls", "paths",
-                     "reference", "accessible", "safe"):  # fmt: skip
+        for name in ("steps", "arrived", "lead", "extremes", "farthest", "bodies", "footprints",
+                     "walls", "paths", "reference", "accessible", "safe"):  # fmt: skip
             getattr(self, name)
 
     def close(self) -> None:

@@ -12,9 +12,10 @@ import shapely
 from numpy.typing import NDArray
 
 from physim.contacts import CONTACT, FALSE_CONTACT, Phase
+from physim.declared import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
 from physim.record import Record, RecordWriter
-from physim.record.layout import UPDATE
+from physim.record.layout import CONSIDERED, update_type
 from physim.scene import Body
 
 CENTRELINE = np.array([[0.0, 0.0], [15.0, 0.0], [27.0, 9.0], [60.0, 9.0]])
@@ -24,6 +25,10 @@ ELL = (
     np.array([[-0.9, -0.5], [0.9, -0.5], [0.9, 0.0], [-0.9, 0.0]]),
     np.array([[-0.9, 0.0], [-0.3, 0.0], [-0.3, 0.7], [-0.9, 0.7]]),
 )
+DECLARED = Declared(
+    PAPER_MODES, (Rule("follow", "follows its path"), Rule("avoid", "avoids")), STANDARD_COLUMNS
+)
+UPDATE = update_type([column.name for column in STANDARD_COLUMNS])
 WORLD = "name: made up\nseed: 3\nformation: {gain: 0.05}\nexpect: {contacts: 2, finished: false}\n"
 
 
@@ -48,6 +53,7 @@ def make_scene(robots: int = 3, seconds: float = 10.0, dt: float = 0.01) -> Simp
         paths=paths,
         reference=pack_polylines([CENTRELINE]),
         stop_station=ends - 2.5 * np.arange(robots),
+        formation=SimpleNamespace(lead=-2.5 * np.arange(float(robots))),
     )
 
 
@@ -73,22 +79,24 @@ def make_record(
     ring = _corridor_ring(WIDTH / 2)
     writer = RecordWriter(
         path, scene, world_text, name=name, accessible=[ring], safe=[_corridor_ring(3.0)],
-        safe_distance=1.0, record_every=1,
+        safe_distance=1.0, record_every=1, declared=DECLARED,
     )  # fmt: skip
     pose = poses(scene)
     touching = contact_rows(scene) if contacts and robots > 1 else np.zeros(0, CONTACT)
     found = clearance_block(scene, pose, touching)
     decided = update_rows(scene, pose)
+    others = considered_rows(decided)
     for first in range(0, len(pose), block):
         step = np.arange(first, min(first + block, len(pose)))
         part = SimpleNamespace(**{key: value[step] for key, value in vars(found).items()})
         writer.note_extremes(step, part)
         writer.append_steps(step, pose[step], part.clearance, part.boundary_clearance)
-        for rows, append in ((decided, writer.append_updates), (touching, writer.append_contacts)):
-            append(rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])])
+        tables = {"updates": decided, "considered": others, "contacts": touching}
+        for table, rows in tables.items():
+            writer.append(table, rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])])
     if len(touching):
         reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT)
-        writer.append_false_contacts(reported)
+        writer.append("false_contacts", reported)
     clock = {"seconds": 0.1, "factor": 10.0 * seconds} if wall_clock is None else wall_clock
     writer.close(ended, steps_run=scene.steps, rejected=int(len(touching) > 0), wall_clock=clock)
     return writer.record()
@@ -132,7 +140,8 @@ def update_rows(scene: SimpleNamespace, pose: FloatArray) -> NDArray[np.void]:
     share = (steps / max(1, scene.steps))[:, None]
     rows["mode"] = np.where((share > 0.25) & (share < 0.35) & (rows["robot"] < 2), 1, 0)
     rows["mode"][(share > 0.6) & (share < 0.65) & (rows["robot"] == 1)] = 2
-    rows["wanted_v"] = rows["given_v"] = 1.0
+    rows["rule"] = rows["mode"] > 0
+    rows["nominal_v"] = rows["applied_v"] = 1.0
     heading = pose[steps, :, 2]
     rows["target_x"] = pose[steps, :, 0] + 2.0 * np.cos(heading)
     rows["target_y"] = pose[steps, :, 1] + 2.0 * np.sin(heading)
@@ -147,6 +156,14 @@ def update_rows(scene: SimpleNamespace, pose: FloatArray) -> NDArray[np.void]:
     rows["evaluations"] = 15 * (rows["mode"] > 0)
     rows["next_step"] = rows["step"] + hold
     return rows.ravel()
+
+
+def considered_rows(decided: NDArray[np.void]) -> NDArray[np.void]:
+    """Robot i considers all robots before it."""
+    rows = [
+        (row["step"], row["robot"], other) for row in decided for other in range(row["considered"])
+    ]
+    return np.array(rows, dtype=CONSIDERED)
 
 
 def clearance_block(

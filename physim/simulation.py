@@ -27,7 +27,7 @@ from physim.perception import observe
 from physim.physics import Physics
 from physim.registry import robot_faults
 from physim.scene import Scene
-from physim.scene_builder import build_scene
+from physim.scene_builder import build_scene, reseeded
 from physim.stages import (
     Disturbance,
     Filter,
@@ -261,7 +261,7 @@ class Simulation:
     def reset(self, seed: int | None = None) -> None:
         """Go back to sample 0, with another seed or the same. Observers are let go."""
         if seed is not None and seed != self.scene.seed:
-            self.scene = self.scene.reseeded(seed)
+            self.scene = reseeded(self.scene, seed)
         self.observers = []
         self.physics.reset(self.scene.start)
         self._begin()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import NO_MODE, Mode
+from physim.declared import NO_NUMBER
 from physim.geometry.shapes import FloatArray
 from physim.metrics.values import DangerShare, Each
 from physim.metrics.way import Rows, rows_of_robots, under_way
@@ -54,7 +54,7 @@ def mode_switches(record: Record) -> Each | None:
         return None
     count = np.zeros(record.robots)
     for robot, rows in enumerate(rows_of_robots(record)):
-        rows = rows[(rows["mode"] != Mode.ARRIVED) & (rows["mode"] != NO_MODE)]
+        rows = rows[rows["mode"] != NO_NUMBER]
         count[robot] = np.count_nonzero(np.diff(is_danger(rows)))
     each = tuple(float(c / m) if m > 0 else None for c, m in zip(count, minutes, strict=True))
     return Each(float(count.sum() / minutes.sum()), each)
@@ -84,14 +84,14 @@ def time_under_way(record: Record) -> FloatArray:
 
 def is_danger(rows: Rows) -> NDArray[np.bool_]:
     """Whether each decision is in danger mode, by distance or by collision time."""
-    danger: NDArray[np.bool_] = (rows["mode"] == Mode.DISTANCE) | (rows["mode"] == Mode.TIME)
+    danger: NDArray[np.bool_] = (rows["mode"] == 1) | (rows["mode"] == 2)
     return danger
 
 
 def _with_mode(record: Record) -> tuple[Rows, FloatArray]:
     """Decisions under way that gave a mode, and the steps that each held; see `under_way`."""
     rows, held = under_way(record)
-    told = rows["mode"] != NO_MODE
+    told = rows["mode"] != NO_NUMBER
     return rows[told], held[told]
 
 

@@ -62,7 +62,7 @@ def deviation_rms(record: Record) -> Each | None:
 def mean_speed(record: Record) -> float | None:
     """Mean given forward speed over time of all robots under way [m/s] (Fig. 7)."""
     rows, held = under_way(record)
-    return float((rows["given_v"] * held).sum() / held.sum()) if held.sum() > 0 else None
+    return float((rows["applied_v"] * held).sum() / held.sum()) if held.sum() > 0 else None
 
 
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:

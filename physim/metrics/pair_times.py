@@ -69,7 +69,7 @@ def _commands(record: Record, steps: FloatArray) -> FloatArray:
     for robot in range(record.robots):
         rows = record.updates[record.updates["robot"] == robot]
         at = np.searchsorted(rows["step"], steps, side="right") - 1
-        given = np.stack((rows["given_v"], rows["given_omega"]), axis=1)
+        given = np.stack((rows["applied_v"], rows["applied_omega"]), axis=1)
         twist[at >= 0, robot] = given[at[at >= 0]]
     return twist
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import Mode
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics.values import Series
 from physim.record import Record
@@ -18,7 +17,9 @@ GRID = 0.1
 
 def under_way(record: Record) -> tuple[Rows, FloatArray]:
     """Decisions of robots that have not arrived, and the steps that each held within the run."""
-    rows = record.updates[record.updates["mode"] != Mode.ARRIVED]
+    rows = record.updates
+    since = record.arrived[rows["robot"]]
+    rows = rows[(since < 0) | (rows["step"] < since)]
     until = np.minimum(rows["next_step"], record.steps_run)
     return rows, np.maximum(until - rows["step"], 0).astype(np.float64)
 
@@ -31,16 +32,8 @@ def last_decisions(record: Record) -> IntArray:
 
 
 def arrival_steps(record: Record) -> IntArray:
-    """Step (N,) of the decision at which each robot had arrived for good; -1 if it has not."""
-    rows = record.updates
-    left = np.full(record.robots, -1, dtype=np.int64)
-    on_the_way = rows[rows["mode"] != Mode.ARRIVED]
-    np.maximum.at(left, on_the_way["robot"], on_the_way["step"])
-    arrived = np.full(record.robots, -1, dtype=np.int64)
-    after = rows[rows["step"] > left[rows["robot"]]]
-    robots, first = np.unique(after["robot"], return_index=True)
-    arrived[robots] = after["step"][first]
-    return arrived
+    """Sample (N,) from which on each robot has arrived, to the end; -1 if it has not."""
+    return record.arrived
 
 
 def finished(record: Record) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from physim.control import Mode
 from physim.tolerances import CONTACT
 from physim.validation.blame_text import charge_words, finding_words, who_words
 from physim.validation.contact_report import ContactReport
@@ -14,13 +13,6 @@ from physim.validation.validation import Validation
 
 SHOWN = 8
 """Pairs whose first contact is told in full"""
-
-MODES = {
-    int(Mode.SAFE): "safe mode",
-    int(Mode.DISTANCE): "danger mode (by distance)",
-    int(Mode.TIME): "danger mode (by collision time)",
-    int(Mode.ARRIVED): "arrived",
-}
 
 
 def opening(validation: Validation) -> list[str]:
@@ -164,13 +156,12 @@ def _item(label: str, text: str) -> list[str]:
 def _decision(side: Side, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
-    mode = "" if side.mode is None else MODES.get(side.mode, f"mode {side.mode}") + ", "
-    if side.mode == Mode.ARRIVED and side.stands:
-        mode += "standing, "
+    mode = "" if side.mode is None else f"mode {side.mode}, "
+    rule = "" if side.rule is None else f"{side.rule}, "
     ago = one.prediction.touched - side.decided
     return (
-        f"decided {short(ago)} before: {mode}v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
-        f"it {_saw(side)}"
+        f"decided {short(ago)} before: {mode}{rule}v {side.v:.3f} m/s, "
+        f"omega {side.omega:.3f} rad/s; it {_saw(side)}"
     )
 
 

@@ -42,6 +42,7 @@ def warning_lines(validation: Validation) -> list[str]:
 
 def _head(validation: Validation) -> list[str]:
     run = validation.run
+    given = dict(run.given)
     robots = "1 robot" if run.robots == 1 else f"{run.robots} robots"
     others = [body.name for body in run.bodies[run.robots :]]
     ends = {
@@ -55,15 +56,15 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller}{', given from Python' if run.given else ''}",
+        f"  controller  {run.controller}{', given from Python' if 'controller' in given else ''}",
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]
-    if run.filtered:
-        lines.append(
-            "  filters     stood between controller and robots: motion is held against commands at "
-            "decisions only"
-        )
+    lines += [
+        f"  {kind:<11} {name}, given from Python"
+        for kind, name in run.given
+        if kind != "controller"
+    ]
     if validation.resimulated:
         lines.append("  samples     not all in the record: simulated again, and those in it agree")
     made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))

@@ -49,10 +49,8 @@ class Run:
     """[s]"""
     ended: str
     versions: dict[str, str]
-    given: bool
-    """the controller was given from Python, in place of the world's own"""
-    filtered: bool
-    """filters stood between controller and robots"""
+    given: tuple[tuple[str, str], ...]
+    """parts that came from Python in place of or beside what the world names: kind and name"""
 
 
 @dataclass(frozen=True)
@@ -188,8 +186,7 @@ def _run(record: Record, source: str | None) -> Run:
     return Run(
         record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
         record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
-        record.steps_planned * record.dt, record.ended, record.versions, bool(record.controller),
-        record.filtered,
+        record.steps_planned * record.dt, record.ended, record.versions, record.given,
     )  # fmt: skip
 
 

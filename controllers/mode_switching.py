@@ -15,7 +15,8 @@ One decision of Robot i, with the rules it is made of:
 compiled call. Both run `decide_one`, and both must decide alike.
 
 Departures from the paper: arrival at a stop station is ours (a robot there stands still); each
-rule lists its own.
+rule lists its own. Collision times are counted, as `evaluations`, by command looked at: one for
+every considered robot, and one for all walls.
 """
 
 from __future__ import annotations
@@ -116,15 +117,15 @@ def decide_one(
     if own.station >= own.stop_station - rules.arrival_tolerance:
         report[0], report[1] = x, y
         return 0.0, 0.0, rules.update_period, ARRIVED, memory.plan, 0, report
-    outside = is_outside(own.outside, own.station + rules.look_ahead)
+    length = path_length(paths, own.path)
+    outside = is_outside(own.outside, min(own.station + rules.look_ahead, length))
     position = (pose[me, 0], pose[me, 1])
     tx, ty = safe_target(
         walls, own.parts, (x, y), (ax, ay), outside, position, rules.look_ahead,
         rules.safe_distance,
     )  # fmt: skip
 
-    left = path_length(paths, own.path) - own.station
-    judge_ahead = judging_time(rules.judge_ahead, left, own.nu)
+    judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
     distance = smallest_distance(shapes, me, pose[me], rows, pose)
     boundary = wall_distance(shapes, me, pose[me], walls, own.parts)

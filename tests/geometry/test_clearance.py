@@ -141,7 +141,7 @@ def test_cores_lie_inside():
 def test_a_robot_that_turns_on_the_spot_between_walls():
     """Its reference point rests, yet what was far from its ends comes near."""
     bar = np.array([[-2.0, -0.2], [2.0, -0.2], [2.0, 0.2], [-2.0, 0.2]])
-    sides = [[[-0.5, 0.6], [0.5, 0.6]], [[1.5, -1.4], [2.5, -1.4]], [[9.0, -9.0], [9.0, 9.0]]]
+    sides = [[[0.2, 0.6], [0.6, 0.6]], [[1.5, -1.4], [2.5, -1.4]], [[9.0, -9.0], [9.0, 9.0]]]
     shapes, walls = pack_shapes([[bar]]), pack_shapes([[np.array(side)] for side in sides])
     poses = np.zeros((30, 1, 3))
     poses[:, 0, 2] = -0.02 * np.arange(30)

@@ -157,7 +157,7 @@ EDITS = (
         "max(rows[-1][1], leave)",
         "leave",
         "contacts of several parts are one interval, to the last of them",
-        "tests/geometry/test_encounters.py::test_contact_through_parts_is_one_interval",
+        "tests/geometry/test_encounters.py::test_intervals_against_sampling",
     ),
     Edit(
         "geometry",
@@ -175,7 +175,7 @@ EDITS = (
         "if at_t <= at_u:",
         "if at_t > at_u:",
         "the least distance within a step is the smallest",
-        "tests/geometry/test_swept.py::test_least_distance_against_dense_sampling",
+        "tests/geometry/test_swept.py::test_graze_between_samples",
     ),
     Edit(
         "geometry",

@@ -12,7 +12,7 @@ EDITS = (
         "space.damping = 1.0",
         "space.damping = 0.99",
         "nothing slows a robot that is free",
-        "tests/physics/test_free_motion.py::test_equal_to_the_plain_update_and_to_the_arc",
+        "tests/physics/test_robots.py::test_dead_stop_at_a_wall_takes_all_momentum",
     ),
     Edit(
         "physics",

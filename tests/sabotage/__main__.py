@@ -19,7 +19,7 @@ from tests.sabotage import table
 from tests.sabotage.anchors import BadAnchorError, Sources
 from tests.sabotage.edit import ROOMS, Edit
 from tests.sabotage.edits import EDITS
-from tests.sabotage.runner import Outcome, RunError, Tests, sabotage
+from tests.sabotage.runner import Outcome, RunError, sabotage
 
 ROOT = Path(__file__).parents[2]
 
@@ -79,11 +79,9 @@ def _run(edits: Sequence[Edit], jobs: int) -> list[Outcome]:
     begun = time.monotonic()
     outcomes: dict[Edit, Outcome] = {}
 
-    def unedited(room: str, tests: Tests, seconds: float) -> None:
-        _tell(f"{room}: {tests.ran} tests pass unedited ({seconds:.0f} s)")
-
     with sabotage(ROOT, jobs) as work:
-        work.unedited(dict.fromkeys(edit.room for edit in edits), unedited)
+        for room, tests, seconds in work.unedited(dict.fromkeys(edit.room for edit in edits)):
+            _tell(f"{room}: {tests.ran} tests pass unedited ({seconds:.0f} s)")
         for one in work.edits(edits):
             outcomes[one.edit] = one
             place = f"[{len(outcomes)}/{len(edits)}] {one.edit.room}: {one.edit.function}"

@@ -31,8 +31,8 @@ def keep_compiled(copy: Path, edited: Path, stamp: str) -> None:
     if edited.as_posix() in COMPILER:
         kept: set[Path] = set()
     else:
-        holders = {holder_of(file).relative_to(copy) for file in caches}
-        kept = {holder for holder in holders if edited not in Imports(copy).all_of(holder)}
+        holders, imports = {holder_of(file).relative_to(copy) for file in caches}, Imports(copy)
+        kept = {holder for holder in holders if edited not in imports.all_of(holder)}
         hold_stamp(copy, stamp)
     for file in caches:
         if holder_of(file).relative_to(copy) not in kept:

@@ -24,10 +24,13 @@ from tests.sabotage.scratch import WHERE, copy_checkout, copy_of, environment, p
 
 T = TypeVar("T")
 R = TypeVar("R")
+
 LONGEST = 1800.0
 """[s] after which a run of tests is given up"""
 NO_SUCH_TEST = 4
 """What pytest returns where a test is not there."""
+JUDGES_COMPILING = ("basics",)
+"""Rooms whose tests look at what is compiled anew: nothing is done about that in their copies."""
 
 
 class RunError(Exception):
@@ -52,52 +55,66 @@ class Outcome(NamedTuple):
 
 
 class Sabotage:
-    """Copies of a checkout in a folder, and the processes in them; all processes end with it."""
+    """Copies of a checkout in a folder, and the processes in them."""
 
     def __init__(self, root: Path, folder: Path, jobs: int) -> None:
         self.sources = Sources(root)
-        self.folder = folder
         self.base = folder / "unedited"
-        self.jobs = jobs
+        self.stamp = ""
+        self._root, self._folder = root, folder
+        self._pool = ThreadPoolExecutor(jobs)
         self._stopped = Event()
         self._running: set[subprocess.Popen[str]] = set()
         self._lock = Lock()
-        copy_checkout(root, self.base)
-        self.stamp = self._proven()
 
-    def stop(self) -> None:
-        """End all processes, and start none any more."""
+    def begin(self) -> None:
+        """Make the unedited copy. Raises `RunError` unless it is what a process imports."""
+        copy_checkout(self._root, self.base)
+        done = self._process(
+            python("-c", WHERE), self._folder, environment(self.base, self._folder / "temporary")
+        )
+        if done.returncode:
+            raise RunError(f"physim cannot be imported: {' '.join(done.stdout.split())[-300:]}")
+        files, self.stamp = json.loads(done.stdout)
+        for file in files:
+            if not Path(file).resolve().is_relative_to(self.base.resolve()):
+                raise RunError(f"not the copy was imported: {file}")
+
+    def close(self) -> None:
+        """End all processes, start none any more, and wait until nobody is at work."""
         self._stopped.set()
         with self._lock:
             for process in self._running:
                 _kill(process)
+        self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def unedited(self, rooms: Iterable[str], tell: Callable[[str, Tests, float], None]) -> None:
+    def unedited(self, rooms: Iterable[str]) -> Iterator[tuple[str, Tests, float]]:
         """Run the tests of rooms as they are. Raises `RunError` where one fails."""
 
         def run(room: str) -> tuple[str, Tests, float]:
             begun = time.monotonic()
             return room, self._tests(self.base, ROOMS[room]), time.monotonic() - begun
 
-        for room, tests, seconds in self._all(run, list(rooms)):
+        for room, tests, seconds in self._all(run, rooms):
             if tests.failed is not None:
                 raise RunError(f"{room}: {tests.failed} fails unedited; nothing can be said")
-            tell(room, tests, seconds)
+            yield room, tests, seconds
 
-    def edits(self, edits: Sequence[Edit]) -> Iterator[Outcome]:
+    def edits(self, edits: Iterable[Edit]) -> Iterator[Outcome]:
         """Outcomes, as they come."""
-        yield from self._all(self._outcome, list(edits))
+        return self._all(self._outcome, edits)
 
     def _outcome(self, edit: Edit) -> Outcome:
         begun = time.monotonic()
-        copy = Path(tempfile.mkdtemp(prefix="edit-", dir=self.folder)) / "checkout"
+        copy = Path(tempfile.mkdtemp(prefix="edit-", dir=self._folder)) / "checkout"
         try:
             copy_of(self.base, copy)
             place = self.sources.place_of(edit)
             for stale in (copy / place.file).parent.glob(f"__pycache__/{place.file.stem}.*.pyc"):
                 stale.unlink()
             (copy / place.file).write_text(place.text, encoding="utf-8")
-            keep_compiled(copy, place.file, self.stamp)
+            if edit.room not in JUDGES_COMPILING:
+                keep_compiled(copy, place.file, self.stamp)
             noticed = self._tests(copy, [edit.notices]).failed
             if noticed is None:
                 noticed = self._tests(copy, ROOMS[edit.room]).failed
@@ -107,45 +124,33 @@ class Sabotage:
 
     def _tests(self, copy: Path, paths: Sequence[str]) -> Tests:
         """Run tests in a copy until one fails."""
+        told = f"pytest {' '.join(paths)}"
         report = copy.parent / f"{copy.name}-{'-'.join(paths).replace('/', '.')[:100]}.json"
         temporary = copy.parent / f"{copy.name}-temporary"
-        present = [path for path in paths if (copy / path.split("::")[0]).exists()]
         done = self._process(
             python(
                 "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider",
-                "-p", "tests.sabotage.notice", f"--basetemp={temporary / report.stem}", *present,
+                "-p", "tests.sabotage.notice", f"--basetemp={temporary / report.stem}", *paths,
             ),
             copy, {**environment(copy, temporary), REPORT: str(report)},
         )  # fmt: skip
         if done.returncode == NO_SUCH_TEST and "::" in paths[0]:
             return Tests(None, 0)
         if done.returncode not in (0, 1, 2) or not report.is_file():
-            told = " ".join(done.stdout.split())[-300:]
-            raise RunError(f"pytest {' '.join(present)} ends with {done.returncode}: {told}")
+            said = " ".join(done.stdout.split())[-300:]
+            raise RunError(f"{told} ends with {done.returncode}: {said}")
         seen = json.loads(report.read_text(encoding="utf-8"))
         report.unlink()
         if seen["foreign"]:
-            raise RunError(f"not the copy was imported: {seen['foreign'][0]}")
+            raise RunError(f"{told}: not the copy was imported: {seen['foreign'][0]}")
         if done.returncode and seen["failed"] is None:
-            raise RunError(f"pytest {' '.join(present)} is red, and no test says so")
+            raise RunError(f"{told} is red, and no test says so")
         return Tests(seen["failed"], seen["ran"])
-
-    def _proven(self) -> str:
-        """Stamp of the unedited sources; `RunError` unless a process imports those of the copy."""
-        done = self._process(
-            python("-c", WHERE), self.folder, environment(self.base, self.folder / "temporary")
-        )
-        if done.returncode:
-            raise RunError(f"physim cannot be imported: {' '.join(done.stdout.split())[-300:]}")
-        files, stamp = json.loads(done.stdout)
-        for file in files:
-            if not Path(file).resolve().is_relative_to(self.base.resolve()):
-                raise RunError(f"not the copy was imported: {file}")
-        return str(stamp)
 
     def _process(
         self, command: list[str], folder: Path, variables: dict[str, str]
     ) -> subprocess.CompletedProcess[str]:
+        """Run a process to its end, with all that it starts."""
         with self._lock:
             if self._stopped.is_set():
                 raise RunError("stopped")
@@ -164,22 +169,14 @@ class Sabotage:
                 self._running.discard(process)
         return subprocess.CompletedProcess(command, process.returncode, out)
 
-    def _all(self, work: Callable[[T], R], items: list[T]) -> Iterator[R]:
-        """Results of some work as they come, by so many threads; the first error ends all."""
-        with ThreadPoolExecutor(self.jobs) as pool:
-            waiting = [pool.submit(work, item) for item in items]
-            try:
-                for done in as_completed(waiting):
-                    yield done.result()
-            except BaseException:
-                for one in waiting:
-                    one.cancel()
-                self.stop()
-                raise
+    def _all(self, work: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
+        """Results of some work as they come; the first error ends it."""
+        for done in as_completed([self._pool.submit(work, item) for item in items]):
+            yield done.result()
 
 
 def _kill(process: subprocess.Popen[str]) -> None:
-    """End a process with all that it started."""
+    """End a process with all that it started and that stayed in its session."""
     try:
         os.killpg(process.pid, signal.SIGKILL)
     except (ProcessLookupError, PermissionError):
@@ -190,7 +187,10 @@ def _kill(process: subprocess.Popen[str]) -> None:
 def sabotage(root: Path, jobs: int) -> Iterator[Sabotage]:
     """Copies of a checkout in a temporary folder, which is gone afterwards, whatever happens."""
     folder = Path(tempfile.mkdtemp(prefix="physim-sabotage-"))
+    made = Sabotage(root, folder, jobs)
     try:
-        yield Sabotage(root, folder, jobs)
+        made.begin()
+        yield made
     finally:
+        made.close()
         shutil.rmtree(folder, ignore_errors=True)

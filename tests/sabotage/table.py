@@ -15,7 +15,10 @@ def table(edits: Iterable[Edit]) -> str:
     rows: dict[str, list[Edit]] = {}
     for edit in edits:
         rows.setdefault(edit.room, []).append(edit)
-    lines = ["| room | edits | what is broken | where | test that noticed |", "|---|---|---|---|---|"]
+    lines = [
+        "| room | edits | rule that is broken | in | test that noticed |",
+        "|---|---|---|---|---|",
+    ]
     for room, some in rows.items():
         for k, edit in enumerate(some):
             first = (room, str(len(some))) if k == 0 else ("", "")

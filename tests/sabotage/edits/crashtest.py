@@ -49,8 +49,7 @@ EDITS = (
         "vx = v * math.cos(pose[2]) - omega * (y - pose[1])",
         "vx = v * math.cos(pose[2])",
         "a point of a turning robot moves with it",
-        "tests/crashtest/test_laboratory.py::"
-        "test_swept_contacts_are_where_the_collision_time_says",
+        "tests/crashtest/test_laboratory.py::test_swept_contacts_are_where_the_collision_time_says",
     ),
     Edit(
         "crashtest",
@@ -59,8 +58,7 @@ EDITS = (
         "(step + 1) * throw.dt",
         "step * throw.dt",
         "the swept check looks at the whole step",
-        "tests/crashtest/test_laboratory.py::"
-        "test_swept_contacts_are_where_the_collision_time_says",
+        "tests/crashtest/test_laboratory.py::test_swept_contacts_are_where_the_collision_time_says",
     ),
     Edit(
         "crashtest",

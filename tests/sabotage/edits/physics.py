@@ -30,7 +30,7 @@ EDITS = (
         "float(np.sqrt(friction))",
         "float(friction)",
         "the friction of a contact is that of the world",
-        "tests/physics/test_robots.py::test_friction_holds_back_a_sliding_robot",
+        "tests/physics/test_robots.py::test_friction_is_that_of_coulomb",
     ),
     Edit(
         "physics",
@@ -84,7 +84,7 @@ EDITS = (
         "self._note_false(self._guard.take_rejected())",
         "self._guard.take_rejected()",
         "a false contact that was kept out is told",
-        "tests/physics/test_guard.py::test_robots_side_by_side_never_touch",
+        "tests/physics/test_guard.py::test_each_false_contact_is_told_at_its_sample",
     ),
     Edit(
         "physics",

@@ -103,6 +103,6 @@ EDITS = (
         "below.plot(energy.time, energy.values,",
         "below.plot(energy.time, 2.0 * energy.values,",
         "the energy drawn is the metric",
-        "tests/plots/test_figures.py::test_formation_draws_the_energy_of_the_metric",
+        "tests/plots/test_figures.py::test_formation_marks_peak_and_end",
     ),
 )

@@ -58,7 +58,7 @@ EDITS = (
         "across=least_width(outline)",
         "across=2.0 * circumscribed_radius(outline)",
         "a robot that is aligned needs its least width",
-        "tests/preview/test_contents.py::test_what_a_robot_needs_is_its_least_width_and_its_reach",
+        "tests/preview/test_picture.py::test_everything_is_at_its_place",
     ),
     Edit(
         "preview",
@@ -67,7 +67,7 @@ EDITS = (
         "2.0 * turning.reach",
         "turning.reach",
         "a robot that turns needs twice its reach",
-        "tests/preview/test_picture.py::test_what_the_robots_need_is_drawn_at_its_width",
+        "tests/preview/test_picture.py::test_everything_is_at_its_place",
     ),
     Edit(
         "preview",

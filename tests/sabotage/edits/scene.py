@@ -111,8 +111,7 @@ EDITS = (
         "np.linspace(station.max(), station.min(), len(rows) + 1)",
         "np.linspace(station.min(), station.max(), len(rows) + 1)[::1]",
         "the first row of robots stands in front",
-        "tests/test_start_poses.py::"
-        "test_rows_stand_in_the_order_of_the_robots_and_of_their_paths",
+        "tests/test_start_poses.py::test_rows_stand_in_the_order_of_the_robots_and_of_their_paths",
     ),
     Edit(
         "scene",
@@ -121,7 +120,6 @@ EDITS = (
         "(self._lane(paths[i], 0.5 * (low + high)), i)",
         "i",
         "in a row robots stand in the order of their paths",
-        "tests/test_start_poses.py::"
-        "test_rows_stand_in_the_order_of_the_robots_and_of_their_paths",
+        "tests/test_start_poses.py::test_rows_stand_in_the_order_of_the_robots_and_of_their_paths",
     ),
 )

@@ -12,7 +12,7 @@ EDITS = (
         "rerun.run_again(world, document, seed, options, stop=interrupt)",
         "rerun.run_again(world, document, first, options, stop=interrupt)",
         "every seed of a study is run",
-        "tests/validation/test_seeds.py::test_every_seed_is_run",
+        "tests/validation/test_command.py::test_every_seed_is_run",
     ),
     Edit(
         "validation",

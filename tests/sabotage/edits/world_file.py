@@ -38,9 +38,9 @@ EDITS = (
         "world_file",
         "physim/world_file/geometry_check.py",
         "wall_faults",
-        "not accessible.covers(shape)",
-        "not accessible.intersects(shape)",
-        "robots start inside the accessible area",
+        'predicate="dwithin", distance=CONTACT',
+        'predicate="intersects"',
+        "robots that touch a wall at the start are refused, to 1e-9 m",
         "tests/world_file/test_geometry_check.py::test_robots_are_apart_from_all",
     ),
     Edit(

@@ -65,3 +65,18 @@ def test_numbers_of_any_kind_are_taken():
     names = ("target_x", "target_y", "distance", "boundary_distance", "collision_time",
              "considered", "evaluations")  # fmt: skip
     assert np.array_equal([row[n] for n in names], [1, 2, np.nan, 0.5, 2, 1, 1], equal_nan=True)
+
+
+class Remembering:
+    """Counts its own decisions for each robot, and tells the count by its command."""
+
+    def decide(self, observation, memory):
+        count = 1 if memory is None else memory[observation.name] + 1
+        return Decision(v=0.1 * count, omega=0.0, hold=0.1, memory={observation.name: count})
+
+
+def test_what_a_controller_remembers_comes_back_to_it():
+    world = physim.parse_world(LANE, overrides=["time.duration=0.5"])
+    rows = physim.simulate(world, controller=Remembering()).updates
+    for robot in (0, 1):
+        assert rows["wanted_v"][rows["robot"] == robot] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])

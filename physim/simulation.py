@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.arrival import note_arrivals, still_steps
+from physim.arrival import Arrivals
 from physim.control import BatchController, Batched, Controller, Observation, Sensed, Snapshot
 from physim.control_loop import Decided, PlainBatch, check_applied, check_commands, decide, outside
 from physim.declared import NO_NUMBER, Declared
@@ -177,6 +177,8 @@ class Simulation:
         """What robots know at this sample, and the states of the stages for the next."""
         if self._sensed is None:
             sensed, states = everybody(self.now, self._shared), []
+            if not self.parts.sensing:
+                return sensed, ()
             for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
                 sensed, state = part.sense(self.scene, self.now, sensed, state)
                 states.append(state)
@@ -202,6 +204,8 @@ class Simulation:
 
     def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Filtered commands (N, 2): the nominal ones through every filter in turn."""
+        if not self.parts.filters:
+            return nominal, ()
         filtered, states = nominal, []
         for part, state in zip(self.parts.filters, self._stages[1], strict=True):
             filtered, state = part.filter(self.scene, sensed, filtered, state)
@@ -211,6 +215,8 @@ class Simulation:
 
     def _disturb(self, truth: Snapshot, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
+        if not self.parts.disturbances:
+            return filtered, ()
         applied, states = filtered, []
         for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
             applied, state = part.disturb(self.scene, truth, applied, state)
@@ -223,9 +229,9 @@ class Simulation:
         pose = read_only(self.physics.pose)
         if step:
             self._tracking.follow(pose)
-        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
-        self.arrived = np.empty(self.scene.robots, dtype=np.bool_)
-        note_arrivals(step, pose, self.now.station, self._least, self._trail, self.arrived)
+        stations = self._tracking.stations
+        self.now = Snapshot(step, pose, nominal, stations[0], stations[1], stations[2])
+        self.arrived = self._arrivals.note(step, pose, stations[0])
         self._sensed = None
 
     # State
@@ -242,7 +248,7 @@ class Simulation:
             next_decision=self.next_decision,
             memory={name: array.copy() for name, array in self.memory.items()},
             stages=self._stages,
-            trail=self._trail.copy(),
+            trail=self._arrivals.trail.copy(),
             arrived=self.arrived,
             physics=self.physics.state,
         )
@@ -264,7 +270,7 @@ class Simulation:
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self.memory = {name: array.copy() for name, array in state.memory.items()}
         self._stages = state.stages
-        self._trail, self.arrived = state.trail.copy(), state.arrived
+        self._arrivals.trail, self.arrived = state.trail.copy(), state.arrived
         self._sensed, self.last = None, None
 
     def reset(self, seed: int | None = None) -> None:
@@ -302,10 +308,9 @@ class Simulation:
         self._tracking = Tracking(
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
-        self._least = scene.stop_station - scene.arrival_tolerance
-        self._trail = np.zeros((still_steps(scene.dt) + 1, robots, 2))
-        self.mode = np.full(robots, NO_NUMBER, dtype=np.int64)
-        self.next_decision = np.zeros(robots, dtype=np.int64)
+        self._arrivals = Arrivals(scene.stop_station - scene.arrival_tolerance, scene.dt)
+        self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
+        self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self.last = None
         self._arrive(0, read_only(np.zeros((robots, 2))))
 
@@ -338,4 +343,4 @@ def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> ND
     """Copy of an array with other values in some places."""
     new = array.copy()
     new[at] = values
-    return new
+    return read_only(new)

@@ -106,15 +106,21 @@ class Replay:
     ) -> None:
         again = np.concatenate([d.considered for d in told])
         count = np.concatenate([np.diff(d.considered_start) for d in told])
+        first, last = self.considered.start[number], self.considered.end[number]
         ends = np.cumsum(count)
-        table, names = self.considered, self.record.names
-        for k in range(len(rows)):
-            theirs = table.other[table.start[number[k]] : table.end[number[k]]]
-            ours = again[ends[k] - count[k] : ends[k]]
-            if len(theirs) == len(ours) and (theirs == np.sort(ours)).all():
-                continue
+        alike = count == last - first
+        sure = np.repeat(alike, count)
+        place = np.arange(len(again)) + np.repeat(first - (ends - count), count)
+        order = np.lexsort((again, np.repeat(np.arange(len(rows)), count)))
+        unlike = again[order][sure] != self.considered.other[place[sure]]
+        wrong = ~alike
+        wrong[np.repeat(np.arange(len(rows)), count)[sure][unlike]] = True
+        names = self.record.names
+        for k in np.flatnonzero(wrong).tolist():
+            theirs = self.considered.other[first[k] : last[k]]
+            ours = np.sort(again[ends[k] - count[k] : ends[k]])
             told_names, our_names = (
-                ", ".join(names[j] for j in some) or "nobody" for some in (theirs, sorted(ours))
+                ", ".join(names[j] for j in some) or "nobody" for some in (theirs, ours)
             )
             found.add(
                 "/considered", "other", told_names, our_names, self.by,

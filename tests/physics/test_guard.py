@@ -38,6 +38,23 @@ def test_robots_side_by_side_never_touch():
     assert disturbed(guarded=False)[0] > 0
 
 
+def test_each_false_contact_is_told_at_its_sample():
+    told = 0
+    for seed in range(100):
+        physics = side_by_side(seed, True)
+        before = physics.rejected
+        for step in range(1, 401):
+            physics.step(np.array([[1.0, 0.0], [1.0, 0.0]]))
+            rows, met = physics.false_contacts, physics.rejected - before
+            assert (len(rows) > 0) == (met > 0)  # at this sample, and at no other
+            before = physics.rejected
+            for row in rows:
+                assert (row["step"], row["a"], row["b"]) == (step, 0, 1)
+                assert row["distance"] == pytest.approx(0.2)
+            told += len(rows)
+    assert told > 0
+
+
 def test_pressed_side_by_side_they_stay_in_step():
     for seed in range(20):
         rng = np.random.default_rng(seed)

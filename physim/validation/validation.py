@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,14 +20,16 @@ from physim.validation.contact_report import (
     graze_reports,
 )
 from physim.validation.decisions import DecisionTable
+from physim.validation.ending import check_counts
 from physim.validation.ledger import Ledger, work_out
+from physim.validation.mismatch import Mismatches
 from physim.validation.motion import Motion, check_motion
 from physim.validation.near_misses import NearMisses, near_misses
 from physim.validation.origin import Origin, check_origin, world_inside
 from physim.validation.prediction import DISAGREES, Predictor
 from physim.validation.recomputed import Recomputed, recompute
 from physim.validation.recorded import exact_distances
-from physim.validation.rerun import Rerun
+from physim.validation.rerun import Rerun, compare_runs
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
 """Exit codes of the verdict."""
@@ -179,6 +181,25 @@ def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
             if sum(tables[kind]):
                 rows.append((f"{label}, {when}", tables[kind]))
     return rows
+
+
+def validate_again(record: Record, again: Record, source: str) -> Validation:
+    """Validate a run by the same run simulated again, which has what its record lacks.
+
+    What the record does have is held against that.
+    """
+    found, counts = validate(again, source=source), Mismatches(record)
+    check_counts(record, counts)
+    run = replace(
+        found.run, ended=record.ended, versions=record.versions, given=record.given,
+        controller=_controller(record),
+    )  # fmt: skip
+    wrong = (*counts.found, *found.recomputed.mismatches)
+    return replace(
+        found, run=run, origin=check_origin(record, world_inside(record)),
+        recomputed=replace(found.recomputed, mismatches=wrong),
+        rerun=compare_runs(record, again),
+    )  # fmt: skip
 
 
 def _expectations(record: Record) -> tuple[Held, ...]:

@@ -56,6 +56,7 @@ from physim.metrics.motion import (
 )
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.settings import world_settings
+from physim.metrics.severity import Severity, masses, severity
 from physim.metrics.values import DangerShare, Each, Moment, Place, Series
 from physim.metrics.way import (
     arrival_steps,
@@ -79,6 +80,7 @@ __all__ = [
     "Moment",
     "Place",
     "Series",
+    "Severity",
     "Width",
     "arrival_steps",
     "averaged_speeds",
@@ -106,6 +108,7 @@ __all__ = [
     "grazes",
     "has_formation",
     "last_decisions",
+    "masses",
     "mean_speed",
     "measure",
     "messages",
@@ -113,6 +116,7 @@ __all__ = [
     "mode_switches",
     "pair_distances",
     "placed",
+    "severity",
     "share_of_modes",
     "shortest_boundary_distance",
     "shortest_collision_time",

@@ -21,6 +21,7 @@ import numpy as np
 
 from physim.declared import NO_NUMBER, Mode, Rule
 from physim.geometry.shapes import FloatArray
+from physim.metrics.severity import point_velocity
 from physim.record import Record
 from physim.validation.decisions import DecisionTable
 from physim.validation.pushing import Touch, pushed_by, stands
@@ -65,16 +66,6 @@ class Side:
     """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
     its place; None where there is none, or where it did not have to keep clear"""
     responsible: bool
-
-
-def velocity_at(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
-    """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample."""
-    if body >= record.robots or step == 0:
-        return np.zeros(2)
-    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
-    vx, vy, omega = (now - before) / record.dt
-    x, y = point[0] - now[0], point[1] - now[1]
-    return np.array((vx - omega * y, vy + omega * x))
 
 
 def sides_of(
@@ -122,7 +113,7 @@ def _side(
 ) -> Side:
     step, point = touch.step, touch.point
     pose = record.read("/steps/pose", step, step + 1)[0, i]
-    vx, vy = velocity_at(record, i, step, (float(pose[0]), float(pose[1])))
+    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
     row = table.last(i, step - 1)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
     return Side(

@@ -99,6 +99,22 @@ def test_a_robot_sees_robots_and_walls_within_its_range_only() -> None:
             assert len(o.walls) == len(near)
 
 
+def test_the_range_of_sensing_is_its_own() -> None:
+    """Neighbours of the formation are told of however short the sight is; and the other way."""
+    short = cluster(range=50.0).changed(sensing={"range": 4.0})
+    simulation = Simulation(short, controller=STAND)
+    assert simulation.observe(0).range == 4.0
+    assert simulation.observe(0).others == ()
+    assert [one.index for one in simulation.observe(0).neighbours] == [1, 2]
+    far = cluster(range=1.0).changed(sensing={"range": 60.0})
+    simulation = Simulation(far, controller=STAND)
+    assert [one.index for one in simulation.observe(0).others] == [1, 2]
+    assert simulation.observe(0).neighbours == ()
+    alone = road(PLACES, sensing={"range": 7.0})
+    assert [one.index for one in Simulation(alone, controller=STAND).observe(0).others] == [1]
+    assert Simulation(road(PLACES), controller=STAND).observe(0).range == 10.0
+
+
 def _pieces(scene: Scene) -> list[FloatArray]:
     """Segments of all boundaries, as they are drawn."""
     ends = scene.walls.part_start
@@ -123,6 +139,6 @@ def test_stations_go_with_the_robots() -> None:
     simulation = Simulation(cluster(), controller=STAND)
     for _ in range(50):
         simulation.step(np.array([[1.0, 0.0], [0.0, 0.0], [-0.5, 0.0]]))
-    perception = simulation.perception
-    assert perception.station == pytest.approx([20.5, 23.0, 28.75])
-    assert perception.reference_station == pytest.approx([15.5, 18.0, 23.75])
+    now = simulation.now
+    assert now.station == pytest.approx([20.5, 23.0, 28.75])
+    assert now.reference_station == pytest.approx([15.5, 18.0, 23.75])

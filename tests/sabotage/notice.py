@@ -43,7 +43,7 @@ class Notice:
 def foreign(root: Path) -> list[str]:
     """Files of physim's modules that do not lie in the copy."""
     files = [
-        Path(module.__file__).resolve()
+        Path(str(module.__file__)).resolve()
         for name, module in list(sys.modules.items())
         if name.split(".")[0] == "physim" and getattr(module, "__file__", None)
     ]

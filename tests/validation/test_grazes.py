@@ -131,7 +131,7 @@ def test_blocks_of_any_size_find_the_same(every, grazing):
 
 
 def test_rejected_false_contacts_are_told_one_by_one(tmp_path):
-    with side_by_side(13, guarded=True) as record:
+    with side_by_side(1073, guarded=True) as record:
         rows = record.false_contacts
         assert len(rows) == record.rejected_contacts > 0
         assert rows["distance"] == pytest.approx(0.2)

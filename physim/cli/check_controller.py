@@ -25,7 +25,7 @@ COMPILING = 25
 def check_controller_command(options: argparse.Namespace) -> int:
     """Check a controller and print what is found; returns the exit code."""
     chosen = _chosen(options)
-    worlds = places(options.worlds or None)
+    worlds = places(options.worlds)
     _prepare()
     bar = Bar("check", len(worlds) + len(situations()), "worlds", quiet=False)
     parts: list[Examined] = []
@@ -63,7 +63,7 @@ def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str
     message = "is no setting of the controller; those are written controller.KEY=VALUE"
     faults = [Fault((key,), message) for key in values]
     if "type" in settings:
-        faults.append(Fault(("controller", "type"), "stands before the options here"))
+        faults.append(Fault(("controller", "type"), "is what CONTROLLER says"))
     if faults or document.faults:
         raise located(faults, document)
     return settings, document

@@ -134,9 +134,7 @@ class _Walk:
         if type(value) not in CONTAINERS:
             yield ".__class__", type(value)
         if isinstance(value, tuple) and hasattr(value, "_fields"):
-            yield from (
-                (f".{field}", item) for field, item in zip(value._fields, value, strict=True)
-            )
+            yield from zip((f".{field}" for field in value._fields), value, strict=True)
         elif isinstance(value, list | tuple | deque):
             yield from ((f"[{k}]", item) for k, item in enumerate(value))
             yield ".__len__()", len(value)

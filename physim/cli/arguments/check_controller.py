@@ -29,7 +29,7 @@ exit codes:
 
 examples:
   physim check-controller my_module:MyController
-  physim check-controller my_module:MyController my_world.yaml --seconds 20
+  physim check-controller my_module:MyController --world my_world.yaml --seconds 20
   physim check-controller mode_switching --set controller.look_ahead=3.0 --json
 """
 
@@ -51,10 +51,12 @@ def add(commands: Commands) -> None:
         help="a registered controller (physim list) or your own as module:Class",
     )
     check.add_argument(
-        "worlds",
-        nargs="*",
+        "--world",
+        dest="worlds",
+        action="append",
         metavar="WORLD",
-        help="world files, or names of shipped worlds (default: all shipped worlds)",
+        help="a world file, or the name of a shipped world, instead of all shipped worlds (may be "
+        "repeated)",
     )
     check.add_argument(
         "--seconds", type=number_from(0.001, 1e6), metavar="S",

@@ -9,7 +9,7 @@ from typing import Any
 
 from physim.cli.compiling import tell_compiling
 from physim.cli.progress import Bar
-from physim.errors import Fault, WorldError, plural
+from physim.errors import Fault, Location, WorldError, plural
 from physim.scene_builder import build_scene
 from physim.testing.candidate import Candidate, candidate
 from physim.testing.check import SECONDS, Examined, examined, places
@@ -61,12 +61,23 @@ def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str
     values = document.values()
     settings = values.pop("controller", None) or {}
     message = "is no setting of the controller; those are written controller.KEY=VALUE"
-    faults = [Fault((key,), message) for key in values]
-    if "type" in settings:
+    faults = [Fault(place, message) for place in _ends(values)]
+    if not isinstance(settings, dict):
+        faults.append(
+            Fault(("controller",), "is no KEY=VALUE of the controller; write controller.KEY=VALUE")
+        )
+    elif "type" in settings:
         faults.append(Fault(("controller", "type"), "is what CONTROLLER says"))
     if faults or document.faults:
         raise located(faults, document)
     return settings, document
+
+
+def _ends(values: object) -> list[Location]:
+    """Places of the values in a tree of mappings."""
+    if not isinstance(values, dict):
+        return [()]
+    return [(key, *end) for key, value in values.items() for end in _ends(value)]
 
 
 def _prepare() -> None:

@@ -12,7 +12,7 @@ from physim.control_decisions import Row, broken, decision_row
 from physim.control_loop import check_commands, check_told, hold_steps
 from physim.errors import ControllerError, PhysimError
 from physim.scene import Scene
-from physim.testing.contents import Contents, contents, difference
+from physim.testing.contents import NAN, Contents, Told, contents, difference
 
 REPORT = (
     "report.target[0]",
@@ -75,11 +75,11 @@ def _judged(decision: Any, scene: Scene, observation: Observation, where: str) -
 
 def values_of(command: Any, hold: float, mode: int, report: Any) -> Contents:
     """Numbers of a decision by name: ``command`` (2,), ``report`` (7,)."""
-    modes = {int(one): f"Mode.{one.name}" for one in Mode}
+    modes = {int(one): Told(f"Mode.{one.name}") for one in Mode}
     told = [("v", command[0]), ("omega", command[1]), ("hold", hold)]
     told += zip(REPORT, report, strict=True)
-    values = {name: float(value) if value == value else "nan" for name, value in told}
-    return {**values, "mode": modes.get(int(mode), "no mode")}
+    values = {name: float(value) if value == value else NAN for name, value in told}
+    return {**values, "mode": modes.get(int(mode), Told("no mode"))}
 
 
 def differs(one: Contents, other: Contents) -> str:

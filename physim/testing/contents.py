@@ -8,6 +8,7 @@ are made of.
 from __future__ import annotations
 
 import functools
+import hashlib
 import random
 import sys
 import types
@@ -38,6 +39,21 @@ QUICK = frozenset((int, str, bool, type(None)))
 NAMED = (type, types.ModuleType, types.BuiltinFunctionType)
 FUNCTIONS = (types.FunctionType, types.MethodType, functools.partial, staticmethod, classmethod)
 CONTAINERS = frozenset((dict, list, tuple, set, frozenset))
+
+
+@dataclass(frozen=True)
+class Told:
+    """A leaf in words: a name, or what takes the place of a value."""
+
+    text: str
+
+    def __repr__(self) -> str:
+        """The words alone."""
+        return self.text
+
+
+NAN = Told("nan")
+"""Equal to itself, other than the number."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +136,7 @@ class _Walk:
         if leaf is not None or value is None:
             self.found[place] = leaf
         elif id(value) in above:
-            self.found[place] = "itself"
+            self.found[place] = Told("what it lies in")
         else:
             above = (*above, id(value))
             for part, item in self._parts(value):
@@ -133,16 +149,16 @@ class _Walk:
             return
         if type(value) not in CONTAINERS:
             yield ".__class__", type(value)
+        elif not value:
+            yield "", Told(f"an empty {type(value).__name__}")
         if isinstance(value, tuple) and hasattr(value, "_fields"):
             yield from zip((f".{field}" for field in value._fields), value, strict=True)
         elif isinstance(value, list | tuple | deque):
             yield from ((f"[{k}]", item) for k, item in enumerate(value))
-            yield ".__len__()", len(value)
         elif isinstance(value, Mapping):
             yield from ((f"[{_key(key, k)}]", item) for k, (key, item) in enumerate(value.items()))
-            yield ".__len__()", len(value)
         elif isinstance(value, Set):
-            yield "", repr(sorted(map(repr, value)))
+            yield "", Told(f"{{{', '.join(sorted(map(repr, value)))}}}")
         elif isinstance(value, np.ndarray):  # of objects
             yield ".tolist()", value.tolist()
         if type(value) not in CONTAINERS and not _is_closed(type(value).__module__):
@@ -155,7 +171,7 @@ class _Walk:
         if isinstance(value, functools.partial):
             yield from ((".func", value.func), (".args", value.args), (".kw", value.keywords))
             return
-        yield "", getattr(value, "__qualname__", "function")
+        yield "", Told(getattr(value, "__qualname__", "a function"))
         if isinstance(value, types.MethodType):
             yield ".__self__", value.__self__
         elif self.functions and isinstance(value, types.FunctionType):
@@ -182,9 +198,9 @@ def _leaf(value: Any) -> Any:
     if kind is np.ndarray and not value.dtype.hasobject:
         return Array(value.dtype.str, value.shape, value.tobytes())
     if isinstance(value, Enum):
-        return f"{kind.__name__}.{value.name}"
+        return Told(f"{kind.__name__}.{value.name}")
     if isinstance(value, float | np.floating):
-        return float(value) if value == value else "nan"
+        return float(value) if value == value else NAN
     if isinstance(value, PLAIN):
         return value
     if kind in CONTAINERS:
@@ -192,21 +208,26 @@ def _leaf(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, NAMED) or kind.__module__ == KERNELS:
-        return getattr(value, "__qualname__", None) or value.__name__
+        return Told(getattr(value, "__qualname__", None) or value.__name__)
+    if kind is Told:
+        return value
     if isinstance(value, range | bytearray | array) or _top(kind.__module__) in AS_PRINTED:
-        return repr(value)
+        return Told(repr(value))
     return _drawing(value)
 
 
-def _drawing(value: Any) -> str | None:
-    """State of a source of random numbers."""
+def _drawing(value: Any) -> Told | None:
+    """State of a source of random numbers, by its hash; None of what is no such thing."""
+    state: Any
     if isinstance(value, random.Random):
-        return repr(value.getstate())
-    if isinstance(value, np.random.Generator):
-        return repr(value.bit_generator.state)
-    if isinstance(value, np.random.RandomState):
-        return repr(value.get_state(legacy=False))
-    return None
+        state = value.getstate()
+    elif isinstance(value, np.random.Generator):
+        state = value.bit_generator.state
+    elif isinstance(value, np.random.RandomState):
+        state = value.get_state()
+    else:
+        return None
+    return Told(f"state {hashlib.sha256(repr(state).encode()).hexdigest()[:16]}")
 
 
 def _key(key: object, position: int) -> str:

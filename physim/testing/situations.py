@@ -34,7 +34,7 @@ WORLDS = {
         robots: [
           {name: at, footprint: {length: 1.8, width: 1.0}, pose: [20, 2, 0],
            path: [[0, 2], [20, 2]]},
-          {name: past, footprint: {length: 1.8, width: 1.0}, pose: [23, 0, 2.5],
+          {name: past, footprint: {length: 1.8, width: 1.0}, pose: [23, 0, 0.5],
            path: [[0, 0], [20, 0]]},
           {name: before, footprint: {length: 1.8, width: 1.0}, pose: [19.4, -2, 0],
            path: [[0, -2], [20, -2]]}]""",

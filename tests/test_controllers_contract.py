@@ -81,7 +81,7 @@ def test_registered_controllers_keep_to_the_rules(name: str) -> None:
 
 
 def test_so_does_the_shipped_one_in_the_middle_of_a_plan() -> None:
-    settings = {"dwell_times": [0.05, 0.05, 0.05], "omegas": [-1.0, 0.0, 1.0]}
+    settings = {"dwell_times": [0.04, 0.03, 0.03], "omegas": [-1.0, 0.0, 1.0]}
     assert check_controller("mode_switching", settings=settings, worlds=["three_robots"]) == []
 
 

@@ -1,12 +1,11 @@
 """What every registered controller keeps to, on every shipped world.
 
-Finite commands within the limits, valid modes and holds, equal runs bit for bit, sight no further
-than the range; and a batch form that decides exactly as the plain one.
+The rules of `check_controller`; sight no further than the range; and a batch form that decides
+exactly as the plain one, under all settings and where it is dangerous.
 """
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 from collections.abc import Iterator
 from typing import Any
@@ -16,7 +15,6 @@ import pytest
 import shapely
 
 from physim.control import (
-    NO_MODE,
     Batched,
     Controller,
     Decision,
@@ -33,6 +31,7 @@ from physim.registry import controller_names, make_controller
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
+from physim.testing import check_controller
 from physim.world import World
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import find_world, shipped_worlds
@@ -75,28 +74,15 @@ def made(name: str, world: World) -> Controller:
     return controller
 
 
-@every_pair
-def test_commands_are_finite_within_limits_and_repeat_bit_for_bit(
-    name: str, world_name: str
-) -> None:
-    world = load_world(find_world(world_name))
-    scene = build_scene(world)
-    first = Simulation(scene, controller=made(name, world))
-    second = Simulation(scene, controller=made(name, world))
-    asked = set()
-    for a, b in zip(run(first), run(second), strict=True):
-        assert a.command.shape == (len(a.robot), 2)
-        assert np.isfinite(a.command).all()
-        assert (np.abs(a.command) <= scene.limits[a.robot]).all()
-        assert np.isfinite(a.hold).all()
-        assert (a.hold >= 0.0).all()
-        assert set(a.mode.tolist()) <= {NO_MODE, *map(int, Mode)}
-        assert a.report.shape == (len(a.robot), 7)
-        assert (a.report[:, 5:] >= 0.0).all()
-        assert same(a, b)
-        asked |= set(a.robot.tolist())
-    assert asked == set(range(scene.robots))
-    assert np.array_equal(first.pose, second.pose)
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_registered_controllers_keep_to_the_rules(name: str) -> None:
+    """In every shipped world and in every situation."""
+    assert check_controller(name) == []
+
+
+def test_so_does_the_shipped_one_in_the_middle_of_a_plan() -> None:
+    settings = {"dwell_times": [0.04, 0.03, 0.03], "omegas": [-1.0, 0.0, 1.0]}
+    assert check_controller("mode_switching", settings=settings, worlds=["three_robots"]) == []
 
 
 def same(a: Decisions, b: Decisions) -> bool:
@@ -384,56 +370,6 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
     assert int(Mode.ARRIVED) in modes
     if alarms[worst[0]][0] > 0:
         assert modes & {int(Mode.DISTANCE), int(Mode.TIME)}
-
-
-# Order
-
-
-@pytest.mark.parametrize("plain", [False, True], ids=["batch", "plain"])
-@pytest.mark.parametrize("world_name", WORLDS)
-def test_order_in_which_robots_are_asked_does_not_matter(world_name: str, plain: bool) -> None:
-    scene = build_scene(shipped(world_name, "controller.dwell_times=[0.05, 0.05]"))
-    controller: Controller = made("mode_switching", scene.world)
-    simulation = Simulation(scene, controller=Plain(controller) if plain else controller)
-    for _ in run(simulation, 2.03):
-        pass
-    snapshot = simulation.snapshot()
-    everyone = np.arange(scene.robots)
-    rng = np.random.default_rng(1)
-    orders = [[everyone], [everyone[::-1]], [rng.permutation(everyone)]]
-    orders += [[everyone[: k + 1], everyone[k + 1 :]] for k in range(scene.robots - 1)]
-    orders += [[everyone[1::2], everyone[::2]]] if scene.robots > 1 else []
-    outcomes = []
-    for order in orders:
-        asked = fork(simulation)
-        rows = [asked.decide_due(snapshot, due) for due in order]
-        robot = np.concatenate([r.robot for r in rows])
-        assert sorted(robot) == everyone.tolist()
-        by_robot = np.argsort(robot)
-        merged = [np.concatenate(column)[by_robot] for column in zip(*rows, strict=True)]
-        outcomes.append((Decisions(*merged), memories(asked)))
-    for decisions, memory in outcomes[1:]:
-        assert same(decisions, outcomes[0][0])
-        assert all(np.array_equal(a, b) for a, b in zip(memory, outcomes[0][1], strict=True))
-
-
-def fork(simulation: Simulation) -> Any:
-    """The simulation's batch with memories of its own."""
-    batch = simulation._batch
-    twin = copy.copy(batch)
-    if isinstance(batch, PlainBatch):
-        twin.memory = list(batch.memory)
-    else:
-        twin.memories = copy.deepcopy(batch.memories)
-    return twin
-
-
-def memories(batch: Any) -> list[np.ndarray]:
-    """Memories of all robots: mode, plan and number of the next dwell time."""
-    if isinstance(batch, PlainBatch):
-        columns = zip(*batch.memory, strict=True)
-        return [np.array(column) for column in columns]
-    return list(batch.memories)
 
 
 def test_the_shipped_controller_has_a_batch_form() -> None:

@@ -62,6 +62,7 @@ LAYERS = {
     "physim.recording": (4, 4),
     "physim.warm_up": (4, 3),
     "physim.crashtest": (4, 0),
+    "physim.testing": (4, 4),
     "physim.metrics": (5, 0),
     "physim.expectations": (5, 1),
     "physim.summary": (5, 2),

@@ -51,6 +51,31 @@ class FormationPlan:
 
 
 @dataclass(frozen=True)
+class Layout:
+    """Where everything of a world lies at the start: plain geometry, with no kernel called.
+
+    World frame [m] but for the footprints, which are in the frames of their robots.
+    """
+
+    world: World
+    """the effective world, with the seed in it"""
+    boundaries: dict[str, FloatArray]
+    """polylines (n, 2) by name, in the order of their ids"""
+    obstacles: list[FloatArray]
+    """outlines (n, 2)"""
+    reference: FloatArray
+    """(n, 2) waypoints of s*"""
+    area: Area
+    """accessible face"""
+    footprints: list[FloatArray]
+    """N outlines (n, 2), counter-clockwise"""
+    paths: list[FloatArray]
+    """N paths (n, 2)"""
+    start: FloatArray
+    """(N, 3) poses [m, m, rad]"""
+
+
+@dataclass(frozen=True)
 class Scene:
     """Arrays of one run: N robots, lengths [m], angles [rad], world frame unless said."""
 
@@ -92,8 +117,13 @@ class Scene:
     """[m] within which robots see and consider others and walls"""
     arrival_tolerance: float
     """[m] along its path by which a robot that stands may be short of its stop station"""
-    area: Area
-    """accessible face"""
+    layout: Layout
+    """the same as plain geometry, before it was packed"""
+
+    @property
+    def area(self) -> Area:
+        """Accessible face."""
+        return self.layout.area
 
     @property
     def robots(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,11 +14,18 @@ from physim.geometry.corridor import corridor_boundaries, offset_polyline
 from physim.geometry.nearby import build_nearby
 from physim.geometry.path import Path
 from physim.geometry.polygon import convex_parts, counter_clockwise, signed_area
-from physim.geometry.shapes import FloatArray, IntArray, pack_polylines, pack_shapes
-from physim.scene import Body, FormationPlan, Scene
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    pack_polylines,
+    pack_shapes,
+)
+from physim.scene import Body, FormationPlan, Layout, Scene
 from physim.start_poses import start_poses
 from physim.world import Offset, World
-from physim.world_file.geometry_check import geometry_faults, shape_faults
+from physim.world.kinds import MOST_SEED
+from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 
 DENSITY = 100.0
 """[kg/m^2] mass of a robot whose world gives none, over its area"""
@@ -26,31 +33,6 @@ DEFAULT_RANGE = 10.0
 """[m] range of sight in a world without formation (paper: 10 m)"""
 GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Where everything of a world lies at the start: plain geometry, with no kernel called.
-
-    World frame [m] but for the footprints, which are in the frames of their robots.
-    """
-
-    world: World
-    """the effective world, with the seed in it"""
-    boundaries: dict[str, FloatArray]
-    """polylines (n, 2) by name, in the order of their ids"""
-    obstacles: list[FloatArray]
-    """outlines (n, 2)"""
-    reference: FloatArray
-    """(n, 2) waypoints of s*"""
-    area: Area
-    """accessible face"""
-    footprints: list[FloatArray]
-    """N outlines (n, 2), counter-clockwise"""
-    paths: list[FloatArray]
-    """N paths (n, 2)"""
-    start: FloatArray
-    """(N, 3) poses [m, m, rad]"""
 
 
 def lay_out(world: World, seed: int | None = None) -> Layout:
@@ -71,28 +53,25 @@ def lay_out(world: World, seed: int | None = None) -> Layout:
         raise WorldError([Fault((key,), _leaves(outside))])
     footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
     paths = [_path(world, i, reference) for i in range(len(world.robots))]
-    start = start_poses(
-        world,
-        world.seed,
-        footprints=footprints,
-        paths=paths,
-        reference=reference,
-        boundaries=list(drawn.values()),
-        obstacles=obstacles,
-        accessible=area.polygon,
+    nowhere = np.zeros((len(world.robots), 3))
+    return _placed(
+        Layout(world, drawn, obstacles, reference, area, footprints, paths, nowhere), world
     )
-    faults = geometry_faults(
-        world,
-        start=start,
-        footprints=footprints,
-        boundaries=list(drawn.values()),
-        obstacles=obstacles,
-        accessible=area.polygon,
-        paths=paths,
-    )
-    if faults:
+
+
+def _placed(laid: Layout, world: World) -> Layout:
+    """Layout with the robots where the seed of ``world`` puts them; WorldError where it cannot."""
+    ground = {
+        "footprints": laid.footprints,
+        "boundaries": list(laid.boundaries.values()),
+        "obstacles": laid.obstacles,
+        "accessible": laid.area.polygon,
+    }
+    start = start_poses(world, world.seed, paths=laid.paths, reference=laid.reference, **ground)
+    faults = path_faults(world, laid.paths, laid.area.polygon)
+    if faults := [*faults, *start_faults(world, start=start, **ground)]:
         raise WorldError(faults)
-    return Layout(world, drawn, obstacles, reference, area, footprints, paths, start)
+    return replace(laid, world=world, start=start)
 
 
 def build_scene(world: World, seed: int | None = None) -> Scene:
@@ -116,7 +95,6 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     names += [("boundary", name) for name in drawn]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(obstacles))]
     packed_paths = pack_polylines(paths)
-    ends = packed_paths.station[packed_paths.start[1:] - 1]
     return Scene(
         world=world,
         seed=world.seed,
@@ -134,12 +112,44 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         outside=tuple(area.outside_stretches(path) for path in paths),
         speeds=tuple(robot.speeds for robot in world.robots),
         omegas=tuple(robot.omegas for robot in world.robots),
-        stop_station=np.maximum(ends - (formation.lead.max() - formation.lead), 0.0),
+        stop_station=_stop_stations(packed_paths, formation),
         formation=formation,
         sensing_range=sensing_range,
         arrival_tolerance=world.arrival.tolerance,
-        area=area,
+        layout=laid,
     )  # fmt: skip
+
+
+def reseeded(scene: Scene, seed: int) -> Scene:
+    """Scene of the same world with another seed: only what the seed decides is made anew.
+
+    Raises WorldError where the seed is none or the robots cannot be placed.
+    """
+    if (
+        isinstance(seed, bool)
+        or not isinstance(seed, int | np.integer)
+        or not (0 <= seed <= MOST_SEED)
+    ):
+        raise WorldError([Fault(("seed",), f"{seed!r}; it must be a whole number from 0 on")])
+    world = scene.world.model_copy(update={"seed": int(seed)})
+    if not is_random(world):
+        return replace(scene, world=world, seed=int(seed))
+    laid = _placed(scene.layout, world)
+    formation = _formation(world, laid.start, laid.reference)
+    return replace(
+        scene,
+        world=world,
+        seed=int(seed),
+        start=laid.start,
+        stop_station=_stop_stations(scene.paths, formation),
+        formation=formation,
+        layout=laid,
+    )
+
+
+def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
+    ends = paths.station[paths.start[1:] - 1]
+    return np.asarray(np.maximum(ends - (formation.lead.max() - formation.lead), 0.0))
 
 
 def is_random(world: World) -> bool:

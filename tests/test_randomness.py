@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
 
-from physim.randomness import stream
+from physim.randomness import normal, philox, stream, uniform
 from physim.scene_builder import build_scene
 from tests.roads import road
 
@@ -32,3 +36,47 @@ def test_streams_differ_by_each_part_of_their_key_and_stay_what_they_are() -> No
 
 
 GOLDEN = 0.11372706497649021
+
+
+@given(st.lists(st.integers(0, 2**64 - 1), min_size=6, max_size=6))
+def test_philox_is_that_of_numpy(words: list[int]) -> None:
+    """numpy's generator counts on before it draws; its counter is one number of 256 bits."""
+    key, counter = words[:2], words[2:]
+    mine = philox(*(np.uint64(word) for word in words))
+    whole = sum(word << 64 * k for k, word in enumerate(counter))
+    theirs = np.random.Philox(key=key[0] + (key[1] << 64), counter=(whole - 1) % 2**256).random_raw(
+        4
+    )
+    assert list(mine) == theirs.tolist()
+
+
+def test_philox_compiled_is_the_plain_form() -> None:
+    words = [np.uint64(w) for w in (1, 2**63, 5, 7, 11, 13)]
+    with np.errstate(over="ignore"):
+        assert philox.py_func(*words) == philox(*words)
+
+
+def test_noise_is_a_function_of_its_key_alone() -> None:
+    whole = normal(7, "sight", 40, np.arange(6)[:, None], np.arange(5), 2)
+    assert whole.shape == (6, 5, 2)
+    alone = normal(7, "sight", 40, [3], [2], 2)
+    assert np.array_equal(alone[0], whole[3, 2])
+    assert np.array_equal(normal(7, "sight", 40, 3, 2, 4)[:2], whole[3, 2])
+    others = [(8, "sight", 40), (7, "wind", 40), (7, "sight", 41)]
+    assert all((normal(*key, 3, 2, 2) != alone[0]).all() for key in others)
+
+
+def test_noise_is_distributed_as_it_says() -> None:
+    """Kolmogorov and Smirnov at 1e-6: fails by chance once in a million keys."""
+    z = normal(3, "test", 5, np.arange(20_000), 0, 4).ravel()
+    u = uniform(3, "test", 5, np.arange(20_000), 1, 4).ravel()
+    assert stats.kstest(z, "norm").pvalue > 1e-6
+    assert stats.kstest(u, "uniform").pvalue > 1e-6
+    assert abs(np.corrcoef(z[:-1], z[1:])[0, 1]) < 5.0 / math.sqrt(len(z))
+
+
+@pytest.mark.parametrize("wrong", [{"width": 5}, {"width": 0}, {"step": -1}, {"i": [-1]}])
+def test_noise_refuses_what_has_no_counter(wrong: dict[str, object]) -> None:
+    given = {"seed": 1, "purpose": "test", "step": 0, "i": 0, "j": 0, "width": 1, **wrong}
+    with pytest.raises(ValueError, match=r"allowed|at least 0"):
+        normal(**given)

@@ -14,7 +14,8 @@ from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
 from physim.plots.quick_matplotlib import import_matplotlib
 from physim.preview import FORMATS, save_preview
-from physim.scene_builder import Layout, lay_out
+from physim.scene import Layout
+from physim.scene_builder import lay_out
 from physim.world_file import located, read_world
 from physim.world_file.shipped import find_world
 

@@ -13,7 +13,8 @@ from physim.geometry.corridor import SIDES
 from physim.geometry.corridor_width import Widths, sampled_widths
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
-from physim.scene_builder import Layout, is_random
+from physim.scene import Layout
+from physim.scene_builder import is_random
 from physim.world_file.geometry_check import corners_of_line, placed_outline
 
 PLACES = 600

@@ -17,7 +17,7 @@ from physim.preview.key import draw_key
 from physim.preview.profile import draw_profile
 from physim.preview.words import counts, drawable, families, shortened
 from physim.registry import CONTROLLER, make_part
-from physim.scene_builder import Layout
+from physim.scene import Layout
 
 FORMATS = ("png", "svg")
 SIZE = (11.0, 9.0)

@@ -1,7 +1,7 @@
 """Faults of geometry, found before the run: with shapely, independent of the compiled kernels.
 
 `shape_faults` looks at single shapes and needs the world alone; call it before areas or convex
-parts are worked out. `geometry_faults` looks at where the robots stand.
+parts are worked out. `path_faults` and `start_faults` look at where everything is.
 """
 
 from __future__ import annotations
@@ -61,7 +61,24 @@ def shape_faults(world: World) -> list[Fault]:
     return faults or tunnelling(moving, world.time.step)
 
 
-def geometry_faults(
+def path_faults(world: World, paths: Sequence[ArrayLike], accessible: Any) -> list[Fault]:
+    """Paths (n, 2) without two distinct points, and boundaries that close no face.
+
+    ``accessible`` is the shapely area that robots may use, None where the boundaries bound no face
+    around the reference path.
+    """
+    faults = []
+    for i, path in enumerate(paths):
+        if len(corners_of_line(path)) < 2:
+            faults.append(Fault(("robots", i, "path"), "must have two distinct points"))
+    if accessible is None or accessible.is_empty:
+        where: Location = ("boundaries",) if world.boundaries is not None else ("corridor",)
+        message = "the boundaries close no face around the reference path; join their ends"
+        faults.append(Fault(where, message))
+    return faults
+
+
+def start_faults(
     world: World,
     *,
     start: ArrayLike,
@@ -69,25 +86,15 @@ def geometry_faults(
     boundaries: Sequence[ArrayLike],
     obstacles: Sequence[ArrayLike],
     accessible: Any,
-    paths: Sequence[ArrayLike],
 ) -> list[Fault]:
-    """Every fault of a world's geometry at the start, each with its location and numbers.
+    """Robots that stand in or against something at the start, each with its place and numbers.
 
     ``start`` (N, 3) poses [m, m, rad]; ``footprints`` N outlines (n, 2), robot's frame;
-    ``boundaries`` polylines and ``obstacles`` outlines as drawn, world frame; ``accessible`` the
-    shapely area that robots may use, None where the boundaries bound no face around the reference
-    path; ``paths`` N polylines. Touching (distance at most ``CONTACT``) counts as overlap.
+    ``boundaries`` polylines and ``obstacles`` outlines as drawn, world frame; ``accessible`` as for
+    `path_faults`. Touching (distance at most ``CONTACT``) counts as overlap.
     """
-    faults = shape_faults(world)
-    if faults:
-        return faults
-    for i, path in enumerate(paths):
-        if len(corners_of_line(path)) < 2:
-            faults.append(Fault(("robots", i, "path"), "must have two distinct points"))
     if accessible is None or accessible.is_empty:
-        where: Location = ("boundaries",) if world.boundaries is not None else ("corridor",)
-        message = "the boundaries close no face around the reference path; join their ends"
-        return [*faults, Fault(where, message)]
+        return []
     placed = [
         Placed(i, world.robots[i].name, placed_outline(pose, footprint))
         for i, (pose, footprint) in enumerate(zip(np.asarray(start), footprints, strict=True))
@@ -101,9 +108,7 @@ def geometry_faults(
         (f"obstacles[{k}]", shapely.Polygon(ring))
         for k, ring in enumerate(map(np.asarray, obstacles))
     ]
-    faults += wall_faults(placed, walls, solids, accessible)
-    faults += robot_faults(placed)
-    return faults
+    return [*wall_faults(placed, walls, solids, accessible), *robot_faults(placed)]
 
 
 class Placed(NamedTuple):

@@ -13,9 +13,12 @@ MODULE = "tests.world_file.controllers_for_tests"
 
 @pytest.fixture(autouse=True)
 def _registered(monkeypatch):
+    group = registry.CONTROLLER.group
     entries = {
-        name: EntryPoint(name, f"{MODULE}:{target}", registry.GROUP)
+        name: EntryPoint(name, f"{MODULE}:{target}", group)
         for name, target in (("mode_switching", "Switching"), ("plain", "Plain"))
     }
-    entries["broken"] = EntryPoint("broken", "no_such_module_here:Class", registry.GROUP)
-    monkeypatch.setattr(registry, "_entries", lambda: entries)
+    entries["broken"] = EntryPoint("broken", "no_such_module_here:Class", group)
+    monkeypatch.setattr(
+        registry, "_entries", lambda kind: entries if kind is registry.CONTROLLER else {}
+    )

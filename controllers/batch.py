@@ -133,7 +133,7 @@ def decide_all(
     for k in range(len(due)):
         i = due[k]
         a, b = sensed.first[i], sensed.end[i]
-        number = sensed.index[a:b]
+        number = sensed.robot[a:b]
         bodies = Bodies(
             cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
             sensed.reference_station[a:b],

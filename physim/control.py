@@ -194,7 +194,7 @@ class Sensed(NamedTuple):
     """
 
     step: int
-    index: IntArray
+    robot: IntArray
     """(M,) which robot"""
     pose: FloatArray
     """(M, 3)"""

@@ -63,7 +63,7 @@ def parts_of(
         found.append((*_named(kind, choices), *extra))
         names += [f"{kind.word} {choice.type}" for choice in choices]
         names += [f"{kind.word} {class_name(part)}" for part in extra]
-    return Parts(chosen, *found, given=tuple(given), names=tuple(names))
+    return Parts(chosen, found[0], found[1], found[2], tuple(given), tuple(names))
 
 
 def class_name(part: object) -> str:

@@ -20,7 +20,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     """What Robot i may know at a step, from what it senses."""
     plan, reach = scene.formation, scene.sensing_range
     rows = sensed.rows(i)
-    known = sensed.index[rows]
+    known = sensed.robot[rows]
     pose, station = sensed.pose[rows], sensed.reference_station[rows]
     command, age = sensed.command[rows], sensed.age[rows]
     me = int(np.flatnonzero(known == i)[0])

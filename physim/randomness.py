@@ -13,10 +13,13 @@ import hashlib
 from math import cos, log, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray
+
+Word = np.uint64
+Words = NDArray[np.uint64]
 
 ROUNDS = 10
 MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157
@@ -63,19 +66,19 @@ def _drawn(
         raise ValueError(f"width = {width}; allowed: 1 to 4")
     if min(seed, step, int(first.min(initial=0)), int(second.min(initial=0))) < 0:
         raise ValueError("seed, step, i and j must be at least 0")
-    out = np.empty((first.size, 4))
+    out = np.empty((first.size, 4), dtype=np.float64)
     key = np.array([seed, purpose_key(purpose)], dtype=np.uint64)
     draw(key, np.uint64(step), words(first), words(second), is_normal, out)
     return out[:, :width].reshape(*first.shape, width)
 
 
-def words(values: ArrayLike) -> np.ndarray[tuple[int], np.dtype[np.uint64]]:
+def words(values: ArrayLike) -> Words:
     """Flat 64-bit words of indices."""
     return np.ascontiguousarray(np.ravel(values), dtype=np.uint64)
 
 
 @compiled
-def high_product(a: int, b: int) -> int:
+def high_product(a: Word, b: Word) -> Word:
     """Upper 64 bits of the product of two 64-bit words."""
     low = np.uint64(0xFFFFFFFF)
     half = np.uint64(32)
@@ -83,11 +86,13 @@ def high_product(a: int, b: int) -> int:
     b0, b1 = b & low, b >> half
     middle = a1 * b0 + ((a0 * b0) >> half)
     other = a0 * b1 + (middle & low)
-    return a1 * b1 + (middle >> half) + (other >> half)  # type: ignore[no-any-return]
+    return a1 * b1 + (middle >> half) + (other >> half)
 
 
 @compiled
-def philox(key0: int, key1: int, c0: int, c1: int, c2: int, c3: int) -> tuple[int, int, int, int]:
+def philox(
+    key0: Word, key1: Word, c0: Word, c1: Word, c2: Word, c3: Word
+) -> tuple[Word, Word, Word, Word]:
     """Four 64-bit words of the counter (c0 … c3) under the key."""
     m0, m1 = np.uint64(MULTIPLIERS[0]), np.uint64(MULTIPLIERS[1])
     for _ in range(ROUNDS):
@@ -100,17 +105,17 @@ def philox(key0: int, key1: int, c0: int, c1: int, c2: int, c3: int) -> tuple[in
 
 
 @compiled
-def share(word: int) -> float:
+def share(word: Word) -> float:
     """Number of [0, 1) from the upper 53 bits of a word."""
     return float(word >> np.uint64(11)) * 2.0**-53
 
 
 @compiled
 def draw(
-    key: FloatArray,
-    step: int,
-    first: FloatArray,
-    second: FloatArray,
+    key: Words,
+    step: Word,
+    first: Words,
+    second: Words,
     is_normal: bool,
     out: FloatArray,
 ) -> None:

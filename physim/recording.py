@@ -75,7 +75,7 @@ def record_run(
     started = time.perf_counter()
     ended = "error"
     try:
-        looking_on = [recorder, *observers]
+        looking_on: list[Observer] = [recorder, *observers]
         if progress is not None:
             looking_on.append(Progress(progress))
         for observer in looking_on:

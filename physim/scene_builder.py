@@ -149,7 +149,7 @@ def reseeded(scene: Scene, seed: int) -> Scene:
 
 def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
     ends = paths.station[paths.start[1:] - 1]
-    return np.maximum(ends - (formation.lead.max() - formation.lead), 0.0)
+    return np.asarray(np.maximum(ends - (formation.lead.max() - formation.lead), 0.0))
 
 
 def is_random(world: World) -> bool:

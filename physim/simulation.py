@@ -54,6 +54,15 @@ class Simulation:
     observers, and shares the controller and the stages, which are settings only.
     """
 
+    now: Snapshot
+    arrived: NDArray[np.bool_]
+    mode: NDArray[np.int64]
+    next_decision: NDArray[np.int64]
+    last: Step | None
+    memory: dict[str, NDArray[Any]]
+    _sensed: tuple[Sensed, tuple[Any, ...]] | None
+    _stages: tuple[tuple[Any, ...], ...]
+
     def __init__(
         self,
         world: World | Scene,
@@ -217,7 +226,7 @@ class Simulation:
         self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
         self.arrived = np.empty(self.scene.robots, dtype=np.bool_)
         note_arrivals(step, pose, self.now.station, self._least, self._trail, self.arrived)
-        self._sensed: tuple[Sensed, tuple[Any, ...]] | None = None
+        self._sensed = None
 
     # State
 
@@ -297,7 +306,7 @@ class Simulation:
         self._trail = np.zeros((still_steps(scene.dt) + 1, robots, 2))
         self.mode = np.full(robots, NO_NUMBER, dtype=np.int64)
         self.next_decision = np.zeros(robots, dtype=np.int64)
-        self.last: Step | None = None
+        self.last = None
         self._arrive(0, read_only(np.zeros((robots, 2))))
 
     def __getstate__(self) -> dict[str, Any]:

@@ -122,18 +122,18 @@ class Observer(Protocol):
 
 def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatArray]) -> Sensed:
     """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
-    index, first, end, age = rows
+    robot, first, end, age = rows
     return Sensed(
-        truth.step, index, truth.pose, truth.command, truth.reference_station, age, first, end,
+        truth.step, robot, truth.pose, truth.command, truth.reference_station, age, first, end,
         truth.station,
     )  # fmt: skip
 
 
 def shared(robots: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """Index, first, end and age of rows that all of N observers share."""
-    index = np.arange(robots)
+    """Robot, first, end and age of rows that all of N observers share."""
+    robot = np.arange(robots)
     first, end, age = np.zeros(robots, np.int64), np.full(robots, robots), np.zeros(robots)
-    return read_only(index), read_only(first), read_only(end), read_only(age)
+    return read_only(robot), read_only(first), read_only(end), read_only(age)
 
 
 def for_each(sensed: Sensed) -> Sensed:
@@ -142,7 +142,7 @@ def for_each(sensed: Sensed) -> Sensed:
     taken = np.concatenate(rows) if rows else np.zeros(0, np.int64)
     ends = np.cumsum([len(one) for one in rows])
     return sensed._replace(
-        index=sensed.index[taken],
+        robot=sensed.robot[taken],
         pose=sensed.pose[taken],
         command=sensed.command[taken],
         reference_station=sensed.reference_station[taken],
@@ -167,7 +167,7 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     reference, own = sensed.reference_station.copy(), sensed.station.copy()
     who = observers(sensed)
     for row, (x, y, _) in enumerate(pose):
-        j = int(sensed.index[row])
+        j = int(sensed.robot[row])
         reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))
         if j == who[row]:
             own[j] = project_near(scene.paths, j, x, y, float(own[j]))
@@ -177,7 +177,7 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
 def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
     """Refuse rows that are not finite or do not fit; every observer must have one of itself."""
     where = f"sensing stage {type(part).__name__} at {sensed.step * scene.dt:g} s"
-    rows, robots = len(sensed.index), scene.robots
+    rows, robots = len(sensed.robot), scene.robots
     shapes = {
         "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,), "age": (rows,),
         "first": (robots,), "end": (robots,), "station": (robots,),
@@ -189,7 +189,7 @@ def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
         if not np.isfinite(found).all():
             raise ControllerError(f"{where}: {name} is not finite")
     for i in range(robots):
-        if np.count_nonzero(sensed.index[sensed.rows(i)] == i) != 1:
+        if np.count_nonzero(sensed.robot[sensed.rows(i)] == i) != 1:
             raise ControllerError(f"{where}: {scene.names[i]} must have one row of itself")
     for array in sensed[1:]:
         read_only(array)

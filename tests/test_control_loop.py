@@ -1,67 +1,114 @@
-"""What controllers tell of a decision: what no record may hold is refused."""
+"""What controllers tell of a decision: what was not declared or no record may hold is refused."""
 
 from __future__ import annotations
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import physim
-from physim import Decision, Report
+from physim import Column, Decision, Mode, Rule
+from physim.declared import STANDARD_COLUMNS, Declared
 from physim.errors import ControllerError
 from tests.validation.runs import LANE
 
 
 class Telling:
+    modes = (Mode("going", "#112233", "goes"), Mode("waiting", "#445566"))
+    rules = (Rule("ahead"),)
+    columns = (Column("effort", "J"), *STANDARD_COLUMNS)
+
     def __init__(self, hold=0.1, **told) -> None:
         self.hold, self.told = hold, told
 
     def decide(self, observation, memory):
-        return Decision(v=0.0, omega=0.0, hold=self.hold, report=Report(**self.told))
+        return Decision(v=0.0, omega=0.0, hold=self.hold, **self.told)
 
 
-@pytest.mark.parametrize("considered", [-1, 1000, np.nan])
-def test_impossible_numbers_of_robots_considered(considered):
-    with pytest.raises(ControllerError, match=r"slow at 0 s: report: considered = .*; allowed: 0"):
-        physim.simulate(physim.parse_world(LANE), controller=Telling(considered=considered))
+def test_what_was_declared_is_recorded():
+    told = {
+        "mode": "waiting", "rule": Telling.rules[0], "considered": np.array([1]),
+        "report": {
+            "effort": np.float32(0.5), "target_y": None, "distance": True,
+            "collision_time": np.array(2),
+        },
+    }  # fmt: skip
+    world = physim.parse_world(LANE, overrides=["time.duration=0.1"])
+    with physim.simulate(world, controller=Only(0, Telling(**told))) as record:
+        assert record.declared == Declared(Telling.modes, Telling.rules, Telling.columns)
+        row = record.updates[record.updates["robot"] == 0][0]
+        assert record.modes[row["mode"]].name == "waiting"
+        assert (row["rule"], row["considered"]) == (0, 1)
+        assert record.considered[["step", "robot", "other"]].tolist() == [(0, 0, 1)]
+        names = ("effort", "target_x", "target_y", "distance", "collision_time")
+        values = [row[name] for name in names]
+        assert np.array_equal(values, [0.5, np.nan, np.nan, 1.0, 2.0], equal_nan=True)
+        other = record.updates[record.updates["robot"] == 1][0]
+        assert (other["mode"], other["rule"], other["considered"]) == (-1, -1, 0)
+        assert np.isnan(record.column("none such")).all()
 
 
-PAIR = r"it must be two numbers, x and y \[m\]"
+class Only:
+    """Lets a controller speak for one robot; the others say as little as can be."""
+
+    def __init__(self, index, inner) -> None:
+        self.index, self.inner = index, inner
+        self.modes, self.rules, self.columns = inner.modes, inner.rules, inner.columns
+
+    def decide(self, observation, memory):
+        if observation.index == self.index:
+            return self.inner.decide(observation, memory)
+        return Decision(0.0, 0.0, 0.1)
+
+
 NUMBER = "it must be a number"
 
 
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        ({"target": None}, f"report.target is None; {PAIR}"),
-        ({"target": (1, 2, 3)}, rf"report.target is \(1, 2, 3\); {PAIR}"),
-        ({"target": (1, 2, 3), "considered": 1}, rf"report.target is \(1, 2, 3\); {PAIR}"),
-        ({"target": ("1", 2.0)}, rf"report.target is \('1', 2.0\); {PAIR}"),
-        ({"distance": "near"}, f"report.distance is 'near'; {NUMBER}"),
-        ({"boundary_distance": "0.4"}, f"report.boundary_distance is '0.4'; {NUMBER}"),
-        (
-            {"collision_time": np.arange(100.0)},
-            rf"report.collision_time is array\(\[.{{50}}\.\.\.; {NUMBER}",
-        ),
-        ({"considered": None}, f"report.considered is None; {NUMBER}"),
-        ({"evaluations": "x"}, f"report.evaluations is 'x'; {NUMBER}"),
+        ({"mode": "waitng"}, "mode is 'waitng'; declared: going, waiting; did you mean"),
+        ({"mode": 1}, "mode is 1; declared: going, waiting"),
+        ({"mode": Mode("going", "#000000")}, "mode is Mode"),
+        ({"rule": "ahaed"}, "rule is 'ahaed'; declared: ahead"),
+        ({"considered": 1}, "considered is 1; it must list robots by index"),
+        ({"considered": [1.5]}, r"considered is \[1.5\]; it must list robots by index"),
+        ({"considered": [0, 9]}, r"considered is \[0, 9\]; it must list robots 0 to 1, each once"),
+        ({"considered": [1, 1]}, r"considered is \[1, 1\]; it must list robots 0 to 1, each once"),
+        ({"considered": [-1]}, r"considered is \[-1\]; it must list robots 0 to 1"),
+        ({"report": None}, "report is a NoneType; it must be a mapping of columns"),
+        ({"report": {"efort": 1.0}}, "report names 'efort', which is not declared; declared: eff"),
+        ({"report": {3: 1.0}}, "report names 3, which is not declared"),
+        ({"report": {"effort": "near"}}, f"report effort is 'near'; {NUMBER}"),
+        ({"report": {"effort": np.arange(9.0)}}, rf"report effort is array\(.*; {NUMBER}"),
         ({"hold": 10**5000}, f"hold is of type int; {NUMBER}"),
         ({"hold": 10**400}, rf"hold is 1000*\.\.\.; {NUMBER}"),
     ],
 )
-def test_wrong_types_are_told_with_the_field(told, said):
-    whole = f"^controller Telling, slow at 0 s: {said}$"
+def test_wrong_fields_are_told_by_name(told, said):
+    whole = f"^controller Telling, slow at 0 s: {said}"
     with pytest.raises(ControllerError, match=whole) as error:
         physim.simulate(physim.parse_world(LANE), controller=Telling(**told))
     assert "\n" not in str(error.value)
 
 
-def test_numbers_of_any_kind_are_taken():
-    told = {
-        "target": np.array([1.0, 2.0]), "distance": None, "boundary_distance": np.float32(0.5),
-        "collision_time": np.array(2), "considered": np.int64(1), "evaluations": True,
-    }  # fmt: skip
-    world = physim.parse_world(LANE, overrides=["time.duration=0.1"])
-    row = physim.simulate(world, controller=Telling(**told)).updates[0]
-    names = ("target_x", "target_y", "distance", "boundary_distance", "collision_time",
-             "considered", "evaluations")  # fmt: skip
-    assert np.array_equal([row[n] for n in names], [1, 2, np.nan, 0.5, 2, 1, 1], equal_nan=True)
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [
+        ({"modes": "safe"}, r"modes must be a tuple of Mode\(...\)"),
+        ({"modes": (Rule("safe"),)}, "modes must be a tuple of Mode"),
+        ({"modes": (Mode("Safe!", "#000000"),)}, "name 'Safe!'; allowed are small letters"),
+        ({"modes": (Mode("a", "red"),)}, "colour of \"a\" is 'red'; it must be #rrggbb"),
+        ({"rules": (Rule("a"), Rule("a"))}, '"a" is there 2 times'),
+        ({"rules": (Rule("a", "x\x1b[2J"),)}, 'words of "a" must be a line of plain text'),
+        ({"columns": (Column("step"),)}, '"step" is written for every decision anyway'),
+        (
+            {"columns": (Column("distance", "cm"),)},
+            "has the unit 'cm'; the standard column has 'm'",
+        ),
+    ],
+)
+def test_declarations_that_cannot_be_are_refused(declared, said):
+    with pytest.raises(ControllerError, match=said):
+        Declared.of(SimpleNamespace(**declared))

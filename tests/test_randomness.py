@@ -44,9 +44,9 @@ def test_philox_is_that_of_numpy(words: list[int]) -> None:
     key, counter = words[:2], words[2:]
     mine = philox(*(np.uint64(word) for word in words))
     whole = sum(word << 64 * k for k, word in enumerate(counter))
-    theirs = np.random.Philox(
-        key=key[0] + (key[1] << 64), counter=(whole - 1) % 2**256
-    ).random_raw(4)
+    theirs = np.random.Philox(key=key[0] + (key[1] << 64), counter=(whole - 1) % 2**256).random_raw(
+        4
+    )
     assert list(mine) == theirs.tolist()
 
 
@@ -78,5 +78,5 @@ def test_noise_is_distributed_as_it_says() -> None:
 @pytest.mark.parametrize("wrong", [{"width": 5}, {"width": 0}, {"step": -1}, {"i": [-1]}])
 def test_noise_refuses_what_has_no_counter(wrong: dict[str, object]) -> None:
     given = {"seed": 1, "purpose": "test", "step": 0, "i": 0, "j": 0, "width": 1, **wrong}
-    with pytest.raises(ValueError, match="allowed|at least 0"):
+    with pytest.raises(ValueError, match=r"allowed|at least 0"):
         normal(**given)

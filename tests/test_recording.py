@@ -13,10 +13,13 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.control import Decision, Mode, Observation
+from physim.control import Decision, Observation
+from physim.declared import PAPER_MODES
 from physim.metrics import contact_episodes
-from physim.record import Record
+from physim.record import Record, RecordWriter
+from physim.recorder import Recorder, SaveAt
 from physim.recording import record_run, simulate
+from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from physim.world_file import load_world
 from physim.world_file.shipped import find_world
@@ -93,11 +96,11 @@ def test_blocks_of_any_length_give_the_same_record(
         time = type(wild.time)(step=0.01, duration=2.99, record_every=every)
         world = wild.changed(time=time)
         whole = simulate(world, controller=Says(drift))
-        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", -1.0)  # every step
+        monkeypatch.setattr("physim.recorder.BLOCK_SECONDS", -1.0)  # every step
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.recording.BLOCK_SECONDS", 1e9)
+        monkeypatch.setattr("physim.recorder.BLOCK_SECONDS", 1e9)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.recording.BLOCK_STEPS", 13)
+        monkeypatch.setattr("physim.recorder.BLOCK_STEPS", 13)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
         monkeypatch.undo()
 
@@ -119,15 +122,29 @@ def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
 
 
 def test_a_run_says_how_it_ended() -> None:
-    def until(o: Observation) -> Decision:
-        done = o.time > 0.1 * (1 + o.index) - 1e-6
-        return Decision(0.0, 0.0, hold=0.05, mode=Mode.ARRIVED if done else Mode.SAFE)
+    """Robots drive 0.3 m past their stop stations, or stand somewhere else."""
 
-    world = road(THREE, duration=1.0)
+    def until(o: Observation) -> Decision:
+        past = o.station >= o.stop_station + 0.3
+        return Decision(0.0 if past else 1.0, 0.0, hold=0.01)
+
+    def ends(o: Observation) -> Decision:
+        return Decision(0.0, 0.0, hold=0.01, mode="arrived")
+
+    near = [[196.0 - 3.0 * (i == 1), y, 0.0] for i, y in enumerate((-10.0, 0.0, 10.0))]
+    world = road(near, duration=20.0)
+    stop = build_scene(world).stop_station
+    assert stop.tolist() == [200.0, 200.0, 200.0]
     record = simulate(world, controller=Says(until))
-    assert (record.ended, record.steps_run) == ("finished", 31)
-    record = simulate(road(THREE, duration=0.25), controller=Says(until))
+    assert record.ended == "finished"
+    since = record.arrived
+    stood = [int(np.flatnonzero(record.pose[:, i, 0] >= 200.3)[0]) for i in range(3)]
+    assert record.steps_run == since.max()
+    # still: the last 0.5 s lie within 1 cm, which at 1 m/s is one step more than standing
+    assert since.tolist() == [k + 49 for k in stood]
+    record = simulate(road(near, duration=0.25), controller=Says(until))
     assert (record.ended, record.steps_run, record.steps_planned) == ("duration", 25, 25)
+    assert record.arrived.tolist() == [-1, -1, -1]
 
     seen = []
     simulation = Simulation(world, controller=Says(until))
@@ -138,6 +155,52 @@ def test_a_run_says_how_it_ended() -> None:
     )
     assert (record.ended, record.steps_run, record.samples) == ("interrupted", 17, 18)
     assert seen == list(range(1, 18))
+
+
+class Boastful:
+    modes = PAPER_MODES
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return Decision(0.0, 0.0, hold=0.1, mode="arrived")
+
+
+def test_a_controller_that_says_it_has_arrived_has_not() -> None:
+    record = simulate(road(THREE, duration=2.0), controller=Boastful())
+    assert (record.ended, set(record.updates["mode"])) == ("duration", {3})
+    assert (record.arrived == -1).all()
+
+
+def test_a_run_driven_from_outside_finishes_and_is_recorded_with_its_commands() -> None:
+    world = road([[199.0, 0.0, 0.0]], duration=5.0)
+    simulation = Simulation(world)
+    writer = RecordWriter(None, simulation.scene, world.to_yaml(), declared=simulation.declared)
+    recorder = Recorder(writer, every=1)
+    simulation.look_on(recorder)
+    while not simulation.finished and simulation.step_number < 500:
+        simulation.step(np.array([[1.0 if simulation.now.station[0] < 200.0 else 0.0, 0.0]]))
+    assert simulation.finished
+    recorder.close("finished")
+    writer.close("finished", steps_run=simulation.step_number, rejected=0, wall_clock={})
+    record = writer.record()
+    assert len(record.updates) == 0
+    moved = np.diff(record.pose[:, 0, 0])
+    assert record.commands_over("applied", 0, record.steps_run)[:, 0, 0] * 0.01 == pytest.approx(
+        moved, abs=1e-12
+    )
+    assert record.arrived.tolist() == [record.steps_run]
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_what_is_recorded_is_a_value(wild: Any, every: int) -> None:
+    whole = simulate(wild, controller=Says(drift))
+    thin = simulate(wild, controller=Says(drift), save=SaveAt(every=every, tables=("contacts",)))
+    assert thin.record_every == every
+    assert thin.tables == ("contacts",)
+    assert len(thin.updates) == len(thin.considered) == 0
+    assert thin.contacts.tobytes() == whole.contacts.tobytes()
+    assert np.array_equal(thin.pose, whole.pose[thin.steps])
+    with pytest.raises(ValueError, match="'commands'; allowed: updates"):
+        SaveAt(tables=("commands",))
 
 
 def test_a_run_that_touches_a_wall_tells_of_it() -> None:

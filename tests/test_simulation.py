@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.control import Decision, Mode, Observation, Snapshot
+from physim.control import Decision, Observation
 from physim.controllers.formation import formation_energy, formation_energy_rate
 from physim.errors import ControllerError
 from physim.geometry.motion import arcs
 from physim.record import Record
 from physim.recording import record_run, simulate
-from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from physim.world_file import load_world
@@ -68,7 +67,7 @@ def test_commands_may_be_given_step_by_step() -> None:
         simulation.step(commands=command * k / 4)
         pose = plain_update(pose, command * k / 4, 0.01)
         assert np.array_equal(simulation.pose, pose)
-        assert simulation.update is None
+        assert simulation.last.decisions is None
     assert np.array_equal(simulation.command, command)
     assert np.array_equal(before, build_scene(road(THREE)).start)  # an old pose stays as it was
     command[:] = 0.0
@@ -205,7 +204,7 @@ def test_every_robot_decides_when_its_own_time_has_come() -> None:
         rows = record.updates[record.updates["robot"] == robot]
         assert rows["step"].tolist() == due
         assert rows["next_step"][:-1].tolist() == due[1:]
-        assert rows["wanted_v"] == pytest.approx(0.1 * (1 + np.arange(len(due))))
+        assert rows["nominal_v"] == pytest.approx(0.1 * (1 + np.arange(len(due))))
     order = list(
         zip(record.updates["step"].tolist(), record.updates["robot"].tolist(), strict=True)
     )
@@ -233,18 +232,23 @@ def test_all_decide_from_the_commands_held_before() -> None:
 # Filters
 
 
-def test_filters_stand_between_wanted_and_given_and_both_are_recorded() -> None:
-    calls: list[int] = []
+class Scale:
+    """A filter: each speed times a factor; counts its calls in its state."""
 
-    def halve(scene: Scene, snapshot: Snapshot, wanted: np.ndarray) -> np.ndarray:
-        calls.append(snapshot.step)
-        return wanted * np.array([0.5, 1.0])
+    def __init__(self, v: float, omega: float) -> None:
+        self.factor = np.array([v, omega])
+        self.met: list[tuple[int, float, int]] = []
 
-    def no_turn(scene: Scene, snapshot: Snapshot, wanted: np.ndarray) -> np.ndarray:
-        assert wanted[0, 0] == 0.5
-        return wanted * np.array([1.0, 0.0])
+    def start(self, scene: Any) -> int:
+        return 0
 
-    held = []
+    def filter(self, scene: Any, sensed: Any, nominal: np.ndarray, state: int) -> Any:
+        self.met.append((sensed.step, float(nominal[0, 0]), state))
+        return nominal * self.factor, state + 1
+
+
+def test_filters_stand_between_nominal_and_applied_and_all_is_recorded() -> None:
+    halve, no_turn, held = Scale(0.5, 1.0), Scale(1.0, 0.0), []
 
     def decide(o: Observation) -> Decision:
         held.append(o.v)
@@ -253,13 +257,20 @@ def test_filters_stand_between_wanted_and_given_and_both_are_recorded() -> None:
     world = road(THREE[2:], duration=0.2)
     simulation = Simulation(world, controller=Says(decide), filters=[halve, no_turn])
     record = record_run(simulation)
-    assert calls == list(range(20))
+    assert halve.met == [(k, 1.0, k) for k in range(20)]
+    assert no_turn.met == [(k, 0.5, k) for k in range(20)]
     rows = record.updates
     assert rows["step"].tolist() == [0, 5, 10, 15]
-    assert set(rows["wanted_v"]) == {1.0}
-    assert set(rows["wanted_omega"]) == {0.4}
-    assert set(rows["given_v"]) == {0.5}
-    assert set(rows["given_omega"]) == {0.0}
+    assert set(rows["nominal_v"]) == {1.0}
+    assert set(rows["nominal_omega"]) == {0.4}
+    assert set(rows["applied_v"]) == {0.5}
+    assert set(rows["applied_omega"]) == {0.0}
+    assert record.commands["step"].tolist() == list(range(20))
+    assert set(record.commands["filtered_v"]) == set(record.commands["applied_v"]) == {0.5}
+    assert record.given == (
+        ("controller", "tests.says:Says"),
+        *[("filter", "tests.test_simulation:Scale")] * 2,
+    )
     assert held == [0.0, 1.0, 1.0, 1.0]
     assert record.pose[-1, 0] == pytest.approx([40.1, 10.0, 0.0], abs=1e-12)
 
@@ -269,7 +280,7 @@ def test_what_a_filter_gives_is_checked_like_what_a_controller_wants(factor: flo
     simulation = Simulation(
         road(THREE),
         controller=Says(lambda o: Decision(1.0, 0.0, 0.1)),
-        filters=[lambda scene, snapshot, wanted: wanted * factor],
+        filters=[Scale(factor, 1.0)],
     )
     with pytest.raises(ControllerError, match=r"r1 at 0 s: command v = (nan|2) m/s"):
         simulation.step()
@@ -297,9 +308,9 @@ def test_energy_falls_by_equation_10_in_a_real_run(neighbours: Any) -> None:
     near = scene.formation.adjacency if len(scene.formation.adjacency) else 1 - np.eye(3, dtype=int)
     station = record.updates["reference_station"].reshape(-1, 3)
     assert len(station) == 400
-    speed = record.updates["given_v"].reshape(-1, 3)
+    speed = record.updates["applied_v"].reshape(-1, 3)
     assert (np.abs(speed - 1.0) < 0.49).all()
-    assert (record.updates["mode"] == int(Mode.SAFE)).all()
+    assert (record.updates["mode"] == 0).all()
     energy = np.array([formation_energy(s, scene.formation.lead, near) for s in station])
     rate = np.array([formation_energy_rate(s, scene.formation.lead, near, gain) for s in station])
     spread = speed[:, None, :] - speed[:, :, None]
@@ -316,14 +327,14 @@ def test_robots_arrive_in_formation_and_stand_still() -> None:
         simulation.step()
         assert simulation.step_number < simulation.scene.steps
     scene = simulation.scene
-    own, lead = simulation.perception.station, scene.formation.lead
-    settings = simulation.controller.settings  # type: ignore[union-attr]
+    own, lead = simulation.now.station, scene.formation.lead
+    settings = simulation.parts.controller.settings  # type: ignore[attr-defined]
     most = settings.update_period * scene.formation.v_max
     assert (own >= scene.stop_station - settings.arrival_tolerance).all()
     assert (own <= scene.stop_station + most).all()
     ends = scene.paths.station[scene.paths.start[1:] - 1]
     assert ends - scene.stop_station == pytest.approx(lead.max() - lead)
-    assert np.ptp(simulation.perception.reference_station - lead) < 0.5
+    assert np.ptp(simulation.now.reference_station - lead) < 0.5
     pose = simulation.pose.copy()
     for _ in range(30):
         simulation.step()

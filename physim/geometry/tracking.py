@@ -30,23 +30,23 @@ class Tracking:
         self._paths, self._reference = paths, reference
         self._windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
         nowhere, everywhere = np.zeros((3, len(start))), np.full(len(start), np.inf)
-        self.stations = self._projected(start, everywhere, nowhere)
+        self.stations: FloatArray = self._projected(start, everywhere, nowhere)
         """(3, N) [m] station on the own path, deviation from it (left positive), station on s*"""
 
     @property
     def station(self) -> FloatArray:
         """(N,) [m] along the own path."""
-        return self.stations[0]
+        return np.asarray(self.stations[0])
 
     @property
     def deviation(self) -> FloatArray:
         """(N,) [m] from the own path, left positive."""
-        return self.stations[1]
+        return np.asarray(self.stations[1])
 
     @property
     def reference_station(self) -> FloatArray:
         """(N,) [m] along s*."""
-        return self.stations[2]
+        return np.asarray(self.stations[2])
 
     def follow(self, pose: FloatArray) -> None:
         """Follow the robots to their poses (N, 3) one step later."""

@@ -14,6 +14,7 @@ from physim.record import layout
 from physim.record.checks import damaged
 from physim.record.values import (
     Bounds,
+    check_arrived,
     check_extremes,
     check_points,
     check_start,
@@ -88,6 +89,8 @@ class Rows:
             check_table(path, rows, self._bounds, self._where, first)
         elif path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
             check_extremes(path, rows, self._bounds, self._where)
+        elif path == layout.ARRIVED:
+            check_arrived(rows, self._bounds, self._where)
         return rows
 
 

@@ -149,6 +149,14 @@ def check_extremes(path: str, rows: NDArray[np.void], bounds: Bounds, where: str
             raise _refused(where, path, k, f"{column} is nan", "it must be a number")
 
 
+def check_arrived(rows: NDArray[np.int64], bounds: Bounds, where: str) -> None:
+    """Check the samples from which on robots have arrived; -1 is never. Raises RecordError."""
+    wrong = (rows < -1) | (rows > bounds.last_step)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise _refused(where, layout.ARRIVED, k, f"it is {rows[k]}", (-1, bounds.last_step))
+
+
 def check_start(
     path: str,
     start: NDArray[Any],

@@ -77,12 +77,15 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
         elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
             yield f"{space}{key}:"
             for item in value:
-                lines = _choice if isinstance(item, Choice) else _block
-                first, *others = lines(item, indent + 4)  # type: ignore[arg-type]
+                first, *others = _item(item, indent + 4)
                 yield f"{space}  - {first.strip()}"
                 yield from others
         else:
             yield from _entry(f"{space}{key}", value, unit, indent)
+
+
+def _item(item: BaseModel, indent: int) -> Iterator[str]:
+    return _choice(item, indent) if isinstance(item, Choice) else _block(item, indent)
 
 
 def _choice(choice: Choice, indent: int) -> Iterator[str]:

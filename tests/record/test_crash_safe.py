@@ -20,8 +20,7 @@ import pytest
 
 from physim.contacts import CONTACT
 from physim.record import Record, RecordWriter, crash_safe, writer
-from physim.record.layout import UPDATE
-from tests.records import make_scene
+from tests.records import DECLARED, UPDATE, make_scene
 
 ROOT = Path(__file__).parents[2]
 
@@ -33,8 +32,8 @@ def append(out: RecordWriter, first: int, last: int) -> None:
     updates["step"] = contacts["step"] = step
     updates["next_step"], contacts["b"] = step + 1, 1
     updates["station"], contacts["x"] = 0.5 * step, 0.25 * step
-    out.append_updates(updates)
-    out.append_contacts(contacts)
+    out.append("updates", updates)
+    out.append("contacts", contacts)
     pose = np.broadcast_to(step[:, None, None] + 1.0, (len(step), 3, 3))
     out.append_steps(step, pose, pose[:, 0], pose[:, 1])
 
@@ -108,7 +107,9 @@ def test_file_is_complete_after_every_single_write(
     """Chunks of few rows, so that the chunk trees split: the root at 64 chunks, then a leaf."""
     monkeypatch.setattr(writer, "CHUNK_BYTES", 128)
     journal = Journal(monkeypatch)
-    out = RecordWriter(tmp_path / "r.h5", make_scene(), "name: x\n", name="x", flush_every_s=1e9)
+    out = RecordWriter(
+        tmp_path / "r.h5", make_scene(), "name: x\n", name="x", declared=DECLARED, flush_every_s=1e9
+    )
     marks = [(len(journal.changes), 0)]
     total = 0
     for rows in (1, 61, 1, 1, 1, 1, 48, *[1] * 14):
@@ -136,8 +137,11 @@ SCRIPT = """
     from tests.record.test_crash_safe import append
     from tests.records import make_scene
     from physim.record import RecordWriter
+    from tests.records import DECLARED
 
-    out = RecordWriter(sys.argv[1], make_scene(), "name: x", name="x", flush_every_s=0.02)
+    out = RecordWriter(
+        sys.argv[1], make_scene(), "name: x", name="x", declared=DECLARED, flush_every_s=0.02
+    )
     step = 0
     while True:
         append(out, step, step + 7)

@@ -12,7 +12,7 @@ import pytest
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter, crash_safe
 from tests.record.test_crash_safe import append, check
-from tests.records import make_scene
+from tests.records import DECLARED, make_scene
 
 
 @pytest.mark.parametrize("room", [0, 3_000, 50_000, *range(60_000, 400_000, 17_000)])
@@ -36,7 +36,9 @@ def test_record_stays_as_the_last_flush_left_it(
     told = rf"^{path}: cannot be written: No space left on device$"
     flushed = -1
     with pytest.raises(RecordError, match=told):  # noqa: PT012
-        out = RecordWriter(path, make_scene(), "name: x\n", name="x", flush_every_s=1e9)
+        out = RecordWriter(
+            path, make_scene(), "name: x\n", name="x", declared=DECLARED, flush_every_s=1e9
+        )
         flushed = 0
         for block in range(200):
             append(out, 50 * block, 50 * block + 50)

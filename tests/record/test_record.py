@@ -19,8 +19,17 @@ from physim.contacts import CONTACT
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
 from physim.record.extremes import Extremes
-from physim.record.layout import DATASETS, UPDATE
-from tests.records import contact_rows, make_record, make_scene, poses, update_rows
+from physim.record.layout import DATASETS
+from tests.records import (
+    DECLARED,
+    UPDATE,
+    considered_rows,
+    contact_rows,
+    make_record,
+    make_scene,
+    poses,
+    update_rows,
+)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +53,12 @@ def test_round_trip(made: Path) -> None:
         np.testing.assert_array_equal(record.pose, poses(scene))
         np.testing.assert_array_equal(record.pose_at(17), record.pose[17])
         np.testing.assert_array_equal(record.updates, update_rows(scene, poses(scene)))
+        decided = update_rows(scene, poses(scene))
+        np.testing.assert_array_equal(record.considered, considered_rows(decided))
         np.testing.assert_array_equal(record.contacts, contact_rows(scene))
+        np.testing.assert_array_equal(record.lead, scene.formation.lead)
+        assert record.declared == DECLARED
+        assert record.arrived.tolist() == [-1, -1, -1]
         np.testing.assert_array_equal(record.stop_station, scene.stop_station)
         assert [len(parts) for parts in record.footprints] == [1, 1, 2]
         np.testing.assert_array_equal(record.footprints[2][1], scene.shapes.vertices[12:16])
@@ -190,13 +204,15 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
 
     def peak(blocks: int) -> int:
         scene = make_scene(robots=10, seconds=10_000.0)
-        out = RecordWriter(tmp_path / f"{blocks}.h5", scene, "", name="", flush_every_s=1e9)
+        out = RecordWriter(
+            tmp_path / f"{blocks}.h5", scene, "", name="", declared=DECLARED, flush_every_s=1e9
+        )
         pose, near = np.zeros((1000, 10, 3)), np.zeros((1000, 10))
         rows, touching = np.zeros(1000, UPDATE), np.zeros(1000, CONTACT)
         tracemalloc.start()
         for block in range(blocks):
-            out.append_updates(rows)
-            out.append_contacts(touching)
+            out.append("updates", rows)
+            out.append("contacts", touching)
             out.append_steps(np.arange(1000 * block, 1000 * block + 1000), pose, near, near)
         size = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
@@ -226,7 +242,7 @@ def test_unwritable_place(tmp_path: Path) -> None:
 def test_rows_of_another_kind(tmp_path: Path) -> None:
     out = RecordWriter(None, make_scene(), "", name="")
     with pytest.raises(RecordError, match="/updates: rows of type"):
-        out.append_updates(np.zeros(1, CONTACT))
+        out.append("updates", np.zeros(1, CONTACT))
     with pytest.raises(ValueError, match="pose"):
         out.append_steps([0], np.zeros((1, 4, 3)), np.zeros((1, 3)), np.zeros((1, 3)))
     with pytest.raises(RecordError, match='ended "crashed"; allowed: running'):
@@ -247,7 +263,9 @@ def test_other_hdf5_files(tmp_path: Path, made: Path) -> None:
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["x"] = 1
     refused(tmp_path / "other.h5", "not a record of physim")
-    refused(altered(made, tmp_path, lambda f: f.attrs.modify("version", 9)), "record version 9; ")
+    for version in ("4.0", "2", "3", "3.x", "x" * 99, 9):
+        copy = altered(made, tmp_path, lambda f, v=version: f.attrs.create("version", v))
+        refused(copy, "record version .*; this physim reads version 3; make the record again")
     refused(altered(made, tmp_path, lambda f: f.attrs.pop("dt")), "attribute dt is missing")
     refused(altered(made, tmp_path, lambda f: f.attrs.create("dt", -1.0)), "attribute dt is")
     refused(altered(made, tmp_path, lambda f: f.attrs.create("dt", "x")), "attribute dt is")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 from typing import Any
@@ -42,8 +43,11 @@ def tampered(made: Path, folder: Path, path: str, row: Any, value: Any, column: 
         ("/updates", "robot", 77, "0 to 2"),
         ("/updates", "robot", -3, "0 to 2"),
         ("/updates", "mode", 77, "-1 to 3"),
-        ("/updates", "considered", 55, "0 to 5"),
-        ("/updates", "evaluations", -1, "0 to"),
+        ("/updates", "rule", 2, "-1 to 1"),
+        ("/updates", "considered", 55, "0 to 2"),
+        ("/considered", "robot", 3, "0 to 2"),
+        ("/considered", "other", -1, "0 to 2"),
+        ("/considered", "step", 401, "0 to 400"),
         ("/updates", "next_step", -5, " to "),
         ("/contacts", "step", 401, "0 to 400"),
         ("/contacts", "a", 3, "0 to 2"),
@@ -96,6 +100,30 @@ def test_every_command_says_so_in_one_line(
     assert lines[0].startswith(f"{bad}: {told}")
 
 
+@pytest.mark.parametrize("value", [-2, 401])
+def test_arrivals_outside_the_run(made: Path, tmp_path: Path, value: int) -> None:
+    bad = tampered(made, tmp_path, "/robots/arrived", 1, value)
+    told = f"/robots/arrived, row 1: it is {value}; allowed: -1 to 400"
+    with pytest.raises(RecordError, match=told):
+        Record.load(bad)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "told"),
+    [
+        ("/modes/colour", b"red", "colour of \"safe\" is 'red'"),
+        ("/modes/name", b"<script>", "name '<script>'; allowed are small letters"),
+        ("/rules/words", b"\x1b[2J", 'words of "follow" must be a line of plain text'),
+        ("/columns/unit", b"km", "\"target_x\" has the unit 'km'"),
+    ],
+)
+def test_declarations_that_no_controller_makes(
+    made: Path, tmp_path: Path, path: str, value: bytes, told: str
+) -> None:
+    with pytest.raises(RecordError, match=re.escape(told)):
+        Record.load(tampered(made, tmp_path, path, 0, value))
+
+
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/steps/step", slice(None), np.arange(401)[::-1])
     with pytest.raises(RecordError, match="step 399 comes after step 400; steps must increase"):
@@ -109,6 +137,6 @@ def test_rows_out_of_order(made: Path, tmp_path: Path) -> None:
 
 
 def test_a_command_that_is_no_number(made: Path, tmp_path: Path) -> None:
-    bad = tampered(made, tmp_path, "/updates", 4, np.nan, "given_v")
-    with pytest.raises(RecordError, match="/updates, row 4: given_v is nan; it must be finite"):
+    bad = tampered(made, tmp_path, "/updates", 4, np.nan, "applied_v")
+    with pytest.raises(RecordError, match="/updates, row 4: applied_v is nan; it must be finite"):
         Record.load(bad)

@@ -8,7 +8,7 @@ import shapely
 
 from physim.world import World
 from physim.world_file import parse_world
-from physim.world_file.geometry_check import geometry_faults, shape_faults
+from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 from tests.worlds_by_hand import STRAIGHT
 
 EDGE = np.array([[-3, -4], [33, -4], [33, 4], [-3, 4], [-3, -4]], dtype=float)
@@ -19,15 +19,19 @@ def found(world: World, start=None, obstacles=(), accessible="free", paths=None)
     free = shapely.Polygon(EDGE)
     for ring in obstacles:
         free = free.difference(shapely.Polygon(ring))
-    faults = geometry_faults(
-        world,
-        start=np.array(poses if start is None else start, dtype=float),
-        footprints=[np.array(robot.outline) for robot in world.robots],
-        boundaries=[EDGE],
-        obstacles=list(obstacles),
-        accessible=free if accessible == "free" else accessible,
-        paths=[np.array([[0, 1], [30, 1]])] * len(world.robots) if paths is None else paths,
-    )
+    free = free if accessible == "free" else accessible
+    paths = [np.array([[0, 1], [30, 1]])] * len(world.robots) if paths is None else paths
+    faults = shape_faults(world) or [
+        *path_faults(world, paths, free),
+        *start_faults(
+            world,
+            start=np.array(poses if start is None else start, dtype=float),
+            footprints=[np.array(robot.outline) for robot in world.robots],
+            boundaries=[EDGE],
+            obstacles=list(obstacles),
+            accessible=free,
+        ),
+    ]
     return [(fault.location, fault.message) for fault in faults]
 
 
@@ -69,14 +73,13 @@ def test_a_wall_inside_the_area_is_named(world):
     inner = [[10.0, 0.0], [12.0, 0.0]]
     boundaries = (tuple(map(tuple, EDGE)), tuple(map(tuple, inner)))
     drawn = world.changed(corridor=None, boundaries=boundaries, reference_path=[[0, 1], [30, 1]])
-    faults = geometry_faults(
+    faults = start_faults(
         drawn,
         start=[(11, 0, 0.3), (3, 0, 0)],
         footprints=[robot.outline for robot in drawn.robots],
         boundaries=[EDGE, np.array(inner)],
         obstacles=[],
         accessible=shapely.Polygon(EDGE),
-        paths=[[[0, 1], [30, 1]]] * 2,
     )
     assert [fault.location for fault in faults] == [("robots", 0, "pose")]
     assert "boundaries[1]" in faults[0].message

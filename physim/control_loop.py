@@ -85,7 +85,7 @@ class PlainBatch:
             np.array([row.hold for row in rows], dtype=np.float64),
             np.array([row.mode for row in rows], dtype=np.int64),
             np.array([row.rule for row in rows], dtype=np.int64),
-            np.array([row.report for row in rows], dtype=np.float64).reshape(-1, columns),
+            np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
             np.array([j for robots in considered for j in robots], dtype=np.int64),
             np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
         )

@@ -1,4 +1,4 @@
-"""The tests of this folder see two registered controllers of their own."""
+"""The tests of this folder see registered controllers and stages of their own."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import pytest
 
 from physim import registry
 
-MODULE = "tests.world_file.controllers_for_tests"
+MODULE = "tests.world_file.parts_for_tests"
 
 
 @pytest.fixture(autouse=True)
@@ -16,6 +16,10 @@ def _registered(monkeypatch):
         "plain": (f"{MODULE}:Plain",),
         "broken": ("no_such_module_here:Class",),
     }
-    monkeypatch.setattr(
-        registry, "_entries", lambda kind: entries if kind is registry.CONTROLLER else {}
-    )
+    found = {
+        registry.CONTROLLER: entries,
+        registry.SENSING: {"haze": (f"{MODULE}:Haze",)},
+        registry.FILTER: {"slow": (f"{MODULE}:Slow",), "broken": ("no_such_module_here:Class",)},
+        registry.DISTURBANCE: {"gains": (f"{MODULE}:Gains",)},
+    }
+    monkeypatch.setattr(registry, "_entries", lambda kind: found.get(kind, {}))

@@ -116,7 +116,7 @@ def test_a_world_cannot_name_a_class():
 def test_the_command_line_may_name_another_controller():
     assert parse_world(STRAIGHT, controller="plain").controller.settings == {}
     assert parse_world(STRAIGHT, controller="mode_switching") == parse_world(STRAIGHT)
-    name = "tests.world_file.controllers_for_tests:Switching"
+    name = "tests.world_file.parts_for_tests:Switching"
     world = parse_world(STRAIGHT, controller=name, overrides=["controller.look_ahead=3.0"])
     assert world.controller.type == name
     assert world.controller.settings == {"look_ahead": 3.0}

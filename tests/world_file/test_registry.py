@@ -4,9 +4,9 @@ import pytest
 
 from physim.errors import ControllerError, WorldError
 from physim.registry import CONTROLLER, controller_names, find_part, make_part
-from tests.world_file import controllers_for_tests as fakes
+from tests.world_file import parts_for_tests as fakes
 
-HERE = "tests.world_file.controllers_for_tests"
+HERE = "tests.world_file.parts_for_tests"
 
 
 def test_names_have_a_line_each():

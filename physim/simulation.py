@@ -222,6 +222,7 @@ class Simulation:
         self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
         self.arrived = np.empty(self.scene.robots, dtype=np.bool_)
         note_arrivals(step, pose, self.now.station, self._least, self._trail, self.arrived)
+        read_only(self.arrived)
         self._sensed = None
 
     # State
@@ -300,8 +301,8 @@ class Simulation:
         )
         self._least = scene.stop_station - scene.arrival_tolerance
         self._trail = np.zeros((still_steps(scene.dt) + 1, robots, 2))
-        self.mode = np.full(robots, NO_NUMBER, dtype=np.int64)
-        self.next_decision = np.zeros(robots, dtype=np.int64)
+        self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
+        self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self.last = None
         self._arrive(0, read_only(np.zeros((robots, 2))))
 
@@ -334,4 +335,4 @@ def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> ND
     """Copy of an array with other values in some places."""
     new = array.copy()
     new[at] = values
-    return new
+    return read_only(new)

@@ -36,6 +36,7 @@ LAYERS = {
     "physim.contacts": (1, 0),
     "physim.world": (1, 0),
     "physim.scene": (1, 1),
+    "physim.scene_model": (1, 2),
     "physim.arrival": (1, 0),
     "physim.declared": (1, 0),
     "physim.control": (1, 2),

@@ -11,7 +11,7 @@ Courses over time, along a path or by pair, for pictures and experiments: `forma
 `pair_distances`, `corridor_width`.
 
 What has no meaning for a run (the distance between robots of a single one, say) is None or absent,
-not 0. "Fig." and numbers in parentheses refer to the paper.
+not 0: so too what depends on a column that the controller did not declare. "Fig." and numbers in parentheses refer to the paper.
 """
 
 from __future__ import annotations
@@ -28,7 +28,14 @@ from physim.metrics.distances import (
     shortest_collision_time,
     shortest_distance,
 )
-from physim.metrics.effort import decisions, evaluations, messages, updates_per_second
+from physim.metrics.effort import (
+    decisions,
+    disturbed_steps,
+    evaluations,
+    filtered_steps,
+    messages,
+    updates_per_second,
+)
 from physim.metrics.formation import (
     desired_leads,
     formation_energy,
@@ -58,16 +65,20 @@ from physim.metrics.registry import DEFINITIONS
 from physim.metrics.settings import world_settings
 from physim.metrics.values import DangerShare, Each, Moment, Place, Series
 from physim.metrics.way import (
+    Absent,
+    absent,
     arrival_steps,
     column_over_time,
     finished,
     last_decisions,
+    steps_under_way,
     time_to_finish,
 )
 from physim.metrics.width import Width, corridor_width
 
 __all__ = [
     "DEFINITIONS",
+    "Absent",
     "AveragedSpeeds",
     "DangerShare",
     "Deep",
@@ -80,6 +91,7 @@ __all__ = [
     "Place",
     "Series",
     "Width",
+    "absent",
     "arrival_steps",
     "averaged_speeds",
     "collision_times",
@@ -95,8 +107,10 @@ __all__ = [
     "deviation_peak",
     "deviation_rms",
     "deviations",
+    "disturbed_steps",
     "evaluations",
     "farthest_pair",
+    "filtered_steps",
     "finished",
     "formation_energy",
     "formation_error_final",
@@ -117,6 +131,7 @@ __all__ = [
     "shortest_boundary_distance",
     "shortest_collision_time",
     "shortest_distance",
+    "steps_under_way",
     "time_to_finish",
     "updates_per_second",
     "world_settings",

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from physim.recording import record_run
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from physim.warm_up import warm_up
@@ -34,7 +34,7 @@ def set_up(name: str) -> Simulation:
     """Read a world and get all ready, kernels too."""
     world, _ = read_world(find_world(name))
     scene = build_scene(world, None)
-    warm_up(scene, make_controller(world.controller.type, world.controller.settings))
+    warm_up(scene, make_part(CONTROLLER, world.controller.type, world.controller.settings))
     return Simulation(scene)
 
 

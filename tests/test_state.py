@@ -1,0 +1,235 @@
+"""The state of a simulation is a value: what goes on from it is what went on."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from physim.control import Decision, Observation
+from physim.errors import PhysimError
+from physim.recording import simulate
+from physim.scene_builder import build_scene
+from physim.simulation import Simulation
+from physim.world_file import load_world
+from physim.world_file.shipped import find_world, shipped_worlds
+from tests.roads import road
+
+AHEAD = 150
+"""Steps that a restored run goes on beside the one that went through."""
+
+
+def trace(simulation: Simulation, steps: int) -> list[bytes]:
+    """What happens in the next steps, to the bit."""
+    told = []
+    for _ in range(steps):
+        simulation.step()
+        last = simulation.last
+        assert last is not None
+        parts = [last.pose, last.nominal, last.filtered, last.applied, last.contacts,
+                 last.false_contacts, last.arrived, simulation.mode, simulation.next_decision,
+                 *simulation.now[3:]]  # fmt: skip
+        if last.decisions is not None:
+            parts += list(last.decisions)
+        told.append(b"".join(np.ascontiguousarray(part).tobytes() for part in parts))
+    return told
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two states are equal, array by array."""
+    if dataclasses.is_dataclass(one) and not isinstance(one, type):
+        return type(one) is type(other) and all(
+            same(getattr(one, f.name), getattr(other, f.name)) for f in dataclasses.fields(one)
+        )
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and (
+            one.tolist() == other.tolist()
+            if one.dtype == object
+            else one.tobytes() == other.tobytes()
+        )
+    return bool(one == other)
+
+
+@settings(max_examples=14, suppress_health_check=list(HealthCheck))
+@given(
+    name=st.sampled_from(sorted(shipped_worlds())),
+    deaf=st.booleans(),
+    seed=st.integers(0, 10**6),
+    share=st.floats(0.0, 0.6),
+    way=st.sampled_from(["restore", "new", "deepcopy", "pickle"]),
+)
+def test_a_run_goes_on_bit_for_bit_from_any_step(
+    name: str, deaf: bool, seed: int, share: float, way: str
+) -> None:
+    """All worlds; path following alone brings contacts under way."""
+    world = load_world(find_world(name))
+    controller = "path_following" if deaf else None
+    simulation = Simulation(world, seed, controller)
+    for _ in range(int(share * min(simulation.scene.steps, 6000))):
+        simulation.step()
+    state = simulation.state
+    kept = pickle.dumps(state)
+    wanted = trace(simulation, AHEAD)
+    assert pickle.dumps(state) == kept  # a value handed out never changes
+    other = restored(way, simulation, state, world, controller)
+    assert trace(other, AHEAD) == wanted
+
+
+def restored(
+    way: str, simulation: Simulation, state: Any, world: Any, controller: str | None
+) -> Simulation:
+    if way == "restore":
+        simulation.restore(state)
+        return simulation
+    if way == "new":
+        return Simulation(world, controller=controller, state=state)
+    simulation.restore(state)
+    return copy.deepcopy(simulation) if way == "deepcopy" else pickle.loads(pickle.dumps(simulation))
+
+
+def crowd(**more: Any) -> Any:
+    """Robots that drive into one another and into a wall, one of them L-shaped."""
+    poses = [[20.0, y, 0.0] for y in (-1.02, 0.0, 1.02)] + [[23.0, 0.1, 3.1], [24.9, 18.9, 0.7]]
+    return road(poses, duration=5.0, **more)
+
+
+class Stubborn:
+    """Drives on, come what may; its memory counts its decisions."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        count = 0 if memory is None else memory["count"]
+        omega = 0.3 * (-1.0) ** (count + observation.index)
+        return Decision(1.0, omega, hold=0.07, memory={"count": count + 1})
+
+
+class Slow:
+    """A filter with memory: at most 0.02 m/s more each step."""
+
+    def start(self, scene: Any) -> Any:
+        return np.zeros(scene.robots)
+
+    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+        v = np.minimum(nominal[:, 0], state + 0.02)
+        return np.stack((v, nominal[:, 1]), axis=1), v
+
+
+@pytest.mark.parametrize("step", [0, 3, 60, 133, 260, 401])
+def test_contacts_under_way_memories_and_filters_come_along(step: int) -> None:
+    simulation = Simulation(crowd(), controller=Stubborn(), filters=[Slow()])
+    touched = 0
+    for _ in range(step):
+        simulation.step()
+        touched += len(simulation.contacts) > 0
+    assert touched > 0 or step < 100
+    state = pickle.loads(pickle.dumps(simulation.state))
+    wanted = trace(simulation, AHEAD)
+    other = Simulation(crowd(), controller=Stubborn(), filters=[Slow()], state=state)
+    assert same(other.state, state)
+    assert trace(other, AHEAD) == wanted
+    lost = dataclasses.replace(state, stages=((), (np.zeros(5),), ()))  # without its memory
+    if 0 < step < 60:
+        other.restore(lost)
+        assert trace(other, AHEAD) != wanted
+
+
+def test_another_process_goes_on_bit_for_bit(tmp_path: Path) -> None:
+    simulation = Simulation(load_world("nonconvex"), 5, "path_following")
+    for _ in range(900):
+        simulation.step()
+    (tmp_path / "state").write_bytes(pickle.dumps(simulation))
+    wanted = trace(simulation, 300)
+    script = (
+        "import pickle, sys, hashlib\n"
+        "from tests.test_state import trace\n"
+        "simulation = pickle.loads(open(sys.argv[1], 'rb').read())\n"
+        "print(hashlib.sha256(b''.join(trace(simulation, 300))).hexdigest())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(tmp_path / "state")],
+        capture_output=True, text=True, cwd=Path(__file__).parents[1],
+    )  # fmt: skip
+    import hashlib
+
+    assert done.stdout.strip() == hashlib.sha256(b"".join(wanted)).hexdigest(), done.stderr
+
+
+@pytest.mark.parametrize("name", ["ten_robots", "straight", "nonconvex"])
+def test_reset_is_a_new_simulation(name: str) -> None:
+    world = load_world(name)
+    simulation = Simulation(world)
+    for _ in range(50):
+        simulation.step()
+    for seed in (None, 4, 5):
+        simulation.reset(seed)
+        fresh = Simulation(world, seed)
+        assert same(simulation.state, fresh.state)
+        assert trace(simulation, 60) == trace(fresh, 60)
+
+
+def test_a_reset_scene_is_the_scene_of_that_seed() -> None:
+    simulation = Simulation(load_world("warehouse"))
+    simulation.reset(9)
+    scene = build_scene(load_world("warehouse"), 9)
+    assert np.array_equal(simulation.scene.start, scene.start)
+    assert np.array_equal(simulation.scene.stop_station, scene.stop_station)
+    assert simulation.scene.world == scene.world
+    with pytest.raises(PhysimError, match=r"-1; it must be a whole number"):
+        simulation.reset(-1)
+
+
+def test_a_state_of_something_else_is_refused() -> None:
+    state = Simulation(load_world("straight")).state
+    with pytest.raises(PhysimError, match="another world or seed"):
+        Simulation(load_world("doorway"), state=state)
+    with pytest.raises(PhysimError, match="a run with mode_switching; this one has path_following"):
+        Simulation(load_world("straight"), controller="path_following", state=state)
+
+
+def test_a_copy_goes_its_own_way() -> None:
+    simulation = Simulation(load_world("straight"))
+    for _ in range(20):
+        simulation.step()
+    other = copy.deepcopy(simulation)
+    wanted = trace(copy.deepcopy(simulation), 40)
+    other.step(np.array([[-1.0, 1.0], [1.0, -1.0]]))
+    for _ in range(30):
+        other.step()
+    assert trace(simulation, 40) == wanted
+
+
+def test_values_handed_out_never_change() -> None:
+    simulation = Simulation(load_world("straight"))
+    simulation.step()
+    now, last = simulation.now, simulation.last
+    kept = pickle.dumps((now, last, simulation.mode, simulation.arrived))
+    held = (now, last, simulation.mode, simulation.arrived)
+    for _ in range(200):
+        simulation.step()
+    assert pickle.dumps(held) == kept
+    with pytest.raises(ValueError, match="read-only"):
+        now.pose[0, 0] = 1.0
+
+
+def test_a_record_of_a_run_that_was_reset_is_that_of_a_new_run() -> None:
+    from physim.recording import record_run
+
+    world = load_world("straight")
+    simulation = Simulation(world)
+    for _ in range(30):
+        simulation.step()
+    simulation.reset(3)
+    with record_run(simulation) as again, simulate(world, seed=3) as fresh:
+        assert again.digest() == fresh.digest()

@@ -67,6 +67,7 @@ from physim.metrics.motion import (
 from physim.metrics.own import own_metrics, own_part
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.settings import world_settings
+from physim.metrics.severity import Severity, masses, severity
 from physim.metrics.values import DangerShare, Each, Moment, Place, Series
 from physim.metrics.way import (
     Absent,
@@ -94,6 +95,7 @@ __all__ = [
     "Moment",
     "Place",
     "Series",
+    "Severity",
     "Width",
     "absent",
     "arrival_steps",
@@ -125,6 +127,7 @@ __all__ = [
     "grazes",
     "has_formation",
     "last_decisions",
+    "masses",
     "mean_speed",
     "measure",
     "measured",
@@ -135,6 +138,7 @@ __all__ = [
     "own_part",
     "pair_distances",
     "placed",
+    "severity",
     "share_of_modes",
     "shortest_boundary_distance",
     "shortest_collision_time",

@@ -49,6 +49,9 @@ STAGES = (SENSING, FILTER, DISTURBANCE)
 """Kinds of which a world lists any number, in the order of a step."""
 KINDS = (CONTROLLER, *STAGES, OBSERVER)
 
+OWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
+"""Where the code of physim is, which no message about somebody else's code points into."""
+
 
 def part_names(kind: Kind) -> dict[str, str]:
     """Name and one-line description of every registered part of a kind, by name.
@@ -265,5 +268,7 @@ def broken_by(error: BaseException) -> str:
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    theirs = [f for f in frames if not f.filename.startswith(OWN)] or frames
+    inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
+    place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
     return f"{type(error).__name__}: {text}{place}"

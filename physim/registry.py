@@ -52,6 +52,9 @@ STAGES = (SENSING, FILTER, DISTURBANCE)
 KINDS = (CONTROLLER, *STAGES, OBSERVER)
 """Kinds that take part in a run; metrics and plots look at its record."""
 
+OWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
+"""Where the code of physim is, which no message about somebody else's code points into."""
+
 
 def part_names(kind: Kind) -> dict[str, str]:
     """Name and one-line description of every registered part of a kind, by name.
@@ -268,5 +271,7 @@ def broken_by(error: BaseException) -> str:
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    theirs = [f for f in frames if not f.filename.startswith(OWN)] or frames
+    inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
+    place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
     return f"{type(error).__name__}: {text}{place}"

@@ -13,7 +13,7 @@ from physim.cli.output import FILES, inputs, output_folder, write_text
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.video import write_video
 from physim.control import Controller
-from physim.errors import WorldError
+from physim.errors import PhysimError, WorldError
 from physim.record import Record
 from physim.recording import record_run
 from physim.registry import CONTROLLER, OBSERVER, make_part
@@ -35,7 +35,7 @@ COMPILING = 25
 def run(options: argparse.Namespace) -> int:
     """Run a world; returns the exit code."""
     simulation = _set_up(options)
-    observers = [make_part(OBSERVER, name, {}, trusted=True) for name in options.observers]
+    observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
     folder = output_folder(folder, options.force, *inputs(options.world))
@@ -70,6 +70,15 @@ def _set_up(options: argparse.Namespace) -> Simulation:
         options.world, overrides=options.overrides, controller=options.controller
     )
     return ready(world, document, options.seed, options)
+
+
+def _observer(name: str) -> Observer:
+    """An observer by name, or of a class of one's own."""
+    try:
+        made: Observer = make_part(OBSERVER, name, {}, trusted=True)
+    except PhysimError as error:
+        raise PhysimError(f"--observer: {error}") from None
+    return made
 
 
 def ready(

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from physim.world import World
 
 
+DENSITY = 100.0
+"""[kg/m^2] mass of a robot whose world gives none, over its area"""
+
+
 @dataclass(frozen=True)
 class Body:
     """One row of the body table: robots first (file order), then boundaries, then obstacles."""
@@ -33,11 +37,11 @@ class FormationPlan:
     """What (7) needs, the same for every robot of the cluster."""
 
     active: bool
-    """False in a world without formation: every robot goes at speed ``speed`` = 1 m/s."""
+    """False in a world without formation: each robot goes at the speed of its controller"""
     gain: float
     """alpha [1/s]"""
     speed: float
-    """nu_0 [m/s]"""
+    """nu_0 [m/s]; 1 and without meaning where there is no formation"""
     v_min: float
     """[m/s] least forward speed that (7) may give"""
     v_max: float

@@ -15,7 +15,8 @@ One decision of Robot i, with the rules it is made of:
 compiled call. Both run `decide_one`, and both must decide alike.
 
 Departures from the paper: arrival at a stop station is ours (a robot there stands still); each
-rule lists its own.
+rule lists its own. Collision times are counted, as `evaluations`, by command looked at: one for
+every considered robot, and one for all walls.
 """
 
 from __future__ import annotations
@@ -120,15 +121,15 @@ def decide_one(
         report[0], report[1] = x, y
         nobody = np.empty(0, dtype=np.int64)
         return 0.0, 0.0, rules.update_period, ARRIVED, STOP, memory.plan, 0, report, nobody
-    outside = is_outside(own.outside, own.station + rules.look_ahead)
+    length = path_length(paths, own.path)
+    outside = is_outside(own.outside, min(own.station + rules.look_ahead, length))
     position = (pose[me, 0], pose[me, 1])
     tx, ty = safe_target(
         walls, own.parts, (x, y), (ax, ay), outside, position, rules.look_ahead,
         rules.safe_distance,
     )  # fmt: skip
 
-    left = path_length(paths, own.path) - own.station
-    judge_ahead = judging_time(rules.judge_ahead, left, own.nu)
+    judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
     distance = smallest_distance(bodies, me, pose[me], rows, pose)
     boundary = wall_distance(bodies.shapes, bodies.shape[me], pose[me], walls, own.parts)

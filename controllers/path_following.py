@@ -6,8 +6,8 @@ end lies nearest to the target is taken (5).
 
 Departures from the paper: by default the plan is judged ``judge_ahead`` = 0.5 s ahead with its last
 command held, which chatters less than judging it at the period's end, but no further than to the
-last waypoint; ties are settled by the smaller heading error, then by the smaller |omega|, then by
-the order of the sets.
+last waypoint; ties are settled by the smaller heading error at the end, then by the smaller |omega|
+of the first pair, then by the order of the sets.
 """
 
 from __future__ import annotations

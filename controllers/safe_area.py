@@ -6,21 +6,30 @@ Departures from the paper: the safe point is sought within two look-ahead distan
 and at most half a look-ahead behind it, so that a narrow stretch does not hold the robot before
 it; where there is none (a doorway), the roomiest point of the cross-section serves. A target
 inside the area must be joined to its safe point by a straight way that crosses no wall; for a
-target outside the area the robot itself must be.
+target outside the area the robot itself must be. Looked at are the points where the border of the
+safe area comes nearest to the target and its corners: where those nearest are out of sight, a
+point at the very edge of sight is not sought. A target of whose cross-section the robot sees
+nothing stays where it is.
 """
 
 from __future__ import annotations
 
+from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.safe_point import nearest_safe_point, point_clearance, roomiest_point
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
+LENGTH = tolerances.LENGTH
+
 
 @compiled
 def is_outside(stretches: FloatArray, station: float) -> bool:
-    """Whether a station lies strictly in one of the stretches (M, 2) outside the area."""
+    """Whether a station lies in one of the stretches (M, 2) outside the area.
+
+    Their ends count, too: a path may end outside.
+    """
     for k in range(len(stretches)):
-        if stretches[k, 0] < station < stretches[k, 1]:
+        if stretches[k, 0] < station <= stretches[k, 1] + LENGTH:
             return True
     return False
 

@@ -1,4 +1,9 @@
-"""When a robot decides again: event-triggered updates (14)."""
+"""When a robot decides again: event-triggered updates (14).
+
+Departures from the paper: (14) is lost; in this reading a short collision time can only bring a
+decision forward. It cuts short each dwell time of a plan alike, and what is left of the plan is
+dropped then.
+"""
 
 from __future__ import annotations
 

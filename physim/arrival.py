@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, read_only
 
 STILL_TIME = 0.5
 """[s]"""
@@ -23,6 +23,28 @@ STILL_DISTANCE = 0.01
 def still_steps(dt: float) -> int:
     """Steps that make up `STILL_TIME`, rounded up."""
     return int(np.ceil(STILL_TIME / dt - 1e-9))
+
+
+class Arrivals:
+    """Judges the robots at every sample of a run, from sample 0 on.
+
+    ``least`` (N,) [m] are the stations from which on they may have arrived.
+    """
+
+    def __init__(self, least: FloatArray, dt: float) -> None:
+        self.least = least
+        self.nobody = read_only(np.zeros(len(least), dtype=np.bool_))
+        self.trail = np.zeros((still_steps(dt) + 1, len(least), 2))
+        """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
+
+    def note(self, step: int, pose: FloatArray, station: FloatArray) -> NDArray[np.bool_]:
+        """(N,) who has arrived at a sample, the one after the last that was noted."""
+        if (station >= self.least).any():
+            arrived = np.empty(len(station), dtype=np.bool_)
+            note_arrivals(step, pose, station, self.least, self.trail, arrived)
+            return read_only(arrived)
+        self.trail[step % len(self.trail)] = pose[:, :2]
+        return self.nobody
 
 
 @compiled

@@ -75,9 +75,9 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
 
 
 def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
-    """(N,) [m] distance to the robots' mean place on s* less its desired value."""
+    """(…, N) [m] distance to the robots' mean place on s* less its desired value."""
     station, lead = reference_station, scene.formation.lead
-    return np.asarray((station.mean() - station) - (lead.mean() - lead))
+    return np.asarray((station.mean(axis=-1, keepdims=True) - station) - (lead.mean() - lead))
 
 
 def _neighbours(scene: Scene, i: int, me: int, known: IntArray, station: FloatArray) -> IntArray:

@@ -83,15 +83,21 @@ class Recorder:
         self.since = np.full(robots, -1, dtype=np.int64)
         self.told = np.zeros((robots, 2))
         self.grazes = GrazeFinder(self.scene)
-        self._take(simulation.pose, simulation.arrived, simulation.contacts)
-        self._take_false(simulation.physics.false_contacts)
+        self.poses[0], self.arrived[0], self.count = simulation.pose, simulation.arrived, 1
+        self.contacts.append(simulation.contacts)
+        self.false_contacts.append(simulation.physics.false_contacts)
         self.last_write = time.monotonic()
         self._write()  # sample 0 is a row of its own, so that later windows end on recorded steps
 
     def after_step(self, step: Step) -> None:
         """Take down a step and the sample to which it led."""
-        self._take(step.pose, step.arrived, step.contacts)
-        self._take_false(step.false_contacts)
+        count = self.count
+        self.poses[count], self.arrived[count] = step.pose, step.arrived
+        self.count = count + 1
+        if len(step.contacts):
+            self.contacts.append(step.contacts)
+        if len(step.false_contacts):
+            self.false_contacts.append(step.false_contacts)
         decisions = step.decisions
         if decisions is not None:
             self.decided.append(step)
@@ -113,20 +119,6 @@ class Recorder:
         """Write what is left; the record itself is closed by who opened it."""
         self._write()
 
-    def _take(
-        self, pose: FloatArray, arrived: NDArray[np.bool_], contacts: NDArray[np.void]
-    ) -> None:
-        self.poses[self.count] = pose
-        self.arrived[self.count] = arrived
-        self.count += 1
-        if len(contacts):
-            self.contacts.append(contacts)
-
-    def _take_false(self, rows: NDArray[np.void]) -> None:
-        if len(rows):
-            self.rejected += len(rows)
-            self.false_contacts.append(rows)
-
     def _take_commands(self, step: Step) -> None:
         """Keep the commands of robots whose stages differ, or who were told from outside."""
         stages = np.stack((self.told, step.nominal, step.filtered, step.applied))
@@ -147,10 +139,12 @@ class Recorder:
         if self.commands:
             self.writer.append("commands", np.concatenate(self.commands))
             self.commands = []
-        if self.false_contacts and "false_contacts" in self.tables:
+        if self.false_contacts:
             rows = np.concatenate(self.false_contacts, dtype=FALSE_CONTACT)
-            self.writer.append("false_contacts", rows)
-        self.false_contacts = []
+            self.rejected += len(rows)
+            if "false_contacts" in self.tables:
+                self.writer.append("false_contacts", rows)
+            self.false_contacts = []
         if self.count:
             self._write_samples()
         self.first += self.count
@@ -220,9 +214,9 @@ def update_rows(
     rows["applied_v"], rows["applied_omega"] = applied.T
     for name in ("station", "reference_station", "deviation"):
         rows[name] = column([getattr(s.truth, name)[d.robot] for s, d in told])
-    rows["formation_error"] = column(
-        [formation_errors(scene, s.truth.reference_station)[d.robot] for s, d in told]
-    )
+    errors = formation_errors(scene, np.array([s.truth.reference_station for s, _ in told]))
+    which = np.repeat(np.arange(len(told)), [len(d.robot) for _, d in told])
+    rows["formation_error"] = errors[which, rows["robot"]]
     rows["considered"] = column([np.diff(d.considered_start) for _, d in told])
     rows["next_step"] = column([s.next_step for s, _ in told])
     report = column([d.report for _, d in told])

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.arrival import note_arrivals, still_steps
+from physim.arrival import Arrivals
 from physim.control import BatchController, Batched, Controller, Observation, Sensed, Snapshot
 from physim.control_loop import Decided, PlainBatch, decide, outside
 from physim.declared import NO_NUMBER, Declared
@@ -176,6 +176,8 @@ class Simulation:
         """What robots know at this sample, and the states of the stages for the next."""
         if self._sensed is None:
             sensed, states = everybody(self.now, self._shared), []
+            if not self.parts.sensing:
+                return sensed, ()
             for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
                 sensed, state = ask_sense(part, self.scene, self.now, sensed, state)
                 states.append(state)
@@ -200,6 +202,8 @@ class Simulation:
 
     def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Filtered commands (N, 2): the nominal ones through every filter in turn."""
+        if not self.parts.filters:
+            return nominal, ()
         filtered, states = nominal, []
         for part, state in zip(self.parts.filters, self._stages[1], strict=True):
             filtered, state = ask_filter(part, self.scene, sensed, filtered, state)
@@ -208,6 +212,8 @@ class Simulation:
 
     def _disturb(self, truth: Snapshot, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
+        if not self.parts.disturbances:
+            return filtered, ()
         applied, states = filtered, []
         for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
             applied, state = ask_disturbance(part, self.scene, truth, applied, state)
@@ -219,10 +225,9 @@ class Simulation:
         pose = read_only(self.physics.pose)
         if step:
             self._tracking.follow(pose)
-        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
-        self.arrived = np.empty(self.scene.robots, dtype=np.bool_)
-        note_arrivals(step, pose, self.now.station, self._least, self._trail, self.arrived)
-        read_only(self.arrived)
+        stations = self._tracking.stations
+        self.now = Snapshot(step, pose, nominal, stations[0], stations[1], stations[2])
+        self.arrived = self._arrivals.note(step, pose, stations[0])
         self._sensed = None
 
     # State
@@ -239,7 +244,7 @@ class Simulation:
             next_decision=self.next_decision,
             memory={name: array.copy() for name, array in self.memory.items()},
             stages=self._stages,
-            trail=self._trail.copy(),
+            trail=self._arrivals.trail.copy(),
             arrived=self.arrived,
             physics=self.physics.state,
         )
@@ -261,7 +266,7 @@ class Simulation:
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self.memory = {name: array.copy() for name, array in state.memory.items()}
         self._stages = state.stages
-        self._trail, self.arrived = state.trail.copy(), state.arrived
+        self._arrivals.trail, self.arrived = state.trail.copy(), state.arrived
         self._sensed, self.last = None, None
 
     def reset(self, seed: int | None = None) -> None:
@@ -299,8 +304,7 @@ class Simulation:
         self._tracking = Tracking(
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
-        self._least = scene.stop_station - scene.arrival_tolerance
-        self._trail = np.zeros((still_steps(scene.dt) + 1, robots, 2))
+        self._arrivals = Arrivals(scene.stop_station - scene.arrival_tolerance, scene.dt)
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self.last = None

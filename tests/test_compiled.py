@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -52,6 +53,28 @@ VALUES = np.array([0.1, 0.7, 1.3, 2.9])
 def test_kernels_agree_with_their_plain_functions() -> None:
     for kernel in (middle, top):
         assert kernel(VALUES) == kernel.py_func(VALUES)  # type: ignore[attr-defined]
+
+
+def test_kernels_add_in_the_order_that_is_written() -> None:
+    """Bit for bit: no term is moved, and no two operations are made one."""
+    rng = np.random.default_rng(0)
+    values = rng.normal(size=2000) * 10.0 ** rng.integers(-8, 8, 2000)
+    for kernel in (middle, top):
+        assert kernel(values) == kernel.py_func(values)  # type: ignore[attr-defined]
+
+
+def test_the_stamp_changes_with_any_source(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Of the package and of the controllers; by what stands in a file, not by its name alone."""
+    shutil.copytree(Path(compiled_module.__file__).parent, tmp_path / "physim")
+    monkeypatch.setattr(compiled_module, "__file__", str(tmp_path / "physim" / "compiled.py"))
+    stamp = compiled_module.source_stamp.__wrapped__
+    seen = {stamp()}
+    for name in ("tolerances.py", "geometry/convex.py", "cli/run.py"):
+        with (tmp_path / "physim" / name).open("a", encoding="utf-8") as file:
+            file.write("# edited\n")
+        seen.add(stamp())
+    assert stamp() in seen
+    assert len(seen) == 4
 
 
 def test_kernels_may_be_called_from_any_compiled_function() -> None:

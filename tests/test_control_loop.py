@@ -112,3 +112,18 @@ def test_wrong_fields_are_told_by_name(told, said):
 def test_declarations_that_cannot_be_are_refused(declared, said):
     with pytest.raises(ControllerError, match=said):
         Declared.of(SimpleNamespace(**declared))
+
+
+class Remembering:
+    """Counts its own decisions for each robot, and tells the count by its command."""
+
+    def decide(self, observation, memory):
+        count = 1 if memory is None else memory[observation.name] + 1
+        return Decision(v=0.1 * count, omega=0.0, hold=0.1, memory={observation.name: count})
+
+
+def test_what_a_controller_remembers_comes_back_to_it():
+    world = physim.parse_world(LANE, overrides=["time.duration=0.5"])
+    rows = physim.simulate(world, controller=Remembering()).updates
+    for robot in (0, 1):
+        assert rows["nominal_v"][rows["robot"] == robot] == pytest.approx([0.1, 0.2, 0.3, 0.4, 0.5])

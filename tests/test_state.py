@@ -97,7 +97,9 @@ def restored(
     if way == "new":
         return Simulation(world, controller=controller, state=state)
     simulation.restore(state)
-    return copy.deepcopy(simulation) if way == "deepcopy" else pickle.loads(pickle.dumps(simulation))
+    return (
+        copy.deepcopy(simulation) if way == "deepcopy" else pickle.loads(pickle.dumps(simulation))
+    )
 
 
 def crowd(**more: Any) -> Any:

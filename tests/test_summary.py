@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from physim.contacts import Kind
 from physim.errors import RecordError
 from physim.expectations import Held, expectations
 from physim.record import Record
 from physim.summary import summarise, table
+from physim.summary.table import SHOWN_CONTACTS
+from tests.metrics.histories import history
 from tests.records import make_record
 
 
@@ -135,3 +138,53 @@ def test_expectation_that_is_no_number() -> None:
     record = make_record(seconds=0.2, world_text="expect: {contacts: few}")
     with record, pytest.raises(RecordError, match=wanted):
         expectations(record)
+
+
+def test_a_contact_between_samples_counts_as_one() -> None:
+    """For expectations; in the summary it stands apart."""
+    contacts = [(40, 0, 1, 0, 0.01), (41, 0, 1, 2, -0.1), (60, 0, 1, 0, 1e-4)]
+    record = history(contacts=contacts, world="expect: {contacts: 1}")
+    rows = record.contacts.copy()
+    rows["kind"][2] = Kind.SWEPT
+    record.__dict__["contacts"] = rows
+    (one,) = expectations(record)
+    assert (one.got, one.held) == (2, False)
+    summary = summarise(record)
+    assert (summary.contacts.count, len(summary.grazes)) == (1, 1)
+    assert not summary.held
+
+
+@pytest.mark.parametrize(
+    ("expect", "held"),
+    [
+        ("{contacts: 2, finished: false}", True),
+        ("{contacts: 1, finished: false}", False),
+        ("{contacts: 2, finished: true}", False),
+    ],
+)
+def test_a_run_holds_when_every_expectation_does(expect: str, held: bool) -> None:
+    with make_record(world_text=f"expect: {expect}") as record:
+        assert summarise(record).held is held
+
+
+def test_contacts_one_by_one() -> None:
+    """How long, how deep, how hard at first and in all; and how many more there are."""
+    contacts = []
+    for k in range(SHOWN_CONTACTS + 3):
+        step, body = 5 * k, 1 + k % 2
+        contacts += [
+            (step, 0, body, 0, 0.002, 30.0), (step + 1, 0, body, 1, 0.0134, 4.0),
+            (step + 2, 0, body, 2, -0.1, 1.0),
+        ]  # fmt: skip
+    summary = summarise(history(contacts=contacts))
+    first = summary.contacts.episodes[0]
+    assert first.bodies == ("r1", "r2")
+    assert (first.begin_s, first.duration_s) == pytest.approx((0.0, 0.02))
+    assert first.max_depth_m == pytest.approx(0.0134)
+    assert first.impact_newton_seconds == pytest.approx(30.0)
+    assert first.impulse_newton_seconds == pytest.approx(34.0)
+    assert (summary.contacts.between_robots, summary.contacts.with_boundaries) == (6, 5)
+    text = table(summary)
+    assert "r1 and r2, 0.02 s long, 13.4 mm deep, impact 30.0 N s" in text
+    assert "3 more (physim summary --json lists all)" in text
+    assert text.count(" mm deep") == SHOWN_CONTACTS

@@ -183,6 +183,7 @@ def nearest_safe_point(
     tx, ty = target
     edges = _edges(walls, parts, tx, ty, reach + 2.0 * safe_distance)
     curves = _curves(edges, safe_distance)
+    between = _edges(walls, parts, tx, ty, max(reach, hypot(eye[0] - tx, eye[1] - ty)))
     points = np.empty((2, 2))
     best, bx, by = reach, tx, ty
     found = False
@@ -200,7 +201,7 @@ def nearest_safe_point(
                     continue
                 if point_clearance(walls, parts, x, y) < safe_distance - CONTACT:
                     continue
-                if not _crosses(edges, eye[0], eye[1], x, y):
+                if not _crosses(between, eye[0], eye[1], x, y):
                     best, bx, by, found = gap, x, y, True
     return found, bx, by
 
@@ -217,9 +218,11 @@ def roomiest_point(
     """Point of greatest clearance on the cross-section through a target, seen from ``eye``.
 
     The cross-section is the line square to ``ahead``, ``reach`` to both sides, searched at
-    2 x 64 + 1 points and then refined: within reach/64 of the best one for a smooth clearance.
+    2 x 64 + 1 points and then refined: within reach/64 of the best one for a smooth clearance, and
+    at most that much beyond ``reach``. The target itself where none of it is seen.
     """
-    edges = _edges(walls, parts, target[0], target[1], reach)
+    away = hypot(eye[0] - target[0], eye[1] - target[1])
+    edges = _edges(walls, parts, target[0], target[1], max(reach + reach / SECTION_SAMPLES, away))
     step = reach / SECTION_SAMPLES
     best, offset = -1.0, 0.0
     for k in range(-SECTION_SAMPLES, SECTION_SAMPLES + 1):

@@ -33,6 +33,16 @@ def test_obstacles_are_holes_and_what_they_cut_off_is_not_accessible() -> None:
     assert len(area.accessible_rings) == 2
 
 
+def test_of_two_faces_the_one_with_the_path_is_accessible() -> None:
+    """Whichever is drawn first, and however large the other is."""
+    rooms = [box(-3, -4, 23, 4), box(-3, 10, 60, 40)]
+    lines = [np.vstack([room, room[:1]]) for room in rooms]
+    for drawn in (lines, lines[::-1]):
+        assert accessible_area(drawn, [], STRAIGHT).polygon.equals(shapely.box(-3, -4, 23, 4))
+        away = accessible_area(drawn, [], STRAIGHT + (0, 20))
+        assert away.polygon.equals(shapely.box(-3, 10, 60, 40))
+
+
 @pytest.mark.parametrize(
     ("boundaries", "reference"),
     [

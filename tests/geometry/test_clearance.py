@@ -136,3 +136,17 @@ def test_cores_lie_inside():
         first, last = shapes.part_start[shapes.body_start[[i, i + 1]]]
         reach = np.hypot(*(shapes.vertices[first:last] - [cores.x[i], cores.y[i]]).T).max()
         assert cores.outer[i] == pytest.approx(reach, abs=1e-15)
+
+
+def test_a_robot_that_turns_on_the_spot_between_walls():
+    """Its reference point rests, yet what was far from its ends comes near."""
+    bar = np.array([[-2.0, -0.2], [2.0, -0.2], [2.0, 0.2], [-2.0, 0.2]])
+    sides = [[[0.2, 0.6], [0.6, 0.6]], [[1.5, -1.4], [2.5, -1.4]], [[9.0, -9.0], [9.0, 9.0]]]
+    shapes, walls = pack_shapes([[bar]]), pack_shapes([[np.array(side)] for side in sides])
+    poses = np.zeros((30, 1, 3))
+    poses[:, 0, 2] = -0.02 * np.arange(30)
+    found = clearances(poses, shapes, walls, build_nearby(walls, 5.0, 1.0))
+    gaps = np.array([plain(pose, shapes, walls)[1][0] for pose in poses])
+    assert (found.boundary_clearance[:, 0] == gaps.min(axis=1)).all()
+    assert (found.boundary_other[:, 0] == 1 + gaps.argmin(axis=1)).all()
+    assert set(found.boundary_other[:, 0]) == {1, 2}

@@ -86,3 +86,17 @@ def test_inside_an_obstacle_clearance_is_zero() -> None:
     walls = pack_shapes([[np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])]])
     assert point_clearance(walls, np.arange(1), 1.0, 1.0) == 0.0
     assert point_clearance(walls, np.arange(1), 3.0, 1.0) == pytest.approx(1.0)
+
+
+def test_a_wall_far_from_the_target_hides_points_from_the_eye() -> None:
+    """It is 20 m from the target, where no safe point is sought, but stands before the eye."""
+    far, near = np.array([[0.0, -50.0], [0.0, 50.0]]), np.array([[20.3, -50.0], [20.3, 50.0]])
+    walls, parts = pack_shapes([[far, near]]), np.arange(2)
+    target, ahead = (20.0, 0.0), (1.0, 0.0)
+    for x, seen in ((-1.0, False), (1.0, True)):
+        found, sx, _ = nearest_safe_point(walls, parts, target, ahead, (x, 0.0), 0.5, 2.0, 0.5)
+        assert found == seen
+        roomiest, _ = roomiest_point(walls, parts, target, (0.0, 1.0), (x, 0.0), 2.0)
+        assert roomiest == pytest.approx(18.0 if seen else 20.0, abs=0.05)
+        if seen:
+            assert sx == pytest.approx(19.8)

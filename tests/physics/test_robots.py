@@ -92,6 +92,20 @@ def test_friction_holds_back_a_sliding_robot():
     assert reached[1] < reached[0] - 0.05
 
 
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.25, 0.5])
+def test_friction_is_that_of_coulomb(friction):
+    """A flat box flush with a wall, driven at it aslant: 3 m/s into it for every 4 along it."""
+    heading = -np.arctan2(3.0, 4.0)
+    c, s = np.cos(heading), np.sin(heading)
+    flat = np.array(box(4.0, 0.2)) @ np.array([[c, -s], [s, c]])  # along the wall at that heading
+    wall = [[[(-50.0, 0.0), (50.0, 0.0)]]]
+    physics = host([[0.0, 0.1, heading]], robots=[[flat]], walls=wall, dt=0.01, friction=friction)
+    poses, _ = drive(physics, [[1.0, 0.0]], 100)
+    slid = poses[:, 0, 0]
+    assert (slid[-1] - slid[-51]) / 0.5 == pytest.approx(0.8 - 0.6 * friction, abs=0.01)
+    assert poses[-1, 0, 2] == pytest.approx(heading, abs=1e-3)
+
+
 def test_a_u_takes_a_pole_into_its_mouth_and_is_held():
     # The pole stands within the convex hull from the start: only the true shape is free there.
     u = [box(0.3, 1.0, x=-0.35), box(0.7, 0.2, x=0.15, y=0.4), box(0.7, 0.2, x=0.15, y=-0.4)]

@@ -8,7 +8,7 @@ import pytest
 from hosts import ELL, box
 
 from physim.geometry.shapes import pack_shapes
-from physim.physics.space import moment, part_bodies
+from physim.physics.space import MOST_WALL_CELLS, cell_side, moment, part_bodies
 
 
 def test_moment_is_about_the_reference_point():
@@ -26,3 +26,18 @@ def test_moment_of_parts_is_that_of_the_whole():
 def test_parts_know_their_body():
     shapes = pack_shapes([[box()], ELL, [box()]])
     assert part_bodies(shapes).tolist() == [0, 1, 1, 2]
+
+
+def test_cells_are_three_lengths_of_the_longest_robot():
+    robots = pack_shapes([[box(0.8, 0.6)], [box(1.6, 1.2)]])
+    assert cell_side(robots, pack_shapes([])) == pytest.approx(6.0)
+    near = pack_shapes([[[(-300.0, -300.0), (300.0, 300.0)]]])
+    assert cell_side(robots, near) == pytest.approx(6.0)
+
+
+def test_a_wall_of_kilometres_drawn_diagonally_fills_no_more_cells_than_allowed():
+    robots = pack_shapes([[box(0.8, 0.6)]])
+    side = cell_side(robots, pack_shapes([[[(-1e6, -1e6), (1e6, 1e6)]]]))
+    assert MOST_WALL_CELLS / 8 < (2e6 / side) ** 2 <= MOST_WALL_CELLS
+    along = cell_side(robots, pack_shapes([[[(-1e5, 0.0), (1e5, 0.0)]]]))
+    assert along == pytest.approx(3.0)

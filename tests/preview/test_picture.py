@@ -14,13 +14,14 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 
 from physim.errors import PhysimError
-from physim.palette import ROBOTS
+from physim.palette import DANGER_AREA, ROBOTS
 from physim.plots.style import styled
 from physim.preview import save_preview
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import readable_scale, round_step
+from physim.preview.ground_plan import hexed, readable_scale, round_step
 from physim.preview.picture import make_figure, shown_of
 from physim.preview.words import metres
 from physim.scene_builder import lay_out
@@ -85,6 +86,23 @@ def test_everything_is_at_its_place(style: None) -> None:
     assert sorted(levels) == pytest.approx(
         sorted([0.6, 2.0 * reach, 2.0 * seen.scene.safe_distance])
     )
+
+
+def test_danger_is_shown_where_the_corridor_is_narrow(style: None) -> None:
+    """Below twice the safe distance: in the middle of this corridor, not at its ends."""
+    seen = shown(NARROW)
+    profile = make_figure(seen).axes[1]
+    colour = to_rgba(hexed(DANGER_AREA))
+    (area,) = [
+        c
+        for c in profile.collections
+        if len(c.get_facecolor()) and np.allclose(c.get_facecolor()[0], colour)
+    ]
+    drawn = np.concatenate([path.vertices for path in area.get_paths()])
+    narrow = seen.widths.station[seen.widths.width < 2.0 * seen.safe_distance]
+    assert 0.0 < narrow.min() < narrow.max() < seen.length
+    assert drawn[:, 0].min() == pytest.approx(narrow.min(), abs=0.2)
+    assert drawn[:, 0].max() == pytest.approx(narrow.max(), abs=0.2)
 
 
 def test_words_that_stand_off_their_mark_have_a_line_to_it(style: None) -> None:

@@ -140,3 +140,25 @@ def test_a_command_that_is_no_number(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/updates", 4, np.nan, "applied_v")
     with pytest.raises(RecordError, match="/updates, row 4: applied_v is nan; it must be finite"):
         Record.load(bad)
+
+
+@pytest.mark.parametrize(
+    ("path", "columns", "who"),
+    [
+        ("/updates", ("robot",), "robot"),
+        ("/contacts", ("a", "b", "kind"), "a 0, b 1"),
+    ],
+)
+def test_a_row_that_is_there_twice(
+    made: Path, tmp_path: Path, path: str, columns: tuple[str, ...], who: str
+) -> None:
+    """Whatever else it says; the same bodies at another step are fine."""
+    target = tmp_path / "twice.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        rows = file[path][()]
+        for column in ("step", *columns):
+            rows[column][1] = rows[column][0]
+        file[path][...] = rows
+    with pytest.raises(RecordError, match=rf"{path}, row 1: step .*{who}.* again"):
+        Record.load(target)

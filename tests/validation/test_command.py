@@ -10,6 +10,7 @@ import pytest
 
 import physim
 from physim.cli import main
+from physim.validation import validate
 from tests.cli.commands import started
 from tests.validation.runs import APART, LANE, REAR_END, edited, lane
 
@@ -121,6 +122,19 @@ def test_seeds(folder, capsys):
     assert [one["seed"] for one in found["seeds"]] == [1, 2, 3]
     assert f"{found['contact_free']} of 3 runs contact-free" in out
     assert "95 % Clopper-Pearson interval" in out
+
+
+def test_every_seed_is_run(folder, capsys):
+    """And each of them as it would be run alone."""
+    target = folder / "every.json"
+    changes = ["time.duration=0.5", "robots.1.pose=[6.2, -1.3, random]"]
+    short = [word for change in changes for word in ("--set", change)]
+    run(capsys, folder / "any.yaml", "--seeds", "4:7", "--json", target, "--force", *short)
+    told = json.loads(target.read_text(encoding="utf-8"))["seeds"]
+    world = physim.load_world(folder / "any.yaml", overrides=changes)
+    alone = [validate(physim.simulate(world, seed=seed)).near_misses for seed in (4, 5, 6)]
+    assert [one["nearest"] for one in told] == [near.distances[0].value for near in alone]
+    assert len({one["nearest"] for one in told}) == 3
 
 
 def test_seeds_of_a_world_without_anything_random(folder, capsys):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import physim
-from physim.contacts import Kind, Phase
+from physim.contacts import FALSE_CONTACT, Kind, Phase
 from physim.expectations import expectations
 from physim.metrics import contact_episodes, grazes
 from physim.summary import table
@@ -131,7 +131,7 @@ def test_blocks_of_any_size_find_the_same(every, grazing):
 
 
 def test_rejected_false_contacts_are_told_one_by_one(tmp_path):
-    with side_by_side(13, guarded=True) as record:
+    with side_by_side(1073, guarded=True) as record:
         rows = record.false_contacts
         assert len(rows) == record.rejected_contacts > 0
         assert rows["distance"] == pytest.approx(0.2)
@@ -147,3 +147,20 @@ def test_rejected_false_contacts_are_told_one_by_one(tmp_path):
         file["/false_contacts"][...] = rows
     with physim.Record.load(tmp_path / "record.h5") as record:
         assert validate(record).code == 3
+
+
+def test_a_rejected_contact_of_shapes_that_touch(rear_end, tmp_path):
+    """The engine was right, and its guard wrong: told, though the distance is the true one."""
+    rear_end.save(tmp_path / "record.h5")
+    deep = rear_end.contacts[rear_end.contacts["depth"] > 1e-4][0]
+    with h5py.File(tmp_path / "record.h5", "r+") as file:
+        rows = np.zeros(1, FALSE_CONTACT)
+        for key in ("step", "a", "b"):
+            rows[key] = deep[key]
+        rows["distance"] = -deep["depth"]
+        file["/false_contacts"].resize(1, axis=0)
+        file["/false_contacts"][...] = rows
+    with physim.Record.load(tmp_path / "record.h5") as record:
+        found = validate(record)
+    assert found.code == 3
+    assert "rejected, but the shapes touch" in said(found)

@@ -105,6 +105,19 @@ def test_standing_is_a_matter_of_the_footprint_and_its_speed(turn, expected):
     assert contact(found, 0, 1).sides[1].stands == expected
 
 
+def test_side_by_side_the_lower_index_has_priority():
+    """Two that turn on the spot until their corners meet; neither is ahead of the other."""
+    lines = [
+        f"  - {{name: r{k}, {BOX}, pose: [8.0, {y}, 0.0], path: {{offset: 0.0}}}}"
+        for k, y in enumerate((0.6, -0.6), 1)
+    ]
+    world = physim.parse_world(LANE[: LANE.index("  - {")] + "\n".join(lines) + "\n")
+    found = validate(physim.simulate(world, controller=Drivers((0.0, 0.8), (0.0, 0.8))))
+    one = contact(found, 0, 1)
+    assert [side.behind for side in one.sides] == [0.0, 0.0]
+    assert one.responsible == (1,)
+
+
 @pytest.fixture(scope="module")
 def pushed_along():
     """A standing robot, driven against a wall by another."""

@@ -6,7 +6,7 @@ from math import comb
 
 import pytest
 
-from physim.validation.seeds import clopper_pearson
+from physim.validation.seeds import SeedResult, SeedStudy, clopper_pearson
 
 
 def at_least(k, n, p):
@@ -23,3 +23,16 @@ def test_tails_hold_2_5_percent_each(k, n):
 def test_ends():
     assert clopper_pearson(0, 10) == (0.0, pytest.approx(1 - 0.025**0.1))
     assert clopper_pearson(10, 10) == (pytest.approx(0.025**0.1), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("codes", "code", "free"),
+    [((0, 0), 0, 2), ((0, 1), 1, 1), ((3, 1, 0), 3, 1), ((0, 1, 3, 1), 3, 1), ((0, 3), 3, 1)],
+)
+def test_the_worst_seed_decides(codes, code, free):
+    results = tuple(
+        SeedResult(seed, "", one, 0, 0, "duration", 1.0, "", None) for seed, one in enumerate(codes)
+    )
+    study = SeedStudy("made up", results, len(codes))
+    assert (study.code, study.free) == (code, free)
+    assert study.rate == free / len(codes)

@@ -13,7 +13,7 @@ from physim.contacts import Phase
 from physim.declared import PAPER_MODES, SAFE, Mode
 from physim.errors import PhysimError
 from physim.palette import rgb
-from physim.video import frame_at, theme
+from physim.video import frame_at, panel, theme
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
 from physim.video.robots import Fleet
@@ -133,6 +133,42 @@ def test_one_robot_has_a_strip_of_its_deviation(
     updates["deviation"] *= -1.0
     turned = frame_at(changed(made(1), updates=updates), 3.9)
     assert not np.array_equal(picture[BELOW], turned[BELOW]), "the sign is shown"
+
+
+def test_the_strip_rises_with_the_error(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    """Up is positive: the curve of a robot with an error of 1 m lies above that with -1 m."""
+    updates = made(3).updates.copy()
+    updates["formation_error"] = 1.0 - updates["robot"]
+    picture = frame_at(changed(made(3), updates=updates), 3.9)[BELOW]
+    rows = [
+        np.median(np.nonzero((picture == np.array(theme.robot_colour(i))).all(axis=2))[0])
+        for i in range(3)
+    ]
+    assert rows[0] < rows[1] - 10 < rows[2] - 20
+
+
+def test_an_overlap_is_told_as_one_in_the_panel(
+    made: Callable[..., Any], changed: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the depth that the record has; while they are apart, with their distance."""
+    record = made(3)
+    pose, gap = record.pose.copy(), np.full(record.clearance.shape, -0.025)
+    pose[100:, 1] = pose[100:, 0] + [0.3, 0.0, 0.0]  # from 2 s on robot 1 is within robot 0
+    words: list[str] = []
+    write = panel.write
+
+    def noted(image: Any, text: str, *more: Any, **named: Any) -> Any:
+        words.append(text)
+        return write(image, text, *more, **named)
+
+    monkeypatch.setattr(panel, "write", noted)
+    for time, overlap in ((1.0, False), (2.5, True)):
+        words.clear()
+        frame_at(changed(record, pose=pose, clearance=gap), time)
+        assert ("−0.025 m" in words) == overlap
+        assert "0.000 m" not in words
 
 
 def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:

@@ -128,6 +128,7 @@ def test_all_faults_come_at_once_in_our_words():
         ({"start": {}}, ("start", "region"), "needed: [m] corners"),
         ({"robots": {}}, ("robots",), "must be a list; given a mapping"),
         ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), "beyond"),
+        ({"robots": [{**ROBOT, "omegas": [0, 1, -2.0]}]}, ("robots", 0, "omegas", 2), "beyond"),
         ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), "repeats"),
         ({"reference_path": [[0, 0]]}, ("reference_path",), "at least 2 entries; given 1"),
         ({"reference_path": [[0, 2e6], [1, 1]]}, ("reference_path", 0, 1), "at most 1000000"),

@@ -32,6 +32,18 @@ def test_other_readers_take_the_text_alike(world):
     assert World(**yaml.safe_load(world.to_yaml())) == world
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["yes", "No", "on", "OFF", "true", "False", "null", "y", "N", "nan", "inf", "1e5", "0x1f", "~",
+     "1_000", "12:30:00", "2001-01-01", "a: b", "- a", "#a", "'a'", '"a"', "=", "<<", "*a", "&a"],
+)  # fmt: skip
+def test_a_name_that_looks_like_something_else_stays_a_name(name):
+    """For this reader and for others, some of which take yes and no for truth values."""
+    text = World(**values(name=name)).to_yaml()
+    assert read(text).name == name
+    assert yaml.safe_load(text)["name"] == name
+
+
 def test_text_has_units_and_short_lines():
     line = [[float(k), 0.25 * k] for k in range(300)]
     world = World(**values(reference_path=line))
@@ -56,3 +68,19 @@ def test_save_says_why_it_cannot(tmp_path):
         World(**values()).save(tmp_path / "no_folder" / "a.yaml")
     with pytest.raises(PhysimError, match="cannot be written"):
         World(**values()).save(tmp_path)
+
+
+@pytest.mark.parametrize("before", [None, "old"])
+def test_a_save_that_fails_in_the_middle_leaves_what_was_there(tmp_path, monkeypatch, before):
+    path = tmp_path / "a.yaml"
+    if before is not None:
+        path.write_text(before)
+
+    def fails(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", fails)
+    with pytest.raises(PhysimError, match="No space left on device"):
+        World(**values()).save(path)
+    left = {file.name: file.read_text() for file in tmp_path.iterdir()}
+    assert left == ({} if before is None else {"a.yaml": before})

@@ -51,6 +51,7 @@ def test_a_good_world_has_no_fault(world):
         ((6, 1, 0), (7.8, 1, 0), 1, '"r2" touches "r1"'),
         ((6, 1, 0), (7.8 + 1e-10, 1, 0), 1, '"r2" touches "r1"'),
         ((6, 3.5, 0), (3, 0, 0), 0, '"r1" touches the edge of the corridor'),
+        ((6, 3.5 - 5e-10, 0), (3, 0, 0), 0, '"r1" touches the edge of the corridor'),
         ((6, 3.75, 0), (3, 0, 0), 0, '"r1" reaches 0.25 m over the edge of the corridor'),
         ((6, 3.6, math.pi / 2), (3, 0, 0), 0, "reaches 0.5 m over"),
         ((6, 9, 0), (3, 0, 0), 0, '"r1" starts outside the accessible area, 4.5 m from it'),

@@ -1,4 +1,4 @@
-"""Decisions at a fixed period, for comparison with event-triggered ones (14)."""
+"""The update interval (14), and decisions at a fixed period to compare with."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from physim import parse_world, simulate
+from physim.controllers.timing import update_interval
 from physim.geometry.shapes import IntArray
+from tests.oracles import timing as oracle
 
 FACING_A_WALL = """
 name: facing a wall
@@ -18,6 +20,21 @@ formation: {}
 controller:
   {beta: 0.05, distance_low: 0, distance_high: 0, time_low: 0, time_high: 0, boundary_low: 0}
 """
+FAR = float("inf")
+
+
+def test_update_interval_14() -> None:
+    assert update_interval(0.1, 0.5, FAR) == 0.1
+    assert update_interval(0.1, 0.5, 0.06) == 0.03
+    assert update_interval(0.1, 0.5, 0.0) == 0.0
+
+
+def test_update_interval_agrees_with_the_oracle() -> None:
+    for k in range(2000):
+        rng = np.random.default_rng([60, k])
+        period, beta = rng.uniform(0.01, 0.5), rng.uniform(0.01, 0.99)
+        time = FAR if rng.random() < 0.2 else rng.uniform(0.0, 1.0)
+        assert update_interval(period, beta, time) == oracle.interval(period, beta, time, True)
 
 
 def intervals(*overrides: str) -> IntArray:

@@ -1,0 +1,233 @@
+"""Whole decisions of both forms, held against the oracle's; what was met on the way is counted."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from physim.control import Decisions
+from physim.controllers.settings import ModeSwitchingSettings
+from tests.controllers.scenes import History, decisions
+from tests.oracles import decision as oracle
+from tests.oracles import paths, safe_area, switching, timing
+from tests.oracles.decision import Expected, Memory, UnsureError
+from tests.oracles.tolerances import ROUNDING, TIME, TOUCH
+from tests.oracles.view import View, view
+
+Case = tuple[History, ModeSwitchingSettings]
+FORMS = ("batch", "plain")
+
+
+@dataclass
+class Tally:
+    """Where a form and the oracle differ, and how often each branch was met."""
+
+    faults: list[str] = field(default_factory=list)
+    met: Counter[str] = field(default_factory=Counter)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One robot of one case at one moment."""
+
+    case: int
+    moment: int
+    view: View
+    settings: ModeSwitchingSettings
+    memory: Memory
+
+    def __str__(self) -> str:
+        return f"case {self.case}, moment {self.moment}, robot {self.view.index}"
+
+
+def hold_against_oracle(cases: list[Case]) -> Tally:
+    """Ask both forms and the oracle in every case, moment after moment."""
+    made = [decisions(history, settings) for history, settings in cases]
+    tally, memory = Tally(), {}
+    for moment in range(max(len(history.moments) for history, _ in cases)):
+        asked = []
+        for k, (history, settings) in enumerate(cases):
+            robots = history.moments[moment]
+            for i in range(len(robots)):
+                seen = view(robots, history.wall_parts, history.cluster, i)
+                known = memory.get((k, i), Memory())
+                if known is not None:  # None: what it remembers is not known for sure
+                    asked.append(Asked(k, moment, seen, settings, known))
+        rows = [[made[a.case][form][moment] for form in FORMS] for a in asked]
+        memory |= _compare(asked, rows, tally)
+    return tally
+
+
+def _compare(
+    asked: list[Asked], rows: list[list[Decisions]], tally: Tally
+) -> dict[tuple[int, int], Memory | None]:
+    """Compare the decisions of one moment; what the robots remember of them."""
+    kept: dict[tuple[int, int], Memory | None] = {}
+    under_way = []
+    for a, forms in zip(asked, rows, strict=True):
+        i, key = a.view.index, (a.case, a.view.index)
+        if oracle.arrived(a.view, a.settings):
+            tally.met["arrived"] += 1
+            for name, made in zip(FORMS, forms, strict=True):
+                tally.faults += [f"{a}, {name}: {f}" for f in _faults_of_arrived(a, made, i)]
+            kept[key] = Memory(switching.ARRIVED)
+            continue
+        target = forms[0].report[i, :2]
+        kind = _judge_targets(a, [made.report[i, :2] for made in forms], tally)
+        tally.met[f"target {kind}"] += 1
+        under_way.append((a, forms, key, oracle.decide(a.view, a.settings, a.memory, target)))
+    outcomes = oracle.decide_all([deciding for *_, deciding in under_way])
+    for (a, forms, key, _), expected in zip(under_way, outcomes, strict=True):
+        kept[key] = None
+        if isinstance(expected, UnsureError):
+            tally.met["unsure"] += 1
+            continue
+        tally.met["decided"] += 1
+        tally.met += met_by(a, expected)
+        for name, made in zip(FORMS, forms, strict=True):
+            found = faults_of(a.settings, expected, made, a.view.index)
+            tally.faults += [f"{a}, {name}: {fault}" for fault in found]
+        kept[key] = _remembered(a, expected, forms[0], tally)
+    return kept
+
+
+def _judge_targets(a: Asked, targets: list[np.ndarray], tally: Tally) -> str:
+    """Kind of the target; those of later forms are judged only where they differ."""
+    place = oracle.target_place(a.view, a.settings)
+    kinds = []
+    for name, target in zip(FORMS, targets, strict=True):
+        if not kinds or not np.allclose(target, targets[0], rtol=0.0, atol=ROUNDING):
+            kinds.append(safe_area.judge(place, target))
+            if kinds[-1] not in safe_area.KINDS:
+                tally.faults.append(f"{a}, {name}: target {kinds[-1]}")
+    return kinds[0]
+
+
+def _faults_of_arrived(a: Asked, made: Decisions, i: int) -> list[str]:
+    faults = []
+    if made.mode[i] != switching.ARRIVED or made.command[i].any():
+        faults.append(f"mode {made.mode[i]}, command {made.command[i]}; it has arrived")
+    if made.hold[i] != a.settings.update_period:
+        faults.append(f"hold {made.hold[i]}")
+    target, _ = paths.target(a.view.me.path, a.view.me.station, a.settings.look_ahead)
+    if not np.allclose(made.report[i, :2], target, rtol=0.0, atol=ROUNDING):
+        faults.append(f"target {made.report[i, :2]}, not {target}")
+    if (
+        not np.isnan(made.report[i, 2:5]).all()
+        or made.report[i, 5:].any()
+        or len(considered_by(made, i))
+    ):
+        faults.append(f"report {made.report[i]}")
+    return faults
+
+
+def considered_by(made: Decisions, i: int) -> np.ndarray:
+    """Robots that robot i considered."""
+    return made.considered[made.considered_start[i] : made.considered_start[i + 1]]
+
+
+def right_command(expected: Expected, command: np.ndarray) -> tuple[float, float] | None:
+    """The command of the oracle that a decision took."""
+    near = [c for c in expected.answers if np.allclose(c, command, rtol=0.0, atol=ROUNDING)]
+    return near[0] if near else None
+
+
+def faults_of(
+    settings: ModeSwitchingSettings, expected: Expected, made: Decisions, i: int
+) -> list[str]:
+    """What is wrong with the decision of robot i."""
+    if made.mode[i] != expected.mode:
+        return [f"mode {made.mode[i]}, not {expected.mode}"]
+    command = right_command(expected, made.command[i])
+    if command is None:
+        return [f"mode {expected.mode}: command {made.command[i]}, not one of {expected.answers}"]
+    _, _, distance, boundary, time, evaluations = made.report[i]
+    values = [
+        ("distance", distance, expected.distance),
+        ("boundary distance", boundary, expected.boundary_distance),
+        ("considered", len(considered_by(made, i)), expected.considered),
+        ("evaluations", evaluations, expected.evaluations),
+    ]
+    faults = [f"{n} {v}, not {e}" for n, v, e in values if v != e and not abs(v - e) <= ROUNDING]
+    answer = expected.answers[command]
+    if not answer.sure:
+        return faults
+    if not (time == answer.time or -TOUCH <= time - answer.time <= TIME):
+        faults.append(f"collision time {time}, not {answer.time}")
+    hold = timing.interval(expected.period, settings.beta, answer.time, settings.event_triggered)
+    if not abs(made.hold[i] - hold) <= TIME:
+        faults.append(f"hold {made.hold[i]}, not {hold}")
+    return faults
+
+
+def _remembered(a: Asked, expected: Expected, made: Decisions, tally: Tally) -> Memory | None:
+    """What the robot remembers of its decision; None where that is not known for sure."""
+    command = right_command(expected, made.command[a.view.index])
+    if command is None or not expected.answers[command].sure:
+        return None
+    time, s = expected.answers[command].time, a.settings
+    hold = timing.interval(expected.period, s.beta, time, s.event_triggered)
+    is_short = hold < expected.period
+    tally.met["shortened by (14)"] += is_short
+    if expected.mode != switching.SAFE or is_short:
+        return Memory(expected.mode)  # what is left of a plan is dropped
+    return Memory(expected.mode, expected.rest[command])
+
+
+def met_by(a: Asked, expected: Expected) -> Counter[str]:
+    """Which branches a decision went through."""
+    s, seen, me = a.settings, a.view, a.view.me
+    by = {switching.SAFE: "safe", switching.BY_DISTANCE: "(12)", switching.BY_TIME: "(13)"}
+    mode = by[expected.mode]
+    answer = next(iter(expected.answers.values()))
+    left = paths.lengths(me.path)[-1] - me.station
+    nu = oracle.forward_speed(seen)
+    time = answer.time
+    others = [other for _, other in seen.others]
+    fresh = switching.next_mode(
+        switching.SAFE, expected.distance, time, expected.boundary_distance, s
+    )
+    within = expected.boundary_distance < s.safe_distance
+    met = {
+        f"mode {mode}": True,
+        f"{mode} settled by (5)": expected.settled > 1,
+        f"{mode} settled by heading": expected.settled > (1 if mode == "safe" else 2),
+        "settled by |omega|": expected.settled == (3 if mode == "safe" else 4),
+        "settled by order": expected.settled == (4 if mode == "safe" else 5),
+        "(12) with boundary within L": mode == "(12)" and within,
+        "(12) with boundary beyond L": mode == "(12)" and not within,
+        "(12) with others": mode == "(12)" and expected.considered > 0,
+        "(12) while touching": mode == "(12)"
+        and min(expected.distance, expected.boundary_distance) < 0.0,
+        "(13) with others": mode == "(13)" and expected.considered > 0,
+        "safe with others": mode == "safe" and expected.considered > 0,
+        "kept in danger by hysteresis": mode != "safe" and a.memory.mode in (1, 2) and fresh == 0,
+        "plan of several pairs": mode == "safe" and len(s.dwell_times) > 1,
+        "plan gone on with": expected.continued,
+        "too near to tell": len(expected.answers) > 1,
+        "judged to the last waypoint": nu > 0.0 and s.update_period < left / nu < s.judge_ahead,
+        "target past a wall": oracle.target_place(seen, s).outside,
+        "equal stations": any(o.reference_station == me.reference_station for o in others),
+        "ahead beyond range along s*": any(
+            o.reference_station - me.reference_station > seen.cluster.range for o in others
+        ),
+        "behind within range": any(o.reference_station < me.reference_station for o in others),
+        "speed by (7) at its bound": seen.cluster.active
+        and nu in (seen.cluster.v_min, seen.cluster.v_max),
+        "speed by (7) between": seen.cluster.active
+        and seen.cluster.v_min < nu < min(seen.cluster.v_max, me.limits[0]),
+        "speed at the robot's limit": nu == me.limits[0],
+        "neighbours listed": seen.cluster.active and seen.cluster.adjacency is not None,
+        "without formation": not seen.cluster.active,
+        "own set of speeds": me.speeds is not None and mode != "safe",
+        "own set of omegas": me.omegas is not None,
+        "reverse in safe mode": s.reverse_in_safe_mode and mode == "safe" and seen.cluster.active,
+        "translation": s.collision_motion == "translation" and time < math.inf,
+        "nonconvex": len(me.parts) > 1,
+        "no collision within the horizon": time == math.inf,
+        "without events": not s.event_triggered and s.beta * time < expected.period,
+    }
+    return Counter(name for name, is_so in met.items() if is_so)

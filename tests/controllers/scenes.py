@@ -1,0 +1,149 @@
+"""Scenes for the tests of controllers, and the one place that asks plain and batch form.
+
+A `History` is one layout with several moments: the robots decide at each, with the memory of the
+moment before. What the oracles need is in `tests.oracles.view`; here it becomes what the
+controllers need.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim.control import Decisions, Observation, Sensed
+from physim.control_loop import PlainBatch
+from physim.controllers.mode_switching import ModeSwitching
+from physim.controllers.settings import ModeSwitchingSettings
+from physim.declared import Declared
+from physim.geometry.nearby import build_nearby
+from physim.geometry.shapes import pack_polylines, pack_shapes, read_only
+from physim.perception import observe
+from physim.scene import Body as SceneBody
+from physim.scene import FormationPlan, Scene
+from physim.scene_builder import build_scene
+from physim.stages import shared
+from physim.world_file import parse_world
+from tests.oracles.paths import lengths, point_at
+from tests.oracles.view import Body, Cluster
+from tests.worlds_by_hand import STRAIGHT
+
+
+@dataclass(frozen=True)
+class History:
+    """Walls (bodies of convex parts), a cluster, and the robots at one moment after the other."""
+
+    walls: list[list[np.ndarray]]
+    cluster: Cluster
+    reference: np.ndarray
+    moments: list[list[Body]]
+
+    @property
+    def wall_parts(self) -> list[np.ndarray]:
+        return [part for body in self.walls for part in body]
+
+
+@functools.cache
+def template() -> Scene:
+    """Any scene: it lends what no controller looks at."""
+    return build_scene(parse_world(STRAIGHT))
+
+
+def scene_of(history: History) -> Scene:
+    """The same as arrays."""
+    robots, cluster = history.moments[0], history.cluster
+    names = [SceneBody(i, "robot", f"r{i + 1}") for i in range(len(robots))]
+    names += [
+        SceneBody(len(robots) + k, "boundary", f"wall {k}") for k in range(len(history.walls))
+    ]
+    n = len(robots)
+    adjacency = np.zeros((0, 0)) if cluster.adjacency is None else cluster.adjacency
+    walls = pack_shapes(history.walls)
+    return dataclasses.replace(
+        template(),
+        dt=0.01,
+        bodies=tuple(names),
+        shapes=pack_shapes([robot.parts for robot in robots]),
+        walls=walls,
+        nearby=build_nearby(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
+        mass=np.ones(n),
+        limits=np.array([robot.limits for robot in robots]),
+        start=np.array([robot.pose for robot in robots]),
+        paths=pack_polylines([robot.path for robot in robots]),
+        reference=pack_polylines([history.reference]),
+        outside=tuple(robot.outside for robot in robots),
+        speeds=tuple(robot.speeds for robot in robots),
+        omegas=tuple(robot.omegas for robot in robots),
+        stop_station=np.array([robot.stop_station for robot in robots]),
+        formation=FormationPlan(
+            active=cluster.active,
+            gain=cluster.gain,
+            speed=cluster.speed,
+            v_min=cluster.v_min,
+            v_max=cluster.v_max,
+            lead=np.array([robot.lead for robot in robots]),
+            adjacency=np.array(adjacency, dtype=np.int64),
+            range=cluster.range,
+        ),
+        sensing_range=cluster.range,
+    )
+
+
+def sensed_at(robots: list[Body], step: int) -> Sensed:
+    """All robots at one moment, as everybody knows them."""
+    robot, first, end, age = shared(len(robots))
+    rows = Sensed(
+        step=step,
+        robot=robot,
+        pose=np.array([robot.pose for robot in robots]),
+        command=np.array([robot.command for robot in robots]),
+        reference_station=np.array([robot.reference_station for robot in robots]),
+        age=age,
+        first=first,
+        end=end,
+        station=np.array([robot.station for robot in robots]),
+    )
+    return Sensed(step, *map(read_only, rows[1:]))
+
+
+def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, list[Decisions]]:
+    """What all robots decide at each moment, by either form."""
+    scene, controller = scene_of(history), ModeSwitching(settings)
+    forms = {
+        "batch": controller.batch(scene),
+        "plain": PlainBatch(controller, scene, Declared.of(controller)),
+    }
+    memories = {name: form.memory() for name, form in forms.items()}
+    everyone = np.arange(scene.robots)
+    made: dict[str, list[Decisions]] = {name: [] for name in forms}
+    for k, robots in enumerate(history.moments):
+        sensed = sensed_at(robots, 10 * k)
+        for name, form in forms.items():
+            made[name].append(form.decide_due(sensed, everyone, memories[name]))
+    return made
+
+
+def observations(history: History, moment: int) -> list[Observation]:
+    """What each robot may know at a moment."""
+    scene, sensed = scene_of(history), sensed_at(history.moments[moment], 0)
+    return [observe(scene, sensed, i) for i in range(len(history.moments[moment]))]
+
+
+def single_robot(path: np.ndarray, station: float) -> History:
+    """A small robot at a station of its path, which is s* as well, in a wide open place."""
+    robot = Body(
+        parts=(np.array([[-0.3, -0.2], [0.3, -0.2], [0.3, 0.2], [-0.3, 0.2]]),),
+        pose=np.array([*point_at(path, station)[0], 0.0]),
+        command=(0.0, 0.0),
+        path=path,
+        station=station,
+        stop_station=lengths(path)[-1],
+        reference_station=station,
+        lead=0.0,
+        limits=(1.5, 1.6),
+    )
+    corners = path[0] + np.array([[-25.0, -25.0], [25.0, -25.0], [25.0, 25.0], [-25.0, 25.0]])
+    walls = [[np.array([corners[k], corners[(k + 1) % 4]])] for k in range(4)]
+    return History(walls, Cluster(True, 0.05, 1.0, 0.8, 1.3, 5.0), path, [[robot]])

@@ -1,0 +1,58 @@
+"""Rotational speeds that a robot's limits do not allow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from physim.controllers.limits import omega_faults
+from physim.world import Robot
+
+
+def robot(omega: float, own: tuple[float, ...] | None = None) -> Robot:
+    return Robot.model_validate(
+        {
+            "name": f"r{omega:g}",
+            "footprint": {"length": 1.8, "width": 1.0},
+            "pose": [0.0, 0.0, 0.0],
+            "path": {"offset": 0.0},
+            "limits": {"omega": omega},
+            "omegas": own,
+        }
+    )
+
+
+ROBOTS = {0: robot(1.6), 1: robot(0.5), 2: robot(0.9), 4: robot(0.1, own=(0.0, 0.1))}
+
+
+def places(omegas: Sequence[float], is_written: bool) -> list[tuple[int | str, ...]]:
+    return [tuple(fault.location) for fault in omega_faults(omegas, is_written, ROBOTS)]
+
+
+@pytest.mark.parametrize(
+    ("omegas", "written", "default"),
+    [
+        ((-0.5, 0.0, 0.5), [], []),
+        ((0.0, 0.6), [1], [1]),
+        ((-0.6, 0.0, 0.4), [0], [1]),
+        ((-1.0, 0.0, 0.5, 1.0), [0, 3], [1, 2]),
+        ((0.0, 2.0), [1], [0, 1, 2]),
+    ],
+)
+def test_where_faults_are_told(
+    omegas: tuple[float, ...], written: list[int], default: list[int]
+) -> None:
+    """A set that the world writes: at its values; the default: at the limits of the robots.
+
+    r4 has speeds of its own, so its limit does not matter.
+    """
+    assert places(omegas, True) == [("controller", "omegas", k) for k in written]
+    assert places(omegas, False) == [("robots", i, "limits", "omega") for i in default]
+
+
+def test_the_slowest_robot_is_named() -> None:
+    (fault,) = omega_faults((0.0, 1.0), True, ROBOTS)
+    assert "0.5" in fault.message
+    assert '"r0.5"' in fault.message
+    assert "1 more robot" in fault.message

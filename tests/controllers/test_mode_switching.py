@@ -1,0 +1,117 @@
+"""Whole decisions, of the plain and of the batch form, against the oracle's."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from physim.controllers.settings import ModeSwitchingSettings
+from tests.controllers.agreement import Tally, hold_against_oracle
+from tests.controllers.equal_scenes import equal_case
+from tests.controllers.random_scenes import random_history, random_settings
+from tests.controllers.scenes import decisions, single_robot
+
+SCENES = 220
+LEAST = {
+    "decided": 1300,
+    "arrived": 150,
+    "mode safe": 500,
+    "mode (12)": 250,
+    "mode (13)": 120,
+    "safe with others": 150,
+    "(12) with others": 100,
+    "(13) with others": 50,
+    "(12) with boundary within L": 200,
+    "(12) with boundary beyond L": 20,
+    "(12) while touching": 100,
+    "safe settled by (5)": 30,
+    "(12) settled by (5)": 5,
+    "(13) settled by (5)": 60,
+    "kept in danger by hysteresis": 30,
+    "plan of several pairs": 250,
+    "plan gone on with": 100,
+    "shortened by (14)": 100,
+    "without events": 20,
+    "judged to the last waypoint": 40,
+    "target moved": 200,
+    "target narrow": 80,
+    "target unseen": 1,
+    "target past a wall": 60,
+    "equal stations": 50,
+    "ahead beyond range along s*": 40,
+    "behind within range": 200,
+    "speed by (7) between": 100,
+    "speed by (7) at its bound": 200,
+    "speed at the robot's limit": 100,
+    "neighbours listed": 100,
+    "without formation": 150,
+    "own set of speeds": 40,
+    "own set of omegas": 80,
+    "reverse in safe mode": 60,
+    "translation": 80,
+    "nonconvex": 200,
+    "no collision within the horizon": 200,
+}
+"""How often each branch is to be met by the random scenes, about half of what they do."""
+MOST_UNSURE = 0.01
+"""Share of decisions that turn on a graze, where nothing can be demanded."""
+
+
+@pytest.fixture(scope="module")
+def tally() -> Tally:
+    cases = []
+    for seed in range(SCENES):
+        rng = np.random.default_rng([1, seed])
+        cases.append((random_history(rng), random_settings(rng)))
+    return hold_against_oracle(cases)
+
+
+def test_every_decision_agrees_with_the_oracle(tally: Tally) -> None:
+    assert tally.faults == []
+
+
+def test_the_scenes_meet_every_branch(tally: Tally) -> None:
+    too_few = {name: tally.met[name] for name, least in LEAST.items() if tally.met[name] < least}
+    assert too_few == {}
+    assert tally.met["unsure"] + tally.met["too near to tell"] <= (
+        MOST_UNSURE * tally.met["decided"]
+    )
+
+
+def test_candidates_that_are_equally_good() -> None:
+    """Heading, then |omega|, then the order of the sets."""
+    tally = hold_against_oracle([equal_case(np.random.default_rng([2, k])) for k in range(150)])
+    assert tally.faults == []
+    assert tally.met["too near to tell"] == 0
+    assert tally.met["settled by |omega|"] >= 20
+    assert tally.met["settled by order"] >= 50
+
+
+def test_a_last_waypoint_beyond_a_wall_is_moved_inside() -> None:
+    """The path ends beyond a wall, and the look-ahead reaches past its end."""
+    history = single_robot(np.array([[0.0, 0.0], [11.5, 0.0]]), 8.0)
+    ((robot,),) = history.moments
+    robot = dataclasses.replace(robot, outside=np.array([[10.0, 11.5]]))
+    wall = [np.array([[10.0, -20.0], [10.0, 20.0]])]
+    history = dataclasses.replace(history, walls=[wall], moments=[[robot]])
+    settings = ModeSwitchingSettings(look_ahead=6.0, safe_distance=1.0)
+    tally = hold_against_oracle([(history, settings)])
+    assert tally.faults == []
+    assert tally.met["target moved"] == tally.met["target past a wall"] == 1
+    for (made,) in decisions(history, settings).values():
+        assert made.report[0, :2] == pytest.approx([9.0, 0.0])
+
+
+def test_arrival_is_judged_along_the_path_within_the_tolerance() -> None:
+    modes = []
+    for short in (-0.5, 0.0, 0.04, 0.06, 0.2):
+        history = single_robot(np.array([[0.0, 0.0], [13.0, 0.0]]), 9.0)
+        ((robot,),) = history.moments
+        robot = dataclasses.replace(robot, stop_station=9.0 + short)
+        history = dataclasses.replace(history, moments=[[robot]])
+        tally = hold_against_oracle([(history, ModeSwitchingSettings(arrival_tolerance=0.05))])
+        assert tally.faults == []
+        modes.append("arrived" if tally.met["arrived"] else "on the way")
+    assert modes == ["arrived"] * 3 + ["on the way"] * 2

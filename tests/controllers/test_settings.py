@@ -1,0 +1,53 @@
+"""Settings that cannot be, and how the rules get the rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from physim.controllers.settings import ModeSwitchingSettings
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"dwell_times": [0.05, 0.04]}, "add up to 0.09"),
+        ({"distance_low": 1.0}, "distance_high is 0.8, below distance_low 1"),
+        ({"time_high": 0.1}, "time_high is 0.1, below time_low 1"),
+        ({"omegas": [1.0]}, "no 0"),
+        ({"beta": 1.0}, "less than 1"),
+        ({"look_ahaed": 1.0}, "look_ahaed"),
+        ({"look_ahead": float("nan")}, "finite"),
+    ],
+)
+def test_settings_that_cannot_be(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        ModeSwitchingSettings.model_validate(settings)
+
+
+def test_the_rules_get_every_setting_of_the_same_name() -> None:
+    given = {
+        "look_ahead": 2.5, "safe_distance": 0.9, "update_period": 0.2, "judge_ahead": 0.7,
+        "arrival_tolerance": 0.03, "distance_low": 0.31, "distance_high": 0.32, "time_low": 0.33,
+        "time_high": 0.34, "boundary_low": 0.35, "beta": 0.36, "event_triggered": False,
+        "horizon": 3.7, "reverse_in_safe_mode": True,
+    }  # fmt: skip
+    settings = ModeSwitchingSettings.model_validate(
+        {**given, "dwell_times": [0.05, 0.15], "collision_motion": "translation"}
+    )
+    rules = settings.rules()
+    assert {name: getattr(rules, name) for name in given} == given
+    assert rules.dwell.tolist() == [0.05, 0.15]
+    assert rules.translation_only
+    assert not ModeSwitchingSettings().rules().translation_only
+    assert set(rules._fields) == {*given, "dwell", "translation_only"}
+
+
+def test_defaults_are_those_the_paper_states() -> None:
+    """A period of 0.1 s, speeds -1, 0 and 1, rotational speeds to either side and none."""
+    settings = ModeSwitchingSettings()
+    assert settings.update_period == 0.1
+    assert settings.speeds == [-1.0, 0.0, 1.0]
+    assert settings.omegas == pytest.approx(np.pi / 4.0 * np.arange(-2, 3))
+    assert 0.0 < settings.beta < 1.0

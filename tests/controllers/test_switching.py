@@ -1,0 +1,92 @@
+"""Fig. 5: when danger begins, when it ends, and by which rule it is met."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physim.controllers.settings import ModeSwitchingSettings
+from physim.controllers.switching import DISTANCE, SAFE, TIME, next_mode
+from tests.oracles import switching as oracle
+
+RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0).rules()
+FAR = float("inf")
+S, D, T = SAFE, DISTANCE, TIME
+
+
+def test_modes_agree_with_the_oracle() -> None:
+    """On a grid of values, so that many lie exactly at a threshold."""
+    grid = np.array([-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, FAR])
+    met = set()
+    for k in range(5000):
+        rng = np.random.default_rng([50, k])
+        low, high = np.sort(rng.choice(grid[1:-1], 2)), np.sort(rng.choice(grid[1:-1], 2))
+        settings = ModeSwitchingSettings(
+            distance_low=low[0], distance_high=low[1], time_low=high[0], time_high=high[1],
+            boundary_low=float(rng.choice(grid[1:-1])),
+        )  # fmt: skip
+        previous = int(rng.integers(4))
+        distance, boundary = rng.choice(grid, 2, p=[0.1] * 7 + [0.3])
+        time = float(rng.choice(grid[1:]))
+        expected = oracle.next_mode(previous, distance, time, boundary, settings)
+        found = next_mode(previous, float(distance), time, float(boundary), settings.rules())
+        assert found == expected
+        met.add((previous, expected))
+    assert len(met) == 4 * 3
+
+
+def history(values: list[tuple[float, float, float]]) -> list[int]:
+    mode, modes = SAFE, []
+    for distance, collision_time, boundary in values:
+        mode = next_mode(mode, distance, collision_time, boundary, RULES)
+        modes.append(mode)
+    return modes
+
+
+def test_hysteresis_by_distance() -> None:
+    """Low 0.5, high 0.8: what lies between keeps the mode it came from."""
+    distances = [0.6, 0.5, 0.49, 0.6, 0.8, 0.81, 0.6]
+    assert history([(d, FAR, FAR) for d in distances]) == [S, S, D, D, D, S, S]
+
+
+def test_hysteresis_by_time() -> None:
+    times = [0.6, 0.5, 0.49, 0.9, 1.0, 1.01, 0.6]
+    assert history([(FAR, xi, FAR) for xi in times]) == [S, S, T, T, T, S, S]
+
+
+def test_no_hysteresis_by_boundary() -> None:
+    """One threshold, 0.15 m: below it danger, above it safe, at it what was before."""
+    gaps = [0.16, 0.15, 0.149, 0.15, 0.151, 0.15]
+    assert history([(FAR, FAR, b) for b in gaps]) == [S, S, D, D, S, S]
+
+
+def test_one_short_value_keeps_the_danger() -> None:
+    """Out of danger only when distance, time and boundary are all above their thresholds."""
+    values = [(0.4, FAR, FAR), (0.9, 0.9, FAR), (0.9, 1.1, 0.15), (0.9, 1.1, 0.16), (0.7, 0.9, 0.2)]
+    assert history(values) == [D, T, D, S, S]
+
+
+def test_touching_shapes_part_by_distance() -> None:
+    assert next_mode(0, 0.0, 0.0, FAR, RULES) == DISTANCE
+    assert next_mode(0, FAR, 0.0, -0.01, RULES) == DISTANCE
+    assert next_mode(0, 0.01, 0.01, FAR, RULES) == TIME
+
+
+@given(st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.floats(1e-6, 20.0), st.integers(0, 2))
+def test_thresholds_of_zero_switch_one_off(
+    distance: float, collision_time: float, boundary: float, previous: int
+) -> None:
+    """Shapes that don't touch: by time alone no distance matters, by distance alone no time."""
+    time_only = ModeSwitchingSettings(distance_low=0.0, distance_high=0.0, boundary_low=0.0)
+    distance_only = ModeSwitchingSettings(time_low=0.0, time_high=0.0)
+    neither = ModeSwitchingSettings(
+        distance_low=0.0, distance_high=0.0, boundary_low=0.0, time_low=0.0, time_high=0.0
+    )
+    by_time = next_mode(previous, distance, collision_time, boundary, time_only.rules())
+    assert by_time == next_mode(previous, FAR, collision_time, FAR, time_only.rules())
+    assert by_time != DISTANCE
+    by_distance = next_mode(previous, distance, collision_time, boundary, distance_only.rules())
+    assert by_distance == next_mode(previous, distance, FAR, boundary, distance_only.rules())
+    assert by_distance != TIME
+    assert next_mode(previous, distance, collision_time, boundary, neither.rules()) == SAFE

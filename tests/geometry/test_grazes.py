@@ -1,0 +1,70 @@
+"""Bodies that touch between two samples only, where geometry alone says when and where."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from physim.geometry.grazes import find_grazes, travel_bounds, within_reach
+from physim.geometry.separation import body_distance
+from physim.geometry.shapes import FloatArray, IntArray, pack_shapes
+from tests.geometry.cases import BOX
+
+DT = 0.1
+SHAPES = pack_shapes([[BOX], [BOX]])
+RADIUS = math.hypot(0.9, 0.5)
+TURN = math.atan2(0.9, 0.5)
+"""[rad] heading at which a corner of the box is farthest to the left"""
+
+
+def found(poses: FloatArray, walls: list[FloatArray]) -> tuple[IntArray, FloatArray]:
+    """Rows of the search over samples (B, 2, 3), every clearance by the plain distance."""
+    packed = pack_shapes([[wall] for wall in walls])
+    gap, wall_gap = np.empty((2, len(poses), 2))
+    for k, pose in enumerate(poses):
+        gap[k] = body_distance(SHAPES, 0, pose[0], SHAPES, 1, pose[1])
+        for i in range(2):
+            wall_gap[k, i] = min(
+                body_distance(SHAPES, i, pose[i], packed, w, np.zeros(3)) for w in range(len(walls))
+            )
+    travel = travel_bounds(poses, SHAPES.radius)
+    robots, near = within_reach(travel, gap, wall_gap)
+    who, values = np.empty((8, 3), dtype=np.int64), np.empty((8, 5))
+    count = find_grazes(poses, travel, robots, near, SHAPES, packed, DT, who, values)
+    return who[:count], values[:count]
+
+
+FAR = np.array([[-50.0, -50.0], [50.0, -50.0]])
+
+
+@pytest.mark.parametrize(("gap", "touches"), [(-1e-3, True), (1e-3, False)])
+def test_a_corner_that_swings_past_a_wall(gap: float, touches: bool) -> None:
+    """On the spot, through the heading at which the corner is nearest: the place moves nowhere."""
+    wall = np.array([[-5.0, RADIUS + gap], [5.0, RADIUS + gap]])
+    poses = np.zeros((2, 2, 3))
+    poses[:, 0, 2] = TURN - 0.2, TURN + 0.2
+    poses[:, 1, 0] = 20.0
+    who, values = found(poses, [FAR, wall])
+    assert who.tolist() == ([[1, 0, 3]] if touches else [])
+    for x, y, nx, ny, distance in values:
+        assert (x, y) == pytest.approx((0.0, RADIUS + gap), abs=1e-3)
+        assert (nx, ny) == pytest.approx((0.0, 1.0), abs=1e-6)
+        assert distance == pytest.approx(gap, abs=1e-9)
+
+
+@pytest.mark.parametrize(("depth", "touches"), [(1e-3, True), (-1e-3, False)])
+def test_corners_that_pass(depth: float, touches: bool) -> None:
+    """Two boxes, corner to corner: in one step one goes by the other, ``depth`` [m] inside it."""
+    along = np.array([-1.0, -0.02, 0.02])  # away, just before the corner, just behind it
+    out, aside = np.array([1.0, 1.0]) / math.sqrt(2.0), np.array([1.0, -1.0]) / math.sqrt(2.0)
+    poses = np.zeros((3, 2, 3))
+    poses[:, 1, 2] = 0.25 * math.pi - math.atan2(0.5, 0.9)  # its rear right corner goes ahead
+    poses[:, 1, :2] = BOX[2] + (RADIUS - depth) * out + along[:, None] * aside
+    who, values = found(poses, [FAR])
+    assert who.tolist() == ([[2, 0, 1]] if touches else [])
+    for x, y, nx, ny, distance in values:
+        assert (x, y) == pytest.approx((0.9, 0.5), abs=2e-3)
+        assert nx * out[0] + ny * out[1] > 0.5
+        assert 0.0 < -distance < depth

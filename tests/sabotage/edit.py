@@ -1,0 +1,59 @@
+"""What an edit that breaks something on purpose is, and the rooms that such edits belong to."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import NamedTuple
+
+
+class Edit(NamedTuple):
+    """One rule of the sources, broken: a fragment of a function, and what takes its place."""
+
+    room: str
+    """whose own tests must notice: a key of `ROOMS`"""
+    file: str
+    """where the function stood when this was written: a hint for readers, not looked at"""
+    function: str
+    """qualified name of the function, or of the class or constant, that holds the fragment"""
+    old: str
+    """fragment; it is found whatever blanks and line breaks stand between its words"""
+    new: str
+    """what takes its place"""
+    breaks: str
+    """the rule that no longer holds, in a few words"""
+    notices: str
+    """``file::function`` of a test of the room that turns red; it is run first"""
+
+
+ROOMS = MappingProxyType(
+    {
+        "basics": ("tests/test_compiled.py", "tests/test_errors.py", "tests/test_randomness.py"),
+        "geometry": ("tests/geometry",),
+        "world": ("tests/world", "tests/test_world_schema.py"),
+        "world_file": ("tests/world_file",),
+        "scene": ("tests/test_start_poses.py", "tests/test_scene_builder.py"),
+        "checking": ("tests/checking",),
+        "physics": ("tests/physics",),
+        "controllers": ("tests/controllers", "tests/test_controllers_contract.py"),
+        "loop": (
+            "tests/test_simulation.py",
+            "tests/test_control_loop.py",
+            "tests/test_perception.py",
+            "tests/test_recording.py",
+            "tests/test_grazes.py",
+        ),
+        "record": ("tests/record",),
+        "metrics": ("tests/metrics",),
+        "summary": ("tests/test_summary.py",),
+        "validation": ("tests/validation",),
+        "video": ("tests/video",),
+        "plots": ("tests/plots",),
+        "preview": ("tests/preview",),
+        "importing": ("tests/importing",),
+        "templates": ("tests/templates",),
+        "crashtest": ("tests/crashtest",),
+        "reproduction": ("tests/reproduction",),
+        "cli": ("tests/cli",),
+    }
+)
+"""The tests of each room: files and folders."""

@@ -1,0 +1,38 @@
+"""All edits, by room."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+from tests.sabotage.edits import (
+    basics,
+    checking,
+    cli,
+    crashtest,
+    geometry,
+    importing,
+    loop,
+    metrics,
+    physics,
+    plots,
+    preview,
+    record,
+    reproduction,
+    scene,
+    summary,
+    templates,
+    validation,
+    video,
+    world,
+    world_file,
+)
+
+EDITS: tuple[Edit, ...] = tuple(
+    edit
+    for room in (
+        basics, geometry, world, world_file, scene, checking, physics, loop, record,
+        metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
+        reproduction, cli,
+    )
+    for edit in room.EDITS
+)  # fmt: skip
+"""In the order of the layers."""

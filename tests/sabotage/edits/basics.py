@@ -1,0 +1,55 @@
+"""Edits of what stands below all rooms: compiling, errors, randomness."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+
+EDITS = (
+    Edit(
+        "basics",
+        "physim/randomness.py",
+        "stream",
+        "[seed, key, robot]",
+        "[seed, key]",
+        "each robot has a random stream of its own",
+        "tests/test_randomness.py::test_headings_depend_on_seed_purpose_and_robot_alone",
+    ),
+    Edit(
+        "basics",
+        "physim/randomness.py",
+        "stream",
+        "[seed, key, robot]",
+        "[seed, robot]",
+        "each purpose has a random stream of its own",
+        "tests/test_randomness.py::"
+        "test_streams_differ_by_each_part_of_their_key_and_stay_what_they_are",
+    ),
+    Edit(
+        "basics",
+        "physim/compiled.py",
+        "_keep_in_temporary_folder",
+        "and not found.st_mode & 0o077",
+        "",
+        "code is run from a folder that is the user's alone",
+        "tests/test_compiled.py::"
+        "test_kernels_run_without_a_cache_where_the_temporary_folder_is_not_the_users",
+    ),
+    Edit(
+        "basics",
+        "physim/compiled.py",
+        "source_stamp",
+        'hasher.update(f"{file.name}\\0".encode() + file.read_bytes())',
+        'hasher.update(f"{file.name}\\0".encode())',
+        "an edit of a source compiles anew",
+        "tests/test_compiled.py::test_the_stamp_changes_with_any_source",
+    ),
+    Edit(
+        "basics",
+        "physim/compiled.py",
+        "_dispatcher",
+        '{"error_model": "numpy", "no_cfunc_wrapper": True, **options}',
+        '{"error_model": "numpy", "no_cfunc_wrapper": True, "fastmath": True, **options}',
+        "results are the same to the bit",
+        "tests/test_compiled.py::test_kernels_add_in_the_order_that_is_written",
+    ),
+)

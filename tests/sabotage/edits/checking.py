@@ -1,0 +1,138 @@
+"""Edits of `physim.checking`."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+
+EDITS = (
+    Edit(
+        "checking",
+        "physim/checking/clearance.py",
+        "verdict",
+        "clearance > inscribed + CONTACT",
+        "clearance > circumscribed + CONTACT",
+        "a robot may fit where it is aligned",
+        "tests/checking/test_robots.py::test_room_has_three_verdicts",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/danger.py",
+        "check_always_danger",
+        "np.maximum(profile.clearance, profile.safe_distance or 0.0)",
+        "profile.clearance",
+        "a robot along a wall is led to the safe distance",
+        "tests/checking/test_danger.py::"
+        "test_room_counts_from_the_safe_distance_where_the_path_lies_along_a_wall",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/danger.py",
+        "check_always_danger",
+        "- profile.inscribed",
+        "",
+        "the room beside a path is that of the footprint",
+        "tests/checking/test_danger.py::test_a_threshold_beyond_the_room_beside_the_path_is_told",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/formation.py",
+        "_check_length",
+        "if extent > line.length:",
+        "if False:",
+        "the reference path is longer than the formation",
+        "tests/checking/test_robots.py::test_the_reference_path_is_longer_than_the_formation",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/formation.py",
+        "_check_duration",
+        "min(own, sketch.formation_speed)",
+        "sketch.formation_speed",
+        "a slow robot takes longer to finish",
+        "tests/checking/test_robots.py::"
+        "test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/formation_speed.py",
+        "check_formation_speed",
+        "if not low <= speed <= high:",
+        "if False:",
+        "the steady speed lies within its limits",
+        "tests/checking/test_robots.py::test_a_steady_speed_outside_its_limits_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/formation_speed.py",
+        "_check_slow",
+        "robot.v < low",
+        "robot.v < 0.0",
+        "a robot can keep up with its formation",
+        "tests/checking/test_robots.py::test_a_robot_slower_than_the_formation_cannot_keep_up",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/formation_speed.py",
+        "_check_gain",
+        "gain * error <= margin",
+        "gain * error <= 2.0 * margin",
+        "a gain that holds all robots at the limit is told with its bound",
+        "tests/checking/test_robots.py::"
+        "test_a_gain_that_saturates_the_cluster_is_a_warning_with_its_bound",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/paths.py",
+        "check_room",
+        "if profile.verdict == NOT and profile.narrowest[3] > CONTACT:",
+        "if False:",
+        "a path so near a wall that the robot does not fit is told",
+        "tests/checking/test_robots.py::"
+        "test_a_path_too_near_a_wall_is_refused_where_the_robot_would_follow_it",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/paths.py",
+        "check_passage",
+        "rooms[0] is None or rooms[0] != rooms[1]",
+        "rooms[0] is None",
+        "there is a way from the start to the end of a path",
+        "tests/checking/test_robots.py::test_a_slot_narrower_than_the_robot_is_no_way",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/paths.py",
+        "_check_sense",
+        "last < first - LENGTH and not _is_ring(path)",
+        "False",
+        "a path goes the way of the reference path",
+        "tests/checking/test_robots.py::test_a_path_against_the_reference_path_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/starts.py",
+        "check_headings",
+        "away > pi / 2.0 + 1e-6",
+        "away > pi",
+        "a start with the back to the path is told",
+        "tests/checking/test_robots.py::test_a_start_with_the_back_to_the_path_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/starts.py",
+        "check_expected",
+        "gaps[k] < least - LENGTH",
+        "False",
+        "an expected distance that the start breaks is told",
+        "tests/checking/test_robots.py::test_a_least_distance_that_the_start_breaks_is_a_warning",
+    ),
+    Edit(
+        "checking",
+        "physim/checking/starts.py",
+        "_circle",
+        "radius + LENGTH",
+        "0.5 * radius",
+        "a random heading needs room to turn",
+        "tests/checking/test_robots.py::test_a_random_heading_needs_room_to_turn",
+    ),
+)

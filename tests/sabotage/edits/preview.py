@@ -1,0 +1,81 @@
+"""Edits of `physim.preview`."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+
+EDITS = (
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "_stops",
+        "ends - (lead.max() - lead)",
+        "ends",
+        "stops are staggered as the formation is",
+        "tests/preview/test_contents.py::test_starts_and_stops_are_those_of_the_run",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "contents",
+        "area.buffer(-safe_distance, quad_segs=ROUND_SEGMENTS)",
+        "area.buffer(-0.5 * safe_distance, quad_segs=ROUND_SEGMENTS)",
+        "the safe area is L away from all boundaries",
+        "tests/preview/test_picture.py::test_everything_is_at_its_place",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "_routes",
+        "Route(tuple(robots), _lines(inside), _lines(outside))",
+        "Route(tuple(robots), _lines(outside), _lines(inside))",
+        "a path is safe inside the safe area",
+        "tests/preview/test_contents.py::test_paths_are_parted_at_the_edge_of_the_safe_area",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "_routes",
+        "safe_distance * (1.0 - HAIR)",
+        "safe_distance * (1.0 + HAIR)",
+        "a path along the very edge of the safe area is safe",
+        "tests/preview/test_contents.py::test_a_path_along_the_edge_of_the_safe_area_is_safe",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "contents",
+        "np.concatenate((others, rings))",
+        "others",
+        "obstacles narrow the width",
+        "tests/preview/test_contents.py::"
+        "test_obstacles_narrow_the_width_and_boundaries_alone_are_kept",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/contents.py",
+        "_robots",
+        "across=least_width(outline)",
+        "across=2.0 * circumscribed_radius(outline)",
+        "a robot that is aligned needs its least width",
+        "tests/preview/test_picture.py::test_everything_is_at_its_place",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/profile.py",
+        "_levels",
+        "2.0 * turning.reach",
+        "turning.reach",
+        "a robot that turns needs twice its reach",
+        "tests/preview/test_picture.py::test_everything_is_at_its_place",
+    ),
+    Edit(
+        "preview",
+        "physim/preview/profile.py",
+        "draw_profile",
+        "width < needed",
+        "width > needed",
+        "the profile shows danger where the corridor is narrower than 2 L",
+        "tests/preview/test_picture.py::test_danger_is_shown_where_the_corridor_is_narrow",
+    ),
+)

@@ -1,0 +1,55 @@
+"""Edits of `physim.templates`."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+
+EDITS = (
+    Edit(
+        "templates",
+        "physim/templates/group.py",
+        "lanes_of",
+        "(width - 2.0 * EDGE) / LANE",
+        "width / LANE",
+        "lanes keep away from the walls",
+        "tests/templates/test_templates.py::test_lanes_are_as_many_as_the_width_has_room_for",
+    ),
+    Edit(
+        "templates",
+        "physim/templates/group.py",
+        "places",
+        "apart * (robots - 1 - i)",
+        "apart * i",
+        "the first robot stands foremost",
+        "tests/templates/test_templates.py::"
+        "test_every_number_of_robots_stands_apart_on_a_sound_road",
+    ),
+    Edit(
+        "templates",
+        "physim/templates/group.py",
+        "fitted",
+        "if straight > LONGEST:",
+        "if False:",
+        "more robots than fit are refused",
+        "tests/templates/test_templates.py::test_one_more_than_fit_are_refused",
+    ),
+    Edit(
+        "templates",
+        "physim/templates/group.py",
+        "most_robots",
+        "places(width, robots + 1)[0].x + FRONT <= LONGEST",
+        "places(width, robots + 1)[0].x <= LONGEST",
+        "as many robots as are offered fit",
+        "tests/templates/test_templates.py::test_one_more_than_fit_are_refused",
+    ),
+    Edit(
+        "templates",
+        "physim/templates/curves.py",
+        "rounded",
+        "side = 1.0 if turn > 0.0 else -1.0",
+        "side = 1.0",
+        "a road bends to both sides",
+        "tests/templates/test_templates.py::"
+        "test_every_number_of_robots_stands_apart_on_a_sound_road",
+    ),
+)

@@ -1,0 +1,103 @@
+"""How much two answers may differ: just beyond it the validation says so, just within it does not.
+
+Distances to 1e-9 m, poses to 1e-11 m, contacts to the step that was foretold: a slack that is wider
+than what rounding needs would let something through.
+"""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+
+import physim
+from physim.contacts import CONTACT, Kind, Phase
+from physim.validation import prediction, validate
+from physim.validation.findings import TOLERANCE, UNEXPLAINED
+from tests.validation.runs import edited, lane
+from tests.validation.test_grazes import pass_by
+
+
+def changed(record, path, change):
+    """Copy of a record on disk with something in the file changed."""
+    record.save(path)
+    with h5py.File(path, "r+") as file:
+        change(file)
+    return physim.Record.load(path)
+
+
+@pytest.mark.parametrize(("by", "code"), [(5e-10, 1), (4e-9, 3)])
+def test_depths_agree_to_1e_9_m(rear_end, tmp_path, by, code):
+    def deeper(rows):
+        rows["depth"][rows["phase"] != Phase.ENDED] += by
+        return rows
+
+    with edited(rear_end, tmp_path / "record.h5", deeper) as record:
+        assert validate(record).code == code
+
+
+@pytest.mark.parametrize("path", ["/steps/clearance", "/steps/boundary_clearance"])
+@pytest.mark.parametrize(("by", "code"), [(5e-10, 0), (4e-9, 3)])
+def test_distances_agree_to_1e_9_m(apart, tmp_path, path, by, code):
+    def farther(file):
+        file[path][100, 1] += by
+
+    with changed(apart, tmp_path / "record.h5", farther) as record:
+        assert validate(record).code == code
+
+
+@pytest.mark.parametrize("column", [0, 2])
+@pytest.mark.parametrize(("by", "code"), [(5e-12, 0), (5e-11, 3)])
+def test_poses_agree_to_1e_11_m(apart, tmp_path, column, by, code):
+    def shift(file):
+        file["/steps/pose"][200, 1, column] += by
+
+    with changed(apart, tmp_path / "record.h5", shift) as record:
+        assert validate(record).code == code
+
+
+def test_a_contact_is_within_tolerance_to_1e_9_m(tmp_path):
+    """The record tells a contact of a robot that stands 3e-9 m from a wall."""
+    gap = 3e-9
+    beside = {"robots.0.pose": f"[8.0, {3.5 - gap!r}, 0.0]", "time.duration": 0.1}
+    standing = lane(((0.0, 0.0), (0.0, 0.0)), **beside)
+    assert len(standing.contacts) == 0
+    wall = next(body.id for body in standing.bodies if body.name == "left wall")
+    row = np.zeros(1, CONTACT)
+    row["step"], row["b"], row["kind"] = 5, wall, Kind.PHYSICAL
+    with edited(standing, tmp_path / "record.h5", lambda rows: row) as record:
+        found = validate(record).comparison.disagreements
+    (one,) = [one for one in found if "contact in the record, shapes apart" in one.what]
+    assert one.cause == UNEXPLAINED
+    assert one.distance == pytest.approx(gap, abs=1e-14)
+
+
+@pytest.mark.parametrize(("depth", "cause"), [(1.7e-9, TOLERANCE), (2e-8, UNEXPLAINED)])
+def test_a_graze_may_count_either_way_to_2e_9_m(tmp_path, depth, cause):
+    """One that is in the record alone; the shapes pass each other that far apart."""
+    with pass_by(4e-4) as deep:
+        (row,) = deep.contacts
+    with pass_by(-depth) as near:
+        rows = np.array([row])
+        rows["depth"] = 0.0
+        with edited(near, tmp_path / "record.h5", lambda _: rows) as record:
+            (one,) = validate(record).comparison.disagreements
+    assert one.distance == pytest.approx(depth, rel=0.5)
+    assert one.cause == cause
+
+
+@pytest.mark.parametrize(
+    ("late", "verdict"), [(1e-6, prediction.AGREES), (1e-4, prediction.DISAGREES)]
+)
+def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
+    """The contact comes so much later [s] than the end of the step in which it was found."""
+    told = validate(rear_end).contacts[0].prediction
+    assert told.verdict == prediction.AGREES
+    assert late < told.slack < 1e-5 or late > 10.0 * told.slack
+    right = prediction.collision_time_pair
+    shift = told.found + late - told.predicted
+
+    monkeypatch.setattr(prediction, "collision_time_pair", lambda *given: right(*given) + shift)
+    found = validate(rear_end).contacts[0].prediction
+    assert found.predicted == pytest.approx(told.found + late, abs=1e-9)
+    assert found.verdict == verdict

@@ -45,9 +45,12 @@ DISTURBANCE = Kind(
     "disturbance", "physim.disturbances", ("start", "disturb"), ("disturbances",), ""
 )
 OBSERVER = Kind("observer", "physim.observers", ("start", "after_step", "close"), (), "--observer")
+METRIC = Kind("metric", "physim.metrics", ("measure",), (), "")
+PLOT = Kind("plot", "physim.plots", ("draw",), (), "")
 STAGES = (SENSING, FILTER, DISTURBANCE)
 """Kinds of which a world lists any number, in the order of a step."""
 KINDS = (CONTROLLER, *STAGES, OBSERVER)
+"""Kinds that take part in a run; metrics and plots look at its record."""
 
 OWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 """Where the code of physim is, which no message about somebody else's code points into."""

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from physim.world import World
 
 
+DENSITY = 100.0
+"""[kg/m^2] mass of a robot whose world gives none, over its area"""
+
+
 @dataclass(frozen=True)
 class Body:
     """One row of the body table: robots first (file order), then boundaries, then obstacles."""

@@ -21,15 +21,13 @@ from physim.geometry.shapes import (
     pack_polylines,
     pack_shapes,
 )
-from physim.scene import Body, FormationPlan, Layout, Scene
+from physim.scene import DENSITY, Body, FormationPlan, Layout, Scene
 from physim.start_poses import start_poses
 from physim.world import Offset, World
 from physim.world.kinds import MOST_SEED
 from physim.world.stages import DEFAULT_RANGE
 from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 
-DENSITY = 100.0
-"""[kg/m^2] mass of a robot whose world gives none, over its area"""
 GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
 

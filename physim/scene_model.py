@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from physim import palette
 from physim.declared import NO_NUMBER, Mode
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
-from physim.palette import Colour
+from physim.palette import UNDECIDED, Colour, rgb, robot_colour
 from physim.scene import Body
 
 if TYPE_CHECKING:
@@ -153,11 +152,11 @@ class SceneModel:
     @property
     def colours(self) -> tuple[Colour, ...]:
         """Colours of the robots' own lines."""
-        return tuple(palette.robot_colour(i) for i in range(self.robots))
+        return tuple(robot_colour(i) for i in range(self.robots))
 
     def mode_colour(self, mode: int) -> Colour:
         """Colour of a mode by number, and of a robot that has not decided or gave none."""
-        return palette.rgb(self.modes[mode].colour) if mode != NO_NUMBER else palette.UNDECIDED
+        return rgb(self.modes[mode].colour) if mode != NO_NUMBER else UNDECIDED
 
     @cached_property
     def accessible_area(self) -> shapely.Geometry:

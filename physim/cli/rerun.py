@@ -1,4 +1,4 @@
-"""Run a world for its validation: in memory, with the poses of every step."""
+"""Run a world, or the world inside a record, for its validation: in memory, every step."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
+from physim.cli.compiling import tell_compiling
 from physim.cli.progress import Bar, interrupts
-from physim.cli.run import ready
+from physim.cli.run import COMPILING, ready
+from physim.control import Controller
 from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.recording import record_run
+from physim.registry import CONTROLLER, make_part
+from physim.validation.rerun import run_again, simulation_again
+from physim.warm_up import is_warm
 from physim.world import World
 from physim.world_file import read_world
 from physim.world_file.loading import world_of
@@ -20,9 +23,6 @@ from physim.world_file.nodes import Document
 from physim.world_file.reading import read_document
 
 EVERY_STEP = "time.record_every=1"
-
-SAME = 1e-9
-"""[m, rad] Samples of a run that was simulated again must agree to this."""
 
 
 def world_given(options: argparse.Namespace, given: str) -> tuple[World, Document]:
@@ -32,12 +32,19 @@ def world_given(options: argparse.Namespace, given: str) -> tuple[World, Documen
 
 
 def world_inside(options: argparse.Namespace, record: Record) -> tuple[World, Document]:
-    """World that a record holds.
+    """World that a record holds, to be run with other seeds.
 
-    A class of one's own is code: it is imported only when named again by --controller.
+    A class of one's own is code: it is imported only when named again by --controller. Other parts
+    from Python cannot be had here.
     """
     document = read_document(record.world_text, f"world of {record.path}")
-    if options.controller is None and ":" in (name := str(record.world.controller.type)):
+    for kind, name in record.given:
+        if kind != CONTROLLER.word:
+            raise PhysimError(
+                f"{record.path}: its {kind} {name} came from Python, which --seeds cannot give"
+            )
+    name = record.controller or str(record.world.controller.type)
+    if options.controller is None and (record.controller or ":" in name):
         raise PhysimError(
             f"{record.path}: has to be simulated again, and its controller is the class {name}; "
             "no code is run because a record names it: if you trust the class, give "
@@ -47,75 +54,70 @@ def world_inside(options: argparse.Namespace, record: Record) -> tuple[World, Do
     return world_of(document, overrides=overrides, controller=options.controller)
 
 
-def run_again(
+def run_of_record(record: Record, options: argparse.Namespace) -> Record:
+    """Simulate the run of a record again, as far as it goes; Ctrl-C raises KeyboardInterrupt."""
+    simulation = simulation_again(record, controller=_controller(record, options.controller))
+    if not is_warm():
+        tell_compiling("controller and distances", COMPILING, options.quiet)
+    name = f"{record.name}, seed {record.seed}"
+    bar = Bar(name, record.steps_run * record.dt, "s", options.quiet)
+    with interrupts() as interrupt:
+        try:
+            again = run_again(
+                record, simulation, stop=interrupt,
+                progress=lambda now, factor: bar.update(now.time, f"{factor:.0f} x real time"),
+            )  # fmt: skip
+        finally:
+            bar.close()
+    if interrupt():
+        again.close()
+        raise KeyboardInterrupt
+    return again
+
+
+def _controller(record: Record, named: str | None) -> Controller | None:
+    """The controller that the command line names; its settings are those inside the record where
+    that names the same."""
+    if named is None:
+        return None
+    own = record.world.controller
+    settings = own.settings if named == own.type else {}
+    made: Controller = make_part(CONTROLLER, named, settings, trusted=True)
+    return made
+
+
+def run_world(
     world: World,
     document: Document,
     seed: int | None,
     options: argparse.Namespace,
     stop: Callable[[], bool] | None = None,
-    last: int | None = None,
 ) -> Record:
-    """Run to the end, to step ``last``, or until ``stop`` says so, in memory.
+    """Run to the end, or until ``stop`` says so, in memory.
 
     Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
     middle of it the engine would swallow it.
     """
     if stop is None:
         with interrupts() as interrupt:
-            record = run_again(world, document, seed, options, interrupt, last)
+            record = run_world(world, document, seed, options, interrupt)
         if interrupt():
             record.close()
             raise KeyboardInterrupt
         return record
     simulation = ready(world, document, seed, options)
     scene = simulation.scene
-    end = scene.steps if last is None else last
-    bar = Bar(f"{scene.world.name}, seed {scene.seed}", end * scene.dt, "s", options.quiet)
+    bar = Bar(
+        f"{scene.world.name}, seed {scene.seed}", scene.steps * scene.dt, "s", options.quiet
+    )  # fmt: skip
     try:
         return record_run(
             simulation,
-            stop=lambda: stop() or simulation.step_number == last,
+            stop=stop,
             progress=lambda now, factor: bar.update(now.time, f"{factor:.0f} x real time"),
         )
     finally:
         bar.close()
-
-
-def last_step(record: Record) -> int | None:
-    """Step at which a run that was interrupted or killed ended; None where it ended by itself."""
-    return record.steps_run if record.ended in ("interrupted", "running") else None
-
-
-def check_samples(coarse: Record, full: Record) -> None:
-    """Raise RecordError unless a coarse record has the samples and contacts of the run again."""
-    names = coarse.names
-    if coarse.robots != full.robots or coarse.steps_run != full.steps_run:
-        raise RecordError(
-            f"{coarse.path}: simulated again from the world inside, the run ends at step "
-            f"{full.steps_run} instead of {coarse.steps_run}; this record cannot be validated"
-        )
-    gap = np.abs(full.pose[coarse.steps] - coarse.pose).max(axis=2)
-    if (gap > SAME).any():
-        k, i = (int(v) for v in np.argwhere(gap > SAME)[0])
-        raise RecordError(
-            f"{coarse.path}: simulated again from the world inside, {names[i]} is "
-            f"{gap[k, i]:.3g} m away from its recorded sample at {coarse.time[k]:.2f} s; made by "
-            "another version or controller? Record every step (time.record_every=1) to validate"
-        )
-
-    check_contacts(coarse, full)
-
-
-def check_contacts(coarse: Record, full: Record) -> None:
-    """Raise RecordError unless a coarse record tells the contacts of the run again."""
-    columns = ["step", "a", "b", "phase", "kind"]
-    told = coarse.contacts[columns]
-    found = full.contacts[full.contacts["step"] <= coarse.steps_run][columns]
-    if told.tolist() != found.tolist():
-        raise RecordError(
-            f"{coarse.path}: simulated again from the world inside, the contacts are not those of "
-            f"the record ({len(found)} rows instead of {len(told)}); made by another version?"
-        )
 
 
 def check_origin(record: Record, world: World, where: str | Path) -> None:

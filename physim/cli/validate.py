@@ -16,9 +16,9 @@ from physim.record import Record
 from physim.scene_builder import is_random
 from physim.validation import Validation, is_warm, report, validate, warning_lines
 from physim.validation.as_json import json_of_seeds, json_of_validation
-from physim.validation.origin import check_origin
+from physim.validation.rerun import compare_runs
 from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
-from physim.validation.validation import is_coarse
+from physim.validation.validation import missing, validate_again
 from physim.world import World
 from physim.world_file.nodes import Document
 from physim.world_file.shipped import SUFFIXES
@@ -34,6 +34,8 @@ def validate_command(options: argparse.Namespace) -> int:
     if not is_record(options.given):
         if options.world is not None:
             raise PhysimError("--world: goes with a record: it checks where the record came from")
+        if options.rerun:
+            raise PhysimError("--rerun: goes with a record: a world is simulated anyway")
         world, document = rerun.world_given(options, options.given)
         return _validate_world(world, document, options)
     with Record.load(Path(options.given)) as record:
@@ -60,23 +62,20 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
         rerun.check_origin(record, world, options.world)
     if options.seeds is not None:
         return _validate_world(*rerun.world_inside(options, record), options)
-    changes = bool(options.overrides or options.controller)
-    if changes and options.world is None and not is_coarse(record):
-        raise PhysimError("--set, --controller: go with a world, or with --world")
     if options.seed is not None:
         raise PhysimError("--seed: goes with a world: a record has its own seed")
-    if not is_coarse(record):
+    lacking = missing(record)
+    again = options.rerun or bool(lacking)
+    changes = options.overrides or (options.controller and not again)
+    if changes and options.world is None:
+        raise PhysimError("--set, --controller: go with a world, with --world, or --rerun")
+    if not again:
         return _told(_judged(record, str(record.path), options), options)
-    if record.ended == "error":
-        raise PhysimError(f"{record.path}: the run broke off with an error; run it again")
-    for told in check_origin(record).differences[:1]:
-        raise PhysimError(f"{record.path}: {told}")
-    world, document = rerun.world_inside(options, record)
-    last = rerun.last_step(record)
-    with rerun.run_again(world, document, record.seed, options, last=last) as full:
-        rerun.check_samples(record, full)
-        found = validate(full, source=str(record.path), resimulated=True)
-    return _told(replace(found, run=replace(found.run, ended=record.ended)), options)
+    with rerun.run_of_record(record, options) as full:
+        if lacking:
+            return _told(validate_again(record, full, str(record.path)), options)
+        found = _judged(record, str(record.path), options)
+        return _told(replace(found, rerun=compare_runs(record, full)), options)
 
 
 def _validate_world(world: World, document: Document, options: argparse.Namespace) -> int:
@@ -102,7 +101,7 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
     worst: Validation | None = None
     with interrupts() as interrupt:
         for seed in range(first, last):
-            with rerun.run_again(world, document, seed, options, stop=interrupt) as record:
+            with rerun.run_world(world, document, seed, options, stop=interrupt) as record:
                 if interrupt():  # half a run says nothing about its seed
                     break
                 found = _judged(record, f"simulated just now from {document.source}", options)
@@ -133,7 +132,7 @@ def _tell_study(study: SeedStudy, worst: Validation | None, options: argparse.Na
 def _run_and_validate(
     world: World, document: Document, seed: int | None, options: argparse.Namespace
 ) -> Validation:
-    with rerun.run_again(world, document, seed, options) as record:
+    with rerun.run_world(world, document, seed, options) as record:
         return _judged(record, f"simulated just now from {document.source}", options)
 
 

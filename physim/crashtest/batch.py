@@ -8,11 +8,10 @@ import numpy as np
 
 from physim.crashtest.case import Case
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_shapes
+from physim.scene import DENSITY
 
 SPACING = 60.0
 """[m] between the places of two cases: twice what any of them can reach"""
-DENSITY = 100.0
-"""[kg/m^2] as a world without masses has it"""
 
 
 class Batch(NamedTuple):

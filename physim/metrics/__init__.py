@@ -6,12 +6,15 @@ unit and source::
     found = physim.metrics.measure(record)
     found["shortest_distance"].value, found["shortest_distance"].bodies
 
+Packages may register metrics of their own, see `physim.metrics.own`.
+
 Courses over time, along a path or by pair, for pictures and experiments: `formation_errors`,
 `formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `collision_times`,
 `pair_distances`, `corridor_width`.
 
 What has no meaning for a run (the distance between robots of a single one, say) is None or absent,
-not 0: so too what depends on a column that the controller did not declare. "Fig." and numbers in parentheses refer to the paper.
+not 0; so is what depends on a column that the controller did not declare. "Fig." and numbers in
+parentheses refer to the paper.
 """
 
 from __future__ import annotations
@@ -45,7 +48,7 @@ from physim.metrics.formation import (
     formation_errors,
     has_formation,
 )
-from physim.metrics.measure import definition, measure
+from physim.metrics.measure import definition, definitions, measure, measured
 from physim.metrics.modes import (
     danger_shares,
     danger_time_share,
@@ -61,8 +64,10 @@ from physim.metrics.motion import (
     deviations,
     mean_speed,
 )
+from physim.metrics.own import own_metrics, own_part
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.settings import world_settings
+from physim.metrics.severity import Severity, masses, severity
 from physim.metrics.values import DangerShare, Each, Moment, Place, Series
 from physim.metrics.way import (
     Absent,
@@ -90,6 +95,7 @@ __all__ = [
     "Moment",
     "Place",
     "Series",
+    "Severity",
     "Width",
     "absent",
     "arrival_steps",
@@ -103,6 +109,7 @@ __all__ = [
     "decisions",
     "deep_contacts",
     "definition",
+    "definitions",
     "desired_leads",
     "deviation_peak",
     "deviation_rms",
@@ -120,13 +127,18 @@ __all__ = [
     "grazes",
     "has_formation",
     "last_decisions",
+    "masses",
     "mean_speed",
     "measure",
+    "measured",
     "messages",
     "mode_spans",
     "mode_switches",
+    "own_metrics",
+    "own_part",
     "pair_distances",
     "placed",
+    "severity",
     "share_of_modes",
     "shortest_boundary_distance",
     "shortest_collision_time",

@@ -70,8 +70,8 @@ _ALL = (
         lambda run: run.record.steps_run * run.record.dt,
     ),
     Definition(
-        "finished", "-", "whether every robot stood at its stop station at the end, judged by its motion",
-        "-",
+        "finished", "-",
+        "whether every robot stood at its stop station at the end, judged by its motion", "-",
         _of(way.finished),
     ),
     Definition(
@@ -183,7 +183,8 @@ _ALL = (
         "Fig. 4", lambda run: _width(run, largest=True),
     ),
     Definition(
-        "danger_share", "-", "share of modes declared as danger in the time under way", "Figs. 5, 8",
+        "danger_share", "-", "share of modes declared as danger in the time under way",
+        "Figs. 5, 8",
         lambda run: modes.share_of_modes(run.record, danger=True),
     ),
     Definition(

@@ -163,6 +163,8 @@ class Summary:
     mean_speed_m_per_s: float | None
     metrics: dict[str, Figure]
     """every named metric that has a meaning here"""
+    metric_faults: tuple[str, ...]
+    """why metrics that packages registered could not be had, a line each"""
     expectations: tuple[Held, ...]
     wall_clock: dict[str, float]
     """all else is the same in every run of the same world and seed"""
@@ -193,6 +195,7 @@ def summarise(record: Record) -> Summary:
         return Extreme(moment.value, moment.time, tuple(names[i] for i in who))
 
     shares = metrics.danger_shares(record)
+    found, faults = metrics.measured(record)
     return Summary(
         name=record.name,
         seed=record.seed,
@@ -240,15 +243,16 @@ def summarise(record: Record) -> Summary:
         mean_speed_m_per_s=metrics.mean_speed(record),
         metrics={
             name: Figure(
-                found.value,
-                found.unit,
-                found.time,
-                found.station,
-                tuple(names[i] for i in found.bodies) or None,
-                found.robots,
+                metric.value,
+                metric.unit,
+                metric.time,
+                metric.station,
+                tuple(names[i] for i in metric.bodies) or None,
+                metric.robots,
             )
-            for name, found in metrics.measure(record).items()
+            for name, metric in found.items()
         },
+        metric_faults=faults,
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from physim.expectations import Held
+from physim.metrics import DEFINITIONS
 from physim.summary.summary import Contacts, Extreme, Figure, Graze, Summary
 
 SHOWN_ROBOTS = 12
@@ -53,6 +54,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("decisions", _decisions_text(s)),
         *_command_rows(s),
         *_arrival_rows(s),
+        *_own_rows(s),
         *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
     ]
@@ -152,6 +154,17 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
             ends = (found[f"{name}_min"], found[f"{name}_max"])
             rows.append((label, " to ".join(_figure_text(end, digits) for end in ends)))
     return rows
+
+
+def _own_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Metrics that packages registered, and why others of theirs failed."""
+    rows = []
+    for name, figure in summary.metrics.items():
+        if name not in DEFINITIONS:
+            value = figure.value
+            text = f"{value:.4g}" if isinstance(value, float) else str(value).lower()
+            rows.append((name, text if figure.unit == "-" else f"{text} {figure.unit}"))
+    return [*rows, *(("WARNING", fault) for fault in summary.metric_faults)]
 
 
 def _figure_text(figure: Figure, digits: int) -> str:

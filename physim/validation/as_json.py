@@ -7,6 +7,7 @@ import math
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from physim.declared import Mode, Rule
 from physim.validation.seeds import SeedStudy
 from physim.validation.validation import Validation
 
@@ -19,7 +20,7 @@ def json_of_validation(validation: Validation) -> str:
     return _text(
         {
             "format": "physim-validation",
-            "version": 1,
+            "version": 2,
             "units": UNITS,
             "verdict": validation.verdict,
             "exit_code": validation.code,
@@ -32,18 +33,21 @@ def json_of_validation(validation: Validation) -> str:
 
 def json_of_seeds(study: SeedStudy) -> str:
     """JSON of a study over seeds."""
-    low, high = study.interval
+    free, finished = study.rate(study.free), study.rate(study.finished)
     return _text(
         {
             "format": "physim-validation-seeds",
-            "version": 1,
+            "version": 2,
             "world": study.world,
             "seeds_asked": study.asked,
             "interrupted": study.interrupted,
             "runs": len(study.results),
             "contact_free": study.free,
-            "rate": study.rate,
-            "interval_95": [low, high],
+            "rate": free.share,
+            "interval_95": list(free.interval),
+            "finished": study.finished,
+            "finished_rate": finished.share,
+            "finished_interval_95": list(finished.interval),
             "exit_code": INTERRUPTED if study.interrupted else study.code,
             "seeds": plain(study.results),
         }
@@ -51,7 +55,9 @@ def json_of_seeds(study: SeedStudy) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Value in types that JSON knows."""
+    """Value in types that JSON knows; modes and rules by their names."""
+    if isinstance(value, Mode | Rule):
+        return value.name
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):

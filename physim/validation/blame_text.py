@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from physim.control import Mode
+from physim.declared import AT_STOP
 from physim.tolerances import PUSH
 from physim.validation.contact_report import ContactReport, GrazeReport
 from physim.validation.numbers import joined, length, short
@@ -75,12 +75,12 @@ def finding_words(one: ContactReport, names: list[str]) -> str:
         said.append(f"{name} considered no robot, though it had to consider {other}.")
     elif side.mode is None:
         said.append(f"{name} looked, but took no command that kept it clear of {other}.")
-    elif side.mode == Mode.SAFE:
-        said.append(f"{name} was in safe mode: it did not take {other} for a danger.")
-    elif side.mode == Mode.ARRIVED:
+    elif side.mode.danger:
+        said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
+    elif side.mode.name == AT_STOP.name:
         said.append(f"{name} said that it had arrived, yet its command was to move.")
     else:
-        said.append(f"{name} was avoiding, but took no command that kept it clear of {other}.")
+        said.append(f"{name} was in mode {side.mode}: it did not take {other} for a danger.")
     return " ".join(said)
 
 

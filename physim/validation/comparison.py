@@ -32,7 +32,6 @@ from physim.validation.findings import DEPTH_SLACK, ROUNDING, TOLERANCE, UNEXPLA
 from physim.validation.ledger import Ledger
 from physim.validation.recorded import Exact, recorded_extremes
 from physim.validation.rows import body_keys, distance_at, stretches
-from physim.validation.stations import stations
 
 
 class Confusion(NamedTuple):
@@ -64,7 +63,7 @@ class Comparison:
 
 
 def compare(record: Record, ledger: Ledger, exact: Exact) -> Comparison:
-    """Hold contacts, distances and stations of a record against shapes and paths.
+    """Hold contacts and distances of a record against the shapes.
 
     Raises RecordError for an impossible id.
     """
@@ -81,7 +80,6 @@ def compare(record: Record, ledger: Ledger, exact: Exact) -> Comparison:
     found += exact.disagreements
     found += recorded_extremes(record, exact, ledger.reach)
     found += contact_rows(record)
-    found += stations(record)
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
     swept = np.union1d(_spread(ours, bodies, ledger.samples), body_keys(ledger.grazes, bodies))
     return Comparison(

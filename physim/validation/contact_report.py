@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from physim.contacts import Kind, touching
 from physim.geometry.path import path_length, project
-from physim.metrics import Episode, contact_episodes
+from physim.geometry.shapes import FloatArray
+from physim.metrics import Episode, Severity, contact_episodes, masses, severity
 from physim.record import Record
 from physim.validation.decisions import DecisionTable
 from physim.validation.ledger import Ledger
 from physim.validation.prediction import Prediction, Predictor
 from physim.validation.pushing import Touch
-from physim.validation.sides import Side, sides_of, velocity_at
+from physim.validation.sides import Side, sides_of
 
 MOST_EARLY = 100
 """Pairs whose earlier predictions are looked at, too."""
@@ -37,10 +36,8 @@ class ContactReport:
     """[m] of that place along s*"""
     normal: tuple[float, float]
     """from a to b"""
-    closing: float
-    """[m/s] speed at which the two closed along the normal just before"""
-    sliding: float
-    """[m/s] speed along each other"""
+    severity: Severity
+    """of the impact, see `physim.metrics.severity`"""
     depth: float
     """[m] greatest"""
     duration: float
@@ -104,6 +101,7 @@ def contact_reports(
         zip(zip(*(k.tolist() for k in key), strict=True), ledger.touching["entry"], strict=True)
     )
     seen: set[tuple[int, int]] = set()
+    mass = masses(record)
     reports = []
     for number, episode in enumerate(episodes, 1):
         pair = (episode.a, episode.b)
@@ -114,7 +112,9 @@ def contact_reports(
         if math.isfinite(entry):
             touched += entry - record.dt
         busy = _touching_already(episodes, episode)
-        reports.append(_report(record, table, predictor, number, episode, touched, earlier, busy))
+        reports.append(
+            _report(record, table, predictor, number, episode, touched, earlier, busy, mass)
+        )
     return tuple(reports)
 
 
@@ -127,15 +127,14 @@ def _report(
     touched: float,
     earlier: bool,
     busy: tuple[int, ...],
+    mass: FloatArray | None,
 ) -> ContactReport:
     a, b, step = episode.a, episode.b, episode.step
     rows = record.contacts
     row = touching(rows[(rows["a"] == a) & (rows["b"] == b) & (rows["step"] == step)])[0]
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
-    relative = velocity_at(record, a, step, point) - velocity_at(record, b, step, point)
-    closing = float(relative @ np.array(normal))
-    sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
-    prediction = predictor.predict(a, b, step, touched, abs(closing), earlier)
+    impact = severity(record, episode, mass)
+    prediction = predictor.predict(a, b, step, touched, impact.closing, earlier)
     sides, charged = sides_of(record, table, Touch(a, b, step, point, normal))
     return ContactReport(
         number, a, b, episode.time, point,
@@ -144,7 +143,7 @@ def _report(
                 record.reference, 0, *point, 0.0, path_length(record.reference, 0)
             )[0]
         ),
-        normal, closing, sliding, episode.depth, episode.samples * record.dt,
+        normal, impact, episode.depth, episode.samples * record.dt,
         step + episode.samples >= record.samples, float(row["impulse"]), episode.impulse,
         sides, busy, prediction, _warning(prediction), charged,
     )  # fmt: skip

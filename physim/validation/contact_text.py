@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from physim.control import Mode
 from physim.tolerances import CONTACT
 from physim.validation.blame_text import charge_words, finding_words, who_words
 from physim.validation.contact_report import ContactReport
@@ -14,13 +13,6 @@ from physim.validation.validation import Validation
 
 SHOWN = 8
 """Pairs whose first contact is told in full"""
-
-MODES = {
-    int(Mode.SAFE): "safe mode",
-    int(Mode.DISTANCE): "danger mode (by distance)",
-    int(Mode.TIME): "danger mode (by collision time)",
-    int(Mode.ARRIVED): "arrived",
-}
 
 
 def opening(validation: Validation) -> list[str]:
@@ -131,7 +123,8 @@ def first_of_pairs(validation: Validation) -> list[ContactReport]:
 def _contact(validation: Validation, one: ContactReport) -> list[str]:
     names = names_of(validation)
     end = "still touching at the end" if one.lasting else f"for {one.duration:.2f} s"
-    motion = f"closing at {one.closing:.3f} m/s, sliding at {one.sliding:.3f} m/s"
+    hit = one.severity
+    motion = f"closing at {hit.closing:.3f} m/s, sliding at {hit.sliding:.3f} m/s"
     if one.time == 0.0:
         motion = "in contact from the start"
     before = _before(validation, one)
@@ -149,12 +142,27 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
             f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
             f"first, {one.impulse:,.1f} N s in all",
         ),
+        *_severity(one, names),
         *_item("responsible", charge_words(one, names)),
     ]
     for side in one.sides:
         lines += _item(names[side.body], _decision(side, one))
     lines += _item("finding", finding_words(one, names))
     return lines + (_item("note", before) if before else [])
+
+
+def _severity(one: ContactReport, names: list[str]) -> list[str]:
+    """What the impact did to each robot; nothing where masses are not known."""
+    hit = one.severity
+    if hit.changes is None or hit.energy is None:
+        return []
+    changes = joined(
+        [
+            f"{names[side.body]} by {change:.3f} m/s"
+            for side, change in zip(one.sides, hit.changes, strict=True)
+        ]
+    )
+    return _item("severity", f"changes the speed of {changes}, {hit.energy:.1f} J lost")
 
 
 def _item(label: str, text: str) -> list[str]:
@@ -164,13 +172,12 @@ def _item(label: str, text: str) -> list[str]:
 def _decision(side: Side, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
-    mode = "" if side.mode is None else MODES.get(side.mode, f"mode {side.mode}") + ", "
-    if side.mode == Mode.ARRIVED and side.stands:
-        mode += "standing, "
+    mode = "" if side.mode is None else f"mode {side.mode}, "
+    rule = "" if side.rule is None else f"{side.rule}, "
     ago = one.prediction.touched - side.decided
     return (
-        f"decided {short(ago)} before: {mode}v {side.v:.3f} m/s, omega {side.omega:.3f} rad/s; "
-        f"it {_saw(side)}"
+        f"decided {short(ago)} before: {mode}{rule}v {side.v:.3f} m/s, "
+        f"omega {side.omega:.3f} rad/s; it {_saw(side)}"
     )
 
 

@@ -1,4 +1,4 @@
-"""Decisions of a run by robot: the last one before a step, and the command held at a step."""
+"""Decisions of a run by robot: the last one before a step, and the command applied at a step."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WINDOW = 2.0
 
 
 class DecisionTable:
-    """Rows of the update table by robot."""
+    """Rows of the update table by robot, and the commands that robots were driven by."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
@@ -25,6 +25,9 @@ class DecisionTable:
         edges = np.searchsorted(sorted_robots, np.arange(record.robots + 1))
         self._index = [order[edges[i] : edges[i + 1]] for i in range(record.robots)]
         self._steps = [self.rows["step"][index] for index in self._index]
+        changed = _keys(record, record.commands["step"], record.commands["robot"])
+        self._command_row = np.argsort(changed)
+        self._changed = changed[self._command_row]
         self.radius = robot_shapes(record).radius
         """(N,) [m] of the circle round each reference point that holds the footprint"""
 
@@ -43,10 +46,19 @@ class DecisionTable:
         return None if place < 0 else self.rows[self._index[robot][place]]
 
     def held(self, robot: int, step: int) -> tuple[float, float]:
-        """Command (v [m/s], omega [rad/s]) that a robot holds from a step on; 0 before its first
-        decision."""
-        row = self.last(robot, step)
-        return (0.0, 0.0) if row is None else (float(row["given_v"]), float(row["given_omega"]))
+        """Command (v [m/s], omega [rad/s]) that drives a robot over the step from a sample on.
+
+        That is the applied one; 0 before its first decision.
+        """
+        key = _keys(self.record, step, robot)
+        place = int(np.searchsorted(self._changed, key))
+        if place < len(self._changed) and self._changed[place] == key:
+            row = self.record.commands[self._command_row[place]]
+            return float(row["applied_v"]), float(row["applied_omega"])
+        last = self.last(robot, step)
+        if last is None:
+            return 0.0, 0.0
+        return float(last["nominal_v"]), float(last["nominal_omega"])
 
     def reference_station(self, robot: int, step: int) -> float:
         """Projection [m] of a robot on the reference path s* at a recorded step.
@@ -59,8 +71,13 @@ class DecisionTable:
         if row is None or not np.isfinite(row["reference_station"]):
             return float(project(lines, 0, x, y, 0.0, path_length(lines, 0))[0])
         seconds = (step - int(row["step"])) * record.dt
-        window = WINDOW + 2.0 * abs(float(row["given_v"])) * seconds
+        window = WINDOW + 2.0 * abs(float(row["applied_v"])) * seconds
         return float(track(lines, 0, x, y, float(row["reference_station"]), window)[0])
+
+
+def _keys(record: Record, step: IntArray | int, robot: IntArray | int) -> IntArray:
+    """One number for step and robot, increasing with the rows of a table."""
+    return np.asarray(np.asarray(step, dtype=np.int64) * record.robots + robot)
 
 
 def last_before(table: DecisionTable, robots: list[int], step: int) -> int | None:

@@ -1,10 +1,10 @@
 """Did the robots move as commanded? Poses against exact arcs, from each sample to the next.
 
-A robot that touches nothing follows the arc of its held command exactly (the engine moves it along
-the chord of that very arc), so its pose at each sample follows from the one before and from the
-update table. Left out are robots in contact, which move as far as the contact allows, and robots
-that one in contact could reach in the step: the engine eases it out of an overlap, and it may push
-them on its way though they touch nothing at either sample.
+A robot that touches nothing follows the arc of its applied command exactly (the engine moves it
+along the chord of that very arc), so its pose at each sample follows from the one before and from
+the recorded commands. Left out are robots in contact, which move as far as the contact allows, and
+robots that one in contact could reach in the step: the engine eases it out of an overlap, and it
+may push them on its way though they touch nothing at either sample.
 """
 
 from __future__ import annotations
@@ -64,41 +64,14 @@ class _Off(NamedTuple):
     turn: FloatArray
 
 
-class _Course(NamedTuple):
-    """Decisions of one robot."""
-
-    step: IntArray
-    command: FloatArray
-    """(M, 2) given"""
-
-    @classmethod
-    def of(cls, table: DecisionTable, robot: int) -> _Course:
-        rows = table.of(robot)
-        return cls(table.steps(robot), np.stack((rows["given_v"], rows["given_omega"]), axis=1))
-
-
 def check_motion(record: Record, table: DecisionTable) -> Motion:
-    """Hold every pose against the arc from the one before; see the module for what is left out.
-
-    Where filters stood between controllers and robots, the record has the given commands at
-    decisions only, and only the steps after those are looked at. Of a run that was killed the
-    table of decisions may end before the poses: what is behind its end is left out.
-    """
+    """Hold every pose against the arc from the one before; see the module for what is left out."""
     touched = _touched(record)
-    until = record.samples
-    if record.ended == "running":
-        until = int(record.updates["step"].max(initial=-1)) + 1
-    courses = [_Course.of(table, i) for i in range(record.robots)]
     checked, found = 0, []
     for poses, first in blocks(record):
-        poses = poses[: max(0, until - first + 1)]
-        if len(poses) < 2:
-            break
-        command, decided = _held(courses, first, len(poses) - 1)
-        free = ~touched[first : first + len(poses) - 1]
-        free &= ~touched[first + 1 : first + len(poses)]
-        if record.filtered:
-            free &= decided
+        last = first + len(poses) - 1
+        command = record.commands_over("applied", first, last)
+        free = ~touched[first:last] & ~touched[first + 1 : last + 1]
         checked += int(free.sum())
         found.append(_off(poses, first, command, record.dt, free))
     return Motion(checked, _strays(record, table, found, touched))
@@ -112,19 +85,6 @@ def _touched(record: Record) -> NDArray[np.bool_]:
         mine = rows[rows[who] < record.robots]
         touched[mine["step"], mine[who]] = True
     return touched
-
-
-def _held(courses: list[_Course], first: int, steps: int) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Commands (steps, N, 2) held from steps ``first`` on, and whether they were decided there."""
-    command = np.zeros((steps, len(courses), 2))
-    decided = np.zeros((steps, len(courses)), dtype=np.bool_)
-    at = first + np.arange(steps)
-    for i, course in enumerate(courses):
-        place = np.searchsorted(course.step, at, side="right") - 1
-        known = place >= 0
-        command[known, i] = course.command[place[known]]
-        decided[known, i] = course.step[place[known]] == at[known]
-    return command, decided
 
 
 def _off(

@@ -28,6 +28,8 @@ from physim.validation.scan import FULL, walls_about
 SHOWN = 10
 LOOK = 3.0
 """[s] Collision times beyond this are no near miss."""
+DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
+"""Who decided when: the same type whatever columns a controller declares, for the kernel."""
 APART = 1.0
 """[s] Decisions of a pair farther apart in time belong to two near misses."""
 
@@ -114,31 +116,26 @@ def decision_times(
 ) -> int:
     """Write step, robot, other body and collision time [s] of every pair that meets in time.
 
-    ``rows`` are update rows in the order of steps, ``poses`` (B, N, 3) those from step ``start``
-    on. ``command`` (N, 2) is brought up to date in place. Returns how many, or FULL.
+    ``rows`` are those of `DECIDED` in the order of steps, ``poses`` (B, N, 3) those from step
+    ``start`` on, ``command`` (B, N, 2) what drives the robots from there on. Returns how many, or
+    FULL.
     """
     robots = poses.shape[1]
     count = 0
     for k in range(len(rows)):
-        if k == 0 or rows[k].step != rows[k - 1].step:
-            m = k
-            while m < len(rows) and rows[m].step == rows[k].step:
-                command[rows[m].robot, 0] = rows[m].given_v
-                command[rows[m].robot, 1] = rows[m].given_omega
-                m += 1
-        pose = poses[rows[k].step - start]
-        i = rows[k].robot
-        mine = (command[i, 0], command[i, 1])
+        at, i = rows[k].step - start, rows[k].robot
+        pose, held = poses[at], command[at]
+        mine = (held[i, 0], held[i, 1])
         for j in range(robots + len(walls.body_start) - 1):
             if j == i:
                 continue
             if j < robots:
-                theirs = (command[j, 0], command[j, 1])
+                theirs = (held[j, 0], held[j, 1])
                 xi = collision_time_pair(shapes, i, pose[i], mine, j, pose[j], theirs, horizon)
             else:
                 w = j - robots
                 span = abs(mine[0]) * horizon + 1e-6
-                here = poses[rows[k].step - start : rows[k].step - start + 1]
+                here = poses[at : at + 1]
                 about = walls_about(here, i, shapes.radius[i], walls, span)
                 parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
                 xi = collision_time_walls(shapes, i, pose[i], mine, walls, parts, horizon)
@@ -155,20 +152,21 @@ def decision_times(
 
 def _times(record: Record) -> tuple[NearMiss, ...]:
     shapes, walls = robot_shapes(record), record.walls
-    command = np.zeros((record.robots, 2))
-    updates = record.updates
+    decided = np.zeros(len(record.updates), dtype=DECIDED)
+    for name in DECIDED.names or ():
+        decided[name] = record.updates[name]
     who, values = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)]
     for poses, start in blocks(record):
-        first, last = np.searchsorted(updates["step"], [start, start + len(poses) - 1])
-        rows = updates[first:last].copy()
+        end = start + len(poses) - 1
+        first, last = np.searchsorted(decided["step"], [start, end])
+        rows, command = decided[first:last], record.commands_over("applied", start, end)
         room = 256
         while True:
-            some, xi, now = np.empty((room, 3), dtype=np.int64), np.empty(room), command.copy()
-            count = decision_times(rows, poses, start, now, shapes, walls, LOOK, some, xi)
+            some, xi = np.empty((room, 3), dtype=np.int64), np.empty(room)
+            count = decision_times(rows, poses, start, command, shapes, walls, LOOK, some, xi)
             if count != FULL:
                 break
             room *= 4
-        command = now
         who.append(some[:count])
         values.append(xi[:count])
     return _smallest(record, np.concatenate(who), np.concatenate(values))

@@ -1,4 +1,4 @@
-"""Is a record that of the world inside it? Its scene is built anew from that world and compared."""
+"""Is a record that of the world inside it? Scene and controller are made anew and compared."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.errors import RecordError, WorldError
+from physim.declared import Column, Declared, Mode, Rule
+from physim.errors import ControllerError, RecordError, WorldError
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.tolerances import LENGTH
@@ -19,6 +21,21 @@ from physim.tolerances import LENGTH
 AREA = 1e-6
 """[m] The edges of an area may differ by this: another version of the library that makes them
 rounds in its own way."""
+
+
+@dataclass(frozen=True)
+class Inside:
+    """What the world inside a record gives."""
+
+    scene: Scene | None
+    """None where the record holds no text of its world"""
+    controller: Any | None
+    """the world's own controller, where it decided and can be made without running code of
+    somebody's own"""
+    why_not: str
+    """why there is no controller; empty where there is one"""
+    stages: tuple[str, ...] | None
+    """words of the kinds of stages that stood in the run, of the world or given; None: unknown"""
 
 
 @dataclass(frozen=True)
@@ -31,22 +48,80 @@ class Origin:
     """what is in the record, and what it is by the world; one line each"""
 
 
-def check_origin(record: Record) -> Origin:
-    """Hold what is known before the first step against the world inside.
+def world_inside(record: Record) -> Inside:
+    """Build scene and controller of the world inside.
 
-    Seed, step, names, footprints, walls, paths, areas and start poses. Lengths and angles must
-    agree within `LENGTH`, the edges of areas within `AREA`. A record made without the text of a
-    world is not compared. Raises RecordError, one line, where the text cannot be read or built.
+    Raises RecordError, one line, where the text cannot be read or built.
     """
+    given = [kind for kind, _ in record.given]
     if not record.world_text.strip():
-        return Origin(False, ())
+        return Inside(None, None, "the record holds no text of its world", None)
     try:
         scene = build_scene(record.world)
     except WorldError as error:
         where = record.path or "record in memory"
         told = str(error).splitlines()[0].removeprefix(f"world of {where}:")
         raise RecordError(f"{where}: the world inside cannot be read: {told.strip()}") from error
-    return Origin(True, (*_values(record, scene), *_arrays(record, scene), *_areas(record, scene)))
+    world = scene.world
+    named = ((SENSING, world.sensing.stages), (FILTER, world.filters),
+             (DISTURBANCE, world.disturbances))  # fmt: skip
+    stages = [kind.word for kind, choices in named if choices]
+    return Inside(scene, *_controller(record, scene), (*stages, *given))
+
+
+def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:
+    """The world's own controller, or why it is not made."""
+    if record.controller:
+        return None, f"{record.controller} was given from Python"
+    choice = scene.world.controller
+    if ":" in choice.type:
+        return None, f"no code is run because a record names it ({choice.type})"
+    try:
+        return make_part(CONTROLLER, choice.type, choice.settings), ""
+    except WorldError as error:
+        raise RecordError(
+            f"{record.path or 'record in memory'}: the world inside cannot be read: "
+            f"{str(error).splitlines()[0]}"
+        ) from error
+    except ControllerError as error:
+        return None, str(error).splitlines()[0]
+
+
+def check_origin(record: Record, inside: Inside) -> Origin:
+    """Hold what is known before the first step against the world inside.
+
+    Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller
+    declares. Lengths and angles must agree within `LENGTH`, the edges of areas within `AREA`. A
+    record made without the text of a world is not compared.
+    """
+    scene = inside.scene
+    if scene is None:
+        return Origin(False, ())
+    found = (*_values(record, scene), *_arrays(record, scene), *_areas(record, scene))
+    return Origin(True, (*found, *_declared(record, inside)))
+
+
+def _declared(record: Record, inside: Inside) -> Iterator[str]:
+    """Modes, rules and columns, and L, against those of the world's own controller."""
+    if inside.controller is None:
+        return
+    ours, settings = Declared.of(inside.controller), getattr(inside.controller, "settings", None)
+    for key in ("modes", "rules", "columns"):
+        one, other = getattr(record.declared, key), getattr(ours, key)
+        if one != other:
+            k = next((k for k, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), -1)
+            told, by = (_told(some[k]) if k >= 0 else f"{len(some)} {key}" for some in (one, other))
+            yield f"{key} of the controller: {told} in the record, {by} by the world inside it"
+    distance = float(getattr(settings, "safe_distance", 0.0))
+    if record.safe_distance != distance:
+        yield (
+            f"safe_distance is {record.safe_distance:g} in the record, {distance:g} by the world "
+            "inside it"
+        )
+
+
+def _told(one: Mode | Rule | Column) -> str:
+    return f"{one.name} ({', '.join(str(value) for value in list(vars(one).values())[1:])})"
 
 
 def _values(record: Record, scene: Scene) -> Iterator[str]:
@@ -55,7 +130,6 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
         ("seed", record.seed, scene.seed),
         ("dt", record.dt, scene.dt),
         ("steps_planned", record.steps_planned, scene.steps),
-        ("record_every", record.record_every, scene.world.time.record_every),
         ("number of robots", record.robots, scene.robots),
     ]
     for k, (one, other) in enumerate(zip(record.bodies, scene.bodies, strict=False)):
@@ -64,8 +138,6 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
             for field in ("id", "kind", "name")
         ]
     pairs.append(("number of bodies", len(record.bodies), len(scene.bodies)))
-    if record.ended == "duration":
-        pairs.append(("number of steps run for the whole duration", record.steps_run, scene.steps))
     for name, inside, world in pairs:
         if inside != world:
             yield f"{name} is {inside} in the record, {world} by the world inside it"
@@ -87,6 +159,7 @@ def _arrays(record: Record, scene: Scene) -> Iterator[str]:
         ("paths: start", record.paths.start, scene.paths.start),
         ("reference path: point", record.reference.points, scene.reference.points),
         ("stop station of robot", record.stop_station, scene.stop_station),
+        ("lead of robot", record.lead, scene.formation.lead),
     ]
     if record.samples:
         ours.append(("start pose of robot", record.read("/steps/pose", 0, 1)[0], scene.start))

@@ -96,9 +96,6 @@ def _pusher(
 def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: Touch) -> bool:
     """Whether a robot closed on the other body by more than its command says."""
     step = touch.step
-    row = table.last(robot, step - 1)
-    if record.filtered and (row is None or int(row["step"]) != step - 1):
-        return False  # what a filter made of the command is recorded at decisions only
     before, now = record.read("/steps/pose", step - 1, step + 1)[:, robot]
     command = np.array([table.held(robot, step - 1)])
     x, y, turn = (now - arcs(before[None], command, record.dt)[0]) / record.dt

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from math import isfinite
-
-from physim.tolerances import ONE_STEP
+from physim.validation.checks_text import (
+    check_lines,
+    disagreement_lines,
+    expectation_lines,
+)
 from physim.validation.contact_text import contact_lines, opening, table_lines
 from physim.validation.near_misses import LOOK, NearMiss
 from physim.validation.numbers import listed, names_of, wrapped
 from physim.validation.prediction_text import prediction_lines
-from physim.validation.validation import Validation, confusions
-
-SHOWN_DISAGREEMENTS = 20
+from physim.validation.validation import Validation
 
 
 def report(validation: Validation) -> str:
@@ -20,8 +20,9 @@ def report(validation: Validation) -> str:
         _head(validation),
         ["VERDICT  " + validation.verdict, *warning_lines(validation), *opening(validation)],
         _contacts(validation),
-        _checks(validation),
-        _disagreements(validation),
+        check_lines(validation),
+        disagreement_lines(validation),
+        expectation_lines(validation),
         prediction_lines(validation),
         _near_misses(validation),
         warning_lines(validation),
@@ -42,6 +43,7 @@ def warning_lines(validation: Validation) -> list[str]:
 
 def _head(validation: Validation) -> list[str]:
     run = validation.run
+    given = dict(run.given)
     robots = "1 robot" if run.robots == 1 else f"{run.robots} robots"
     others = [body.name for body in run.bodies[run.robots :]]
     ends = {
@@ -55,17 +57,15 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller}{', given from Python' if run.given else ''}",
+        f"  controller  {run.controller}{', given from Python' if 'controller' in given else ''}",
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]
-    if run.filtered:
-        lines.append(
-            "  filters     stood between controller and robots: motion is held against commands at "
-            "decisions only"
-        )
-    if validation.resimulated:
-        lines.append("  samples     not all in the record: simulated again, and those in it agree")
+    lines += [
+        f"  {kind:<11} {name}, given from Python"
+        for kind, name in run.given
+        if kind != "controller"
+    ]
     made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
     return [*lines, f"  made by     {made}"] if made else lines
 
@@ -74,78 +74,6 @@ def _contacts(validation: Validation) -> list[str]:
     if not validation.contacts:
         return []
     return ["CONTACTS", *table_lines(validation), *contact_lines(validation)]
-
-
-def _checks(validation: Validation) -> list[str]:
-    comparison, run = validation.comparison, validation.run
-    pad = 34 * " "
-    lines = [
-        "CHECKS: physical contacts against exact distances, every pair at every step",
-        f"  {pad}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
-        f"  {pad}{'contact':>10}{'only':>10}{'only':>10}",
-    ]
-    for label, row in confusions(validation):
-        cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
-        lines.append(f"  {label:<34}{cells}{row.neither:>14,}")
-    if comparison.rejected:
-        times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
-        lines.append(
-            f"  The engine reported a contact of shapes that were apart {times}; the exact check "
-            "rejected it."
-        )
-    lines.append(
-        f"  Motion: {validation.motion.checked:,} steps of robots that touch nothing, held against "
-        "the arcs of"
-    )
-    strays = len(validation.motion.strays)
-    lines.append(
-        f"  their commands: {f'{strays} DIFFER' if strays else f'all agree within {ONE_STEP:g} m'}."
-    )
-    if not validation.origin.held:
-        lines.append("  World: the record holds no text of its world; nothing is held against it.")
-    if run.robots == 1:
-        lines.append("  A single robot: there are no pairs of robots.")
-    return lines
-
-
-def _disagreements(validation: Validation) -> list[str]:
-    found = validation.comparison.disagreements
-    strays = validation.motion.strays
-    differences = validation.origin.differences
-    count = len(found) + len(validation.mispredicted) + len(strays) + len(differences)
-    if not count:
-        return ["DISAGREEMENTS: none"]
-    names = names_of(validation)
-    unexplained = validation.unexplained + len(strays) + len(differences)
-    lines = [f"DISAGREEMENTS: {count}, of which {unexplained} unexplained"]
-    for told in differences[:SHOWN_DISAGREEMENTS]:
-        lines += wrapped(f"unexplained: {told}", "  ", 15 * " ")
-    for stray in strays[:SHOWN_DISAGREEMENTS]:
-        long = f" for {stray.steps} steps" if stray.steps > 1 else ""
-        lines += wrapped(
-            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained (it touches nothing, yet its "
-            f"pose is {stray.gap:.3g} m and {stray.turn:.3g} rad from where its command leads from "
-            f"the sample before{long})", "  ", 15 * " ",
-        )  # fmt: skip
-    shown = sorted(found, key=lambda one: one.cause != "unexplained")[:SHOWN_DISAGREEMENTS]
-    for one in shown:
-        who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
-        long = f" for {one.steps} samples" if one.steps > 1 else ""
-        apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
-        lines += wrapped(
-            f"{one.time:9.4f} s  {who}{apart}{long}: "
-            f"{one.cause} ({one.what})", "  ", 15 * " ",
-        )  # fmt: skip
-    for contact in validation.mispredicted[:SHOWN_DISAGREEMENTS]:
-        p = contact.prediction
-        due = "none" if p.predicted is None or p.predicted > 1e9 else f"{p.predicted:.4f} s"
-        lines += wrapped(
-            f"{p.found:9.4f} s  {names[p.a]} and {names[p.b]}: unexplained (first touch at "
-            f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})", "  ", 15 * " ",
-        )  # fmt: skip
-    left = count - len(shown) - len(validation.mispredicted[:SHOWN_DISAGREEMENTS])
-    left -= len(strays[:SHOWN_DISAGREEMENTS]) + len(differences[:SHOWN_DISAGREEMENTS])
-    return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 
 def _near_misses(validation: Validation) -> list[str]:

@@ -28,6 +28,15 @@ class SeedResult:
     """first contact in a few words; empty without one"""
     nearest: float | None
     """[m] smallest distance of an approach without contact; None when nothing came near"""
+    finished: bool
+    """all robots arrived"""
+    missed: tuple[str, ...]
+    """what the world expects of each run and did not get of this one"""
+
+    @property
+    def free(self) -> bool:
+        """Whether the checks agree that nothing touched, at samples or between them."""
+        return self.code != DISAGREE and not self.contacts and not self.grazes
 
     @classmethod
     def of(cls, seed: int, found: Validation) -> SeedResult:
@@ -46,9 +55,35 @@ class SeedResult:
         near = found.near_misses.distances
         return cls(
             seed, found.verdict, found.code, len(found.contacts), len(found.grazes),
-            found.run.ended,
-            found.run.seconds, first, near[0].value if near else None,
+            found.run.ended, found.run.seconds, first, near[0].value if near else None,
+            found.run.ended == "finished", tuple(one.key for one in found.missed),
         )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A share of the runs of a study, and how sure it is."""
+
+    runs: int
+    of: int
+
+    @property
+    def share(self) -> float:
+        """[-]"""
+        return self.runs / self.of
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 % Clopper-Pearson interval."""
+        return clopper_pearson(self.runs, self.of)
+
+    def words(self, what: str) -> str:
+        """``9 of 10 runs WHAT = 90.0%, 95 % Clopper-Pearson interval 55.5% to 99.7%``."""
+        low, high = self.interval
+        return (
+            f"{self.runs} of {plural(self.of, 'run')} {what} = {self.share:.1%}, "
+            f"95 % Clopper-Pearson interval {low:.1%} to {high:.1%}"
+        )
 
 
 @dataclass(frozen=True)
@@ -68,21 +103,21 @@ class SeedStudy:
     @property
     def free(self) -> int:
         """Number of contact-free runs whose checks agree."""
-        return sum(one.code == FREE for one in self.results)
+        return sum(one.free for one in self.results)
 
     @property
-    def rate(self) -> float:
-        """[-] share of contact-free runs."""
-        return self.free / len(self.results)
+    def finished(self) -> int:
+        """Number of runs in which all robots arrived, and whose checks agree."""
+        return sum(one.finished and one.code != DISAGREE for one in self.results)
 
-    @property
-    def interval(self) -> tuple[float, float]:
-        """95 % Clopper-Pearson interval of the rate."""
-        return clopper_pearson(self.free, len(self.results))
+    def rate(self, runs: int) -> Rate:
+        """Share of so many of the runs."""
+        return Rate(runs, len(self.results))
 
     @property
     def code(self) -> int:
-        """Exit code: 3 if checks disagree in any run, else 1 if any had a contact, else 0."""
+        """Exit code: 3 if checks disagree in any run, else 1 if any had a contact or was not as
+        expected, else 0."""
         codes = [one.code for one in self.results]
         return DISAGREE if DISAGREE in codes else CONTACTS if CONTACTS in codes else FREE
 
@@ -111,19 +146,21 @@ def seed_line(one: SeedResult) -> str:
 
 
 def seeds_text(study: SeedStudy) -> str:
-    """Rate of contact-free runs with its interval, and the verdict."""
-    low, high = study.interval
+    """Rates of contact-free and of finished runs with their intervals, and the verdict."""
     count = len(study.results)
-    bad = [str(one.seed) for one in study.results if one.code == CONTACTS]
+    bad = [str(one.seed) for one in study.results if one.code == CONTACTS and not one.free]
     wrong = [str(one.seed) for one in study.results if one.code == DISAGREE]
     lines = [
-        f"{study.world}: {study.free} of {plural(count, 'run')} contact-free = {study.rate:.1%}, "
-        f"95 % Clopper-Pearson interval {low:.1%} to {high:.1%}",
+        f"{study.world}: " + study.rate(runs).words(what)
+        for runs, what in ((study.free, "contact-free"), (study.finished, "finished"))
     ]
     if study.interrupted:
         lines.append(f"interrupted: {study.asked - count} of {study.asked} seeds were not run")
     if bad:
         lines.append(f"contacts with seeds {', '.join(bad)}")
+    for key in sorted({key for one in study.results for key in one.missed}):
+        seeds = ", ".join(str(one.seed) for one in study.results if key in one.missed)
+        lines.append(f"not as expected, {key}: with seeds {seeds}")
     if wrong:
         lines.append(f"checks disagree with seeds {', '.join(wrong)}")
     return "\n".join(lines) + "\n"

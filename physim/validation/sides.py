@@ -13,15 +13,20 @@ contact, or stood by command while the other came, is not charged but the one th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from physim.control import NO_MODE
+from physim.declared import NO_NUMBER, Mode, Rule
 from physim.geometry.shapes import FloatArray
+from physim.metrics.severity import point_velocity
 from physim.record import Record
 from physim.validation.decisions import DecisionTable
 from physim.validation.pushing import Touch, pushed_by, stands
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -37,11 +42,12 @@ class Side:
     """[m] along s* when the contact began"""
     decided: float | None
     """[s] its last decision before the contact, and what it was:"""
-    mode: int | None
+    mode: Mode | None
+    rule: Rule | None
     v: float
-    """[m/s] command"""
+    """[m/s] command that drove it"""
     omega: float
-    """[rad/s] command"""
+    """[rad/s] command that drove it"""
     reported_time: float
     """[s] collision time that its controller reported; inf none within its horizon, NaN not
     looked at"""
@@ -60,16 +66,6 @@ class Side:
     """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
     its place; None where there is none, or where it did not have to keep clear"""
     responsible: bool
-
-
-def velocity_at(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
-    """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample."""
-    if body >= record.robots or step == 0:
-        return np.zeros(2)
-    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
-    vx, vy, omega = (now - before) / record.dt
-    x, y = point[0] - now[0], point[1] - now[1]
-    return np.array((vx - omega * y, vy + omega * x))
 
 
 def sides_of(
@@ -117,20 +113,39 @@ def _side(
 ) -> Side:
     step, point = touch.step, touch.point
     pose = record.read("/steps/pose", step, step + 1)[0, i]
-    vx, vy = velocity_at(record, i, step, (float(pose[0]), float(pose[1])))
+    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
     row = table.last(i, step - 1)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
-    nan = math.nan
     return Side(
-        i, _part(pose, point), math.hypot(vx, vy), table.reference_station(i, step),
-        None if row is None else float(row["step"]) * record.dt,
-        None if row is None or row["mode"] == NO_MODE else int(row["mode"]), v, omega,
-        nan if row is None else float(row["collision_time"]),
-        nan if row is None else float(row["distance"]),
-        nan if row is None else float(row["boundary_distance"]),
-        0 if row is None else int(row["considered"]), behind, stands(table, i, step), pusher,
-        responsible,
-    )  # fmt: skip
+        body=i,
+        part=_part(pose, point),
+        speed=math.hypot(vx, vy),
+        station=table.reference_station(i, step),
+        decided=None if row is None else float(row["step"]) * record.dt,
+        mode=_declared(row, "mode", record.modes),
+        rule=_declared(row, "rule", record.declared.rules),
+        v=v,
+        omega=omega,
+        reported_time=_reported(row, "collision_time"),
+        reported_distance=_reported(row, "distance"),
+        reported_boundary=_reported(row, "boundary_distance"),
+        considered=0 if row is None else int(row["considered"]),
+        behind=behind,
+        stands=stands(table, i, step),
+        pushed_by=pusher,
+        responsible=responsible,
+    )
+
+
+def _declared(row: np.void | None, field: str, among: Sequence[T]) -> T | None:
+    """Mode or rule of a decision; None where it gave none."""
+    return None if row is None or row[field] == NO_NUMBER else among[row[field]]
+
+
+def _reported(row: np.void | None, column: str) -> float:
+    """What a decision reported; NaN where its controller declares no such column."""
+    known = row is not None and column in (row.dtype.names or ())
+    return float(row[column]) if known and row is not None else math.nan
 
 
 def _part(pose: FloatArray, point: tuple[float, float]) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from physim.errors import RecordError
+from physim.errors import RecordError, plural
+from physim.expectations import Held, expectations
 from physim.metrics import Deep, deep_contacts
 from physim.record import Record
+from physim.record.layout import OPTIONAL
 from physim.scene import Body
 from physim.validation.comparison import Comparison, Confusion, compare
 from physim.validation.contact_report import (
@@ -18,12 +20,16 @@ from physim.validation.contact_report import (
     graze_reports,
 )
 from physim.validation.decisions import DecisionTable
+from physim.validation.ending import check_counts
 from physim.validation.ledger import Ledger, work_out
+from physim.validation.mismatch import Mismatches
 from physim.validation.motion import Motion, check_motion
 from physim.validation.near_misses import NearMisses, near_misses
-from physim.validation.origin import Origin, check_origin
+from physim.validation.origin import Origin, check_origin, world_inside
 from physim.validation.prediction import DISAGREES, Predictor
+from physim.validation.recomputed import Recomputed, recompute
 from physim.validation.recorded import exact_distances
+from physim.validation.rerun import Rerun, compare_runs
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
 """Exit codes of the verdict."""
@@ -49,10 +55,8 @@ class Run:
     """[s]"""
     ended: str
     versions: dict[str, str]
-    given: bool
-    """the controller was given from Python, in place of the world's own"""
-    filtered: bool
-    """filters stood between controller and robots"""
+    given: tuple[tuple[str, str], ...]
+    """parts that came from Python in place of or beside what the world names: kind and name"""
 
 
 @dataclass(frozen=True)
@@ -70,10 +74,14 @@ class Validation:
     """whether robots that touch nothing moved as commanded"""
     origin: Origin
     """whether the record is that of the world inside it"""
+    recomputed: Recomputed
+    """decisions, commands and the end of the run, worked out anew"""
+    expectations: tuple[Held, ...]
+    """what the world inside expects of a run, as far as it can be said of this one"""
     deep: tuple[Deep, ...]
     """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
-    resimulated: bool = False
-    """the record was coarse: the run was simulated again, and its samples agreed"""
+    rerun: Rerun | None = None
+    """the run simulated again, where it was"""
 
     @property
     def mispredicted(self) -> tuple[ContactReport, ...]:
@@ -90,16 +98,29 @@ class Validation:
         """``contact-free``, ``contacts: N of P pairs`` or ``checks disagree: ...``.
 
         Contacts between samples are counted apart: ``contacts: N of P pairs at samples, M between
-        samples``. The checks disagree by ``N unexplained``, by ``poses do not follow the commands,
-        N times``, and by what is not as in the world inside the record.
+        samples``. What the world expects and did not get stands behind: ``; not as expected:
+        finished``.
         """
+        if found := self._disagreeing():
+            return f"checks disagree: {'; '.join(found)}"
+        missed = ", ".join(one.key for one in self.missed)
+        return self._touching() + (f"; not as expected: {missed}" if missed else "")
+
+    def _disagreeing(self) -> list[str]:
+        """By what the checks disagree, with the first place where it is one of many."""
         found = [f"{self.unexplained} unexplained"] if self.unexplained else []
         if count := len(self.motion.strays):
             times = "once" if count == 1 else f"{count} times"
             found.append(f"poses do not follow the commands, {times}")
         found += self.origin.differences[:1]
-        if found:
-            return f"checks disagree: {'; '.join(found)}"
+        names = [body.name for body in self.run.bodies]
+        if wrong := self.recomputed.mismatches:
+            found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(names)}")
+        if self.rerun is not None and self.rerun.difference is not None:
+            found.append(f"simulated again it is another run, {self.rerun.difference.line(names)}")
+        return found
+
+    def _touching(self) -> str:
         contacts = f"contacts: {len(self.contacts)}"
         if self.contacts:
             contacts += f" of {self.pairs} pair{'s' if self.pairs != 1 else ''}"
@@ -108,20 +129,26 @@ class Validation:
         return contacts if self.contacts else "contact-free"
 
     @property
+    def missed(self) -> tuple[Held, ...]:
+        """What the world expects of a run and did not get."""
+        return tuple(one for one in self.expectations if not one.held)
+
+    @property
     def pairs(self) -> int:
         """Number of pairs of bodies that touched at samples."""
         return len({(one.a, one.b) for one in self.contacts})
 
     @property
     def code(self) -> int:
-        """Exit code: 0 contact-free, 1 contacts, 3 checks disagree."""
-        if self.unexplained or self.motion.strays or self.origin.differences:
+        """Exit code: 0 contact-free and as expected, 1 contacts or not as expected, 3 checks
+        disagree."""
+        if self._disagreeing():
             return DISAGREE
-        return CONTACTS if self.contacts or self.grazes else FREE
+        return CONTACTS if self.contacts or self.grazes or self.missed else FREE
 
 
-def validate(record: Record, *, source: str | None = None, resimulated: bool = False) -> Validation:
-    """Validate a record that holds the poses of every step.
+def validate(record: Record, *, source: str | None = None) -> Validation:
+    """Validate a record that holds the poses of every step, and all tables.
 
     ``source`` says in the report where it came from: its file, when absent.
 
@@ -129,7 +156,7 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     interrupted or killed is judged as far as it is recorded.
     """
     check_complete(record)
-    origin = check_origin(record)
+    inside = world_inside(record)
     ledger: Ledger = work_out(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
@@ -137,8 +164,9 @@ def validate(record: Record, *, source: str | None = None, resimulated: bool = F
     contacts = contact_reports(record, ledger, table, Predictor(record, table))
     return Validation(
         _run(record, source), comparison, contacts, graze_reports(record, table),
-        near_misses(record, ledger, table, exact), check_motion(record, table), origin,
-        deep_contacts(record), resimulated,
+        near_misses(record, ledger, table, exact), check_motion(record, table),
+        check_origin(record, inside), recompute(record, inside), _expectations(record),
+        deep_contacts(record),
     )  # fmt: skip
 
 
@@ -155,18 +183,47 @@ def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
     return rows
 
 
-def is_coarse(record: Record) -> bool:
-    """Whether a record leaves steps out, so that its run has to be simulated again."""
-    return record.record_every > 1 and record.steps_run > 0
+def validate_again(record: Record, again: Record, source: str) -> Validation:
+    """Validate a run by the same run simulated again, which has what its record lacks.
+
+    What the record does have is held against that.
+    """
+    found, counts = validate(again, source=source), Mismatches(record)
+    check_counts(record, counts)
+    run = replace(
+        found.run, ended=record.ended, versions=record.versions, given=record.given,
+        controller=_controller(record),
+    )  # fmt: skip
+    wrong = (*counts.found, *found.recomputed.mismatches)
+    return replace(
+        found, run=run, origin=check_origin(record, world_inside(record)),
+        recomputed=replace(found.recomputed, mismatches=wrong),
+        rerun=compare_runs(record, again),
+    )  # fmt: skip
+
+
+def _expectations(record: Record) -> tuple[Held, ...]:
+    """What the world expects; whether all arrive cannot be said of a run that was cut short."""
+    cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
+    held = expectations(record)
+    return tuple(one for one in held if not (cut and one.key == "finished"))
+
+
+def missing(record: Record) -> str:
+    """What a record lacks, so that its run has to be simulated again; empty where it has all."""
+    if record.record_every > 1 and record.steps_run > 0:
+        return f"poses of every {record.record_every}. step only"
+    tables = [table for table in OPTIONAL if table not in record.tables]
+    return f"no table {', '.join(tables)}" if tables else ""
 
 
 def check_complete(record: Record) -> None:
-    """Raise RecordError unless the poses of every step up to the end of the run are there."""
+    """Raise RecordError unless all tables and the poses of every step of the run are there."""
     where = record.path or "record in memory"
-    if is_coarse(record):
+    if told := missing(record):
         raise RecordError(
-            f"{where}: poses of every {record.record_every}. step only; every step is needed "
-            "(physim validate simulates such a run again)"
+            f"{where}: {told}; every step and all tables are needed (physim validate simulates "
+            "such a run again)"
         )
     steps = record.steps
     if not len(steps):
@@ -188,8 +245,7 @@ def _run(record: Record, source: str | None) -> Run:
     return Run(
         record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
         record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
-        record.steps_planned * record.dt, record.ended, record.versions, bool(record.controller),
-        record.filtered,
+        record.steps_planned * record.dt, record.ended, record.versions, record.given,
     )  # fmt: skip
 
 

@@ -227,7 +227,7 @@ def test_a_slanted_end_is_no_side_either(turn: float) -> None:
 def test_a_preview_of_a_corridor_tells_the_width_of_the_run(name: str) -> None:
     world = load_world(name)
     layout = lay_out(world, world.seed)
-    told = contents(layout, 0.0).widths
+    told = contents(layout).widths
     left, right = (layout.boundaries[side] for side in ("left wall", "right wall"))
     assert told.between.all()
     walls = [shapely.LineString(line) for line in (left, right)]

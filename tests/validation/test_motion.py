@@ -64,7 +64,7 @@ def test_one_command_changed(tmp_path, apart):
     def faster(file):
         rows = file["/updates"][()]
         k = np.flatnonzero((rows["robot"] == 0) & (rows["step"] == 150))[0]
-        rows["given_v"][k] += 1e-3
+        rows["nominal_v"][k] += 1e-3
         file["/updates"][...] = rows
 
     with tampered(apart, tmp_path / "record.h5", faster) as record:
@@ -85,16 +85,31 @@ def test_a_pose_beside_a_contact_is_looked_at_too(tmp_path, into_wall):
         assert [one.robot for one in validate(record).motion.strays] == [1]
 
 
-def test_filters_between_decisions_are_no_disagreement(tmp_path):
-    def slower(scene, snapshot, wanted):
-        return wanted * (0.5 if snapshot.step % 7 == 0 else 1.0)
+class Slower:
+    """A filter that halves every seventh command."""
 
+    def start(self, scene):
+        return 0
+
+    def filter(self, scene, sensed, nominal, state):
+        return nominal * (0.5 if sensed.step % 7 == 0 else 1.0), state + 1
+
+
+def test_motion_is_held_against_filtered_commands_at_every_step(tmp_path):
     world = physim.parse_world(LANE, overrides=["robots.1.pose=[6.0, -1.3, 0.0]"])
-    record = physim.simulate(world, controller=Drivers(*APART), filters=[slower])
+    record = physim.simulate(world, controller=Drivers(*APART), filters=[Slower()])
     found = validate(record)
-    assert record.filtered
     assert (found.code, found.motion.strays) == (0, ())
-    assert 0 < found.motion.checked < 100
+    assert found.motion.checked == 2 * record.steps_run
+    assert "  filter      tests.validation.test_motion:Slower, given from Python" in report(found)
+
+    def teleport(file):
+        file["/steps/pose"][150:, 1, 0] += 0.3
+
+    with tampered(record, tmp_path / "record.h5", teleport) as record:
+        (stray,) = validate(record).motion.strays
+    assert (stray.robot, stray.step, stray.steps) == (1, 150, 1)
+    assert stray.gap == pytest.approx(0.3)
 
 
 def test_a_contact_that_is_too_deep_is_told_loudly(tmp_path, rear_end):

@@ -7,8 +7,8 @@ from math import inf
 import pytest
 
 import physim
-from physim import Decision, Mode
-from physim.control import Report
+from physim import Decision
+from physim.declared import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
 from physim.validation import report, validate
 from physim.validation.numbers import length, short
 from tests.validation.runs import LANE, REAR_END
@@ -17,13 +17,18 @@ from tests.validation.runs import LANE, REAR_END
 class Saying:
     """Drives as in REAR_END; the fast one, which comes from behind, tells the same each time."""
 
-    def __init__(self, mode=None, **told) -> None:
-        self.told = ((Mode.SAFE, Report()), (mode, Report(**told)))
+    modes = PAPER_MODES
+    columns = STANDARD_COLUMNS
+
+    def __init__(self, mode=None, considered=(), **told) -> None:
+        self.told = ((SAFE, (), {}), (mode, considered, told))
 
     def decide(self, observation, memory):
         v, omega = REAR_END[observation.index]
-        mode, told = self.told[observation.index]
-        return Decision(v=v, omega=omega, hold=0.1, mode=mode, report=told)
+        mode, considered, told = self.told[observation.index]
+        return Decision(
+            v=v, omega=omega, hold=0.1, mode=mode, considered=considered, report=told
+        )  # fmt: skip
 
 
 def words(mode=None, **told):
@@ -32,9 +37,9 @@ def words(mode=None, **told):
 
 
 def test_a_robot_that_says_it_has_arrived_and_drives_on():
-    text = words(Mode.ARRIVED, distance=0.5, collision_time=0.1, considered=1)
+    text = words(AT_STOP, distance=0.5, collision_time=0.1, considered=(0,))
     assert "fast said that it had arrived, yet its command was to move." in text
-    assert "ms before: arrived, v 1.400 m/s" in text
+    assert "ms before: mode arrived, v 1.400 m/s" in text
     assert "standing" not in text
     assert "stood" not in text
 
@@ -48,15 +53,15 @@ def test_a_robot_that_says_it_has_arrived_and_drives_on():
             "it considered 0 robots, nearest boundary 0.37 m, no collision time",
         ),
         (
-            {"distance": inf, "considered": 3},
-            "it considered 3 robots, the nearest infinitely far, no collision time",
+            {"distance": inf, "considered": (0,)},
+            "it considered 1 robot, the nearest infinitely far, no collision time",
         ),
         (
             {"distance": inf, "collision_time": inf},
             "it considered 0 robots, nearest of them none, collision time none",
         ),
         (
-            {"distance": 1e308, "considered": 1, "collision_time": 1e308},
+            {"distance": 1e308, "considered": (0,), "collision_time": 1e308},
             "it considered 1 robot, nearest of them 1e+308 m, collision time 1e+308 s",
         ),
         (

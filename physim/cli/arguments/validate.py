@@ -9,14 +9,15 @@ from physim.cli.arguments.types import seed_range
 
 EPILOG = """\
 exit codes:
-  0    contact-free, and physics and geometry agree at every step
-  1    contacts
+  0    contact-free and as the world expects, and physics and geometry agree at every step
+  1    contacts, or not as the world expects
   2    bad input: one message says what and where
   3    the checks disagree: something is wrong with physics, geometry or the record
   130  interrupted (Ctrl-C): with --seeds, the seeds so far are told and written
 
 examples:
   physim validate runs/ten_robots-21/record.h5
+  physim validate runs/ten_robots-21/record.h5 --rerun --world ten_robots
   physim validate three_robots --controller path_following
   physim validate my_world.yaml --seeds 1:101 --json seeds.json
 """
@@ -49,6 +50,10 @@ def add(commands: Commands) -> None:
     validate.add_argument(
         "--seeds", type=seed_range, metavar="A:B",
         help="run the world with each of the seeds A to B - 1, and tell how many are contact-free",
+    )  # fmt: skip
+    validate.add_argument(
+        "--rerun", action="store_true",
+        help="simulate the world inside RECORD again: does it give this very run?",
     )  # fmt: skip
     add_changes(validate)
     validate.add_argument("--quiet", action="store_true", help="print the verdict alone")

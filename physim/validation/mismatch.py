@@ -1,0 +1,169 @@
+"""Values of a record that are not those worked out anew: one for each robot and column."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physim.errors import plural
+from physim.geometry.shapes import IntArray
+from physim.record import Record
+from physim.tolerances import LENGTH, TIME
+
+Value = bool | int | float | str
+
+SLACK = LENGTH
+"""[m, rad, m/s] How well a value must agree with the one worked out here."""
+SLACKS = {"collision_time": TIME}
+"""[s] of columns that are no lengths, angles or speeds"""
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """A value that is not the one worked out, and how many more there are of its robot and column.
+
+    ``table`` is a dataset of the record, or ``attribute``; what is about no row, column, robot or
+    time has None there.
+    """
+
+    table: str
+    column: str | None
+    row: int | None
+    robot: int | None
+    step: int | None
+    time: float | None
+    """[s]"""
+    told: Value
+    """in the record"""
+    exact: Value
+    """worked out"""
+    by: str
+    """from what"""
+    count: int = 1
+    """values of this robot and column that do not agree"""
+
+    def line(self, names: list[str]) -> str:
+        """One line: when, who, where in the record, both values; ``names`` of the robots."""
+        when = [] if self.time is None else [f"{self.time:.4f} s"]
+        who = [] if self.robot is None else [names[self.robot]]
+        place = " ".join([*when, *who])
+        more = self.count - 1
+        others = f" (and {plural(more, 'more row')} of it)" if more else ""
+        return (
+            f"{place}{': ' if place else ''}{self.where} is {shown(self.told)} in the record, "
+            f"{shown(self.exact)} {self.by}{others}"
+        )
+
+    @property
+    def where(self) -> str:
+        """``/updates, row 12, collision_time`` or ``attribute ended``."""
+        if self.table == "attribute":
+            return f"attribute {self.column}"
+        row = None if self.row is None else f"row {self.row}"
+        return ", ".join(part for part in (self.table, row, self.column) if part)
+
+
+class Mismatches:
+    """Gathers mismatches: the first of each robot and column, with how many there are."""
+
+    def __init__(self, record: Record) -> None:
+        self._record = record
+        self._found: dict[tuple[str, str | None, int | None], Mismatch] = {}
+
+    @property
+    def found(self) -> tuple[Mismatch, ...]:
+        """All of them: those about the whole run first, then by time."""
+        order = sorted(self._found.values(), key=lambda one: -1 if one.step is None else one.step)
+        return tuple(order)
+
+    def add(
+        self,
+        table: str,
+        column: str | None,
+        told: Value,
+        exact: Value,
+        by: str,
+        *,
+        row: int | None = None,
+        robot: int | None = None,
+        step: int | None = None,
+    ) -> None:
+        """Note one value."""
+        key = (table, column, robot)
+        before = self._found.get(key)
+        if before is not None:
+            self._found[key] = replace(before, count=before.count + 1)
+            return
+        time = None if step is None else step * self._record.dt
+        self._found[key] = Mismatch(
+            table, column, row, robot, step, time, plain(told), plain(exact), by
+        )
+
+    def add_rows(
+        self,
+        table: str,
+        column: str,
+        rows: NDArray[np.void],
+        first: int,
+        wrong: NDArray[np.bool_],
+        exact: ArrayLike,
+        by: str,
+    ) -> None:
+        """Note rows (M,) of a table, from number ``first`` on, whose column is wrong.
+
+        ``exact`` (M,) or one value is what it should be.
+        """
+        if not wrong.any():
+            return
+        values = np.broadcast_to(np.asarray(exact), len(rows))
+        for k in np.flatnonzero(wrong).tolist():
+            self.add(
+                table, column, rows[column][k], values[k], by, row=first + k,
+                robot=int(rows["robot"][k]), step=int(rows["step"][k]),
+            )  # fmt: skip
+
+    def add_columns(
+        self,
+        table: str,
+        rows: NDArray[np.void],
+        first: int,
+        exact: dict[str, NDArray[Any]],
+        by: str,
+    ) -> None:
+        """Hold columns of rows (M,) against those worked out, each within its slack."""
+        for column, values in exact.items():
+            wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
+            self.add_rows(table, column, rows, first, wrong, values, by)
+
+
+def differs(told: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
+    """Whether values differ by more than ``slack``; infinite ones and NaN must be alike."""
+    told, exact = np.asarray(told), np.asarray(exact)
+    with np.errstate(invalid="ignore"):
+        alike = (told == exact) | (np.isnan(told) & np.isnan(exact))
+        return np.asarray(~(alike | (np.abs(np.subtract(told, exact)) <= slack)))
+
+
+def by_step(rows: NDArray[np.void], first: int, last: int) -> slice:
+    """Rows of steps ``first`` to ``last - 1``."""
+    low, high = np.searchsorted(rows["step"], (first, last))
+    return slice(int(low), int(high))
+
+
+def keys(record: Record, step: IntArray | int, robot: IntArray | int) -> IntArray:
+    """One number for step and robot, increasing with step, then robot."""
+    return np.asarray(np.asarray(step, dtype=np.int64) * record.robots + robot)
+
+
+def plain(value: Any) -> Value:
+    """A value as Python has it."""
+    made: Value = value.item() if isinstance(value, np.generic) else value
+    return made
+
+
+def shown(value: Value) -> str:
+    """A value as people read it."""
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,107 @@
+"""Severity of an impact in closed form: impulse m (1 + e) c, energy m (1 - e²) c² / 2."""
+
+from __future__ import annotations
+
+from math import cos, hypot, pi, sin
+
+import pytest
+
+import physim
+from physim import Decision
+from physim.metrics import contact_episodes, masses, severity
+from tests.records import make_record
+
+ROOM = """\
+name: room
+seed: 1
+time: {step: 0.01, duration: 3.0}
+physics: {elasticity: ELASTICITY}
+boundaries: [[[-20, -20], [20, -20], [20, 20], [-20, 20], [-20, -20]]]
+reference_path: [[-19, 0], [19, 0]]
+robots:
+"""
+ROBOT = (
+    "  - {name: r%d, footprint: {length: 1.8, width: 1.0}, %spose: %s, "
+    "path: [[-19, 0], [19, 0]], limits: {v: 3.0, omega: 3.0}}\n"
+)
+
+
+class Driven:
+    """Each robot holds one command."""
+
+    def __init__(self, *commands) -> None:
+        self.commands = commands
+
+    def decide(self, observation, memory):
+        v, omega = self.commands[observation.index]
+        return Decision(v=v, omega=omega, hold=0.1)
+
+
+def first_impact(*robots, elasticity=0.0):
+    """Severity of the first contact of robots (mass [kg], pose, command) in a room."""
+    text = ROOM.replace("ELASTICITY", str(elasticity))
+    for k, (mass, pose, _) in enumerate(robots):
+        text += ROBOT % (k, "" if mass is None else f"mass: {mass}, ", list(pose))
+    driver = Driven(*(command for _, _, command in robots))
+    with physim.simulate(physim.parse_world(text), controller=driver) as record:
+        return severity(record, contact_episodes(record)[0], masses(record))
+
+
+@pytest.mark.parametrize(("mass", "kilograms"), [(70.0, 70.0), (None, 180.0)])
+def test_a_box_head_on_against_a_wall(mass, kilograms):
+    hit = first_impact((mass, (18.0, 0.0, 0.0), (1.3, 0.0)))
+    assert hit.closing == pytest.approx(1.3, rel=1e-9)
+    assert hit.changes == pytest.approx((1.3,), rel=1e-6)  # it stands afterwards
+    assert hit.energy == pytest.approx(0.5 * kilograms * 1.3**2, rel=1e-6)
+    assert hit.sliding == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("elasticity", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize(
+    ("poses", "speeds", "closing"),
+    [
+        (((-2.0, 0.0, 0.0), (2.0, 0.0, pi)), (1.0, 0.7), 1.7),
+        (((-2.0, 0.0, 0.0), (2.0, 0.0, 0.0)), (1.2, 0.1), 1.1),
+    ],
+)
+def test_two_boxes_in_a_line(poses, speeds, closing, elasticity):
+    m, n = 100.0, 50.0
+    hit = first_impact(
+        (m, poses[0], (speeds[0], 0.0)), (n, poses[1], (speeds[1], 0.0)), elasticity=elasticity
+    )
+    together = m * n / (m + n)
+    impulse = (1 + elasticity) * together * closing
+    assert hit.closing == pytest.approx(closing, rel=1e-9)
+    assert hit.changes == pytest.approx((impulse / m, impulse / n), rel=1e-6)
+    energy = 0.5 * together * (1 - elasticity**2) * closing**2
+    assert hit.energy == pytest.approx(energy, rel=1e-6, abs=1e-9)
+
+
+def test_a_corner_against_a_wall_turns_the_box():
+    heading, m, v = 0.3, 180.0, 1.3
+    hit = first_impact((m, (18.0, 0.0, heading), (v, 0.0)))
+    closing = v * cos(heading)
+    # the corner that leads touches at (x, y) from the middle: it gives way by turning
+    y = -0.5 * cos(heading) + 0.9 * sin(heading)
+    effective = 1.0 / (1.0 / m + y**2 / (m * (1.8**2 + 1.0**2) / 12.0))
+    assert hit.closing == pytest.approx(closing, rel=1e-9)
+    assert hit.sliding == pytest.approx(v * sin(heading), rel=1e-9)
+    assert hit.changes == pytest.approx((effective * closing / m,), rel=1e-6)
+    assert hit.energy == pytest.approx(0.5 * effective * closing**2, rel=1e-6)
+
+
+def test_a_turning_box_closes_with_its_corner():
+    omega = 0.5
+    hit = first_impact((180.0, (-18.98, 0.0, 0.0), (0.0, omega)))
+    # it touches where its corner is as far out as the wall
+    radius, out = hypot(0.9, 0.5), 20.0 - 18.98
+    across = (radius**2 - out**2) ** 0.5
+    assert hit.closing == pytest.approx(omega * across, abs=0.01)
+    assert hit.energy > 0.0
+
+
+def test_without_a_world_masses_are_not_known():
+    with make_record(world_text="") as record:
+        assert masses(record) is None
+        hit = severity(record, contact_episodes(record)[0], masses(record))
+        assert (hit.changes, hit.energy) == (None, None)

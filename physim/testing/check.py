@@ -10,7 +10,7 @@ from typing import Any
 
 from physim.control import Batched, Controller
 from physim.errors import ControllerError, PhysimError, plural
-from physim.registry import robot_faults
+from physim.part_checks import robot_faults
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.testing.batch_rules import check_batch

@@ -39,7 +39,7 @@ class Candidate:
         settings = self.settings
         if settings is None:
             settings = world.controller.settings if world is not None and self._is_in(world) else {}
-        made, faults = checked_settings(self.kind, settings, ("controller",))
+        made, faults = checked_settings(self.kind, settings, CONTROLLER.key)
         if faults:
             raise WorldError(faults)
 

@@ -195,7 +195,7 @@ class ModeSwitchingBatch:
             active=plan.active,
             forward_only=plan.active and not settings.reverse_in_safe_mode,
             alpha=plan.gain,
-            nu_0=plan.speed,
+            nu_0=plan.speed if plan.active else settings.speed,
             v_min=plan.v_min,
             v_max=plan.v_max,
             formation_range=plan.range,

@@ -29,7 +29,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.control import BatchController, Decision, Observation
 from physim.declared import PAPER_MODES, STANDARD_COLUMNS, Rule
-from physim.errors import Fault
+from physim.errors import Fault, Location
 from physim.geometry.path import path_length
 from physim.geometry.separation import wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
@@ -45,9 +45,10 @@ from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
 from .switching import DISTANCE, SAFE, next_mode
 from .timing import update_interval
+from .world_checks import range_doubts, speed_faults, stop_doubts
 
 if TYPE_CHECKING:
-    from physim.world import Robot
+    from physim.world import Robot, World
 
 ARRIVED = 3
 """Number of the mode in `PAPER_MODES`"""
@@ -194,12 +195,20 @@ class ModeSwitching:
         settings = self.settings
         return omega_faults(settings.omegas, "omegas" in settings.model_fields_set, robots)
 
+    def world_faults(self, world: World, where: Location) -> list[Fault]:
+        """Refuse a speed of its own beside that of a formation."""
+        return speed_faults(self.settings, world, where)
+
+    def world_doubts(self, world: World, where: Location) -> list[Fault]:
+        """Doubt stops short of arrival, and a range of sight too short for the thresholds."""
+        return [*stop_doubts(self.settings, world), *range_doubts(self.settings, world)]
+
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
         o = observation
         plan = np.zeros((len(self._rules.dwell), 2))
         memory = memory or Memory(mode=SAFE, plan=plan, dwell=0)
-        nu = o.formation.speed
+        nu = self.settings.speed
         if o.formation.active:
             station = np.array([o.reference_station, *(n.station for n in o.neighbours)])
             lead = np.array([o.lead, *(n.lead for n in o.neighbours)])

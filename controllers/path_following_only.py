@@ -12,14 +12,15 @@ import numpy as np
 
 from physim.control import Decision, Observation
 from physim.declared import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
-from physim.errors import Fault
+from physim.errors import Fault, Location
 
 from .limits import omega_faults
 from .path_following import best_plan, judging_time, speed_pairs
-from .settings import ModeSwitchingSettings
+from .settings import ModeSwitchingSettings, PathFollowingSettings
+from .world_checks import speed_faults, stop_doubts
 
 if TYPE_CHECKING:
-    from physim.world import Robot
+    from physim.world import Robot, World
 
 
 class PathFollowing:
@@ -32,12 +33,23 @@ class PathFollowing:
     )
     columns = STANDARD_COLUMNS[:2]
 
-    def __init__(self) -> None:
-        self.settings = ModeSwitchingSettings()
+    Settings = PathFollowingSettings
+
+    def __init__(self, settings: PathFollowingSettings | None = None) -> None:
+        given = {} if settings is None else settings.model_dump(exclude_unset=True)
+        self.settings = ModeSwitchingSettings(**given)
 
     def robot_faults(self, robots: Mapping[int, Robot]) -> list[Fault]:
         """Refuse robots whose limits do not allow the rotational speeds to choose from."""
         return omega_faults(self.settings.omegas, False, robots)
+
+    def world_faults(self, world: World, where: Location) -> list[Fault]:
+        """Refuse a speed of its own beside that of a formation."""
+        return speed_faults(self.settings, world, where)
+
+    def world_doubts(self, world: World, where: Location) -> list[Fault]:
+        """Doubt stops short of arrival."""
+        return stop_doubts(self.settings, world)
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""
@@ -46,7 +58,9 @@ class PathFollowing:
         if observation.station >= observation.stop_station - rules.arrival_tolerance:
             return Decision(0.0, 0.0, hold=rules.update_period, mode=AT_STOP, rule="stop")
         omegas = observation.omegas or self.settings.omegas
-        nu = min(observation.formation.speed, observation.limits[0])
+        formation = observation.formation
+        nu = formation.speed if formation.active else self.settings.speed
+        nu = min(nu, observation.limits[0])
         pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))
         dwell = np.array([rules.update_period])
         left = observation.path.length - observation.station

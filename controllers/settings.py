@@ -17,6 +17,9 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Number = Annotated[float, Field(allow_inf_nan=False)]
 Multiple = Annotated[float, Field(ge=-1.0, le=1.0, allow_inf_nan=False)]
+Speed = Annotated[
+    Positive, Field(description="[m/s] nu in a world without formation; formation.speed in others")
+]
 
 LONGEST_PLAN = 3
 """Dwell times at most: 15 speed pairs make 15^3 = 3375 plans."""
@@ -48,6 +51,7 @@ class ModeSwitchingSettings(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
+    speed: Speed = 1.0
     look_ahead: Positive = Field(
         default=2.0,
         description="[m] the target lies this far along the path from the projection, (3)",
@@ -156,3 +160,11 @@ class ModeSwitchingSettings(BaseModel):
             reverse_in_safe_mode=self.reverse_in_safe_mode,
             translation_only=self.collision_motion == "translation",
         )
+
+
+class PathFollowingSettings(BaseModel):
+    """Keys under ``controller:`` for ``type: path_following``."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    speed: Speed = 1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Mapping, Sequence
 from math import nan
 from operator import index
@@ -11,6 +10,7 @@ from typing import NamedTuple
 from physim.control import Decision
 from physim.declared import NO_NUMBER, Declared, Mode, Rule
 from physim.errors import ControllerError, nearest
+from physim.registry import broken_by
 
 _NO_NUMBER = (TypeError, ValueError, OverflowError)
 """What Python raises where something cannot be made a number."""
@@ -120,7 +120,4 @@ def _shown(value: object) -> str:
 
 def broken(error: BaseException, where: str) -> ControllerError:
     """One line about an error inside a controller: type, text, and the line it arose on."""
-    text = " ".join(str(error).split())[:200]
-    frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
-    return ControllerError(f"{where}: {type(error).__name__}: {text}{place}")
+    return ControllerError(f"{where}: {broken_by(error)}")

@@ -1,7 +1,9 @@
-"""Colours that videos and pictures share, RGB from 0 to 255.
+"""The one palette of everything that shows a run or a world, RGB from 0 to 255.
 
-The robots' own lines have the "muted" scheme of Paul Tol, which stays apart under the common kinds
-of colour blindness.
+Contacts have the vermilion of Okabe and Ito (2008), and nothing else has it. Modes have the colours
+that their controller declares; those of the paper's modes stay apart under the common kinds of
+colour blindness, and so do the robots' own: every two of the ten, and each of them and a contact,
+are at least 9 hundredths of Oklab apart, seen with full vision and without red or green cones.
 """
 
 from __future__ import annotations
@@ -19,29 +21,51 @@ FAINT: Colour = (236, 238, 240)
 OUTSIDE: Colour = (241, 242, 243)
 FLOOR: Colour = (250, 251, 252)
 """Accessible area of a run that knew no safe and danger areas."""
-DANGER_AREA: Colour = (252, 229, 213)
-SAFE_AREA: Colour = (231, 240, 246)
+DANGER_AREA: Colour = (247, 214, 196)
+"""darker than the safe area, so that the two differ without colour"""
+SAFE_AREA: Colour = (229, 240, 246)
 WALL: Colour = (38, 42, 48)
 OBSTACLE: Colour = (128, 133, 140)
 REFERENCE: Colour = (120, 126, 134)
 
+CONTACT: Colour = (213, 94, 0)
+"""Contacts and grazes, and nothing else."""
+UNDECIDED: Colour = (150, 155, 162)
+"""A robot that has not decided yet, or whose controller gave no mode."""
+WIDTH: Colour = (0, 105, 120)
+"""Widths of the corridor, and its narrowest place."""
+BAND: Colour = (86, 103, 133)
+"""Bands and medians of a crowd."""
+
 ROBOTS: tuple[Colour, ...] = (
-    (51, 34, 136),
-    (204, 102, 119),
-    (17, 119, 51),
-    (170, 68, 153),
-    (68, 170, 153),
-    (153, 153, 51),
-    (136, 34, 85),
-    (221, 170, 51),
-    (90, 170, 215),
-    (110, 110, 110),
+    (30, 15, 165),
+    (105, 195, 90),
+    (0, 75, 0),
+    (180, 105, 255),
+    (135, 90, 75),
+    (105, 0, 105),
+    (180, 45, 150),
+    (75, 90, 210),
+    (195, 135, 150),
+    (60, 180, 225),
 )
+"""Robots' own lines, by index; the first four are farthest apart."""
 
 
 def robot_colour(index: int) -> Colour:
     """Return the colour of a robot's own lines; it repeats after ten robots."""
     return ROBOTS[index % len(ROBOTS)]
+
+
+def hexed(colour: Colour) -> str:
+    """Colour as matplotlib, SVG and controllers write it, ``#rrggbb``."""
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def rgb(colour: str) -> Colour:
+    """Colour of ``#rrggbb``."""
+    red, green, blue = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
+    return red, green, blue
 
 
 @functools.lru_cache(maxsize=4096)

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from physim.control import Controller
-from physim.errors import ControllerError
-from physim.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, Kind, check_part, make_part
+from physim.errors import ControllerError, Fault
+from physim.part_checks import naming, robot_faults, world_faults
+from physim.registry import CONTROLLER, STAGES, Kind, check_part, make_part
 from physim.scene import Scene
 from physim.stages import Disturbance, Filter, SenseStage
-from physim.world import Choice, World
+from physim.world import World
 
 
 @dataclass(frozen=True)
@@ -29,10 +30,19 @@ class Parts:
 
     def start(self, scene: Scene) -> tuple[tuple[Any, ...], ...]:
         """States of sensing stages, filters and disturbances at sample 0."""
-        return tuple(
-            tuple(part.start(scene) for part in stage)
-            for stage in (self.sensing, self.filters, self.disturbances)
-        )
+        states = []
+        for kind, parts in self.stages:
+            begun = []
+            for part in parts:
+                with naming(kind, part, 0.0):
+                    begun.append(part.start(scene))
+            states.append(tuple(begun))
+        return tuple(states)
+
+    @property
+    def stages(self) -> tuple[tuple[Kind, tuple[Any, ...]], ...]:
+        """Parts of the stages by kind, in the order of a step."""
+        return tuple(zip(STAGES, (self.sensing, self.filters, self.disturbances), strict=True))
 
 
 def parts_of(
@@ -52,27 +62,34 @@ def parts_of(
     given = [("controller", name)] if name else []
     names = [name or world.controller.type]
     found: list[tuple[Any, ...]] = []
-    for kind, choices, extra in (
-        (SENSING, world.sensing.stages, sensing),
-        (FILTER, world.filters, filters),
-        (DISTURBANCE, world.disturbances, disturbances),
-    ):
+    listed = (world.sensing.stages, world.filters, world.disturbances)
+    for kind, choices, extra in zip(STAGES, listed, (sensing, filters, disturbances), strict=True):
         for part in extra:
             check_part(kind, part)
             given.append((kind.word, class_name(part)))
-        found.append((*_named(kind, choices), *extra))
+        named = (
+            make_part(kind, choice.type, choice.settings, where=(*kind.key, k))
+            for k, choice in enumerate(choices)
+        )
+        found.append((*named, *extra))
         names += [f"{kind.word} {choice.type}" for choice in choices]
         names += [f"{kind.word} {class_name(part)}" for part in extra]
     return Parts(chosen, found[0], found[1], found[2], tuple(given), tuple(names))
 
 
+def part_faults(parts: Parts, world: World) -> list[Fault]:
+    """What the parts of a run say against a world; see `physim.part_checks`."""
+    faults = robot_faults(parts.controller, dict(enumerate(world.robots)))
+    faults += world_faults(parts.controller, world, CONTROLLER.key)
+    for kind, stage in parts.stages:
+        for k, part in enumerate(stage):
+            faults += world_faults(part, world, (*kind.key, k))
+    return faults
+
+
 def class_name(part: object) -> str:
     """``module:Class`` of an object."""
     return f"{type(part).__module__}:{type(part).__qualname__}"
-
-
-def _named(kind: Kind, choices: Sequence[Choice]) -> tuple[Any, ...]:
-    return tuple(make_part(kind, choice.type, choice.settings) for choice in choices)
 
 
 def _controller(world: World, given: Controller | str | None) -> Controller:

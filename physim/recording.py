@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack, suppress
 
 from physim.control import Controller
 from physim.errors import RecordError
+from physim.part_checks import naming
 from physim.record import Record, RecordWriter
 from physim.recorder import Recorder, SaveAt
+from physim.registry import OBSERVER, check_part
 from physim.simulation import Simulation
 from physim.stages import Disturbance, Filter, Observer, SenseStage, Step
 from physim.world import World
@@ -72,21 +75,27 @@ def record_run(
     every = save.every or simulation.scene.world.time.record_every
     writer = _writer(simulation, path, every, save.tables)
     recorder = Recorder(writer, every, save.tables)
+    looking_on: list[Observer] = []
     started = time.perf_counter()
     ended = "error"
     try:
-        looking_on: list[Observer] = [recorder, *observers]
-        if progress is not None:
-            looking_on.append(Progress(progress))
-        for observer in looking_on:
+        looking_on.append(recorder)
+        simulation.look_on(recorder)
+        others: list[Observer] = [Named(observer) for observer in observers]
+        for observer in [*others, *([] if progress is None else [Progress(progress)])]:
+            looking_on.append(observer)
             simulation.look_on(observer)
         ended = _loop(simulation, stop)
-        for observer in looking_on:
-            observer.close(ended)
+        with ExitStack() as last:  # each is closed, whatever becomes of the others
+            for observer in reversed(looking_on):
+                last.callback(observer.close, ended)
     finally:
         simulation.observers = []
         elapsed = time.perf_counter() - started
         if ended == "error":
+            for observer in looking_on[1:]:
+                with suppress(Exception):  # the error that ended the run is the one to tell
+                    observer.close(ended)
             recorder.close(ended)
         writer.close(
             ended,
@@ -106,6 +115,31 @@ def _loop(simulation: Simulation, stop: Callable[[], bool] | None) -> str:
         if stop is not None and stop():
             return "interrupted"
     return "duration"
+
+
+class Named:
+    """An observer whose errors are one line that names it and the time; they end the run."""
+
+    def __init__(self, observer: Observer) -> None:
+        check_part(OBSERVER, observer)
+        self.observer = observer
+
+    def start(self, simulation: Simulation) -> None:
+        """Let it look at sample 0."""
+        self.dt, self.time = simulation.scene.dt, simulation.time
+        with naming(OBSERVER, self.observer, self.time):
+            self.observer.start(simulation)
+
+    def after_step(self, step: Step) -> None:
+        """Let it look at a step."""
+        self.time = (step.truth.step + 1) * self.dt
+        with naming(OBSERVER, self.observer, self.time):
+            self.observer.after_step(step)
+
+    def close(self, ended: str) -> None:
+        """Tell it the end."""
+        with naming(OBSERVER, self.observer, self.time):
+            self.observer.close(ended)
 
 
 class Progress:

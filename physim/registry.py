@@ -12,7 +12,7 @@ import os
 import sys
 import traceback
 from collections.abc import Mapping
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, nearest
@@ -21,8 +21,6 @@ from physim.world.frozen import thawed
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
-
-    from physim.world import Robot
 
 
 class Kind(NamedTuple):
@@ -34,13 +32,28 @@ class Kind(NamedTuple):
     """of entry points"""
     methods: tuple[str, ...]
     """that its classes must have"""
+    key: Location
+    """where a world names it, one or a list; empty where no world does"""
+    option: str
+    """of the command line that takes a class too; empty where none does"""
 
 
-CONTROLLER = Kind("controller", "physim.controllers", ("decide",))
-SENSING = Kind("sensing stage", "physim.sensing", ("start", "sense"))
-FILTER = Kind("filter", "physim.filters", ("start", "filter"))
-DISTURBANCE = Kind("disturbance", "physim.disturbances", ("start", "disturb"))
-OBSERVER = Kind("observer", "physim.observers", ("start", "after_step", "close"))
+CONTROLLER = Kind("controller", "physim.controllers", ("decide",), ("controller",), "--controller")
+SENSING = Kind("sensing stage", "physim.sensing", ("start", "sense"), ("sensing", "stages"), "")
+FILTER = Kind("filter", "physim.filters", ("start", "filter"), ("filters",), "")
+DISTURBANCE = Kind(
+    "disturbance", "physim.disturbances", ("start", "disturb"), ("disturbances",), ""
+)
+OBSERVER = Kind("observer", "physim.observers", ("start", "after_step", "close"), (), "--observer")
+METRIC = Kind("metric", "physim.metrics", ("measure",), (), "")
+PLOT = Kind("plot", "physim.plots", ("draw",), (), "")
+STAGES = (SENSING, FILTER, DISTURBANCE)
+"""Kinds of which a world lists any number, in the order of a step."""
+KINDS = (CONTROLLER, *STAGES, OBSERVER)
+"""Kinds that take part in a run; metrics and plots look at its record."""
+
+OWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
+"""Where the code of physim is, which no message about somebody else's code points into."""
 
 
 def part_names(kind: Kind) -> dict[str, str]:
@@ -49,9 +62,10 @@ def part_names(kind: Kind) -> dict[str, str]:
     One that cannot be imported is listed with the reason.
     """
     found = {}
-    for name, entry in sorted(_entries(kind).items()):
+    entries = _entries(kind)
+    for name in sorted(entries):
         try:
-            found[name] = _first_line(_load(kind, entry.value, name))
+            found[name] = _first_line(_registered(kind, entries, name))
         except ControllerError as error:
             found[name] = str(error)
     return found
@@ -62,10 +76,10 @@ def controller_names() -> dict[str, str]:
     return part_names(CONTROLLER)
 
 
-def shipped_controllers() -> list[str]:
-    """Names of the controllers that come with physim."""
-    group = CONTROLLER.group
-    return sorted(n for n, e in _entries(CONTROLLER).items() if e.value.startswith(f"{group}."))
+def shipped_parts(kind: Kind) -> list[str]:
+    """Names of the parts of a kind that come with physim."""
+    entries = _entries(kind).items()
+    return sorted(name for name, (target, *_) in entries if target.startswith("physim."))
 
 
 def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
@@ -75,13 +89,14 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
     """
     entries = _entries(kind)
     if name in entries:
-        return _load(kind, entries[name].value, name)
+        return _registered(kind, entries, name)
     if ":" in name:
         if not trusted:
-            option = "; give it on the command line by --controller" if kind is CONTROLLER else ""
+            option = f"; give it on the command line by {kind.option}" if kind.option else ""
+            advice = option or f'; register it by an entry point in the group "{kind.group}"'
             raise ControllerError(
                 f"{shown(name)} names a class; a world may name registered {kind.word}s only: "
-                f"{', '.join(sorted(entries)) or 'none'}{option}"
+                f"{', '.join(sorted(entries)) or 'none'}{advice}"
             )
         _make_folder_importable()
         return _load(kind, name, name)
@@ -118,25 +133,6 @@ def settings_model(part: type[Any]) -> type[BaseModel] | None:
     return settings
 
 
-def robot_faults(controller: Any, robots: Mapping[int, Robot]) -> list[Fault]:
-    """What a controller (an object) says about robots before a run; empty where it says nothing.
-
-    ``robots`` by number. Raises `ControllerError` where its ``robot_faults`` fails.
-    """
-    from physim.control import ChecksRobots
-
-    if not isinstance(controller, ChecksRobots):
-        return []
-    name = f"{type(controller).__name__}.robot_faults"
-    try:
-        faults = list(controller.robot_faults(robots))
-    except Exception as error:
-        raise ControllerError(f"{name} fails: {_told(error)}") from error
-    if not all(isinstance(fault, Fault) for fault in faults):
-        raise ControllerError(f"{name} must return faults, Fault(location, message)")
-    return faults
-
-
 def make_part(
     kind: Kind,
     name: str,
@@ -146,11 +142,11 @@ def make_part(
 ) -> Any:
     """Make a part with its settings checked: ``cls(settings)``, or ``cls()`` without any.
 
-    Raises `ControllerError` as `find_part` does, and `WorldError` with a fault at ``where`` (for a
-    controller ``("controller",)``) and the key for each setting that is wrong.
+    Raises `ControllerError` as `find_part` does, and `WorldError` with a fault at ``where`` (or
+    ``kind.key``) and the key for each setting that is wrong.
     """
     part = find_part(kind, name, trusted)
-    made, faults = checked_settings(part, settings, where or (kind.word,))
+    made, faults = checked_settings(part, settings, kind.key if where is None else where)
     if faults:
         raise WorldError(faults)
     return made_part(kind, part, made, name)
@@ -162,12 +158,12 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
         return part() if settings is None else part(settings)
     except Exception as error:
         raise ControllerError(
-            f"{kind.word} {shown(name)} cannot be made: {_told(error)}"
+            f"{kind.word} {shown(name)} cannot be made: {broken_by(error)}"
         ) from error
 
 
 def checked_settings(
-    part: type[Any], settings: Mapping[str, Any], where: Location = ("controller",)
+    part: type[Any], settings: Mapping[str, Any], where: Location
 ) -> tuple[BaseModel | None, list[Fault]]:
     """Settings object of a part, or the faults of ``settings``, each at ``where`` and its key.
 
@@ -193,8 +189,23 @@ def checked_settings(
     return made, faults
 
 
-def _entries(kind: Kind) -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=kind.group)}
+def _entries(kind: Kind) -> dict[str, tuple[str, ...]]:
+    """``module:Class`` by name: several where packages give different ones the same name."""
+    found: dict[str, set[str]] = {}
+    for entry in entry_points(group=kind.group):
+        found.setdefault(entry.name, set()).add(entry.value)
+    return {name: tuple(sorted(targets)) for name, targets in found.items()}
+
+
+def _registered(kind: Kind, entries: Mapping[str, tuple[str, ...]], name: str) -> type[Any]:
+    """Import what is registered under a name; `ControllerError` where that are several classes."""
+    target, *others = entries[name]
+    if others:
+        raise ControllerError(
+            f"{kind.word} {shown(name)} is registered by several packages, as "
+            f"{', '.join(entries[name])}; give all but one another name"
+        )
+    return _load(kind, target, name)
 
 
 def _first_line(part: type[Any]) -> str:
@@ -217,7 +228,7 @@ def _load(kind: Kind, target: str, name: str) -> type[Any]:
         if error.name != module_name:
             raise ControllerError(
                 f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
-                f"{_told(error)}"
+                f"{broken_by(error)}"
             ) from error
         raise ControllerError(
             f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
@@ -226,7 +237,7 @@ def _load(kind: Kind, target: str, name: str) -> type[Any]:
     except (Exception, SystemExit) as error:
         raise ControllerError(
             f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
-            f"{_told(error)}"
+            f"{broken_by(error)}"
         ) from error
     found: Any = module
     for part in class_name.split("."):
@@ -254,11 +265,13 @@ def _make_folder_importable() -> None:
         importlib.invalidate_caches()
 
 
-def _told(error: BaseException) -> str:
+def broken_by(error: BaseException) -> str:
     """Type, text and place of an error in somebody else's code, on one line."""
     text = " ".join(str(error).split())[:200]
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    theirs = [f for f in frames if not f.filename.startswith(OWN)] or frames
+    inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
+    place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
     return f"{type(error).__name__}: {text}{place}"

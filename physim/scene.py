@@ -37,11 +37,11 @@ class FormationPlan:
     """What (7) needs, the same for every robot of the cluster."""
 
     active: bool
-    """False in a world without formation: every robot goes at speed ``speed`` = 1 m/s."""
+    """False in a world without formation: each robot goes at the speed of its controller"""
     gain: float
     """alpha [1/s]"""
     speed: float
-    """nu_0 [m/s]"""
+    """nu_0 [m/s]; 1 and without meaning where there is no formation"""
     v_min: float
     """[m/s] least forward speed that (7) may give"""
     v_max: float

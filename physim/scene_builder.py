@@ -25,10 +25,9 @@ from physim.scene import DENSITY, Body, FormationPlan, Layout, Scene
 from physim.start_poses import start_poses
 from physim.world import Offset, World
 from physim.world.kinds import MOST_SEED
+from physim.world.stages import DEFAULT_RANGE
 from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 
-DEFAULT_RANGE = 10.0
-"""[m] range of sight in a world without formation (paper: 10 m)"""
 GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
 
@@ -88,7 +87,6 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         [_segments(line) for line in drawn.values()] + [list(convex_parts(o)) for o in obstacles]
     )
     formation = _formation(world, start, reference)
-    sensing_range = formation.range if world.sensing.range is None else world.sensing.range
     names = [("robot", robot.name) for robot in world.robots]
     names += [("boundary", name) for name in drawn]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(obstacles))]
@@ -101,7 +99,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
         shapes=pack_shapes(parts),
         walls=walls,
-        nearby=build_nearby(walls, sensing_range, GRID_CELL),
+        nearby=build_nearby(walls, world.sensing_range, GRID_CELL),
         mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
         start=start,
@@ -112,7 +110,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         omegas=tuple(robot.omegas for robot in world.robots),
         stop_station=_stop_stations(packed_paths, formation),
         formation=formation,
-        sensing_range=sensing_range,
+        sensing_range=world.sensing_range,
         arrival_tolerance=world.arrival.tolerance,
         layout=laid,
     )  # fmt: skip

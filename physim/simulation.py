@@ -17,24 +17,23 @@ from numpy.typing import NDArray
 
 from physim.arrival import Arrivals
 from physim.control import BatchController, Batched, Controller, Observation, Sensed, Snapshot
-from physim.control_loop import Decided, PlainBatch, check_applied, check_commands, decide, outside
+from physim.control_loop import Decided, PlainBatch, decide, outside
 from physim.declared import NO_NUMBER, Declared
 from physim.errors import PhysimError, WorldError
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.tracking import Tracking
-from physim.parts import parts_of
+from physim.parts import part_faults, parts_of
 from physim.perception import observe
 from physim.physics import Physics
-from physim.registry import robot_faults
 from physim.scene import Scene
 from physim.scene_builder import build_scene, reseeded
+from physim.stage_calls import ask_disturbance, ask_filter, ask_sense
 from physim.stages import (
     Disturbance,
     Filter,
     Observer,
     SenseStage,
     Step,
-    check_sensed,
     everybody,
     shared,
 )
@@ -96,7 +95,7 @@ class Simulation:
         self.scene = world
         self.parts = parts_of(world.world, controller, sensing, filters, disturbances)
         self.declared = Declared.of(self.parts.controller)
-        if faults := robot_faults(self.parts.controller, dict(enumerate(world.world.robots))):
+        if faults := part_faults(self.parts, world.world):
             raise WorldError(faults)
         self.observers: list[Observer] = []
         self._host()
@@ -180,9 +179,8 @@ class Simulation:
             if not self.parts.sensing:
                 return sensed, ()
             for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
-                sensed, state = part.sense(self.scene, self.now, sensed, state)
+                sensed, state = ask_sense(part, self.scene, self.now, sensed, state)
                 states.append(state)
-                check_sensed(sensed, self.scene, part)
             self._sensed = sensed, tuple(states)
         return self._sensed
 
@@ -208,8 +206,7 @@ class Simulation:
             return nominal, ()
         filtered, states = nominal, []
         for part, state in zip(self.parts.filters, self._stages[1], strict=True):
-            filtered, state = part.filter(self.scene, sensed, filtered, state)
-            check_commands(self.scene, self.time, np.arange(self.scene.robots), filtered)
+            filtered, state = ask_filter(part, self.scene, sensed, filtered, state)
             states.append(state)
         return filtered, tuple(states)
 
@@ -219,8 +216,7 @@ class Simulation:
             return filtered, ()
         applied, states = filtered, []
         for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
-            applied, state = part.disturb(self.scene, truth, applied, state)
-            check_applied(self.scene, self.time, applied, part)
+            applied, state = ask_disturbance(part, self.scene, truth, applied, state)
             states.append(state)
         return applied, tuple(states)
 

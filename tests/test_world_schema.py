@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from jsonschema import Draft7Validator
 
 from physim.errors import WorldError
-from physim.registry import find_controller, settings_model, shipped_controllers
+from physim.registry import CONTROLLER, find_part, settings_model, shipped_parts
 from physim.world import World
 from physim.world_file import parse_world
 from physim.world_file.schema import FILE, shipped_schema_text, world_schema
@@ -46,6 +46,10 @@ robots:
 formation:
   {gain: 0.1, speed: 1.0, limits: [0.8, 1.3], spacing: initial, range: 9.0, neighbours: all}
 controller: {type: mode_switching, look_ahead: 2.0}
+sensing: {range: 9.0, stages: []}
+filters: []
+disturbances: []
+arrival: {tolerance: 0.2}
 obstacles: [[[20, 2], [21, 2], [21, 3]]]
 expect:
   contacts: 0
@@ -76,6 +80,9 @@ def test_every_shipped_world_fits_and_names_the_schema(name: str) -> None:
 def test_whatever_the_model_takes_the_schema_takes(world) -> None:
     values = yaml.safe_load(world.to_yaml())
     values["controller"] = {"type": "mode_switching"}
+    values.get("sensing", {}).pop("stages", None)  # whatever is registered, nothing is shipped
+    values.pop("filters", None)
+    values.pop("disturbances", None)
     assert list(VALIDATOR.iter_errors(values)) == []
 
 
@@ -102,7 +109,16 @@ def test_full_world_holds_every_key_of_every_model() -> None:
     assert set(World.model_fields) - {"boundaries"} == set(values)
     robots = [key for robot in values["robots"] for key in robot]
     assert set(SHIPPED["properties"]["robots"]["items"]["properties"]) == set(robots)
-    for key in ("time", "corridor", "start", "formation", "expect", "physics"):
+    for key in (
+        "time",
+        "corridor",
+        "start",
+        "formation",
+        "expect",
+        "physics",
+        "sensing",
+        "arrival",
+    ):
         assert set(SHIPPED["properties"][key]["properties"]) == set(values[key])
 
 
@@ -168,9 +184,9 @@ def test_keys_of_each_controller_are_its_own() -> None:
     assert not fits(type="constant", commands=[[1.0]])
     assert not fits(commands=[[1.0, 0.2]])
     text = json.dumps(SHIPPED["properties"]["controller"])
-    assert len(shipped_controllers()) >= 3
-    for name in shipped_controllers():
-        model = settings_model(find_controller(name))
+    assert len(shipped_parts(CONTROLLER)) >= 3
+    for name in shipped_parts(CONTROLLER):
+        model = settings_model(find_part(CONTROLLER, name))
         for field in model.model_fields.values() if model else ():
             assert json.dumps(field.description)[1:-1] in text
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from physim.controllers.settings import ModeSwitchingSettings
 from physim.world import (
+    Arrival,
     Box,
     Corridor,
     Expectation,
@@ -16,6 +17,7 @@ from physim.world import (
     Limits,
     Physics,
     Robot,
+    Sensing,
     Start,
     Time,
     World,
@@ -31,6 +33,8 @@ SECTIONS: list[tuple[str, str, type[BaseModel]]] = [
     ("`limits` of a robot", "", Limits),
     ("`formation`", "", Formation),
     ("`controller`, for `type: mode_switching`", "", ModeSwitchingSettings),
+    ("`sensing`", "", Sensing),
+    ("`arrival`", "", Arrival),
     ("`expect`", "", Expectation),
     ("`physics`", "", Physics),
 ]

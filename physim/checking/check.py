@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 
 import shapely
 
@@ -73,7 +74,7 @@ def check_world(
             judged = judge(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))
-    told = Told(errors=judged.faults, warnings=list(judged.document.doubts))
+    told = Told(errors=judged.faults, warnings=[*judged.document.doubts, *judged.doubts])
     profiles = _check_geometry(judged, told)
     document = judged.document
     errors = [*zip(document.faults, document.fault_positions, strict=True)]
@@ -103,6 +104,8 @@ def _refused(error: WorldError, file: str) -> Findings:
 def _check_geometry(judged: Judged, told: Told) -> tuple[ClearanceProfile, ...]:
     """Everything that lies in where things are; what cannot be read is passed over."""
     sketch = sketch_of(judged.values)
+    if not sketch.has_formation and (speed := setting(judged, "speed")) is not None:
+        sketch = replace(sketch, speed=speed)
     try:
         return _checked(sketch, judged, told)
     except shapely.errors.ShapelyError as error:

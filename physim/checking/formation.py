@@ -184,7 +184,7 @@ def _check_duration(sketch: Sketch, k: int, way: float, told: Told) -> None:
     if not sketch.is_finish_expected or sketch.duration is None:
         return
     own = sketch.robots[k].v
-    speed = sketch.formation_speed if own is None else min(own, sketch.formation_speed)
+    speed = sketch.speed if own is None else min(own, sketch.speed)
     needed = way / speed
     message = "the run is too short to finish: "
     if needed > sketch.duration and not any(message in f.message for f in told.warnings):

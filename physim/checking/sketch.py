@@ -77,8 +77,8 @@ class Sketch:
     """(N,) [m] wanted lead of each robot over the first, where the world lists them"""
     is_spacing_initial: bool
     has_formation: bool
-    formation_speed: float
-    """[m/s] at which the robots move when in formation, 1 without one"""
+    speed: float
+    """[m/s] at which the robots move when in formation, or by themselves without one"""
     is_finish_expected: bool
 
 
@@ -118,7 +118,7 @@ def sketch_of(values: Mapping[str, Any]) -> Sketch:
         leads=_leads(formation.get("spacing"), len(robots)),
         is_spacing_initial=formation.get("spacing", "initial") == "initial",
         has_formation=has_formation,
-        formation_speed=speed if has_formation and speed is not None else 1.0,
+        speed=speed if has_formation and speed is not None else 1.0,
         is_finish_expected=_mapping(values, "expect").get("finished") is True,
     )
 

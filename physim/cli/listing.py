@@ -5,20 +5,24 @@ from __future__ import annotations
 import argparse
 import json
 
-from physim.registry import controller_names
+from physim.registry import KINDS, part_names
 from physim.world_file.shipped import shipped_worlds
 
 
 def listing(options: argparse.Namespace) -> int:
-    """Print the shipped worlds and the registered controllers, a line each."""
-    worlds = shipped_worlds()
-    controllers = controller_names()
+    """Print the shipped worlds and the registered parts of every kind, a line each."""
+    found = {"worlds": shipped_worlds()}
+    found |= {f"{kind.word}s": part_names(kind) for kind in KINDS}
     if options.json:
-        print(json.dumps({"worlds": worlds, "controllers": controllers}, indent=2))
+        keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in KINDS)]
+        print(json.dumps(dict(zip(keys, found.values(), strict=True)), indent=2))
         return 0
-    width = max(len(name) for name in (*worlds, *controllers))
-    for title, entries in (("worlds", worlds), ("controllers", controllers)):
-        print(title)
+    width = max(len(name) for entries in found.values() for name in entries)
+    for title, entries in found.items():
+        if entries:
+            print(title)
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
+    if none := [title for title, entries in found.items() if not entries]:
+        print(f"no {', '.join(none)}; of your own: docs/EXTENDING.md")
     return 0

@@ -9,7 +9,7 @@ from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
 from physim.cli.progress import interrupts
 from physim.errors import PhysimError, nearest, plural
-from physim.plots import NAMES, draw
+from physim.plots import draw, names
 from physim.plots.quick_matplotlib import import_matplotlib
 from physim.record import Record
 
@@ -18,14 +18,14 @@ INTERRUPTED = 130
 
 def plot(options: argparse.Namespace) -> int:
     """Draw pictures of a record; returns the exit code."""
-    only = NAMES
+    known = only = names()
     if options.only is not None:
         only = tuple(name.strip() for name in options.only.split(","))
     folder = options.output or options.record.parent
     for name in only:
-        if name not in NAMES:
-            close = nearest(name[:100], list(NAMES))
-            raise PhysimError(f"--only {shown(name)}: must be one of {', '.join(NAMES)}{close}")
+        if name not in known:
+            close = nearest(name[:100], list(known))
+            raise PhysimError(f"--only {shown(name)}: must be one of {', '.join(known)}{close}")
     a_folder(folder)
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,

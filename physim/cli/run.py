@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from physim.cli.compiling import tell_compiling
@@ -12,13 +13,14 @@ from physim.cli.output import FILES, inputs, output_folder, write_text
 from physim.cli.progress import Bar, Interrupt, interrupts
 from physim.cli.video import write_video
 from physim.control import Controller
-from physim.errors import WorldError
+from physim.errors import PhysimError, WorldError
 from physim.record import Record
 from physim.recording import record_run
-from physim.registry import CONTROLLER, make_part
+from physim.registry import CONTROLLER, OBSERVER, make_part
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
+from physim.stages import Observer
 from physim.summary import Summary, summarise, table
 from physim.warm_up import is_warm, warm_up
 from physim.world import World
@@ -33,11 +35,12 @@ COMPILING = 25
 def run(options: argparse.Namespace) -> int:
     """Run a world; returns the exit code."""
     simulation = _set_up(options)
+    observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
     folder = output_folder(folder, options.force, *inputs(options.world))
     with interrupts() as interrupt:
-        record = _simulate(simulation, folder, options.quiet, interrupt)
+        record = _simulate(simulation, folder, observers, options.quiet, interrupt)
         summary = summarise(record)
         write_text(folder / "summary.json", summary.to_json())
         stopped = bool(interrupt.count)
@@ -69,6 +72,15 @@ def _set_up(options: argparse.Namespace) -> Simulation:
     return ready(world, document, options.seed, options)
 
 
+def _observer(name: str) -> Observer:
+    """An observer by name, or of a class of one's own."""
+    try:
+        made: Observer = make_part(OBSERVER, name, {}, trusted=True)
+    except PhysimError as error:
+        raise PhysimError(f"--observer: {error}") from None
+    return made
+
+
 def ready(
     world: World, document: Document, seed: int | None, options: argparse.Namespace
 ) -> Simulation:
@@ -98,7 +110,13 @@ def _prepare(scene: Scene, controller: Controller, options: argparse.Namespace) 
         _say(f"compiled in {seconds:.0f} s and kept for later runs", options)
 
 
-def _simulate(simulation: Simulation, folder: Path, quiet: bool, interrupt: Interrupt) -> Record:
+def _simulate(
+    simulation: Simulation,
+    folder: Path,
+    observers: Sequence[Observer],
+    quiet: bool,
+    interrupt: Interrupt,
+) -> Record:
     scene = simulation.scene
     bar = Bar(scene.world.name, scene.steps * scene.dt, "s", quiet)
 
@@ -106,7 +124,10 @@ def _simulate(simulation: Simulation, folder: Path, quiet: bool, interrupt: Inte
         bar.update(now.time, lambda: f"{factor:.0f} x real time")
 
     try:
-        return record_run(simulation, path=folder / "record.h5", progress=progress, stop=interrupt)
+        return record_run(
+            simulation, observers=observers, path=folder / "record.h5", progress=progress,
+            stop=interrupt,
+        )  # fmt: skip
     finally:
         bar.close()
 

@@ -6,12 +6,15 @@ unit and source::
     found = physim.metrics.measure(record)
     found["shortest_distance"].value, found["shortest_distance"].bodies
 
+Packages may register metrics of their own, see `physim.metrics.own`.
+
 Courses over time, along a path or by pair, for pictures and experiments: `formation_errors`,
 `formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `collision_times`,
 `pair_distances`, `corridor_width`.
 
 What has no meaning for a run (the distance between robots of a single one, say) is None or absent,
-not 0. "Fig." and numbers in parentheses refer to the paper.
+not 0; so is what depends on a column that the controller did not declare. "Fig." and numbers in
+parentheses refer to the paper.
 """
 
 from __future__ import annotations
@@ -28,7 +31,14 @@ from physim.metrics.distances import (
     shortest_collision_time,
     shortest_distance,
 )
-from physim.metrics.effort import decisions, evaluations, messages, updates_per_second
+from physim.metrics.effort import (
+    decisions,
+    disturbed_steps,
+    evaluations,
+    filtered_steps,
+    messages,
+    updates_per_second,
+)
 from physim.metrics.formation import (
     desired_leads,
     formation_energy,
@@ -38,7 +48,7 @@ from physim.metrics.formation import (
     formation_errors,
     has_formation,
 )
-from physim.metrics.measure import definition, measure
+from physim.metrics.measure import definition, definitions, measure, measured
 from physim.metrics.modes import (
     danger_shares,
     danger_time_share,
@@ -54,21 +64,26 @@ from physim.metrics.motion import (
     deviations,
     mean_speed,
 )
+from physim.metrics.own import own_metrics, own_part
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.settings import world_settings
 from physim.metrics.severity import Severity, masses, severity
 from physim.metrics.values import DangerShare, Each, Moment, Place, Series
 from physim.metrics.way import (
+    Absent,
+    absent,
     arrival_steps,
     column_over_time,
     finished,
     last_decisions,
+    steps_under_way,
     time_to_finish,
 )
 from physim.metrics.width import Width, corridor_width
 
 __all__ = [
     "DEFINITIONS",
+    "Absent",
     "AveragedSpeeds",
     "DangerShare",
     "Deep",
@@ -82,6 +97,7 @@ __all__ = [
     "Series",
     "Severity",
     "Width",
+    "absent",
     "arrival_steps",
     "averaged_speeds",
     "collision_times",
@@ -93,12 +109,15 @@ __all__ = [
     "decisions",
     "deep_contacts",
     "definition",
+    "definitions",
     "desired_leads",
     "deviation_peak",
     "deviation_rms",
     "deviations",
+    "disturbed_steps",
     "evaluations",
     "farthest_pair",
+    "filtered_steps",
     "finished",
     "formation_energy",
     "formation_error_final",
@@ -111,9 +130,12 @@ __all__ = [
     "masses",
     "mean_speed",
     "measure",
+    "measured",
     "messages",
     "mode_spans",
     "mode_switches",
+    "own_metrics",
+    "own_part",
     "pair_distances",
     "placed",
     "severity",
@@ -121,6 +143,7 @@ __all__ = [
     "shortest_boundary_distance",
     "shortest_collision_time",
     "shortest_distance",
+    "steps_under_way",
     "time_to_finish",
     "updates_per_second",
     "world_settings",

@@ -72,8 +72,9 @@ def deep_contacts(record: Record) -> tuple[Deep, ...]:
 
 def _advance(record: Record) -> FloatArray:
     """(N,) [m] farthest that a point of each robot goes in one step, by its fastest command."""
-    rows, far = record.updates, np.zeros(record.robots)
-    radius = record.shapes.radius[rows["robot"]]
-    speed = np.abs(rows["applied_v"]) + radius * np.abs(rows["applied_omega"])
-    np.maximum.at(far, rows["robot"], speed * record.dt)
+    far = np.zeros(record.robots)
+    for rows in (record.updates, record.commands):
+        radius = record.shapes.radius[rows["robot"]]
+        speed = np.abs(rows["applied_v"]) + radius * np.abs(rows["applied_omega"])
+        np.maximum.at(far, rows["robot"], speed * record.dt)
     return far

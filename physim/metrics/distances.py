@@ -36,19 +36,22 @@ def farthest_pair(record: Record) -> Moment | None:
 
 def shortest_collision_time(record: Record) -> Moment | None:
     """Shortest collision time at a decision, (11) [s] (Figs. 3, 6). None if none was seen."""
-    times = record.updates["collision_time"]
+    times = record.column("collision_time")
     times = np.where(np.isnan(times), np.inf, times)
     if not np.isfinite(times).any():
         return None
     return _at(record, record.updates[int(np.argmin(times))], "collision_time")
 
 
-def collision_times(record: Record) -> Series:
+def collision_times(record: Record) -> Series | None:
     """Least collision time (11) [s] at each step with decisions, over all robots (Figs. 3, 6).
 
-    Time (K,) of the steps, values (K,); inf where the decisions saw no collision coming.
+    Time (K,) of the steps, values (K,); inf where the decisions saw no collision coming. None where
+    the controller reports no collision times.
     """
     rows = record.updates
+    if np.isnan(record.column("collision_time")).all():
+        return None
     steps, place = np.unique(rows["step"], return_inverse=True)
     least = np.full(len(steps), np.inf)
     np.fmin.at(least, place, rows["collision_time"])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from physim.errors import PhysimError, nearest
 from physim.metrics.definition import Definition, Metric, Run
+from physim.metrics.own import own_metrics
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.values import Each, Moment, Place
 from physim.record import Record
@@ -14,25 +15,58 @@ from physim.record import Record
 def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Metric]:
     """Take metrics of a run from its record alone: all, or those of ``names``, in their order.
 
-    Metrics that have no meaning for the run are left out. Raises PhysimError for an unknown name,
-    RecordError for a damaged record.
+    All are physim's own (`DEFINITIONS`) and those that packages registered. Metrics that have no
+    meaning for the run are left out. Raises PhysimError for an unknown name and for a registered
+    metric that fails, RecordError for a damaged record.
     """
-    run, found = Run(record), {}
-    for name in DEFINITIONS if names is None else names:
-        metric = _taken(definition(name), run)
+    if names is None:
+        found, faults = measured(record)
+        if faults:
+            raise PhysimError(faults[0])
+        return found
+    known, run = dict(DEFINITIONS), Run(record)
+    wanted = list(names)
+    if not known.keys() >= set(wanted):
+        known = definitions()
+    taken = {name: _taken(_known(name, known), run) for name in wanted}
+    return {name: metric for name, metric in taken.items() if metric is not None}
+
+
+def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
+    """Take all metrics of a run, and tell in a line each why registered ones failed."""
+    run, found, own = Run(record), {}, own_metrics(DEFINITIONS)
+    faults = list(own.faults)
+    for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
+        try:
+            metric = _taken(what, run)
+        except PhysimError as error:
+            if name in DEFINITIONS:
+                raise
+            faults.append(str(error))
+            continue
         if metric is not None:
             found[name] = metric
-    return found
+    return found, tuple(faults)
+
+
+def definitions() -> dict[str, Definition]:
+    """Every metric by name: physim's own, then those that packages registered and can be used."""
+    return {**DEFINITIONS, **own_metrics(DEFINITIONS).definitions}
 
 
 def definition(name: str) -> Definition:
     """Definition of a metric. Raises PhysimError, with the nearest one, for an unknown name."""
-    if name not in DEFINITIONS:
-        close = nearest(name[:100], list(DEFINITIONS))
-        raise PhysimError(
-            f'no metric is called "{name[:100]}"{close} (physim summary --definitions)'
-        )
-    return DEFINITIONS[name]
+    return DEFINITIONS[name] if name in DEFINITIONS else _known(name, definitions())
+
+
+def _known(name: str, known: Mapping[str, Definition]) -> Definition:
+    if name in known:
+        return known[name]
+    for fault in own_metrics(DEFINITIONS).faults:
+        if f'"{name}"' in fault:
+            raise PhysimError(fault)
+    close = nearest(name[:100], list(known))
+    raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')
 
 
 def _taken(what: Definition, run: Run) -> Metric | None:

@@ -18,8 +18,8 @@ SPAN = np.dtype([("robot", "<i4"), ("mode", "i1"), ("begin", "<f8"), ("end", "<f
 def danger_shares(record: Record) -> tuple[DangerShare, ...]:
     """Share of danger mode of each robot, by decisions and by time (Fig. 8).
 
-    Danger is mode 1 or 2; decisions of a robot that has arrived, or that gave no mode, do not
-    count at all.
+    Danger is every mode that the controller declares as such; decisions of a robot at its stop
+    station, or that gave no mode, do not count at all. Without such modes every share is None.
     """
     rows, held = _with_mode(record)
     pairs = zip(_shares(record, rows, np.ones(len(rows))), _shares(record, rows, held), strict=True)
@@ -27,9 +27,12 @@ def danger_shares(record: Record) -> tuple[DangerShare, ...]:
 
 
 def danger_time_share(record: Record) -> float | None:
-    """Share of danger mode of all robots together, by time [-]; arrived ones do not count."""
+    """Share of danger mode of all robots together, by time under way [-].
+
+    None where the controller declares no mode of danger, and where no decision gave a mode.
+    """
     rows, held = _with_mode(record)
-    return float(held[is_danger(rows)].sum() / held.sum()) if held.sum() > 0 else None
+    return float(held[is_danger(record, rows)].sum() / held.sum()) if held.sum() > 0 else None
 
 
 def share_of_modes(record: Record, danger: bool) -> Each | None:
@@ -49,13 +52,13 @@ def mode_switches(record: Record) -> Each | None:
     Of a mean robot (all changes over all robots' time) and of each; changes between the two kinds
     of danger do not count.
     """
-    minutes = time_under_way(record) / 60.0
-    if not minutes.sum() > 0 or not len(_with_mode(record)[0]):
+    minutes, rows = time_under_way(record) / 60.0, _with_mode(record)[0]
+    if not minutes.sum() > 0 or not len(rows):
         return None
     count = np.zeros(record.robots)
-    for robot, rows in enumerate(rows_of_robots(record)):
-        rows = rows[rows["mode"] != NO_NUMBER]
-        count[robot] = np.count_nonzero(np.diff(is_danger(rows)))
+    for robot in range(record.robots):
+        mine = rows[rows["robot"] == robot]
+        count[robot] = np.count_nonzero(np.diff(is_danger(record, mine)))
     each = tuple(float(c / m) if m > 0 else None for c, m in zip(count, minutes, strict=True))
     return Each(float(count.sum() / minutes.sum()), each)
 
@@ -77,25 +80,33 @@ def mode_spans(record: Record) -> NDArray[np.void]:
 
 
 def time_under_way(record: Record) -> FloatArray:
-    """(N,) [s] that the decisions of each robot held before it had arrived."""
+    """(N,) [s] that the decisions of each robot held before it was at its stop station."""
     rows, held = under_way(record)
     return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
 
 
-def is_danger(rows: Rows) -> NDArray[np.bool_]:
-    """Whether each decision is in danger mode, by distance or by collision time."""
-    danger: NDArray[np.bool_] = (rows["mode"] == 1) | (rows["mode"] == 2)
-    return danger
+def has_danger(record: Record) -> bool:
+    """Whether the controller declares a mode of danger."""
+    return any(mode.danger for mode in record.modes)
+
+
+def is_danger(record: Record, rows: Rows) -> NDArray[np.bool_]:
+    """Whether each decision is in a mode that the controller declares as danger."""
+    danger = np.array([*(mode.danger for mode in record.modes), False])
+    return np.asarray(danger[rows["mode"]])  # NO_NUMBER is the last
 
 
 def _with_mode(record: Record) -> tuple[Rows, FloatArray]:
-    """Decisions under way that gave a mode, and the steps that each held; see `under_way`."""
+    """Decisions under way that gave a mode, and the steps that each held; see `under_way`.
+
+    None of a controller without modes of danger: what is not danger would not be safe either.
+    """
     rows, held = under_way(record)
-    told = rows["mode"] != NO_NUMBER
+    told = (rows["mode"] != NO_NUMBER) & has_danger(record)
     return rows[told], held[told]
 
 
 def _shares(record: Record, rows: Rows, weight: FloatArray) -> list[float | None]:
     total = np.bincount(rows["robot"], weight, record.robots)
-    part = np.bincount(rows["robot"], weight * is_danger(rows), record.robots)
+    part = np.bincount(rows["robot"], weight * is_danger(record, rows), record.robots)
     return [float(p / t) if t > 0 else None for p, t in zip(part, total, strict=True)]

@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics.values import Each, Moment, Series
-from physim.metrics.way import GRID, arrival_steps, column_over_time, under_way
+from physim.metrics.way import GRID, blocks, column_over_time, steps_under_way, under_way
 from physim.record import Record
 
 WINDOW = 10.0
@@ -60,16 +60,27 @@ def deviation_rms(record: Record) -> Each | None:
 
 
 def mean_speed(record: Record) -> float | None:
-    """Mean given forward speed over time of all robots under way [m/s] (Fig. 7)."""
-    rows, held = under_way(record)
-    return float((rows["applied_v"] * held).sum() / held.sum()) if held.sum() > 0 else None
+    """Mean applied forward speed over time of all robots under way [m/s] (Fig. 7).
+
+    From the first command of each on. None where none was recorded.
+    """
+    ends, begins = steps_under_way(record), np.full(record.robots, record.steps_run)
+    for rows in (record.updates, record.commands):
+        np.minimum.at(begins, rows["robot"], rows["step"])
+    way = total = 0.0
+    for first, last in blocks(record):
+        step = np.arange(first, last)[:, None]
+        counts = (step >= begins) & (step < ends)
+        way += float((record.commands_over("applied", first, last)[:, :, 0] * counts).sum())
+        total += float(counts.sum())
+    return way / total if total > 0 else None
 
 
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
     As the robots moved: the way along the heading and the turn between the ends of the window,
-    over its length. Defined where the whole window lies before the robot's arrival.
+    over its length. Defined where the whole window lies before the robot is at its stop station.
     """
     none = np.zeros((0, record.robots))
     if record.samples < 2:
@@ -81,9 +92,9 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     count = max(0, int((end - window) / every + 1e-9) + 1)
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
     forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
-    arrived = arrival_steps(record) * record.dt
+    ends_of_way = steps_under_way(record) * record.dt
     for i in range(record.robots):
-        last = arrived[i] if arrived[i] >= 0 else end
+        last = min(ends_of_way[i], end)
         whole = middle + window / 2.0 <= last + 1e-9
         for out, values in ((forward, way[:, i]), (rotational, pose[:, i, 2])):
             ends = (np.interp(middle[whole] + s * window / 2.0, time, values) for s in (1, -1))

@@ -11,8 +11,9 @@ from itertools import combinations
 import numpy as np
 
 from physim.geometry.batch import collision_times
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics.values import Moment, Series
+from physim.metrics.way import blocks
 from physim.record import Record
 
 HORIZON = 10.0
@@ -25,11 +26,11 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
     """Least collision time over all pairs of robots after every step with decisions.
 
     Time (K,) [s] and values (K,) [s], inf where no pair meets within ``horizon``; and the pairs
-    (K, 2) that would meet first. Each robot keeps the command that it was given last, on its arc.
+    (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc.
     """
     steps = np.unique(record.updates["step"])
     pairs = np.array(list(combinations(range(record.robots), 2)), dtype=np.int64).reshape(-1, 2)
-    steps = steps[np.isin(steps, record.steps)]
+    steps = steps[np.isin(steps, record.steps) & (steps < record.steps_run)]
     if not len(steps) or not len(pairs):
         return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
     steps = steps[:: -(-len(steps) * len(pairs) // MOST_TIMES)]
@@ -63,14 +64,13 @@ def shortest_pair_collision_time(record: Record, horizon: float = HORIZON) -> Mo
     return Moment(float(least[k]), round(float(time[k]) / record.dt), float(time[k]), a, b)
 
 
-def _commands(record: Record, steps: FloatArray) -> FloatArray:
-    """Given commands (K, N, 2) that the robots hold after the decisions of each step."""
+def _commands(record: Record, steps: IntArray) -> FloatArray:
+    """Applied commands (K, N, 2) over the steps that begin at the samples (K,), increasing."""
     twist = np.zeros((len(steps), record.robots, 2))
-    for robot in range(record.robots):
-        rows = record.updates[record.updates["robot"] == robot]
-        at = np.searchsorted(rows["step"], steps, side="right") - 1
-        given = np.stack((rows["applied_v"], rows["applied_omega"]), axis=1)
-        twist[at >= 0, robot] = given[at[at >= 0]]
+    for first, last in blocks(record):
+        mine = slice(*np.searchsorted(steps, (first, last)))
+        if mine.start < mine.stop:
+            twist[mine] = record.commands_over("applied", first, last)[steps[mine] - first]
     return twist
 
 

@@ -18,10 +18,14 @@ from physim.record import Record
 
 
 def _contacts(record: Record, robots: bool | None = None) -> int | None:
-    if robots and record.robots < 2:
+    if (robots and record.robots < 2) or "contacts" not in record.tables:
         return None
     episodes = contacts.contact_episodes(record)
     return sum(robots is None or episode.robots is robots for episode in episodes)
+
+
+def _grazes(record: Record) -> int | None:
+    return len(contacts.grazes(record)) if "contacts" in record.tables else None
 
 
 def _first_contact(record: Record) -> Moment | None:
@@ -66,11 +70,13 @@ _ALL = (
         lambda run: run.record.steps_run * run.record.dt,
     ),
     Definition(
-        "finished", "-", "whether every robot was at its stop station at the end", "-",
+        "finished", "-",
+        "whether every robot stood at its stop station at the end, judged by its motion", "-",
         _of(way.finished),
     ),
     Definition(
-        "time_to_finish", "s", "time at which the last robot had arrived for good", "Section 1",
+        "time_to_finish", "s", "time at which the last robot stood at its stop station for good",
+        "Section 1",
         _of(way.time_to_finish),
     ),
     Definition(
@@ -87,7 +93,7 @@ _ALL = (
     ),
     Definition(
         "grazes", "-", "contacts between two samples: apart at both, touching within the step", "-",
-        lambda run: len(contacts.grazes(run.record)),
+        lambda run: _grazes(run.record),
     ),
     Definition(
         "first_contact", "s", "time of the first sample of the first contact", "-",
@@ -144,7 +150,7 @@ _ALL = (
         "Figs. 1b, 2c, 7d", _of(motion.deviation_rms),
     ),
     Definition(
-        "mean_speed", "m/s", "mean given forward speed over the time under way", "Fig. 7c",
+        "mean_speed", "m/s", "mean applied forward speed over the time under way", "Fig. 7c",
         _of(motion.mean_speed),
     ),
     Definition(
@@ -177,11 +183,12 @@ _ALL = (
         "Fig. 4", lambda run: _width(run, largest=True),
     ),
     Definition(
-        "danger_share", "-", "share of danger mode in the time under way", "Figs. 5, 8",
+        "danger_share", "-", "share of modes declared as danger in the time under way",
+        "Figs. 5, 8",
         lambda run: modes.share_of_modes(run.record, danger=True),
     ),
     Definition(
-        "safe_share", "-", "share of safe mode in the time under way", "Figs. 5, 8",
+        "safe_share", "-", "share of all other modes in the time under way", "Figs. 5, 8",
         lambda run: modes.share_of_modes(run.record, danger=False),
     ),
     Definition(
@@ -200,6 +207,14 @@ _ALL = (
     Definition(
         "collision_time_evaluations", "-", "collision times worked out by the decisions",
         "(11), (14)", _of(effort.evaluations),
+    ),
+    Definition(
+        "filtered_steps", "-", "robot-steps over which the filtered command differs from the "
+        "nominal one", "-", _of(effort.filtered_steps),
+    ),
+    Definition(
+        "disturbed_steps", "-", "robot-steps over which the applied command differs from the "
+        "filtered one", "-", _of(effort.disturbed_steps),
     ),
 )  # fmt: skip
 

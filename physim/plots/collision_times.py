@@ -13,7 +13,7 @@ from physim.metrics.values import Moment
 from physim.plots.collision_rows import draw_rows, least_of_stretches
 from physim.plots.contacts import mark_contacts
 from physim.plots.frame import framed, legend_beside, mark, names_of, nothing, short, time_axis
-from physim.plots.style import BLUE, INK, NARROW, robot_mark
+from physim.plots.style import BAND, INK, NARROW, robot_mark
 from physim.record import Record
 
 FLOOR = 0.01
@@ -33,7 +33,8 @@ def collision_times(record: Record) -> Any:
     band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
     least of the run at the end. The shortest of all is marked.
     """
-    rows = record.updates[np.isfinite(record.updates["collision_time"])]
+    times = record.column("collision_time")
+    rows = record.updates[np.isfinite(times)]
     shortest = shortest_collision_time(record)
     many = record.robots > MOST_SINGLE and shortest is not None
     tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
@@ -49,7 +50,6 @@ def collision_times(record: Record) -> Any:
         time_axis(axis, record)
     axis.set_ylabel("collision time [s]")
     if shortest is None:
-        times = record.updates["collision_time"]
         unknown = len(times) and np.isnan(times).all()
         why = "the controller reports none" if unknown else "no decision foresaw a collision"
         nothing(axis, why)
@@ -105,7 +105,7 @@ def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
         for at in ((0.05 * (counts - 1)).astype(int), np.ceil(0.95 * (counts - 1)).astype(int))
     )
     time, shortest = edges * record.dt, np.fmin.reduce(least, axis=0)
-    how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BLUE}
+    how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BAND}
     band = axis.fill_between(time, *(np.append(v, v[-1]) for v in (low, high)), **how)
     band.set_label("middle 90 % of\nthe decisions")
     line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from physim.metrics import contact_episodes, grazes
-from physim.plots.style import VERMILION
+from physim.plots.style import CONTACT
 from physim.record import Record
 
 MOST_BANDS = 12
@@ -33,10 +33,10 @@ def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
             label = f"contact ({len(ends)})"
             handles.append(_strip(axis, merged(ends, least), label))
         for begin, end in ends if len(ends) <= MOST_BANDS else ():
-            axis.axvspan(begin, end, color=VERMILION, alpha=0.15, linewidth=0.0, zorder=0.5)
-            axis.axvline(begin, color=VERMILION, linewidth=1.1, zorder=0.6)
+            axis.axvspan(begin, end, color=CONTACT, alpha=0.15, linewidth=0.0, zorder=0.5)
+            axis.axvline(begin, color=CONTACT, linewidth=1.1, zorder=0.6)
         low = 0.0 if len(between) <= MOST_BANDS else 1.0 - STRIP
-        style: dict[str, Any] = {"color": VERMILION, "linewidth": 1.1, "zorder": 0.6}
+        style: dict[str, Any] = {"color": CONTACT, "linewidth": 1.1, "zorder": 0.6}
         label = f"graze ({len(between)})"
         dots = [axis.axvline(g.time, low, linestyle=":", label=label, **style) for g in between]
         handles += dots[:1]
@@ -65,7 +65,7 @@ def _strip(axis: Any, spans: list[tuple[float, float]], label: str) -> Any:
     low, high = 1.0, 1.0 + STRIP
     corners = [[(a, low), (b, low), (b, high), (a, high)] for a, b in spans]
     strip = PolyCollection(
-        corners, facecolor=VERMILION, linewidth=0.0, transform=axis.get_xaxis_transform(),
+        corners, facecolor=CONTACT, linewidth=0.0, transform=axis.get_xaxis_transform(),
         clip_on=False, label=label, gid="contacts",
     )  # fmt: skip
     return axis.add_collection(strip, autolim=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.plots.frame import short
-from physim.plots.style import BLUE, INK, robot_colour
+from physim.plots.style import BAND, CYCLE, INK, robot_colour
 from physim.record import Record
 
 MOST_LINES = 12
@@ -43,19 +43,19 @@ def draw_bands(axis: Any, time: FloatArray, values: FloatArray, of: str) -> list
     shades = ((1, -2, 0.25, "middle 90 %"), (2, -3, 0.45, "middle 50 %"))
     bands = [
         axis.fill_between(
-            time, quantile[low], quantile[high], color=BLUE, alpha=alpha, linewidth=0.0, label=label
+            time, quantile[low], quantile[high], color=BAND, alpha=alpha, linewidth=0.0, label=label
         )
         for low, high, alpha, label in shades
     ]
-    median = axis.plot(time, quantile[3], color=BLUE, linewidth=1.5, label=f"median of\n{of}")[0]
+    median = axis.plot(time, quantile[3], color=BAND, linewidth=1.5, label=f"median of\n{of}")[0]
     return [median, bands[1], bands[0], outer]
 
 
 def robot_line(index: int) -> dict[str, Any]:
-    """Colour and dashes of a robot's line; dashed from the ninth on, so that fewer look alike."""
+    """Colour and dashes of a robot's line; dashed where colours come again."""
     dashes = ("-", (0, (4, 1.5)), (0, (1, 1)))
     return {
         "color": robot_colour(index),
-        "linestyle": dashes[index // 8 % len(dashes)],
+        "linestyle": dashes[index // len(CYCLE) % len(dashes)],
         "linewidth": 1.1,
     }

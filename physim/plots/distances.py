@@ -27,7 +27,7 @@ from physim.plots.frame import (
     time_axis,
     zero_line,
 )
-from physim.plots.style import BLUE, GREEN, QUIET
+from physim.plots.style import INK, QUIET
 from physim.record import Record
 
 MOST_POINTS = 4000
@@ -82,8 +82,8 @@ def _least(axis: Any, record: Record) -> list[Any]:
     """Least distance over all robots to another robot and to a wall, each with its minimum."""
     wall = shortest_boundary_distance(record)
     curves = (
-        (record.clearance, BLUE, "-", "robot to robot", shortest_distance(record)),
-        (record.boundary_clearance, GREEN, "--", "robot to wall", wall),
+        (record.clearance, INK, "-", "robot to robot", shortest_distance(record)),
+        (record.boundary_clearance, QUIET, "--", "robot to wall", wall),
     )
     handles, told = [], []
     for values, colour, dash, label, shortest in curves:

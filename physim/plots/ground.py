@@ -3,50 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import shapely
 
-from physim.geometry.shapes import FloatArray, Polylines
+from physim.geometry.shapes import FloatArray
 from physim.plots.style import DANGER_AREA, INK, OBSTACLE, SAFE_AREA
 from physim.record import Record
-from physim.tolerances import LENGTH
+from physim.scene_model import SceneModel
 
 
-def draw_areas(axis: Any, record: Record) -> list[Any]:
+def draw_areas(axis: Any, scene: SceneModel) -> list[Any]:
     """Draw danger and safe area, obstacles and walls; returns the handles of a legend."""
-    from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.collections import LineCollection
 
-    safe = record.safe if record.safe_distance > 0.0 else ()
-    fills = ((record.accessible, DANGER_AREA, "danger area"), (safe, SAFE_AREA, "safe area"))
+    fills = ((scene.accessible, DANGER_AREA, "danger area"), (scene.safe, SAFE_AREA, "safe area"))
     handles = [
-        _filled(axis, rings, colour, label) for rings, colour, label in fills if safe and rings
+        _filled(axis, rings, colour, label)
+        for rings, colour, label in fills
+        if scene.safe_distance > 0.0 and rings
     ]
-    solids, lines = walls_of(record)
-    axis.add_collection(PolyCollection(solids, facecolor=OBSTACLE, edgecolor=OBSTACLE, zorder=1.2))
-    axis.add_collection(LineCollection(lines, color=INK, linewidth=1.1, zorder=1.4))
+    if scene.solid_rings:
+        _filled(axis, scene.solid_rings, OBSTACLE, "obstacle").set_zorder(1.2)
+    axis.add_collection(LineCollection(scene.boundaries, color=INK, linewidth=1.1, zorder=1.4))
     return handles[::-1]
 
 
-def walls_of(record: Record) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Convex parts of the obstacles and segments of the boundaries, (n, 2) [m] each."""
-    walls = record.walls
-    parts = [walls.vertices[a:b] for a, b in pairwise(walls.part_start)]
-    return [p for p in parts if len(p) > 2], [p for p in parts if len(p) == 2]
-
-
-def frame_map(axis: Any, record: Record, height: float, share: float) -> float:
+def frame_map(axis: Any, scene: SceneModel, record: Record, height: float, share: float) -> float:
     """Set the axes of a map about all there is; returns its height [in], ``height`` at most.
 
     ``share`` [in] is the width that it has.
     """
-    points = [np.asarray(record.walls.vertices).reshape(-1, 2)]
-    points += [p for p in (record.paths.points, *record.accessible) if len(p)]
+    points = list(scene.extent)
     if record.samples:
-        points.append(record.pose[:, :, :2].reshape(-1, 2))
-    cloud = np.concatenate(points)
+        places = record.pose[:, :, :2].reshape(-1, 2)
+        points += [places.min(axis=0), places.max(axis=0)]
+    cloud = np.array(points)
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     margin = 0.02 * float((high - low).max()) + 0.1
     low, high = low - margin, high + margin
@@ -55,27 +48,6 @@ def frame_map(axis: Any, record: Record, height: float, share: float) -> float:
     axis.grid(False)
     wide, tall = high - low
     return float(min(height, max(1.2, share * tall / wide + 0.6)))
-
-
-def lines_of(lines: Polylines) -> list[FloatArray]:
-    """Polylines as arrays (n, 2) [m]."""
-    return [lines.points[a:b] for a, b in pairwise(lines.start)]
-
-
-def inside_and_out(lines: Sequence[FloatArray], rings: Sequence[FloatArray]) -> tuple[Any, Any]:
-    """Pieces of lines inside the even-odd area of rings, and pieces outside of it."""
-    area: Any = shapely.Polygon()
-    for ring in rings:
-        if len(ring) >= 3:
-            area = area.symmetric_difference(shapely.make_valid(shapely.Polygon(ring)))
-    shapely.prepare(area)
-    drawn = [shapely.LineString(points) for points in lines]
-    return _pieces(shapely.intersection(drawn, area)), _pieces(shapely.difference(drawn, area))
-
-
-def _pieces(geometries: Any) -> list[FloatArray]:
-    parts = shapely.get_parts(shapely.get_parts(geometries))
-    return [shapely.get_coordinates(p) for p in parts if shapely.length(p) > LENGTH]
 
 
 def _filled(axis: Any, rings: Sequence[FloatArray], colour: str, label: str) -> Any:

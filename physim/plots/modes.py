@@ -7,16 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.control import NO_MODE
+from physim.declared import NO_NUMBER
 from physim.geometry.shapes import FloatArray
 from physim.metrics import danger_time_share, mode_spans, share_of_modes
 from physim.plots.frame import framed, legend_below, nothing, short, time_axis
-from physim.plots.style import INK, MODE_WORDS, MODES, QUIET
+from physim.plots.style import INK, QUIET
 from physim.record import Record
 
 MOST_ROWS = 40
 """Robots that have a row with name and share; of more, rows are thin and only some are named."""
 
+LONGEST_MODE = 30
+"""Characters of a mode in the legend."""
 BLANK = 0.002
 """Share of the run without a mode from which on the legend says what a blank stretch means."""
 
@@ -34,10 +36,10 @@ def modes(record: Record) -> Any:
     if not len(spans):
         nothing(axis, "no decision was recorded")
         return figure
-    if (spans["mode"] == NO_MODE).all():
+    if (spans["mode"] == NO_NUMBER).all():
         nothing(axis, "the controller gives no modes")
         return figure
-    _rows(axis, spans, 0.76 if few else 1.0)
+    _rows(axis, record, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)
     _names(axis, record, few)
     _shares(axis, record, few)
@@ -49,11 +51,11 @@ def modes(record: Record) -> Any:
     return figure
 
 
-def _rows(axis: Any, spans: NDArray[np.void], height: float) -> None:
-    """Bars of each mode; danger over safe, since a short stretch of it matters most."""
+def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> None:
+    """Bars of each mode; danger over the others, since a short stretch of it matters most."""
     from matplotlib.collections import PolyCollection
 
-    for mode in (0, 3, 1, 2):
+    for mode in sorted(range(len(record.modes)), key=lambda k: record.modes[k].danger):
         mine = spans[spans["mode"] == mode]
         left, right = mine["begin"], mine["end"]
         low, high = mine["robot"] - height / 2.0, mine["robot"] + height / 2.0
@@ -64,7 +66,9 @@ def _rows(axis: Any, spans: NDArray[np.void], height: float) -> None:
             ],
             axis=1,
         )
-        axis.add_collection(PolyCollection(list(corners), facecolor=MODES[mode], linewidth=0.0))
+        axis.add_collection(
+            PolyCollection(list(corners), facecolor=record.modes[mode].colour, linewidth=0.0)
+        )
 
 
 def _names(axis: Any, record: Record, few: bool) -> None:
@@ -98,9 +102,12 @@ def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:
     from matplotlib.patches import Patch
 
     lasting = spans["mode"][spans["end"] > spans["begin"]]
-    shown = [mode for mode in MODES if (lasting == mode).any()]
-    handles = [Patch(facecolor=MODES[m], label=MODE_WORDS[m]) for m in shown]
-    coloured = spans[np.isin(spans["mode"], list(MODES))]
+    handles = [
+        Patch(facecolor=mode.colour, label=short(str(mode), LONGEST_MODE))
+        for k, mode in enumerate(record.modes)
+        if (lasting == k).any()
+    ]
+    coloured = spans[spans["mode"] != NO_NUMBER]
     filled = np.bincount(
         coloured["robot"], coloured["end"] - coloured["begin"], minlength=record.robots
     )

@@ -1,14 +1,28 @@
-"""Draw the named pictures of a record into a folder."""
+"""Draw the named pictures of a record into a folder.
+
+Packages may register pictures of their own, classes in the entry point group ``physim.plots``; the
+name of the entry point is that of the picture and of its file::
+
+    class Speeds:
+        def draw(self, record):  # a physim.Record
+            figure = matplotlib.figure.Figure()
+            ...
+            return figure
+
+What fails in it is told in one line.
+"""
 
 from __future__ import annotations
 
 import os
 import warnings
 from collections.abc import Callable, Sequence
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 from physim.errors import PhysimError, nearest
+from physim.metrics import own_part
 from physim.plots.collision_times import collision_times
 from physim.plots.deviation import deviation
 from physim.plots.distances import distances
@@ -37,28 +51,37 @@ PICTURES: dict[str, Callable[[Record], Any]] = {
 NAMES = tuple(PICTURES)
 
 
+def names() -> tuple[str, ...]:
+    """All pictures: physim's own, then those that packages registered."""
+    own = sorted({entry.name for entry in entry_points(group="physim.plots")})
+    return (*NAMES, *(name for name in own if name not in PICTURES))
+
+
 def draw(
     record: Record,
     folder: str | os.PathLike[str],
     *,
-    only: Sequence[str] = NAMES,
+    only: Sequence[str] | None = None,
     format: str = "png",
     force: bool = False,
     snapshots: float | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> tuple[Path, ...]:
-    """Draw pictures of a record as ``folder/NAME.FORMAT``; returns the files.
+    """Draw pictures of a record, all or ``only`` some, as ``folder/NAME.FORMAT``.
 
-    ``stop()`` is asked after each picture; once True, no more are drawn.
-
+    Returns the files. ``stop()`` is asked after each picture; once True, no more are drawn.
     ``snapshots`` [s] is the time between the snapshots of ``trajectories``. The same record gives
     the same file. Raises PhysimError for an unknown name or format, for a
-    file that exists unless ``force`` is set, and where the folder cannot be written.
+    file that exists unless ``force`` is set, where the folder cannot be written, and where a
+    picture that a package registered fails.
     """
+    known = names()
+    only = known if only is None else only
     for name in only:
-        if name not in PICTURES:
-            told = f'no picture is called "{name}"; there are {", ".join(NAMES)}'
-            raise PhysimError(told + nearest(name[:100], list(NAMES)))
+        if name not in known:
+            told = f'no picture is called "{name}"; there are {", ".join(known)}'
+            raise PhysimError(told + nearest(name[:100], list(known)))
+    own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
     if format not in FORMATS:
         raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
     paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
@@ -71,7 +94,7 @@ def draw(
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
         for path in paths:
-            _save(record, path, format, snapshots)
+            _save(record, path, format, snapshots, own.get(path.stem))
             drawn += 1
             if stop is not None and stop():
                 break
@@ -80,13 +103,36 @@ def draw(
     return paths[:drawn]
 
 
-def _save(record: Record, path: Path, format: str, snapshots: float | None) -> None:
+def _plot() -> Any:
+    from physim.registry import PLOT  # only here: it brings the models of worlds along
+
+    return PLOT
+
+
+def _own_figure(name: str, part: Any, record: Record) -> Any:
+    """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
+    from physim.registry import broken_by
+
+    try:
+        figure = part.draw(record)
+    except (Exception, SystemExit) as error:
+        raise PhysimError(f'plot "{name}" fails: {broken_by(error)}') from None
+    if not callable(getattr(figure, "savefig", None)):
+        raise PhysimError(
+            f'plot "{name}" gives a {type(figure).__name__}; it must give a matplotlib Figure'
+        )
+    return figure
+
+
+def _save(record: Record, path: Path, format: str, snapshots: float | None, own: Any) -> None:
     """Write one picture, whole or not at all, without the date that would make files differ."""
     dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
     part = path.with_name(f".{path.name}.part")
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
-        if path.stem == "trajectories":
+        if own is not None:
+            figure = _own_figure(path.stem, own, record)
+        elif path.stem == "trajectories":
             figure = trajectories(record, snapshots)
         else:
             figure = PICTURES[path.stem](record)

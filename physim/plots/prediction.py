@@ -33,8 +33,8 @@ def predictions(record: Record) -> Predictions:
 
     Decisions that are made in contact are left out, and so are those after the last contact.
     """
-    rows = record.updates
-    rows = rows[np.isfinite(rows["collision_time"]) & (rows["collision_time"] > 0.0)]
+    times = record.column("collision_time")
+    rows = record.updates[np.isfinite(times) & (times > 0.0)]
     found: list[tuple[int, float, float, int]] = []
     contacts = record.contacts
     began = contacts[(contacts["phase"] == Phase.BEGAN) & (contacts["kind"] == Kind.PHYSICAL)]
@@ -61,7 +61,7 @@ def prediction(record: Record) -> Any:
         contacts = record.contacts
         began = contacts[contacts["kind"] == Kind.PHYSICAL]
         told = "no contact was foreseen" if len(began) else "no contact"
-        if len(began) and np.isnan(record.updates["collision_time"]).all():
+        if len(began) and np.isnan(record.column("collision_time")).all():
             told = "the controller reports\nno collision times"
         if len(contacts) and not len(began):
             told = "no contact at a sample,\ngrazes between samples only"

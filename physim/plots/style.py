@@ -1,7 +1,7 @@
 """One style for all pictures: readable in print and under the common kinds of colour blindness.
 
-Colours are those of Okabe and Ito (2008), as in the videos. Figures are objects of their own: no
-state of matplotlib's is read or changed outside `styled`.
+Colours are those of `physim.palette`, as in the videos. Figures are objects of their own: no state
+of matplotlib's is read or changed outside `styled`.
 """
 
 from __future__ import annotations
@@ -10,32 +10,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-INK = "#22262c"
-QUIET = "#62686f"
-RULE = "#d6dade"
-BLUE = "#0072b2"
-GREEN = "#009e73"
-VERMILION = "#d55e00"
-"""contacts, as in the videos"""
-CYCLE = ("#0072b2", "#e69f00", "#009e73", "#cc5aa0", "#56b4e9", "#882255", "#22262c", "#b8ad00")
-"""robots, by index; none is near `VERMILION`, which contacts alone have"""
-ROBOTS = (*CYCLE, "#332288", "#b39ddb", "#7a5c1e", "#999999")
-"""robots one by one, by index"""
+from physim import palette
+from physim.palette import hexed
+
+INK = hexed(palette.INK)
+QUIET = hexed(palette.QUIET)
+RULE = hexed(palette.RULE)
+CONTACT = hexed(palette.CONTACT)
+"""contacts and grazes, and nothing else"""
+WIDTHS = hexed(palette.WIDTH)
+"""widths of the corridor"""
+BAND = hexed(palette.BAND)
+"""bands and medians of a crowd"""
+CYCLE = tuple(hexed(colour) for colour in palette.ROBOTS)
+"""robots, by index; arms of an experiment"""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 """robots, by index: colour is never the only mark"""
-
-MODES = {0: BLUE, 1: "#e69f00", 2: "#cc5aa0", 3: GREEN}
-"""modes, as in the videos"""
-MODE_WORDS = {
-    0: "safe",
-    1: "danger, by distance",
-    2: "danger, by collision time",
-    3: "arrived",
-}
-SAFE_AREA = "#d8eedf"
-DANGER_AREA = "#f2b8a2"
-"""darker than the safe area, so that the two differ without colour"""
-OBSTACLE = "#8c9197"
+SAFE_AREA = hexed(palette.SAFE_AREA)
+DANGER_AREA = hexed(palette.DANGER_AREA)
+OBSTACLE = hexed(palette.OBSTACLE)
 
 WIDTH = 6.9
 """[in] two columns of a paper"""
@@ -84,10 +77,10 @@ def styled() -> Iterator[None]:
 
 
 def robot_mark(index: int) -> tuple[str, str]:
-    """Colour and marker of a robot; the pair repeats only after 24 robots."""
+    """Colour and marker of a robot; the pair repeats only after 40 robots."""
     return robot_colour(index), MARKERS[index % len(MARKERS)]
 
 
 def robot_colour(index: int) -> str:
-    """Colour of a robot; it repeats after twelve."""
-    return ROBOTS[index % len(ROBOTS)]
+    """Colour of a robot; it repeats after ten."""
+    return hexed(palette.robot_colour(index))

@@ -10,19 +10,13 @@ import numpy as np
 from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics import mode_spans
+from physim.palette import hexed
 from physim.plots.courses import MOST_LINES
 from physim.plots.frame import framed, legend_below, nothing, short
-from physim.plots.ground import draw_areas, frame_map, inside_and_out, lines_of
-from physim.plots.style import (
-    INK,
-    MODE_WORDS,
-    MODES,
-    QUIET,
-    VERMILION,
-    WIDTH,
-    robot_colour,
-)
+from physim.plots.ground import draw_areas, frame_map
+from physim.plots.style import CONTACT, INK, QUIET, WIDTH, robot_colour
 from physim.record import Record
+from physim.scene_model import SceneModel, placed
 
 SNAPSHOTS = 10
 """About as many snapshots as are drawn where nothing else is said."""
@@ -34,6 +28,8 @@ COLUMNS = 5
 UP = np.array([0.0, 1.0])
 SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
+LONGEST = 32
+"""Characters of a mode in the legend."""
 POINTS = 1500
 """Points of a trajectory, at most."""
 
@@ -53,16 +49,17 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
         source_on_top=True,
     )
     axis = figure.subplots()
-    tall = frame_map(axis, record, 6.5, 6.2)
-    handles = draw_areas(axis, record)
-    handles += _paths(axis, record)
+    scene = SceneModel.of_record(record)
+    tall = frame_map(axis, scene, record, 6.5, 6.2)
+    handles = draw_areas(axis, scene)
+    handles += _paths(axis, scene)
     if not record.samples:
         nothing(axis, "no sample was recorded")
         return figure
     every = snapshot_interval(record) if snapshots is None else snapshots
     at = snapshot_rows(record, every)
     handles += _ways(axis, record)
-    handles += _snapshots(axis, record, at)
+    handles += _snapshots(axis, scene, record, at)
     handles += _contacts(axis, record)
     _times(axis, record, at)
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
@@ -99,15 +96,13 @@ def snapshot_rows(record: Record, every: float) -> IntArray:
     return np.unique(np.where(nearer, before, after))
 
 
-def _paths(axis: Any, record: Record) -> list[Any]:
+def _paths(axis: Any, scene: SceneModel) -> list[Any]:
     """Own paths, thin: whole inside of the safe area, dashed outside."""
     from matplotlib.collections import LineCollection
 
-    lines = lines_of(record.paths)
-    inside, outside = lines, list[FloatArray]()
-    if record.safe_distance > 0.0 and record.safe:
-        inside, outside = inside_and_out(lines, record.safe)
-    thin = 0.8 if record.robots <= MOST_LINES else 0.4
+    inside = [piece for pieces, _ in scene.path_pieces for piece in pieces]
+    outside = [piece for _, pieces in scene.path_pieces for piece in pieces]
+    thin = 0.8 if scene.robots <= MOST_LINES else 0.4
     styles = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
     handles = [
         LineCollection(
@@ -139,7 +134,7 @@ def _ways(axis: Any, record: Record) -> list[Any]:
     ]
 
 
-def _snapshots(axis: Any, record: Record, at: IntArray) -> list[Any]:
+def _snapshots(axis: Any, scene: SceneModel, record: Record, at: IntArray) -> list[Any]:
     """Robots at samples ``at``, in their own colours or, of a crowd, in those of their modes.
 
     A tick shows the heading.
@@ -150,21 +145,23 @@ def _snapshots(axis: Any, record: Record, at: IntArray) -> list[Any]:
     crowd = record.robots > MOST_LINES
     shapes, colours, ticks = [], [], []
     modes = _modes_at(record, record.time[at])
-    reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]
+    reach = [float(points[:, 0].max()) for points in scene.outlines]
     for k, row in enumerate(at):
         for robot, pose in enumerate(record.pose[row]):
-            colour = MODES.get(int(modes[k, robot]), QUIET) if crowd else robot_colour(robot)
-            for part in record.footprints[robot]:
-                shapes.append(_placed(part, pose))
-                colours.append(colour)
-            ticks.append(_placed(np.array([[0.0, 0.0], [reach[robot], 0.0]]), pose))
+            mode = scene.mode_colour(int(modes[k, robot]))
+            shapes.append(placed(scene.outlines[robot], pose))
+            colours.append(hexed(mode) if crowd else robot_colour(robot))
+            ticks.append(placed(np.array([[0.0, 0.0], [reach[robot], 0.0]]), pose))
     edge = 0.2 if crowd else 0.4
     axis.add_collection(
         PolyCollection(shapes, facecolor=colours, edgecolor=INK, linewidth=edge, zorder=3.0)
     )
     axis.add_collection(LineCollection(ticks, color="white", linewidth=2.0 * edge, zorder=3.1))
-    shown = [mode for mode in MODES if crowd and (modes == mode).any()]
-    return [Patch(facecolor=MODES[mode], label=f"robot, {MODE_WORDS[mode]}") for mode in shown]
+    shown = [k for k in range(len(scene.modes)) if crowd and (modes == k).any()]
+    return [
+        Patch(facecolor=scene.modes[k].colour, label=short(f"robot, {scene.modes[k]}", LONGEST))
+        for k in shown
+    ]
 
 
 def _modes_at(record: Record, time: FloatArray) -> IntArray:
@@ -178,11 +175,6 @@ def _modes_at(record: Record, time: FloatArray) -> IntArray:
         if len(mine):
             found[:, robot] = np.where(place >= 0, mine["mode"][place], -1)
     return found
-
-
-def _placed(points: FloatArray, pose: FloatArray) -> FloatArray:
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
 
 
 def _times(axis: Any, record: Record, at: IntArray) -> None:
@@ -218,7 +210,7 @@ def _contacts(axis: Any, record: Record) -> list[Any]:
     for found, marker, word in ((began, "x", "contact"), (swept, "+", "graze")):
         if len(found):
             size = 6.0 if len(found) <= MANY_CONTACTS else 3.2  # [pt]
-            how = {"color": VERMILION, "markersize": size, "markeredgewidth": size / 4, "zorder": 5}
+            how = {"color": CONTACT, "markersize": size, "markeredgewidth": size / 4, "zorder": 5}
             label = f"{word} ({len(found)})"
             handles += axis.plot(found["x"], found["y"], marker, label=label, **how)
     return handles

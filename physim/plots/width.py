@@ -9,9 +9,10 @@ import numpy as np
 from physim.metrics import Width, corridor_width
 from physim.metrics.width import width_extreme
 from physim.plots.frame import framed, legend_beside, mark, nothing, short
-from physim.plots.ground import draw_areas, frame_map, lines_of
-from physim.plots.style import BLUE, GREEN, INK, QUIET, VERMILION, WIDTH
+from physim.plots.ground import draw_areas, frame_map
+from physim.plots.style import INK, QUIET, WIDTH, WIDTHS
 from physim.record import Record
+from physim.scene_model import SceneModel
 
 MOST_SEGMENTS = 90
 """Places on the map at which the shortest segments are drawn."""
@@ -26,15 +27,14 @@ def width(record: Record) -> Any:
         nothing(below, "no robot")
         return figure
     name = short(record.names[0])
-    tall = frame_map(above, record, 4.6, 4.6)
+    scene = SceneModel.of_record(record)
+    tall = frame_map(above, scene, record, 4.6, 4.6)
     figure.set_size_inches(WIDTH, tall + 1.9)
     below.get_subplotspec().get_gridspec().set_height_ratios((tall, 1.4))
     found = corridor_width(record, 0)
-    handles = draw_areas(above, record)
+    handles = draw_areas(above, scene)
     handles += _segments(above, found)
-    handles += above.plot(
-        *lines_of(record.paths)[0].T, color=INK, linewidth=1.2, label=f"path of {name}"
-    )
+    handles += above.plot(*scene.paths[0].T, color=INK, linewidth=1.2, label=f"path of {name}")
     below.set(xlabel=f"station along the path of {name} [m]", ylabel="width [m]")
     below.set_xlim(0.0, found.station[-1])
     ends = [width_extreme(found, 0, largest) for largest in (False, True)]
@@ -49,7 +49,7 @@ def width(record: Record) -> Any:
         dots = below.plot(found.station, apart[0] + apart[1], ":", color=INK, linewidth=0.8)
         dots[0].set_label("walls not abreast")
         below.legend(handles=dots, loc="upper right", frameon=False)
-    for end, word, colour in zip(ends, ("least", "greatest"), (VERMILION, BLUE), strict=True):
+    for end, word, colour in zip(ends, ("least", "greatest"), (WIDTHS, INK), strict=True):
         if end is not None:
             text = f"{word} {end.value:.2f} m"
             mark(below, end.station, end.value, text, below=word == "least", colour=colour)
@@ -65,7 +65,7 @@ def _segments(axis: Any, found: Width) -> list[Any]:
     rows = np.unique(np.linspace(0, len(found.station) - 1, MOST_SEGMENTS).astype(int))
     handles = []
     for feet, colour, label in (
-        (found.left, GREEN, "shortest to the left"),
+        (found.left, WIDTHS, "shortest to the left"),
         (found.right, QUIET, "shortest to the right"),
     ):
         pieces = np.stack((found.points[rows], feet[rows]), axis=1)

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 
-from physim.geometry.area import ROUND_SEGMENTS
+from physim.declared import Mode
 from physim.geometry.corridor import SIDES
 from physim.geometry.corridor_width import Widths, sampled_widths
 from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
 from physim.scene import Layout
 from physim.scene_builder import is_random
-from physim.world_file.geometry_check import corners_of_line, placed_outline
+from physim.scene_model import SceneModel, placed
+from physim.world_file.geometry_check import corners_of_line
 
 PLACES = 600
 """Stations at which the width is worked out, besides every waypoint."""
-HAIR = 1.0e-6
-"""Share of L by which a path may miss the safe area and still be drawn as in it: paths that run
-along its very edge."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,6 @@ class Route:
 class RobotStart:
     """A robot at the start."""
 
-    name: str
     outline: FloatArray
     """(n, 2) [m] footprint, world frame"""
     pose: FloatArray
@@ -57,19 +54,12 @@ class RobotStart:
 class Contents:
     """Everything that a preview shows; world frame [m]."""
 
-    name: str
+    scene: SceneModel
     description: str
-    seed: int
     random: bool
     """whether the seed decides anything"""
-    safe_distance: float
-    """[m] L of the controller; 0 where it has none"""
-    accessible: shapely.Geometry
-    safe: shapely.Geometry
-    """empty where there is no L"""
-    boundaries: list[FloatArray]
-    obstacles: list[FloatArray]
     reference: FloatArray
+    """(n, 2) without waypoints that are there twice"""
     length: float
     """[m] of the reference path"""
     routes: list[Route]
@@ -79,45 +69,23 @@ class Contents:
     boundary_widths: Widths | None
     """between the boundaries alone, where there are obstacles too"""
 
-    @property
-    def names(self) -> list[str]:
-        """Names of the robots."""
-        return [robot.name for robot in self.robots]
 
-    @property
-    def extent(self) -> tuple[FloatArray, FloatArray]:
-        """Lowest and highest x, y [m] of all that is drawn."""
-        cloud = [*self.boundaries, *self.obstacles, self.reference]
-        cloud += [piece for route in self.routes for piece in (*route.safe, *route.danger)]
-        cloud += [robot.outline for robot in self.robots]
-        points = np.concatenate(cloud)
-        return points.min(axis=0), points.max(axis=0)
-
-
-def contents(layout: Layout, safe_distance: float) -> Contents:
-    """Work out what to show of a world; ``safe_distance`` is L [m], 0 for none."""
-    world, area = layout.world, layout.area.polygon
-    safe = area.buffer(-safe_distance, quad_segs=ROUND_SEGMENTS) if safe_distance > 0.0 else None
-    boundaries, obstacles = list(layout.boundaries.values()), layout.obstacles
-    reference = corners_of_line(layout.reference)
+def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 0.0) -> Contents:
+    """Work out what to show of a world whose controller has these modes and this L [m]."""
+    scene = SceneModel.of_layout(layout, modes, safe_distance)
+    reference = corners_of_line(scene.reference)
     others, walls = _sides(layout)
-    rings = _segments([np.concatenate((ring, ring[:1])) for ring in obstacles])
+    rings = _segments([np.concatenate((ring, ring[:1])) for ring in scene.obstacles])
     widths = sampled_widths(reference, np.concatenate((others, rings)), PLACES, walls)
     alone = sampled_widths(reference, others, PLACES, walls) if len(rings) else None
     return Contents(
-        name=world.name,
-        description=world.description,
-        seed=world.seed,
-        random=is_random(world),
-        safe_distance=safe_distance,
-        accessible=area,
-        safe=shapely.Polygon() if safe is None else safe,
-        boundaries=boundaries,
-        obstacles=obstacles,
+        scene=scene,
+        description=layout.world.description,
+        random=is_random(layout.world),
         reference=reference,
         length=float(shapely.LineString(reference).length),
-        routes=_routes(layout, safe_distance),
-        robots=_robots(layout, reference),
+        routes=_routes(scene),
+        robots=_robots(scene),
         widths=widths,
         boundary_widths=alone,
     )
@@ -140,66 +108,22 @@ def _segments(lines: Iterable[FloatArray]) -> FloatArray:
     return np.concatenate(pieces) if pieces else np.zeros((0, 4))
 
 
-def _routes(layout: Layout, safe_distance: float) -> list[Route]:
+def _routes(scene: SceneModel) -> list[Route]:
     """Paths of the robots, each once, in the order of the robots that come first on them."""
     shared: dict[bytes, list[int]] = {}
-    for i, path in enumerate(layout.paths):
+    for i, path in enumerate(scene.paths):
         shared.setdefault(path.tobytes(), []).append(i)
-    safe = None
-    if safe_distance > 0.0:
-        grown = safe_distance * (1.0 - HAIR)
-        safe = layout.area.polygon.buffer(-grown, quad_segs=ROUND_SEGMENTS)
-        shapely.prepare(safe)
-    routes = []
-    for robots in shared.values():
-        path = corners_of_line(layout.paths[robots[0]])
-        if safe is None:
-            routes.append(Route(tuple(robots), [path], []))
-            continue
-        line = shapely.LineString(path)
-        inside, outside = line.intersection(safe), line.difference(safe)
-        routes.append(Route(tuple(robots), _lines(inside), _lines(outside)))
-    return routes
+    return [Route(tuple(robots), *scene.path_pieces[robots[0]]) for robots in shared.values()]
 
 
-def _lines(geometry: shapely.Geometry) -> list[FloatArray]:
-    """Joined lines (n, 2) of a geometry; points are left out."""
-    parts = [part for part in shapely.get_parts(geometry) if part.length > 0.0]
-    if not parts:
-        return []
-    merged = shapely.line_merge(shapely.MultiLineString(parts))
-    return [shapely.get_coordinates(line) for line in shapely.get_parts(merged)]
-
-
-def _robots(layout: Layout, reference: FloatArray) -> list[RobotStart]:
-    stops = _stops(layout, reference)
-    robots = []
-    for i, robot in enumerate(layout.world.robots):
-        outline = layout.footprints[i]
-        robots.append(
-            RobotStart(
-                name=robot.name,
-                outline=shapely.get_coordinates(placed_outline(layout.start[i], outline))[:-1],
-                pose=layout.start[i],
-                reach=circumscribed_radius(outline),
-                stop=stops[i],
-                across=least_width(outline),
-            )
+def _robots(scene: SceneModel) -> list[RobotStart]:
+    return [
+        RobotStart(
+            outline=placed(outline, pose),
+            pose=pose,
+            reach=circumscribed_radius(outline),
+            stop=stop,
+            across=least_width(outline),
         )
-    return robots
-
-
-def _stops(layout: Layout, reference: FloatArray) -> FloatArray:
-    """(N, 2) [m] stop stations on the paths: staggered by the wanted leads of the formation."""
-    formation = layout.world.formation
-    lead = np.zeros(len(layout.start))
-    if formation is not None and formation.spacing == "initial":
-        line = shapely.LineString(reference)
-        station = shapely.line_locate_point(line, shapely.points(layout.start[:, :2]))
-        lead = station - station[0]
-    elif formation is not None:
-        lead = np.array(formation.spacing, dtype=np.float64)
-    lines = [shapely.LineString(path) for path in layout.paths]
-    ends = shapely.length(lines)
-    stations = np.maximum(ends - (lead.max() - lead), 0.0)
-    return np.asarray(shapely.get_coordinates(shapely.line_interpolate_point(lines, stations)))
+        for outline, pose, stop in zip(scene.outlines, scene.start, scene.stops, strict=True)
+    ]

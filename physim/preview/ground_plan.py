@@ -11,8 +11,8 @@ import shapely
 
 from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.palette import Colour, robot_colour
-from physim.plots.style import BLUE, INK
+from physim.palette import hexed, robot_colour
+from physim.plots.style import INK, WIDTHS
 from physim.preview.contents import Contents, Route
 from physim.preview.lettering import letter
 
@@ -30,11 +30,6 @@ DASH = (3.2, 2.6)
 """[pt] in the danger area"""
 TURN = 14.5
 """[pt] length that each colour of a shared path has; a whole number of dashes and gaps"""
-
-
-def hexed(colour: Colour) -> str:
-    """Colour as matplotlib and SVG take it."""
-    return "#{:02x}{:02x}{:02x}".format(*colour)
 
 
 def round_step(length: float, most: int) -> float:
@@ -63,7 +58,7 @@ def _frame(axis: Any, shown: Contents) -> None:
     """Equal scales on a box of fixed size: the world in its middle."""
     figure = axis.figure
     wide, high = figure.get_size_inches() * axis.get_position().size
-    low, top = shown.extent
+    low, top = shown.scene.extent
     middle, span = (low + top) / 2.0, (top - low) * (1.0 + 2.0 * MARGIN)
     scale = max(span[0] / wide, span[1] / high)  # [m] an inch
     axis.set_xlim(middle[0] - scale * wide / 2.0, middle[0] + scale * wide / 2.0)
@@ -129,12 +124,12 @@ def _patch(shape: shapely.Geometry, **style: Any) -> Any:
 
 
 def _ground(axis: Any, shown: Contents) -> None:
-    floor = palette.DANGER_AREA if shown.safe_distance > 0.0 else palette.FLOOR
+    floor = palette.DANGER_AREA if shown.scene.safe_distance > 0.0 else palette.FLOOR
     axis.add_patch(
-        _patch(shown.accessible, facecolor=hexed(floor), linewidth=0.0, gid="accessible")
+        _patch(shown.scene.accessible_area, facecolor=hexed(floor), linewidth=0.0, gid="accessible")
     )
     safe = hexed(palette.SAFE_AREA)
-    axis.add_patch(_patch(shown.safe, facecolor=safe, linewidth=0.0, gid="safe"))
+    axis.add_patch(_patch(shown.scene.safe_area, facecolor=safe, linewidth=0.0, gid="safe"))
 
 
 def _lines(axis: Any, lines: Sequence[FloatArray], **style: Any) -> None:
@@ -147,17 +142,17 @@ def _walls(axis: Any, shown: Contents) -> None:
     from matplotlib.collections import PolyCollection
 
     wall, solid = hexed(palette.WALL), hexed(palette.OBSTACLE)
-    if shown.obstacles:
+    if shown.scene.obstacles:
         solids = PolyCollection(
-            shown.obstacles, facecolors=solid, edgecolors=wall, linewidths=0.7, zorder=3.0,
+            shown.scene.obstacles, facecolors=solid, edgecolors=wall, linewidths=0.7, zorder=3.0,
             gid="obstacles",
         )  # fmt: skip
         axis.add_collection(solids, autolim=False)
     k = shown.widths.narrowest
     room = points_a_metre(axis) * shown.widths.width[k] if k is not None else 10.0
     thick = min(max(0.2 * room, 0.4), 1.6)  # two walls close together must stay two
-    _lines(axis, shown.boundaries, colors=wall, linewidths=thick, zorder=3.1, gid="boundaries",
-           capstyle="round", joinstyle="round")  # fmt: skip
+    _lines(axis, shown.scene.boundaries, colors=wall, linewidths=thick, zorder=3.1,
+           gid="boundaries", capstyle="round", joinstyle="round")  # fmt: skip
 
 
 def _reference(axis: Any, shown: Contents) -> None:
@@ -208,8 +203,8 @@ def _narrowest(axis: Any, shown: Contents) -> None:
     if k is None:
         return
     bar = [shown.widths.left_foot[k], shown.widths.point[k], shown.widths.right_foot[k]]
-    _lines(axis, [np.array(bar)], colors=BLUE, linewidths=1.8, zorder=3.3, gid="narrowest")
-    axis.plot(*np.array(bar)[[0, 2]].T, "o", color=BLUE, markersize=3.4, zorder=3.3)
+    _lines(axis, [np.array(bar)], colors=WIDTHS, linewidths=1.8, zorder=3.3, gid="narrowest")
+    axis.plot(*np.array(bar)[[0, 2]].T, "o", color=WIDTHS, markersize=3.4, zorder=3.3)
 
 
 def _stops(axis: Any, shown: Contents) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from physim import palette
-from physim.plots.style import BLUE, INK, QUIET
+from physim.palette import hexed
+from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import DASH, MOST_TICKS, hexed, round_step
+from physim.preview.ground_plan import DASH, MOST_TICKS, round_step
 from physim.preview.words import metres
 
 PATH = 1.15
@@ -29,14 +30,14 @@ def draw_key(axis: Any, shown: Contents, named: int) -> None:
 
 
 def _ground(shown: Contents) -> Iterator[tuple[Any, str]]:
-    if shown.safe_distance:
+    if shown.scene.safe_distance:
         yield _area(palette.SAFE_AREA), "safe area"
-        near = f"danger area: within L = {metres(shown.safe_distance)} m"
+        near = f"danger area: within L = {metres(shown.scene.safe_distance)} m"
         yield _area(palette.DANGER_AREA), near
     else:
         yield _area(palette.FLOOR), "accessible area"
     yield _line(color=hexed(palette.WALL), linewidth=1.6), "boundary"
-    if shown.obstacles:
+    if shown.scene.obstacles:
         yield _area(palette.OBSTACLE, palette.WALL), "obstacle"
 
 
@@ -63,12 +64,15 @@ def _marks(shown: Contents) -> Iterator[tuple[Any, str]]:
     yield _mark("s", 4.2, "white", colour, 1.1), "stop station"
     yield _mark((3, 0, -90), 7.0, colour, INK, 0.5), "robot at the start, heading"
     if shown.widths.narrowest is not None:
-        yield _line(color=BLUE, linewidth=1.8, marker="o", markersize=3.4), "narrowest place"
+        yield (
+            _line(color=WIDTHS, linewidth=1.8, marker="o", markersize=3.4),
+            "narrowest place",
+        )
     if shown.boundary_widths is not None:
         quiet = _line(color=QUIET, linewidth=0.9, linestyle="--")
         yield quiet, "width without obstacles"
     if not shown.widths.between.all():
-        yield _line(color=BLUE, linewidth=0.8, linestyle=":"), "width, walls not abreast"
+        yield _line(color=WIDTHS, linewidth=0.8, linestyle=":"), "width, walls not abreast"
 
 
 def _area(colour: palette.Colour, edge: palette.Colour = palette.RULE) -> Any:

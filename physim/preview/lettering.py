@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.plots.style import BLUE, INK, QUIET
+from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
 from physim.preview.labels import Label, along, leader, placed
 from physim.preview.words import metres
@@ -62,7 +62,7 @@ def letter(
 
     k = shown.widths.narrowest
     if k is not None:
-        text = Text(f"{metres(shown.widths.width[k])} m", BLUE, 8.5, "bold")
+        text = Text(f"{metres(shown.widths.width[k])} m", WIDTHS, 8.5, "bold")
         add(text, points(shown.widths.left_foot[k][None])[0], 3.0)
     first = len(texts)
     scale = float(np.hypot(*np.diff(points(shown.reference[:2]), axis=0)[0])) / float(
@@ -115,7 +115,7 @@ def _taken(shown: Contents, points: Callable[[FloatArray], FloatArray]) -> Float
 
 def _lines(shown: Contents, points: Callable[[FloatArray], FloatArray]) -> FloatArray:
     """Points [pt] of the lines that texts should keep off, walls more than paths."""
-    walls = [*shown.boundaries, *(np.concatenate((o, o[:1])) for o in shown.obstacles)]
+    walls = [*shown.scene.boundaries, *(np.concatenate((o, o[:1])) for o in shown.scene.obstacles)]
     k = shown.widths.narrowest
     if k is not None:
         walls.append(np.array([shown.widths.left_foot[k], shown.widths.right_foot[k]]))

@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from physim.declared import Declared
 from physim.errors import PhysimError
 from physim.plots.style import INK, QUIET, styled
 from physim.preview.contents import Contents, contents
@@ -42,7 +43,7 @@ def make_figure(shown: Contents, format: str = "png") -> Any:
     _title(figure, shown)
     plan = figure.add_axes(MAP)
     known = None if format == "svg" else signs  # who looks at an SVG has fonts of their own
-    names = [drawable(name, i, known) for i, name in enumerate(shown.names)]
+    names = [drawable(name, i, known) for i, name in enumerate(shown.scene.names)]
     named = draw_map(plan, shown, names)
     draw_profile(figure.add_axes(PROFILE), shown)
     draw_key(figure.add_axes(KEY), shown, named)
@@ -50,19 +51,16 @@ def make_figure(shown: Contents, format: str = "png") -> Any:
 
 
 def shown_of(layout: Layout) -> Contents:
-    """What to show of a world."""
-    return contents(layout, _safe_distance(layout))
-
-
-def _safe_distance(layout: Layout) -> float:
-    """L of the controller [m]; 0 where it has none."""
+    """What to show of a world, with the modes of its controller and the L that it keeps."""
     choice = layout.world.controller
-    settings = getattr(make_part(CONTROLLER, choice.type, choice.settings), "settings", None)
-    return float(getattr(settings, "safe_distance", 0.0))
+    controller = make_part(CONTROLLER, choice.type, choice.settings)
+    settings = getattr(controller, "settings", None)
+    safe_distance = float(getattr(settings, "safe_distance", 0.0))
+    return contents(layout, Declared.of(controller).modes, safe_distance)
 
 
 def _title(figure: Any, shown: Contents) -> None:
-    lines = [(shown.name, 13.0, "bold", INK), (counts(shown), 9.0, "normal", QUIET)]
+    lines = [(shown.scene.name, 13.0, "bold", INK), (counts(shown), 9.0, "normal", QUIET)]
     if shown.description.strip():
         lines.insert(1, (shown.description, 9.0, "normal", INK))
     for k, (text, size, weight, colour) in enumerate(lines):

@@ -8,9 +8,10 @@ import numpy as np
 
 from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.plots.style import BLUE, INK, QUIET, VERMILION
+from physim.palette import hexed
+from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import MOST_TICKS, hexed, round_step
+from physim.preview.ground_plan import MOST_TICKS, round_step
 from physim.preview.lettering import text_size
 from physim.preview.words import metres, station_words
 
@@ -27,7 +28,7 @@ def draw_profile(axis: Any, shown: Contents) -> None:
     station, width = shown.widths.station, shown.widths.width
     finite = np.isfinite(width)
     top = 1.12 * max(float(width[finite].max(initial=0.0)), _most_needed(shown))
-    needed = 2.0 * shown.safe_distance
+    needed = 2.0 * shown.scene.safe_distance
     floor = palette.SAFE_AREA if needed else palette.FLOOR
     under = np.where(finite, width, top)
     for where, colour in ((np.ones_like(finite), floor), (width < needed, palette.DANGER_AREA)):
@@ -36,8 +37,8 @@ def draw_profile(axis: Any, shown: Contents) -> None:
         other = shown.boundary_widths
         alone = np.where(other.between, other.width, np.nan)
         axis.plot(other.station, alone, "--", color=QUIET, linewidth=0.9)
-    axis.plot(station, width, color=BLUE, linewidth=0.8, linestyle=":")
-    axis.plot(station, np.where(shown.widths.between, width, np.nan), color=BLUE, linewidth=1.5,
+    axis.plot(station, width, color=WIDTHS, linewidth=0.8, linestyle=":")
+    axis.plot(station, np.where(shown.widths.between, width, np.nan), color=WIDTHS, linewidth=1.5,
               gid="width")  # fmt: skip
     _name_narrowest(axis, shown, top)
     _needs(axis, shown, top)
@@ -52,7 +53,7 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     station, width, k = shown.widths.station, shown.widths.width, shown.widths.narrowest
     if k is None:
         return
-    axis.plot(station[k], width[k], "o", color=BLUE, markersize=4.5, zorder=4.0)
+    axis.plot(station[k], width[k], "o", color=WIDTHS, markersize=4.5, zorder=4.0)
     words = f"{metres(float(width[k]))} m at {station_words(float(station[k]), shown.length)} m"
     room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
     scale = room / (shown.length, top)
@@ -64,9 +65,9 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     edge = np.clip(curve[k], middle - size / 2.0, middle + size / 2.0)
     if np.hypot(*(edge - curve[k])) > FAR:
         ends = np.array([curve[k], edge]) / scale
-        axis.plot(*ends.T, color=BLUE, linewidth=0.7, zorder=3.9, gid="leader")
+        axis.plot(*ends.T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
     axis.annotate(
-        words, (x, y), ha="center", va="center", color=BLUE, fontsize=8.5, fontweight="bold",
+        words, (x, y), ha="center", va="center", color=WIDTHS, fontsize=8.5, fontweight="bold",
         zorder=5.0,
     )  # fmt: skip
 
@@ -116,9 +117,9 @@ def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
         (2.0 * turning.reach, "every robot fits at any heading", INK, (0, (5, 2))),
         (aligned.across, "every robot fits if aligned", INK, (0, (1, 1.5))),
     ]
-    if shown.safe_distance:
+    if shown.scene.safe_distance:
         found.append(
-            (2.0 * shown.safe_distance, "= 2L: no safe area below", VERMILION, (0, (7, 2)))
+            (2.0 * shown.scene.safe_distance, "= 2L: no safe area below", INK, (0, (7, 2)))
         )
     return found
 

@@ -23,15 +23,15 @@ def counts(shown: Contents) -> str:
     """One line of figures about a world."""
     width = shown.widths.width[shown.widths.between]
     told = [_many(len(shown.robots), "robot", "robots")]
-    told.append(_many(len(shown.boundaries), "boundary", "boundaries"))
-    if shown.obstacles:
-        told.append(_many(len(shown.obstacles), "obstacle", "obstacles"))
+    told.append(_many(len(shown.scene.boundaries), "boundary", "boundaries"))
+    if shown.scene.obstacles:
+        told.append(_many(len(shown.scene.obstacles), "obstacle", "obstacles"))
     told.append(f"reference path {metres(shown.length, 4)} m")
     if len(width):
         ends = dict.fromkeys((metres(width.min()), metres(width.max())))
         told.append(f"{' to '.join(ends)} m wide")
     if shown.random:
-        told.append(f"start drawn with seed {shown.seed}")
+        told.append(f"start drawn with seed {shown.scene.seed}")
     return "  ·  ".join(told)
 
 
@@ -83,7 +83,7 @@ def families(shown: Contents) -> tuple[list[str], frozenset[int]]:
     """
     from matplotlib.font_manager import findfont, fontManager, get_font
 
-    wanted = set(map(ord, "".join((shown.name, shown.description, *shown.names))))
+    wanted = set(map(ord, "".join((shown.scene.name, shown.description, *shown.scene.names))))
     chosen = [FONT]
     signs = set(get_font(findfont(FONT)).get_charmap())
     installed = {entry.name for entry in fontManager.ttflist} if wanted - signs else set()

@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.metrics.pair_times import HORIZON, pair_collision_times, shortest_pair_collision_time
 from physim.plots.frame import framed, mark, names_of, nothing, time_axis
-from physim.plots.style import BLUE
+from physim.plots.style import INK
 from physim.record import Record
 
 FLOOR = 0.01
@@ -28,7 +28,7 @@ def pair_times(record: Record) -> Any:
         return figure
     known = np.isfinite(least)
     axis.plot(
-        time[known], np.maximum(least[known], FLOOR), "o", color=BLUE, markersize=2.2,
+        time[known], np.maximum(least[known], FLOOR), "o", color=INK, markersize=2.2,
         markeredgewidth=0.0, rasterized=True,
     )  # fmt: skip
     axis.set_yscale("log")

@@ -78,6 +78,30 @@ class Extreme:
 
 
 @dataclass(frozen=True)
+class Absent:
+    """A robot that had not arrived at the end, see `metrics.absent`."""
+
+    robot: str
+    short_m: float
+    """[m] along its path from where it was to its stop station; negative when past it"""
+    tolerance_m: float
+    stands: bool
+    """it moved no more than 1 cm in the last 0.5 s"""
+    text: str
+    """the same in words"""
+
+
+@dataclass(frozen=True)
+class Commands:
+    """How many robot-steps had a command that one stage changed."""
+
+    robot_steps: int
+    """of the whole run"""
+    filtered_differs_from_nominal: int
+    applied_differs_from_filtered: int
+
+
+@dataclass(frozen=True)
 class Danger:
     """Shares of danger mode of one robot, see `metrics.danger_shares`."""
 
@@ -112,8 +136,11 @@ class Summary:
     ended: str
     simulated_s: float
     finished: bool
+    """all robots have arrived, judged by their motion alone"""
     time_to_finish_s: float | None
-    contacts: Contacts
+    not_arrived: tuple[Absent, ...]
+    """robots that have not arrived, and why"""
+    contacts: Contacts | None
     grazes: tuple[Graze, ...]
     """contacts between two samples, in the order of time; none of ``contacts``"""
     deep_contacts: tuple[DeepContact, ...]
@@ -127,12 +154,17 @@ class Summary:
     formation_error_final_m: Extreme | None
     danger: tuple[Danger, ...]
     danger_time_share: float | None
-    decisions: int
-    messages: int
-    collision_time_evaluations: int
+    modes: tuple[str, ...]
+    """words of the modes that the controller declares"""
+    decisions: int | None
+    messages: int | None
+    collision_time_evaluations: int | None
+    commands: Commands
     mean_speed_m_per_s: float | None
     metrics: dict[str, Figure]
     """every named metric that has a meaning here"""
+    metric_faults: tuple[str, ...]
+    """why metrics that packages registered could not be had, a line each"""
     expectations: tuple[Held, ...]
     wall_clock: dict[str, float]
     """all else is the same in every run of the same world and seed"""
@@ -163,6 +195,7 @@ def summarise(record: Record) -> Summary:
         return Extreme(moment.value, moment.time, tuple(names[i] for i in who))
 
     shares = metrics.danger_shares(record)
+    found, faults = metrics.measured(record)
     return Summary(
         name=record.name,
         seed=record.seed,
@@ -171,7 +204,15 @@ def summarise(record: Record) -> Summary:
         simulated_s=record.steps_run * record.dt,
         finished=metrics.finished(record),
         time_to_finish_s=metrics.time_to_finish(record),
-        contacts=_contacts(metrics.contact_episodes(record), names, record.dt),
+        not_arrived=tuple(
+            Absent(names[a.robot], a.short, a.tolerance, a.stands, a.sentence(names[a.robot]))
+            for a in metrics.absent(record)
+        ),
+        contacts=(
+            _contacts(metrics.contact_episodes(record), names, record.dt)
+            if "contacts" in record.tables
+            else None
+        ),
         grazes=tuple(
             Graze((names[g.a], names[g.b]), g.time, g.depth) for g in metrics.grazes(record)
         ),
@@ -190,21 +231,28 @@ def summarise(record: Record) -> Summary:
         formation_error_final_m=named(metrics.formation_error_final(record)),
         danger=tuple(Danger(names[s.robot], s.decisions, s.time) for s in shares),
         danger_time_share=metrics.danger_time_share(record),
+        modes=tuple(str(mode) for mode in record.modes),
         decisions=metrics.decisions(record),
         messages=metrics.messages(record),
         collision_time_evaluations=metrics.evaluations(record),
+        commands=Commands(
+            record.steps_run * record.robots,
+            metrics.filtered_steps(record),
+            metrics.disturbed_steps(record),
+        ),
         mean_speed_m_per_s=metrics.mean_speed(record),
         metrics={
             name: Figure(
-                found.value,
-                found.unit,
-                found.time,
-                found.station,
-                tuple(names[i] for i in found.bodies) or None,
-                found.robots,
+                metric.value,
+                metric.unit,
+                metric.time,
+                metric.station,
+                tuple(names[i] for i in metric.bodies) or None,
+                metric.robots,
             )
-            for name, found in metrics.measure(record).items()
+            for name, metric in found.items()
         },
+        metric_faults=faults,
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from physim.expectations import Held
+from physim.metrics import DEFINITIONS
 from physim.summary.summary import Contacts, Extreme, Figure, Graze, Summary
 
 SHOWN_ROBOTS = 12
@@ -32,9 +33,9 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     """Label and text of each line of the table, for whoever sets it out otherwise."""
     s = summary
     end = f"{ENDED.get(s.ended, s.ended)} after {s.simulated_s:.2f} s"
-    arrived = f"yes, at {s.time_to_finish_s:.2f} s" if s.time_to_finish_s is not None else "no"
     factor = s.real_time_factor
-    no_time = "none" if s.collision_time_evaluations else "n/a (the controller works none out)"
+    known = s.collision_time_evaluations is not None
+    no_time = "none" if known else "n/a (the controller works none out)"
     robots = "1 robot" if s.robots == 1 else f"{s.robots} robots"
     return [
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
@@ -51,14 +52,45 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         *_motion_rows(s),
         ("danger mode, share of time", _danger_text(s)),
         ("decisions", _decisions_text(s)),
-        ("all robots arrived", arrived),
+        *_command_rows(s),
+        *_arrival_rows(s),
+        *_own_rows(s),
         *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
     ]
 
 
-def _contact_rows(contacts: Contacts) -> list[tuple[str, str]]:
+def _arrival_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Whether all have arrived, and why the first of those that have not did not."""
+    if summary.time_to_finish_s is not None:
+        return [("all robots arrived", f"yes, at {summary.time_to_finish_s:.2f} s")]
+    absent = summary.not_arrived
+    some = f", {summary.robots - len(absent)} of {summary.robots}" if absent else ""
+    rows = [("all robots arrived", f"no{some}")]
+    rows += [("  not arrived", one.text) for one in absent[:SHOWN_ROBOTS]]
+    more = len(absent) - SHOWN_ROBOTS
+    return [*rows, *([("  ...", f"{more} more (physim summary --json lists all)")] * (more > 0))]
+
+
+def _command_rows(summary: Summary) -> list[tuple[str, str]]:
+    """How often a stage changed commands; none of a run in which none did."""
+    commands = summary.commands
+    told = (
+        ("filtered differs from nominal", commands.filtered_differs_from_nominal),
+        ("applied from filtered", commands.applied_differs_from_filtered),
+    )
+    parts = [
+        f"{words} in {count} robot-steps ({count / max(commands.robot_steps, 1):.1%})"
+        for words, count in told
+        if count
+    ]
+    return [("commands", ", ".join(parts))] if parts else []
+
+
+def _contact_rows(contacts: Contacts | None) -> list[tuple[str, str]]:
     """A line for each of the first contacts, and one that says how many more there are."""
+    if contacts is None:
+        return []
     rows = [
         (
             f"  {c.begin_s:.2f} s",
@@ -91,7 +123,9 @@ def _graze_rows(grazes: tuple[Graze, ...]) -> list[tuple[str, str]]:
     ]
 
 
-def _contacts_text(contacts: Contacts) -> str:
+def _contacts_text(contacts: Contacts | None) -> str:
+    if contacts is None:
+        return "n/a (not recorded)"
     if not contacts.count:
         return "0"
     kinds = f"{contacts.between_robots} between robots, {contacts.with_boundaries} with boundaries"
@@ -122,6 +156,17 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
     return rows
 
 
+def _own_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Metrics that packages registered, and why others of theirs failed."""
+    rows = []
+    for name, figure in summary.metrics.items():
+        if name not in DEFINITIONS:
+            value = figure.value
+            text = f"{value:.4g}" if isinstance(value, float) else str(value).lower()
+            rows.append((name, text if figure.unit == "-" else f"{text} {figure.unit}"))
+    return [*rows, *(("WARNING", fault) for fault in summary.metric_faults)]
+
+
 def _figure_text(figure: Figure, digits: int) -> str:
     who = " and ".join(figure.bodies or ())
     when = f"{who} at {figure.time_s:.2f} s" if figure.time_s is not None else ""
@@ -130,15 +175,21 @@ def _figure_text(figure: Figure, digits: int) -> str:
 
 
 def _decisions_text(summary: Summary) -> str:
+    if summary.decisions is None:
+        return "n/a (not recorded)"
     rate = summary.metrics.get("updates_per_second")
     each = f" ({rate.value:.1f} a second and robot)" if rate is not None else ""
     messages, times = summary.messages, summary.collision_time_evaluations
-    return f"{summary.decisions}{each}, {messages} messages, {times} collision times worked out"
+    worked = "" if times is None else f", {times} collision times worked out"
+    return f"{summary.decisions}{each}, {messages} messages{worked}"
 
 
 def _danger_text(summary: Summary) -> str:
     if summary.danger_time_share is None:
-        return "n/a (the controller gives no modes)" if summary.decisions else "n/a"
+        if not summary.decisions:
+            return "n/a"
+        why = "modes of danger" if summary.modes else "modes"
+        return f"n/a (the controller declares no {why})"
     shown = summary.danger[:SHOWN_ROBOTS]
     each = [f"{d.robot} " + ("n/a" if d.time is None else f"{d.time:.0%}") for d in shown]
     more = len(summary.danger) - len(shown)

@@ -13,17 +13,25 @@ from physim import Decision, Mode
 class Cautious:
     """Steer to a point 2 m ahead; wait while a robot further along is within 2.2 m."""
 
+    # name, colour, words; summary, plots and video show them
+    modes = (
+        Mode("go", "#0072b2", "on its way"),
+        Mode("wait", "#e69f00", "waits for another", danger=True),
+        Mode("there", "#009e73", "at its stop station"),
+    )
+
     def decide(self, observation, memory):
         o = observation
-        if o.station >= o.stop_station - 0.1:
-            return Decision(v=0.0, omega=0.0, hold=0.1, mode=Mode.ARRIVED)
+        if o.station >= o.stop_station - 0.05:  # [m]
+            return Decision(v=0.0, omega=0.0, hold=0.1, mode="there")
         x, y, heading = o.pose  # [m, m, rad]
         tx, ty = o.path.target(o.station, 2.0)  # [m]
         error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi
         omega = max(-o.limits[1], min(o.limits[1], 2.0 * error))  # [rad/s]
         ahead = [s for s in o.others if s.station > o.reference_station]
         near = any(hypot(s.pose[0] - x, s.pose[1] - y) < 2.2 for s in ahead)
-        return Decision(v=0.0 if near else 0.8, omega=omega, hold=0.1)  # [m/s], [rad/s], [s]
+        v, mode = (0.0, "wait") if near else (min(0.8, o.limits[0]), "go")
+        return Decision(v=v, omega=omega, hold=0.1, mode=mode)  # [m/s], [rad/s], [s]
 '''
 
 README = """\

@@ -93,12 +93,12 @@ ROBOT_NOTES = (
 )
 
 FORMATION = """\
-formation:  # speeds that keep the distances along the reference path; without it all go at 1 m/s
+formation:  # speeds that keep the distances along the reference path; without it: controller.speed
   gain: 0.05  # [1/s] how strongly a distance error changes the speed, alpha of (7)
   speed: 1.0  # [m/s] of the group
   limits: [0.8, 1.3]  # [m/s] least and greatest speed
   spacing: initial  # wanted distances: as at the start; or a list [m], the lead over the first
-  range: 10.0  # [m] robots further away along the path are neither kept to nor seen
+  range: 10.0  # [m] robots further away along the path are not kept to, nor seen
 """
 
 TAIL = """\

@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.declared import Declared
 from physim.record import Record
-from physim.registry import SENSING, shipped_controllers
+from physim.registry import CONTROLLER, SENSING, shipped_parts
 from physim.validation.announced import check_announced
 from physim.validation.columns import (
     Considered,
@@ -96,7 +96,7 @@ def _checkers(
     columns = StandardColumns(record, scene, Meaning.of(record, settings), considered)
     kind = scene.world.controller.type
     why = inside.why_not
-    if own is not None and kind not in shipped_controllers():
+    if own is not None and kind not in shipped_parts(CONTROLLER):
         why = f"{kind} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why = "the record declares others"

@@ -25,15 +25,10 @@ KEPT = 64
 def draw_ground(image: Image, ground: Ground, lens: Lens) -> None:
     """Draw the static content as seen through ``lens``."""
     image[:] = theme.OUTSIDE
-    for rings, colour in (
-        (ground.accessible, theme.DANGER_AREA if ground.safe else theme.FLOOR),
-        (ground.safe, theme.SAFE_AREA),
-    ):
+    for rings, colour in ground.fills:
         if rings:
             contours = [lens.fixed(ring) for ring in rings]
             cv2.fillPoly(image, contours, colour, cv2.LINE_AA, SHIFT)
-    for part in ground.solids:
-        cv2.fillPoly(image, [lens.fixed(part)], theme.OBSTACLE, cv2.LINE_AA, SHIFT)
     for stroke in ground.strokes:
         _draw_stroke(image, stroke, lens)
 

@@ -7,18 +7,19 @@ from collections.abc import Callable, Sequence
 import cv2
 import numpy as np
 
-from physim.control import Mode
+from physim.declared import Mode
+from physim.palette import rgb
 from physim.video import marks, theme
 from physim.video.camera import Lens
 from physim.video.closest import Pair
 from physim.video.ground import Ground
 from physim.video.robots import Fleet, draw_robot
 from physim.video.story import Story
-from physim.video.text import Image, write
+from physim.video.text import Image, shorten, write
 from physim.video.theme import Colour
 
-ROW = 21
-"""[px] height of a line of the legend"""
+ROW, LEAST_ROW = 21, 15
+"""[px] height of a line of the legend, and the least where there are many"""
 SIGN = 30
 """[px] room for the sign"""
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
@@ -31,20 +32,23 @@ _BOX = np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])
 _UNIT = Lens(1.0, 0.0, 0.0)
 
 
-def draw_modes(image: Image, left: int, top: int, modes: Sequence[Mode]) -> None:
-    """Draw one line a mode: a robot in its colour, and its name."""
+def draw_modes(
+    image: Image, left: int, top: int, row: int, modes: Sequence[Mode], room: int
+) -> None:
+    """Draw one line a mode: a robot in its colour, and its words, ``room`` [px] wide at most."""
     fleet = Fleet([[_BOX]])
-    for row, mode in enumerate(modes):
-        y = top + row * ROW + ROW / 2.0
+    for k, mode in enumerate(modes):
+        y = top + k * row + row / 2.0
         vertices = Lens(1.0, left + 11.0, y).fixed(fleet.placed(np.zeros((1, 3))))
-        draw_robot(image, fleet.split(vertices)[0], mode, False)
-        write(image, theme.MODE_WORDS[mode], (left + SIGN, y + 5), theme.TEXT)
+        draw_robot(image, fleet.split(vertices)[0], rgb(mode.colour), False)
+        words = shorten(str(mode), theme.TEXT, room - SIGN)
+        write(image, words, (left + SIGN, y + 5), theme.TEXT)
 
 
 def signs(story: Story, ground: Ground) -> list[str]:
     """Return the words of the signs that can appear in the video of a record, in order."""
     dashed = any(stroke.dash is not None for stroke in ground.strokes)
-    areas, record = bool(ground.safe), story.record
+    scene, areas = story.scene, story.scene.safe_distance > 0.0
     shown = {
         CONTACT: True,
         BEGINS: story.contacts.began.size > 0,
@@ -53,23 +57,23 @@ def signs(story: Story, ground: Ground) -> list[str]:
         TARGET: story.has_targets,
         TRAIL: True,
         DASHED: dashed,
-        PATH: not dashed and len(record.paths.points) > 0,
-        REFERENCE: len(record.reference.points) > 0,
-        BOUNDARY: len(record.walls.vertices) > 0,
-        SAFE: areas,
+        PATH: not dashed,
+        REFERENCE: True,
+        BOUNDARY: bool(scene.boundaries or scene.obstacles),
+        SAFE: areas and bool(scene.safe),
         DANGER: areas,
-        ACCESSIBLE: not areas and bool(ground.accessible),
+        ACCESSIBLE: not areas and bool(scene.accessible),
     }
     return [words for words, there in shown.items() if there]
 
 
-def draw_signs(image: Image, left: int, top: int, shown: Sequence[str]) -> int:
-    """Draw the signs of the words ``shown``, one a line; return the height used."""
-    for row, words in enumerate(shown):
-        y = top + row * ROW + ROW / 2.0
+def draw_signs(image: Image, left: int, top: int, row: int, shown: Sequence[str]) -> int:
+    """Draw the signs of the words ``shown``, one a line of ``row`` [px]; return the height used."""
+    for k, words in enumerate(shown):
+        y = top + k * row + row / 2.0
         _SIGNS[words](image, left, y)
         write(image, words, (left + SIGN, y + 5), theme.TEXT)
-    return len(shown) * ROW
+    return len(shown) * row
 
 
 def _ends(left: float, y: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray
 from physim.video import theme
 from physim.video.background import draw_ground
 from physim.video.camera import Lens
-from physim.video.ground import Ground, Stroke
+from physim.video.ground import Ground
 from physim.video.layout import Box
 from physim.video.text import Image
-from physim.video.theme import SHIFT
+from physim.video.theme import SHIFT, Colour
 
 
 class Overview:
-    """Fits the world into a box; the ground is drawn once."""
+    """Fits a ground into a box, which is drawn once."""
 
     def __init__(self, ground: Ground, box: Box) -> None:
         low, high = ground.extent
@@ -26,26 +28,16 @@ class Overview:
         corner = room / 2.0 + np.array([-0.5, 0.5]) * (low + high) * scale
         self._lens = Lens(scale, float(corner[0]), float(corner[1]))
         self._ground = np.empty((box.height, box.width, 3), np.uint8)
-        draw_ground(self._ground, _plain(ground), self._lens)
+        draw_ground(self._ground, ground, self._lens)
 
-    def paint(self, image: Image, corners: FloatArray, places: FloatArray, modes: IntArray) -> None:
+    def paint(
+        self, image: Image, corners: FloatArray, places: FloatArray, colours: Sequence[Colour]
+    ) -> None:
         """Draw the ground, the view's rectangle (two ``corners`` (2, 2) [m]) and the robots."""
         image[:] = self._ground
-        for place, mode in zip(self._lens.fixed(places), modes, strict=True):
-            colour = theme.mode_colour(int(mode))
+        for place, colour in zip(self._lens.fixed(places), colours, strict=True):
             radius = int(2.6 * (1 << SHIFT))
             cv2.circle(image, place.tolist(), radius, colour, cv2.FILLED, cv2.LINE_AA, SHIFT)
         (x0, y0), (x1, y1) = np.rint(self._lens.pixels(corners)).astype(int).tolist()
         cv2.rectangle(image, (x0, y0), (x1, y1), theme.INK, 1)
         cv2.rectangle(image, (0, 0), (image.shape[1] - 1, image.shape[0] - 1), theme.RULE, 1)
-
-
-def _plain(ground: Ground) -> Ground:
-    """Keep what can be told apart when small: the accessible area, walls, the reference path."""
-    strokes = [
-        Stroke(stroke.pieces, stroke.colour, 1)
-        for stroke in ground.strokes
-        if stroke.colour in (theme.WALL, theme.REFERENCE)
-    ]
-    rings = ground.accessible
-    return Ground(rings, rings if ground.safe else [], ground.solids, strokes, ground.extent)

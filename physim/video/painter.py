@@ -12,7 +12,7 @@ from physim.video import legend, marks, theme
 from physim.video.background import Background
 from physim.video.camera import Camera, Lens, fixed
 from physim.video.closest import Pair, closest_pair
-from physim.video.ground import ground
+from physim.video.ground import ground, plain
 from physim.video.labels import Labels, Tag, leader
 from physim.video.layout import arrange
 from physim.video.overview import Overview
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 NAMED = 60
 """Robots above which names would only hide the picture."""
+LEAST_OVERVIEW = 24
+"""[px] height below which the overview is left out"""
 TRAIL_BANDS = 70
 """Steps in which trails fade, over all robots."""
 TRAIL_STEPS = 60
@@ -45,14 +47,16 @@ class Painter:
         self._speed = speed
         curves = self.story.curves
         self._layout = arrange(curves is not None)
-        world = ground(record)
+        world = ground(self.story)
         view = self._layout.view
         self._camera = Camera(self.story, world.extent, view, speed)
         self._background = Background(world, self._camera.scale)
         self._fleet = Fleet(record.footprints)
         shown = legend.signs(self.story, world)
         self._panel = Panel(self.story, self._layout.panel, self._camera.scale, speed, shown)
-        self._overview = None if self._camera.whole else Overview(world, self._panel.free)
+        free = self._panel.free
+        crowded = self._camera.whole or free.height < LEAST_OVERVIEW
+        self._overview = None if crowded else Overview(plain(self.story, world), free)
         strip = self._layout.strip
         self._strip = Strip(self.story, curves, strip) if curves and strip else None
         self._labels = Labels()
@@ -70,7 +74,6 @@ class Painter:
         sample = int(story.sample(time))
         pose = story.pose(time)
         rows = story.decisions(time)
-        modes = story.modes(rows)
         vertices = self._fleet.placed(pose)
         pair = closest_pair(self._fleet.split(vertices), pose, self._fleet.reach)
         image = np.empty((theme.HEIGHT, theme.WIDTH, 3), np.uint8)
@@ -80,7 +83,10 @@ class Painter:
         wall = float(np.min(record.boundary_clearance[sample]))
         deviation = float(story.deviations(rows)[0])
         touched = story.contacts.count(time), story.contacts.grazes(time)
-        now = Now(time, touched[0] - touched[1], touched[1], pair, depth, wall, modes, deviation)
+        now = Now(
+            time, touched[0] - touched[1], touched[1], pair, depth, wall, story.modes(rows),
+            story.arrived(time), deviation,
+        )  # fmt: skip
         panel = self._layout.panel.of(image)
         self._panel.paint(panel, now)
         if self._overview is not None:
@@ -88,7 +94,8 @@ class Painter:
             half = np.array([box.width, box.height]) / 2.0 / lens.scale
             centre = self._camera.centre(time)
             corners = np.stack((centre - half, centre + half))
-            self._overview.paint(self._panel.free.of(panel), corners, pose[:, :2], modes)
+            free = self._panel.free.of(panel)
+            self._overview.paint(free, corners, pose[:, :2], story.colours(rows))
         if self._strip is not None and self._layout.strip is not None:
             self._strip.paint(self._layout.strip.of(image), time, rows)
         return image
@@ -112,10 +119,9 @@ class Painter:
         for place, target in zip(pose[:, :2], targets, strict=True):
             marks.draw_target(view, lens, place, target)
         touching = story.contacts.touching(time, story.robots)
-        modes = story.modes(rows)
         outlines = self._fleet.split(lens.fixed(vertices))
-        for outline, mode, touches in zip(outlines, modes, touching, strict=True):
-            draw_robot(view, outline, int(mode), bool(touches))
+        for outline, colour, touches in zip(outlines, story.colours(rows), touching, strict=True):
+            draw_robot(view, outline, colour, bool(touches))
         for place, figure in zip(pose[:, :2], self._fleet.figures, strict=True):
             if figure.eccentric:
                 marks.draw_reference_point(view, lens, place)

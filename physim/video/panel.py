@@ -19,6 +19,8 @@ from physim.video.ticks import number, round_step
 PAD = 18
 CLOCK, FIGURES, MODES = 70, 142, 228
 """[px] tops of the clock, the figures and the modes"""
+BELOW = 134
+"""[px] room below the legend for the scale bar and a small overview"""
 
 
 class Now(NamedTuple):
@@ -35,6 +37,8 @@ class Now(NamedTuple):
     wall: float
     """[m] smallest distance of a robot to a wall; inf when there is none"""
     modes: IntArray
+    arrived: int
+    """robots that have arrived, judged by their motion"""
     deviation: float
     """[m] of Robot 0 from its path, left positive; shown where it is the only robot"""
 
@@ -66,15 +70,21 @@ class Panel:
         robots = "1 robot" if count == 1 else f"{count} robots"
         words = f"{robots}, seed {record.seed}"
         write(image, words, (PAD, 53), theme.SMALL, colour=theme.QUIET)
-        modes = self._story.shown_modes
-        legend.draw_modes(image, PAD, MODES, modes)
-        top = MODES + len(modes) * legend.ROW + (12 if modes else 0)
+        modes = [self._story.scene.modes[k] for k in self._story.shown_modes]
+        row = self._row_height = self._row(len(modes) + len(signs))
+        legend.draw_modes(image, PAD, MODES, row, modes, room - 30)
+        top = MODES + len(modes) * row + (12 if modes else 0)
         self._rule(image, MODES - 8)
         if modes:
             self._rule(image, top - 6)
-        used = legend.draw_signs(image, PAD, top, signs)
+        used = legend.draw_signs(image, PAD, top, row, signs)
         self._bottom = self._scale_bar(image, top + used + 6, scale)
         return image
+
+    def _row(self, rows: int) -> int:
+        """Height of a line of the legend [px], so that scale bar and overview have room."""
+        room = self._box.height - MODES - BELOW
+        return max(legend.LEAST_ROW, min(legend.ROW, room // max(rows, 1)))
 
     def _rule(self, image: Image, y: int) -> None:
         cv2.line(image, (PAD, y), (self._right, y), theme.RULE, 1)
@@ -99,10 +109,16 @@ class Panel:
         """Draw the panel as it is now."""
         image[:] = self._still
         self._clock(image, now.time)
+        if now.arrived:
+            every = now.arrived == self._story.robots
+            words = "all arrived" if every and now.arrived > 1 else f"{now.arrived} arrived"
+            at = (self._right, 53)
+            write(image, words, at, theme.SMALL, colour=theme.INK, weight=BOLD, anchor="right")
         self._figures(image, now)
-        for row, mode in enumerate(self._story.shown_modes):
+        row = self._row_height
+        for k, mode in enumerate(self._story.shown_modes):
             count = int((now.modes == mode).sum())
-            y = MODES + row * legend.ROW + legend.ROW // 2 + 5
+            y = MODES + k * row + row // 2 + 5
             colour = theme.INK if count else theme.QUIET
             write(
                 image,

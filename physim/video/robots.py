@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from physim.geometry.shapes import FloatArray
 from physim.video import theme
 from physim.video.text import Image
-from physim.video.theme import SHIFT
+from physim.video.theme import SHIFT, Colour
 
 T = TypeVar("T", bound=np.generic)
 
@@ -111,12 +111,11 @@ class Fleet:
         ]
 
 
-def draw_robot(view: Image, outline: Outline[np.int32], mode: int, touching: bool) -> None:
-    """Draw one robot, given in OpenCV's fixed-point pixels.
+def draw_robot(view: Image, outline: Outline[np.int32], colour: Colour, touching: bool) -> None:
+    """Draw one robot in the colour of its mode, given in OpenCV's fixed-point pixels.
 
     A robot that touches something has a firm outline in the contact colour.
     """
-    colour = theme.mode_colour(mode)
     rings = outline.rings
     cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
     edge, width = (theme.CONTACT, 3) if touching else (theme.mix(colour, (0, 0, 0), 0.6), 1)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import yaml
 
-from physim.control import Mode
+from physim.declared import NO_NUMBER
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.metrics import has_formation
+from physim.palette import Colour
+from physim.scene_model import SceneModel
 from physim.video.contacts import episodes
 
 if TYPE_CHECKING:
@@ -24,6 +26,10 @@ LONGEST = 80.0
 
 HOLD = 1.5
 """[s of video] that the last picture stays, so that the end can be read"""
+
+
+MOST_MODES = 8
+"""Modes that are explained; of more, those that the run has."""
 
 
 def playback_speed(duration: float) -> float:
@@ -65,6 +71,7 @@ class Story:
                 "step are needed"
             )
         self.record = record
+        self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
         self.duration = float(self.time[-1])
         updates = record.updates
@@ -73,11 +80,10 @@ class Story:
         self._rows: list[IntArray] = [np.flatnonzero(robot == i) for i in range(self.robots)]
         self._decided = [decided[rows] for rows in self._rows]
         self._mode: IntArray = np.asarray(updates["mode"], dtype=np.int64)
-        self._target = np.column_stack(
-            (np.asarray(updates["target_x"]), np.asarray(updates["target_y"]))
-        )
+        self._target = np.column_stack((record.column("target_x"), record.column("target_y")))
         self._error = np.asarray(updates["formation_error"], dtype=np.float64)
         self._deviation = np.asarray(updates["deviation"], dtype=np.float64)
+        self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
 
     def sample(self, time: Any) -> Any:
@@ -102,17 +108,24 @@ class Story:
         return np.array([self.decision(i, time) for i in range(self.robots)], dtype=np.int64)
 
     @property
-    def shown_modes(self) -> list[Mode]:
-        """Modes to explain: all, or of a controller without safe and danger mode those it gave."""
-        given = set(np.unique(self._mode).tolist())
-        if given & {Mode.SAFE, Mode.DISTANCE, Mode.TIME}:
-            return list(Mode)
-        return [mode for mode in Mode if mode in given]
+    def shown_modes(self) -> list[int]:
+        """Numbers of the modes to explain: all that are declared, if any was ever given."""
+        given = [mode for mode in np.unique(self._mode).tolist() if mode != NO_NUMBER]
+        declared = len(self.scene.modes)
+        return given[:MOST_MODES] if declared > MOST_MODES or not given else list(range(declared))
 
     def modes(self, rows: IntArray) -> IntArray:
         """Return the modes of decisions ``rows``; -1 where there is none."""
-        found: IntArray = self._of(self._mode, rows, -1)
+        found: IntArray = self._of(self._mode, rows, NO_NUMBER)
         return found
+
+    def colours(self, rows: IntArray) -> list[Colour]:
+        """Return the colours of the modes of decisions ``rows``."""
+        return [self.scene.mode_colour(mode) for mode in self.modes(rows).tolist()]
+
+    def arrived(self, time: float) -> int:
+        """Return how many robots have arrived at ``time``, judged by their motion."""
+        return int((self._arrived <= time + 1e-9).sum())
 
     def targets(self, rows: IntArray) -> FloatArray:
         """Return the targets (n, 2) [m] of decisions ``rows``; NaN where there is none."""
@@ -137,7 +150,7 @@ class Story:
     @property
     def curves(self) -> Curves | None:
         """What to show over time: formation errors, else deviations; None where there are none."""
-        if self.robots > 1 and np.isfinite(self._error).any() and _has_formation(self.record):
+        if self.robots > 1 and np.isfinite(self._error).any() and has_formation(self.record):
             return Curves("formation error [m]", self.errors)
         if np.isfinite(self._deviation).any():
             return Curves("deviation from the path, left positive [m]", self.deviations)
@@ -149,12 +162,3 @@ class Story:
         known = rows >= 0
         result[known] = values[rows[known]]
         return result
-
-
-def _has_formation(record: Record) -> bool:
-    """Whether the record's world keeps a formation; errors are recorded without one, too."""
-    try:
-        world = yaml.safe_load(record.world_text)
-    except yaml.YAMLError:
-        return True  # the video shows what there is
-    return isinstance(world, Mapping) and world.get("formation") is not None

@@ -1,13 +1,12 @@
-"""Colours and sizes of the video. Colours are RGB; lengths are pixels of the 1280 x 720 picture.
+"""Sizes of the video, and the colours it uses of `physim.palette`.
 
-Modes and contacts use the palette of Okabe and Ito (2008), which stays apart under the common
-kinds of colour blindness. What all pictures share is in `physim.palette`.
+Colours are RGB; lengths are pixels of the 1280 x 720 picture.
 """
 
 from __future__ import annotations
 
-from physim.control import Mode
 from physim.palette import (
+    CONTACT,
     DANGER_AREA,
     FAINT,
     FLOOR,
@@ -19,6 +18,7 @@ from physim.palette import (
     ROBOTS,
     RULE,
     SAFE_AREA,
+    UNDECIDED,
     WALL,
     WHITE,
     Colour,
@@ -30,25 +30,8 @@ WIDTH, HEIGHT = 1280, 720
 PANEL_WIDTH = 272
 STRIP_HEIGHT = 184
 
-TARGET: Colour = (34, 38, 44)
-CONTACT: Colour = (213, 94, 0)
-CLOSEST: Colour = (34, 38, 44)
-
-MODES: dict[Mode, Colour] = {
-    Mode.SAFE: (0, 114, 178),
-    Mode.DISTANCE: (230, 159, 0),
-    Mode.TIME: (204, 90, 160),
-    Mode.ARRIVED: (0, 158, 115),
-}
-UNDECIDED: Colour = (150, 155, 162)
-"""Fill of a robot that has not decided yet (or gave a mode that is not known)."""
-
-MODE_WORDS: dict[Mode, str] = {
-    Mode.SAFE: "safe",
-    Mode.DISTANCE: "danger, by distance",
-    Mode.TIME: "danger, by collision time",
-    Mode.ARRIVED: "arrived",
-}
+TARGET: Colour = INK
+CLOSEST: Colour = INK
 
 TEXT = 14
 """[px] font size of running text; 13 is the least used anywhere"""
@@ -65,15 +48,6 @@ MARK = 1.0
 SHIFT = 4
 """Fractional bits of the pixel coordinates given to OpenCV (1/16 px)."""
 
-
-def mode_colour(mode: int) -> Colour:
-    """Return the fill of a robot in ``mode``; -1 is a robot that has not decided yet."""
-    try:
-        return MODES[Mode(mode)]
-    except ValueError:
-        return UNDECIDED
-
-
 __all__ = [
     "CLOSEST",
     "CONTACT",
@@ -84,8 +58,6 @@ __all__ = [
     "HEIGHT",
     "INK",
     "MARK",
-    "MODES",
-    "MODE_WORDS",
     "OBSTACLE",
     "OUTSIDE",
     "PANEL_WIDTH",
@@ -107,6 +79,5 @@ __all__ = [
     "WIDTH",
     "Colour",
     "mix",
-    "mode_colour",
     "robot_colour",
 ]

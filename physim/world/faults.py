@@ -18,6 +18,11 @@ MOST_SHOWN = 40
 MOST_TRANSLATED = 500
 """Mistakes of one world that are put into words."""
 
+SETTINGS: tuple[Location, ...] = (
+    ("controller",), ("sensing", "stages"), ("filters",), ("disturbances",)
+)  # fmt: skip
+"""Where parts are named by type and settings, which stand in one mapping in a file."""
+
 LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
 
 
@@ -81,8 +86,10 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
 def plain_location(location: Location) -> Location:
     """Location as the author sees it: without the tags that tell alternatives apart."""
     parts = tuple(part for part in location if part not in TAGS)
-    if parts[:2] == ("controller", "settings"):
-        return ("controller", *parts[2:])
+    for place in SETTINGS:
+        if parts[: len(place)] == place:
+            end = len(place) + (place != ("controller",))  # of a list one entry
+            return parts[:end] + parts[end:][parts[end : end + 1] == ("settings",) :]
     return parts
 
 

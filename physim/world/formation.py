@@ -44,7 +44,8 @@ class Formation(Model):
     )
     range: Length = Field(
         default=10.0,
-        description="[m] along the reference path within which robots see and consider others",
+        description="[m] along the reference path within which robots are formation neighbours; "
+        "also the range of sight, unless sensing.range says otherwise",
     )
     neighbours: Annotated[
         Annotated[Literal["range", "all"], Tag("<word>")]

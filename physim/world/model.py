@@ -35,7 +35,7 @@ from physim.world.kinds import (
 from physim.world.material import Physics
 from physim.world.road import Corridor
 from physim.world.robot import Robot
-from physim.world.stages import Choices, Sensing, nested_choice
+from physim.world.stages import DEFAULT_RANGE, Choices, Sensing, nested_choice
 from physim.world.start import Start
 from physim.world.time_grid import Time
 
@@ -76,7 +76,8 @@ class World(Model):
         description="list of robots, in the order of their ids"
     )
     formation: Formation | None = Field(
-        default=None, description="formation control; without it every robot goes at 1 m/s"
+        default=None,
+        description="formation control; without it every robot goes at the controller's speed",
     )
     controller: Annotated[ControllerChoice, BeforeValidator(nested_choice)] = Field(
         default=ControllerChoice(), description="who decides, and its settings"
@@ -112,6 +113,13 @@ class World(Model):
         if self.reference_path is not None:
             return self.reference_path
         return self.corridor.centreline if self.corridor is not None else ()
+
+    @property
+    def sensing_range(self) -> float:
+        """[m] Within which robots see and consider others and walls."""
+        if self.sensing.range is not None:
+            return self.sensing.range
+        return self.formation.range if self.formation is not None else DEFAULT_RANGE
 
     def start_of(self, i: int) -> Start | None:
         """Region in which Robot i is placed: its own or the world's; None when it has a pose."""

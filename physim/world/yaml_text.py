@@ -20,7 +20,7 @@ from physim.world.stages import Choice
 LINE = 100
 """Columns after which a list is broken."""
 
-ABSENT = ("description", "obstacles", "filters", "disturbances", "stages")
+ABSENT = ("description", "obstacles", "sensing", "filters", "disturbances", "stages")
 """Keys that are left out where they are empty."""
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[ -][A-Za-z0-9_]+)*")
@@ -73,7 +73,8 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
             yield from _choice(value, indent + 2)
         elif isinstance(value, BaseModel):
             lines = list(_block(value, indent + 2))
-            yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
+            if lines or key not in ABSENT:
+                yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
         elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
             yield f"{space}{key}:"
             for item in value:

@@ -8,18 +8,12 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
-from physim.errors import ControllerError, Fault, Location, Position, WorldError
-from physim.registry import (
-    CONTROLLER,
-    checked_settings,
-    find_part,
-    made_part,
-    robot_faults,
-)
+from physim.errors import Fault, Location, Position, WorldError
 from physim.world import Robot, World
 from physim.world.faults import KeyFault
 from physim.world_file.file_text import file_text
-from physim.world_file.nodes import Document, Member, Node, holds_void
+from physim.world_file.named_parts import judge_parts
+from physim.world_file.nodes import Document, Member, Node
 from physim.world_file.overrides import apply_overrides
 from physim.world_file.reading import read_document, refused
 from physim.world_file.shipped import find_world
@@ -65,8 +59,8 @@ def parse_world(
 ) -> World:
     """Read a world from the text of a world file. Raises `WorldError` as `load_world` does.
 
-    Without ``check_controller`` the name and the settings of the controller are taken as they are
-    written, and no controller is looked up or imported: for a world that is only to be read.
+    Without ``check_controller`` names and settings of controller and stages are taken as they are
+    written, and none of them is looked up or imported: for a world that is only to be read.
     """
     document = read_document(text, source)
     return world_of(
@@ -103,11 +97,14 @@ class Judged:
     values: dict[str, Any]
     """what stands in it, valid or not"""
     faults: list[Fault]
-    """every one of the model and the controller; those of the text are in the document"""
+    """every one of the model, the controller and the stages; those of the text are in the
+    document"""
     world: World | None
     """None where there is any fault"""
     controller: type[Any] | None
     """class of the controller; None where it cannot be had"""
+    doubts: tuple[Fault, ...] = ()
+    """what controller and stages warn of"""
 
 
 def judge(
@@ -134,6 +131,7 @@ def judge(
     document = apply_overrides(document, overrides)
     values = document.values()
     chosen: type[Any] | None = None
+    doubts: tuple[Fault, ...] = ()
     faults: list[Fault] = []
     world: World | None = None
     try:
@@ -142,10 +140,11 @@ def judge(
         faults = list(error.faults)
     if check_controller:
         robots = dict(enumerate(world.robots)) if world is not None else _sound_robots(values)
-        chosen, told = _controller(values, controller is not None, robots)
+        sound = None if document.faults else world
+        chosen, told, doubts = judge_parts(values, controller is not None, robots, sound)
         faults += told
     world = None if faults or document.faults else world
-    return Judged(document, values, faults, world, chosen)
+    return Judged(document, values, faults, world, chosen, doubts)
 
 
 def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
@@ -210,30 +209,6 @@ def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:
         with suppress(WorldError, ValueError, TypeError):
             found[i] = Robot(**robot)
     return found
-
-
-def _controller(
-    values: dict[str, object], trusted: bool, robots: dict[int, Robot]
-) -> tuple[type[Any] | None, list[Fault]]:
-    """Class of the controller, and faults of its name, its settings and of what it cannot drive."""
-    choice = values.get("controller", {})
-    if not isinstance(choice, dict):
-        return None, []
-    settings = {key: value for key, value in choice.items() if key != "type"}
-    unread = {key for key, value in settings.items() if holds_void(value)}  # already told
-    settings = {key: value for key, value in settings.items() if key not in unread}
-    name = choice.get("type", "mode_switching")
-    if not isinstance(name, str) or not name:
-        return None, []
-    found: type[Any] | None = None
-    try:
-        found = find_part(CONTROLLER, name, trusted)
-        made, faults = checked_settings(found, settings)
-        if not faults and not unread and hasattr(found, "robot_faults"):
-            faults = robot_faults(made_part(CONTROLLER, found, made, name), robots)
-        return found, [fault for fault in faults if unread.isdisjoint(fault.location[1:2])]
-    except ControllerError as error:
-        return found, [Fault(("controller", "type"), str(error))]
 
 
 __all__ = [

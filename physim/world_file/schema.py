@@ -9,17 +9,19 @@ geometry is left to reading.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from physim.registry import (
     CONTROLLER,
-    controller_names,
+    STAGES,
+    Kind,
     find_part,
+    part_names,
     settings_model,
-    shipped_controllers,
+    shipped_parts,
 )
-from physim.world import ControllerChoice, World
+from physim.world import Choice, ControllerChoice, World
 
 FILE = "world.schema.json"
 """Name of the schema where it stands beside worlds."""
@@ -33,28 +35,39 @@ _KEPT = (
 _RENAMED = {
     "ge": "minimum", "le": "maximum", "gt": "exclusiveMinimum", "lt": "exclusiveMaximum",
 }  # fmt: skip
-_DEFAULT_CONTROLLER = str(ControllerChoice.model_fields["type"].default)
 
 
-def schema_text(controllers: Sequence[str] | None = None) -> str:
-    """Text of the schema file, for these controllers or all that are registered."""
-    return json.dumps(world_schema(controllers), indent=1, ensure_ascii=False) + "\n"
+def schema_text() -> str:
+    """Text of the schema file, with every registered controller and stage."""
+    return _text(world_schema())
 
 
 def shipped_schema_text() -> str:
-    """Text of the schema that is shipped: for the controllers that come with physim."""
-    return schema_text(shipped_controllers())
+    """Text of the schema that is shipped: with what comes with physim alone."""
+    return _text(world_schema(shipped_parts))
 
 
-def world_schema(controllers: Sequence[str] | None = None) -> Schema:
+def _text(schema: Schema) -> str:
+    return json.dumps(schema, indent=1, ensure_ascii=False) + "\n"
+
+
+def world_schema(names: Callable[[Kind], Iterable[str]] = part_names) -> Schema:
     """Schema of a world file, as `json.dumps` takes it.
 
-    A controller that cannot be imported may be named, its settings are not checked.
+    ``names`` says which controllers and stages of a kind are in it; one that cannot be imported
+    may be named, and its settings are not checked.
     """
     raw = World.model_json_schema()
     schema = _plain(raw, raw["$defs"])
-    names = list(controller_names()) if controllers is None else list(controllers)
-    schema["properties"]["controller"] = _controller(schema["properties"]["controller"], names)
+    for kind in (CONTROLLER, *STAGES):
+        holder = schema
+        for key in kind.key[:-1]:
+            holder = holder["properties"][key]
+        keys, last = holder["properties"], kind.key[-1]
+        if kind is CONTROLLER:
+            keys[last] = _choice(keys[last], kind, names, ControllerChoice)
+        else:
+            keys[last]["items"] = _choice(keys[last]["items"], kind, names, Choice)
     head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "physim world"}
     return {**head, **schema}
 
@@ -103,33 +116,38 @@ def _described(raw: Schema) -> str:
     return f"{text}. Default: {told}"
 
 
-def _controller(plain: Schema, names: Sequence[str]) -> Schema:
-    """Schema of ``controller:``, whose keys depend on its type."""
-    kind = {**plain["properties"]["type"], "enum": list(names)}
+def _choice(
+    plain: Schema, kind: Kind, names: Callable[[Kind], Iterable[str]], model: type[Choice]
+) -> Schema:
+    """Schema of a part that is named by its type, on which its keys depend."""
+    field = model.model_fields["type"]
+    listed = list(names(kind))
     rules = []
-    for name in names:
+    for name in listed:
         chosen: Schema = {"properties": {"type": {"const": name}}}
-        if name != _DEFAULT_CONTROLLER:
+        if name != field.default:
             chosen["required"] = ["type"]  # without a type the condition would hold, too
-        keys = _settings(name)
+        keys = _settings(kind, name)
         if keys is not None:
             then = {"properties": {"type": True, **keys}, "additionalProperties": False}
             rules.append({"if": chosen, "then": then})
-    described = f"{plain['description']}; its keys are those of its type"
-    return {
-        "description": described,
+    described = plain.get("description") or f"one {kind.word}"
+    schema: Schema = {
+        "description": f"{described}; its keys are those of its type",
         "type": "object",
-        "properties": {"type": kind},
-        "allOf": rules,
+        "properties": {"type": {**plain["properties"]["type"], "enum": listed}},
     }
+    if field.is_required():
+        schema["required"] = ["type"]
+    return {**schema, "allOf": rules} if rules else schema
 
 
-def _settings(name: str) -> Schema | None:
-    """Keys of a controller's settings; None where they cannot be found out."""
+def _settings(kind: Kind, name: str) -> Schema | None:
+    """Keys of a part's settings; None where they cannot be found out."""
     from physim.errors import ControllerError
 
     try:
-        model = settings_model(find_part(CONTROLLER, name))
+        model = settings_model(find_part(kind, name))
     except ControllerError:
         return None
     if model is None:

@@ -9,7 +9,7 @@ from physim import Simulation, parse_world
 from physim.checking import check_world
 from physim.control import Decision
 from physim.errors import ControllerError, Fault, WorldError
-from physim.registry import robot_faults
+from physim.part_checks import robot_faults
 from physim.world_file import load_world
 from tests.checking.worlds import CORRIDOR, changed, check, lines
 

@@ -14,7 +14,7 @@ import shapely
 from physim.importing import Imported, Options, import_world
 from physim.record import Record
 from physim.recording import record_run
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from tests.importing.plans import SAMPLES, svg
@@ -32,7 +32,7 @@ def run(imported: Imported, seconds: float = 60.0) -> Record:
         time={"step": time.step, "duration": seconds, "record_every": 10}
     )
     choice = world.controller
-    controller = make_controller(choice.type, choice.settings)
+    controller = make_part(CONTROLLER, choice.type, choice.settings)
     return record_run(Simulation(build_scene(world), controller=controller))
 
 

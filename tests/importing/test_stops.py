@@ -10,7 +10,7 @@ import shapely
 
 from physim.importing import Imported, Options, import_world
 from physim.importing.stops import corners_of, least_stop_gap, stop_stations
-from physim.registry import make_controller
+from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from tests.importing.plans import svg
@@ -50,7 +50,7 @@ def test_the_gap_at_the_stops(behind: float, gap: float) -> None:
 
 def finishes(imported: Imported) -> bool:
     choice = imported.world.controller
-    controller = make_controller(choice.type, choice.settings)
+    controller = make_part(CONTROLLER, choice.type, choice.settings)
     simulation = Simulation(build_scene(imported.world), controller=controller)
     for _ in range(4000):
         if simulation.finished:

@@ -19,7 +19,7 @@ from physim.record import Record, RecordWriter
 from physim.scene import Body
 from physim.scene_builder import build_scene, lay_out
 from physim.world_file import load_world
-from tests.metrics.histories import history
+from tests.metrics.histories import THERE, history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 
 
@@ -42,7 +42,7 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     pose = np.zeros((1501, 2, 3))
     pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]
-    rows = [{"step": 0, "robot": 0}, {"step": 1200, "robot": 0, "mode": 3}, {"robot": 1}]
+    rows = [{"step": 0, "robot": 0}, {"step": 1200, "robot": 0, "station": THERE}, {"robot": 1}]
     found = metrics.averaged_speeds(history(rows, pose=pose, steps_run=1500))
     assert found.time[-1] == pytest.approx(10.0)
     before = found.time <= 7.0 + 1e-9
@@ -77,6 +77,7 @@ def test_modes_fill_the_run_and_switches_are_counted() -> None:
     told = [(0, 0, 0), (10, 0, 1), (20, 0, 2), (30, 0, 0), (60, 0, 3), (0, 1, 2)]
     rows = [{"step": s, "robot": r, "mode": m, "next_step": s + 10} for s, r, m in told]
     rows[3]["next_step"], rows[5]["next_step"] = 60, 100
+    rows[4]["station"] = THERE
     record = history(rows, steps_run=100)
     spans = metrics.mode_spans(record)
     assert [tuple(span) for span in spans] == [
@@ -95,6 +96,7 @@ def test_modes_fill_the_run_and_switches_are_counted() -> None:
 def test_updates_per_second_is_of_robots_under_way() -> None:
     told = [(0, 0, 0, 10), (10, 0, 0, 20), (20, 0, 3, 30), (0, 1, 0, 20)]
     rows = [{"step": s, "robot": r, "mode": m, "next_step": n} for s, r, m, n in told]
+    rows[2]["station"] = THERE
     rate = metrics.updates_per_second(history(rows, robots=3, steps_run=40))
     assert rate == metrics.Each(pytest.approx(7.5), (pytest.approx(10.0), pytest.approx(5.0), None))
 
@@ -103,7 +105,7 @@ def test_collision_times_are_the_least_of_each_step() -> None:
     nan, inf = np.nan, np.inf
     told = [(0, 0, 3.0), (0, 1, 2.0), (10, 0, inf), (20, 0, nan), (20, 1, 5.0)]
     rows = [{"step": s, "robot": r, "collision_time": t} for s, r, t in told]
-    time, values = metrics.collision_times(history(rows))
+    time, values = metrics.collision_times(history(rows)) or (None, None)
     assert time == pytest.approx([0.0, 0.1, 0.2])
     assert list(values) == [2.0, inf, 5.0]
 
@@ -225,7 +227,7 @@ def test_a_slanted_end_is_no_side_either(turn: float) -> None:
 def test_a_preview_of_a_corridor_tells_the_width_of_the_run(name: str) -> None:
     world = load_world(name)
     layout = lay_out(world, world.seed)
-    told = contents(layout, 0.0).widths
+    told = contents(layout).widths
     left, right = (layout.boundaries[side] for side in ("left wall", "right wall"))
     assert told.between.all()
     walls = [shapely.LineString(line) for line in (left, right)]

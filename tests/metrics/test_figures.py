@@ -10,10 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim import metrics
+from physim.declared import Declared, Mode
+from physim.geometry.shapes import FloatArray, pack_polylines
 from physim.metrics import DangerShare, Moment
-from physim.record import Record
-from tests.metrics.histories import history
-from tests.records import make_record
+from physim.record import RecordWriter
+from tests.metrics.histories import THERE, history
+from tests.records import DECLARED, UPDATE, make_record, make_scene
 
 BEGAN, STAYS, ENDED = 0, 1, 2
 
@@ -73,7 +75,7 @@ def test_no_rows_at_all() -> None:
     assert not metrics.finished(record)
     assert metrics.time_to_finish(record) is None
     assert (metrics.decisions(record), metrics.messages(record), metrics.evaluations(record)) == (
-        0, 0, 0,
+        0, 0, None,
     )  # fmt: skip
 
 
@@ -115,13 +117,13 @@ def test_formation_errors() -> None:
 
 
 def test_danger_share_by_decisions_and_by_time() -> None:
-    """Robot 0: safe 10 steps, danger 5, arrived. Robot 1: safe 20, danger 80 of 400, cut off."""
+    """Robot 0: safe 10 steps, danger 5, there. Robot 1: safe 20, danger 80 of 400, cut off."""
     rows = [
-        {"step": 0, "robot": 0, "mode": 0, "next_step": 10, "given_v": 1.0},
-        {"step": 0, "robot": 1, "mode": 0, "next_step": 20, "given_v": 0.5},
-        {"step": 10, "robot": 0, "mode": 1, "next_step": 15, "given_v": -1.0},
-        {"step": 15, "robot": 0, "mode": 3, "next_step": 100},
-        {"step": 20, "robot": 1, "mode": 2, "next_step": 420, "given_v": 1.0},
+        {"step": 0, "robot": 0, "mode": 0, "next_step": 10, "nominal_v": 1.0},
+        {"step": 0, "robot": 1, "mode": 0, "next_step": 20, "nominal_v": 0.5},
+        {"step": 10, "robot": 0, "mode": 1, "next_step": 15, "nominal_v": -1.0},
+        {"step": 15, "robot": 0, "mode": 1, "next_step": 100, "station": THERE},
+        {"step": 20, "robot": 1, "mode": 2, "next_step": 420, "nominal_v": 1.0},
     ]
     record = history(rows)
     assert metrics.danger_shares(record) == (
@@ -132,26 +134,138 @@ def test_danger_share_by_decisions_and_by_time() -> None:
     assert metrics.mean_speed(record) == pytest.approx((10 - 5 + 10 + 80) / 115)
 
 
-def modes(*rows: tuple[int, int, int]) -> Record:
-    return history([{"step": s, "robot": r, "mode": m} for s, r, m in rows])
+MOODS = (Mode("wait", "#000000"), Mode("go", "#111111"), Mode("fear", "#222222", danger=True))
 
 
-def test_finished_means_that_all_are_there_at_their_last_decision() -> None:
-    done = modes((0, 0, 0), (0, 1, 0), (30, 0, 3), (40, 1, 3), (50, 0, 0), (60, 0, 3), (70, 1, 3))
+def test_danger_is_what_the_controller_declares_as_such() -> None:
+    rows = [{"step": 10 * k, "mode": k, "next_step": 10 * k + 10} for k in (0, 1, 2)]
+    record = history(rows, robots=1, steps_run=30, declared=Declared(MOODS))
+    assert metrics.danger_time_share(record) == pytest.approx(1 / 3)
+    calm = history(rows[:2], robots=1, steps_run=30, declared=Declared(MOODS[:2]))
+    assert metrics.danger_time_share(calm) is None
+    assert metrics.danger_shares(calm) == (DangerShare(0, None, None),)
+    assert metrics.mode_switches(calm) is None
+
+
+def test_mean_speed_is_of_the_applied_commands_between_decisions_too() -> None:
+    rows = [{"step": 0, "robot": 0, "nominal_v": 1.0, "next_step": 10}]
+    slowed = [(step, 0, 1.0, 0.0, 1.0, 0.0, 0.25, 0.0) for step in (2, 3, 4, 5)]
+    record = history(rows, robots=1, steps_run=10, commands=slowed)
+    assert metrics.mean_speed(record) == pytest.approx((6 + 4 * 0.25) / 10)
+
+
+def test_commands_that_differ_are_counted_by_stage() -> None:
+    same, changed = (1.0, 0.0), (0.5, 0.0)
+    rows = [
+        (2, 0, *same, *same, *changed),
+        (3, 0, *same, *changed, *changed),
+        (3, 1, *same, *changed, *same),
+        (4, 1, *same, *same, *same),  # told from outside: no stage differs
+    ]
+    record = history(commands=rows)
+    assert metrics.filtered_steps(record) == 2
+    assert metrics.disturbed_steps(record) == 2
+
+
+def test_a_run_without_decisions_is_told_by_its_motion_and_its_commands() -> None:
+    told = [(step, 0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0) for step in range(6)]
+    record = history(robots=1, steps_run=20, commands=told, arrived=[10])
+    assert metrics.mean_speed(record) == pytest.approx(6 / 10)
+    assert metrics.steps_under_way(record).tolist() == [10]
+    assert metrics.danger_time_share(record) is None
+
+
+def test_finished_means_that_all_have_arrived_by_their_motion() -> None:
+    claims = [{"step": 0, "robot": i, "mode": 3} for i in (0, 1)]
+    for arrived in ([-1, -1], [60, -1]):
+        assert not metrics.finished(history(claims, arrived=arrived))
+        assert metrics.time_to_finish(history(claims, arrived=arrived)) is None
+    done = history([{"step": 0, "robot": 0}], arrived=[60, 40])
     assert metrics.finished(done)
     assert metrics.time_to_finish(done) == pytest.approx(0.6)
-    assert metrics.time_to_finish(modes((0, 0, 3), (0, 1, 3))) == 0.0
-    for record in (
-        modes((0, 0, 0), (0, 1, 0), (30, 0, 3), (40, 1, 3), (50, 0, 0)),
-        modes((0, 0, 3)),
-    ):
-        assert not metrics.finished(record)
-        assert metrics.time_to_finish(record) is None
+
+
+def along(scene: Any, *stations: FloatArray) -> FloatArray:
+    """Poses (K, N, 3) of robots on their paths, at stations (K,) short of their stop stations."""
+    found = np.zeros((len(stations[0]), len(stations), 3))
+    for i, short in enumerate(stations):
+        a, b = scene.paths.start[i : i + 2]
+        at, points = scene.paths.station[a:b], scene.paths.points[a:b]
+        for k in (0, 1):
+            found[:, i, k] = np.interp(scene.stop_station[i] - short, at, points[:, k])
+    return found
+
+
+def test_who_has_not_arrived_is_told_why() -> None:
+    """0 arrived, 1 stands 0.17 m short, 2 moves 12.3 m short, 3 moves at its stop, 4 just came."""
+    time = 0.01 * np.arange(201)
+    still, late = np.zeros(201), np.where(time < 1.8, 0.5 * (1.8 - time), 0.0)
+    pose = along(
+        make_scene(5), still, still + 0.17, 12.3 + 0.5 * (2.0 - time), 0.05 * (2.0 - time), late
+    )
+    rows = [{"step": 0, "robot": i, "station": s} for i, s in enumerate(made_stations(pose))]
+    record = history(rows, robots=5, steps_run=200, pose=pose, arrived=[100, -1, -1, -1, -1])
+    found = metrics.absent(record)
+    assert [one.robot for one in found] == [1, 2, 3, 4]
+    assert [one.short for one in found] == pytest.approx([0.17, 12.3, 0.0, 0.0], abs=1e-9)
+    assert [one.stands for one in found] == [True, False, False, False]
+    told = [one.sentence("r") for one in found]
+    assert told[0] == "r stands 0.17 m short of its stop station (tolerance 0.10 m)"
+    assert told[1] == "r still moves, 12.3 m short of its stop station"
+    assert told[2] == told[3] == "r still moves at its stop station"
+    wide = history(rows, robots=5, steps_run=200, pose=pose, world="arrival: {tolerance: 0.1699}")
+    assert metrics.absent(wide)[1].sentence("r") == (
+        "r stands 0.1700 m short of its stop station (tolerance 0.1699 m)"
+    )
+    assert metrics.absent(wide)[0].sentence("r") == (
+        "r is at its stop station, but has not stood there for 0.5 s"
+    )
+
+
+def made_stations(pose: FloatArray) -> list[float]:
+    """Stations at the start, of poses on the last leg of their paths."""
+    scene = make_scene(pose.shape[1])
+    ends = scene.paths.start[1:] - 1
+    gap = np.hypot(*(scene.paths.points[ends] - pose[0, :, :2]).T)
+    return [float(s) for s in scene.paths.station[ends] - gap]
+
+
+def test_a_path_that_passes_near_itself_does_not_mislead_the_last_station() -> None:
+    """Out along y = 0 and back along y = 0.2: a robot that came 2 m along is near both legs."""
+    scene = make_scene(1)
+    scene.paths = pack_polylines([np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 0.2], [0.0, 0.2]])])
+    scene.stop_station = np.array([40.2])
+    out = RecordWriter(None, scene, "name: x", name="x", declared=DECLARED)
+    rows = np.zeros(1, UPDATE)
+    rows["station"], rows["next_step"] = 2.0, 1
+    out.append("updates", rows)
+    pose = np.zeros((11, 1, 3))
+    pose[:, 0, 0], pose[:, 0, 1] = np.linspace(2.0, 3.0, 11), 0.15
+    out.append_steps(np.arange(11), pose, np.ones((11, 1)), np.ones((11, 1)))
+    out.close("duration", steps_run=10, rejected=0, wall_clock={})
+    assert metrics.absent(out.record())[0].short == pytest.approx(37.2)
+
+
+def test_what_a_controller_does_not_declare_has_no_figure() -> None:
+    rows = [{"step": 0, "robot": 0, "next_step": 50, "nominal_v": 1.0}]
+    record = history(rows, declared=Declared())
+    assert metrics.shortest_collision_time(record) is None
+    assert metrics.collision_times(record) is None
+    assert metrics.evaluations(record) is None
+    found = metrics.measure(record)
+    for name in ("shortest_collision_time", "collision_time_evaluations", "danger_share"):
+        assert name not in found
+    assert found["mean_speed"].value == 1.0
+
+
+def test_what_was_not_recorded_has_no_figure() -> None:
+    found = metrics.measure(history(tables=("considered",)))
+    assert not {"contacts", "grazes", "decisions", "messages"} & set(found)
 
 
 def test_messages_and_evaluations() -> None:
     rows = [{"step": s, "considered": s, "evaluations": 15 * s} for s in range(4)]
-    record = history(rows)
+    record = history(rows, robots=4)
     assert metrics.decisions(record) == 4
     assert metrics.messages(record) == 6
     assert metrics.evaluations(record) == 90

@@ -61,7 +61,8 @@ def test_an_empty_record_has_counts_only() -> None:
         "decisions": 0,
         "grazes": 0,
         "messages": 0,
-        "collision_time_evaluations": 0,
+        "filtered_steps": 0,
+        "disturbed_steps": 0,
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +11,11 @@ import h5py
 import numpy as np
 import pytest
 import shapely
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from physim import metrics
+from physim.declared import Column, Declared, Mode
 from physim.plots import NAMES, draw
 from physim.plots.collision_rows import least_of_stretches
 from physim.plots.collision_times import MOST_SINGLE, STRETCHES, collision_times
@@ -22,19 +24,17 @@ from physim.plots.deviation import deviation, sharp_turns
 from physim.plots.distances import distances
 from physim.plots.formation import formation
 from physim.plots.frame import clear_marks, mark
-from physim.plots.ground import inside_and_out
 from physim.plots.modes import modes
 from physim.plots.pictures import PICTURES
 from physim.plots.speeds import speeds
-from physim.plots.style import DPI, MODE_WORDS, MODES, styled
+from physim.plots.style import DPI, styled
 from physim.plots.trajectories import snapshot_rows, trajectories
 from physim.plots.width import width
 from physim.record import Record, RecordWriter
 from physim.scene import Body
-from physim.video import theme
 from tests.cli.commands import physim
 from tests.metrics.histories import history
-from tests.records import make_record, make_scene, poses, update_rows
+from tests.records import DECLARED, make_record, make_scene, poses, update_rows
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +58,12 @@ def crowd(robots: int = 60) -> Record:
     )
     names = [Body(i, "robot", odd[i] if i < len(odd) else f"r{i}") for i in range(robots)]
     scene.bodies = (*names, *scene.bodies[robots:])
-    out = RecordWriter(None, scene, "formation: {range: 5}", name="$x_{$ crowd", safe_distance=0.0)
+    out = RecordWriter(None, scene, "formation: {range: 5}", name="$x_{$ crowd",
+                       safe_distance=0.0, declared=DECLARED)  # fmt: skip
     pose = poses(scene)
     gaps = 0.5 + 0.1 * np.broadcast_to(np.arange(robots), pose.shape[:2])
     out.append_steps(np.arange(len(pose)), pose, gaps, gaps + 1.0)
-    out.append_updates(update_rows(scene, pose))
+    out.append("updates", update_rows(scene, pose))
     out.close("duration", steps_run=scene.steps, rejected=0, wall_clock={})
     return out.record()
 
@@ -75,6 +76,10 @@ ODD = {
     "no contact": lambda: make_record(robots=2, seconds=1.0, contacts=False),
     "no collision times": lambda: history([{"robot": 1, "collision_time": np.nan}]),
     "killed": lambda: make_record(seconds=1.0, ended="running"),
+    "no columns": lambda: history([{"robot": 1, "mode": -1}], declared=Declared()),
+    "modes of its own": lambda: moods([0, 1, 4]),
+    "driven from outside": lambda: history(pose=np.zeros((50, 2, 3)), arrived=[40, -1]),
+    "without tables": lambda: history(pose=np.zeros((50, 2, 3)), tables=()),
     "a crowd": crowd,
 }
 
@@ -213,10 +218,42 @@ def test_collision_times_of_many_robots_are_a_row_each_below_the_shortest_of_all
         assert texts(figure, "mark")[0].startswith(f"{rows['collision_time'].min():.3g} s (")
 
 
-def test_modes_have_the_colours_of_the_videos() -> None:
-    for mode, colour in theme.MODES.items():
-        assert MODES[int(mode)] == "#{:02x}{:02x}{:02x}".format(*colour)
-        assert MODE_WORDS[int(mode)] == theme.MODE_WORDS[mode]
+FIVE = Declared(
+    tuple(Mode(name, f"#0000{k}0", f"{name} now") for k, name in enumerate("abcde")),
+    columns=(Column("mood"),),
+)
+
+
+def moods(modes: Sequence[int], robots: int = 2) -> Record:
+    """Record of a controller of one's own, with five modes, each 1 s long, and no usual column."""
+    rows = [
+        {"step": 100 * k, "robot": i, "mode": mode, "next_step": 100 * k + 100}
+        for k, mode in enumerate(modes)
+        for i in range(robots)
+    ]
+    pose = np.zeros((100 * len(modes) + 1, robots, 3))
+    pose[:, :, 0] += 3.0 * np.arange(robots)
+    return history(rows, robots=robots, steps_run=100 * len(modes), pose=pose, declared=FIVE)
+
+
+def test_modes_of_one_s_own_have_their_names_and_colours() -> None:
+    with moods([0, 1, 2, 3, 4]) as made:
+        figure = modes(made)
+    legend = figure.legends[0]
+    words = [text.get_text() for text in legend.get_texts()]
+    faces = [to_hex(patch.get_facecolor()) for patch in legend.get_patches()]
+    assert dict(zip(words, faces, strict=True)) == {str(m): m.colour for m in FIVE.modes}
+    drawn = {to_hex(bars.get_facecolor()[0]) for bars in figure.axes[0].collections}
+    assert drawn == {mode.colour for mode in FIVE.modes}
+    assert texts(figure, "share") == []
+
+
+def test_a_crowd_has_the_colours_of_its_modes_on_the_map() -> None:
+    with moods([0, 3, 3], robots=MOST_LINES + 1) as made:
+        axis = trajectories(made, 1.5).axes[0]
+    labels = axis.figure.legends[0].get_texts()
+    told = [text.get_text() for text in labels if text.get_text().startswith("robot, ")]
+    assert told == ["robot, a now", "robot, d now"]
 
 
 def test_modes_tell_each_share(record: Record) -> None:
@@ -237,13 +274,6 @@ def test_snapshots_are_taken_when_asked(record: Record) -> None:
     assert axis.get_title("right") == "robots every 7 s"
     assert len(axis.get_legend_handles_labels()[1]) >= 3
     assert set(texts(axis.figure, "time")) <= {"0 s", "7 s", "14 s"}
-
-
-def test_paths_are_cut_at_the_safe_area() -> None:
-    ring = np.array([[0, 0], [4, 0], [4, 4], [0, 4]], dtype=float)
-    inside, outside = inside_and_out([np.array([[-1.0, 2.0], [6.0, 2.0]])], [ring])
-    assert [sorted(p[:, 0]) for p in inside] == [[0.0, 4.0]]
-    assert sorted(sorted(p[:, 0]) for p in outside) == [[-1.0, 0.0], [4.0, 6.0]]
 
 
 def test_a_crowd_is_drawn_as_bands() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 
@@ -14,7 +13,7 @@ from physim.plots import FORMATS, NAMES, contacts, draw
 from physim.plots.contacts import merged
 from physim.plots.distances import MOST_POINTS, distances, thinned
 from physim.plots.prediction import prediction, predictions
-from physim.plots.style import ROBOTS, VERMILION
+from physim.plots.style import CONTACT
 from physim.record import Record
 from tests.records import make_record
 
@@ -63,7 +62,7 @@ def test_distances_show_the_least_values_and_every_contact(record: Record) -> No
     walls = lines["robot to wall"].get_ydata()
     assert np.array_equal(walls, record.boundary_clearance.min(axis=1))
     for axis in (above, below):
-        lines = [line for line in axis.lines if line.get_color() == VERMILION]
+        lines = [line for line in axis.lines if line.get_color() == CONTACT]
         began = [line.get_xdata()[0] for line in lines if line.get_linestyle() == "-"]
         assert began == [episode.time for episode in contact_episodes(record)]
 
@@ -74,7 +73,7 @@ def test_many_contacts_fill_a_strip_and_cover_no_curve(
     monkeypatch.setattr(contacts, "MOST_BANDS", 0)
     spans = [(e.time, e.time + (e.samples - 1) * record.dt) for e in contact_episodes(record)]
     for axis in distances(record).axes:
-        assert not [line for line in axis.lines if line.get_color() == VERMILION]
+        assert not [line for line in axis.lines if line.get_color() == CONTACT]
         assert not axis.patches
         strip = next(c for c in axis.collections if c.get_gid() == "contacts")
         assert strip.get_label() == f"contact ({len(spans)})"
@@ -87,15 +86,6 @@ def test_many_contacts_fill_a_strip_and_cover_no_curve(
 def test_spans_of_contacts_are_joined_across_narrow_gaps() -> None:
     assert merged([(5.0, 5.0), (0.0, 1.0), (1.5, 2.0), (0.2, 0.4)], 1.0) == [(0.0, 2.5), (5.0, 6.0)]
     assert merged([], 1.0) == []
-
-
-def test_no_robot_has_a_colour_near_that_of_contacts() -> None:
-    """As the eye tells colours apart: distance in CIELAB; 100 from black to white."""
-    made = [VERMILION, *ROBOTS]
-    rgb = np.array([[[int(c[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]] for c in made])
-    lab = cv2.cvtColor(rgb.astype(np.float32), cv2.COLOR_RGB2LAB)[:, 0]
-    assert np.linalg.norm(lab[1:] - lab[0], axis=1).min() > 30.0
-    assert min(np.linalg.norm(lab[i] - lab[j]) for i in range(13) for j in range(i)) > 15.0
 
 
 def test_no_dip_is_lost_where_a_curve_is_thinned() -> None:

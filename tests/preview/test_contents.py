@@ -63,11 +63,13 @@ def test_paths_are_parted_at_the_edge_of_the_safe_area() -> None:
     (route,) = seen.routes
     assert route.robots == (0, 1)
     line = shapely.LineString(seen.reference)
-    near = shapely.MultiLineString(seen.boundaries).buffer(seen.safe_distance)
+    near = shapely.MultiLineString(seen.scene.boundaries).buffer(seen.scene.safe_distance)
     for pieces, inside in ((route.safe, False), (route.danger, True)):
         for piece in pieces:
             middle = shapely.LineString(piece).interpolate(0.5, normalized=True)
-            obstacle = shapely.Polygon(seen.obstacles[0]).distance(middle) < seen.safe_distance
+            obstacle = (
+                shapely.Polygon(seen.scene.obstacles[0]).distance(middle) < seen.scene.safe_distance
+            )
             assert (near.covers(middle) or obstacle) is inside
     drawn = sum(shapely.LineString(p).length for p in (*route.safe, *route.danger))
     assert drawn == pytest.approx(line.length)
@@ -90,13 +92,13 @@ def test_a_path_along_the_edge_of_the_safe_area_is_safe() -> None:
 
 
 def test_a_controller_without_safe_distance_has_one_area() -> None:
-    seen = contents(lay_out(parse_world(ONE)), 0.0)
-    assert seen.safe_distance == 0.0
-    assert seen.safe.is_empty
+    seen = contents(lay_out(parse_world(ONE)))
+    assert seen.scene.safe_distance == 0.0
+    assert seen.scene.safe_area.is_empty
     assert not seen.routes[0].danger
 
 
 def test_every_shipped_world_agrees_on_its_seed() -> None:
     for name in shipped_worlds():
         loaded = load_world(name)
-        assert shown(parse_world(loaded.to_yaml()).to_yaml()).seed == loaded.seed
+        assert shown(parse_world(loaded.to_yaml()).to_yaml()).scene.seed == loaded.seed

@@ -71,8 +71,10 @@ def test_everything_is_at_its_place(style: None) -> None:
         assert np.arctan2(way[1], way[0]) == pytest.approx(robot.pose[2])
         assert np.hypot(*way) > robot.reach
     walls = collection(plan, "boundaries").get_segments()
-    assert all(np.allclose(a, b) for a, b in zip(walls, seen.boundaries, strict=True))
-    assert np.allclose(collection(plan, "obstacles").get_paths()[0].vertices[:4], seen.obstacles[0])
+    assert all(np.allclose(a, b) for a, b in zip(walls, seen.scene.boundaries, strict=True))
+    assert np.allclose(
+        collection(plan, "obstacles").get_paths()[0].vertices[:4], seen.scene.obstacles[0]
+    )
     (bar,) = collection(plan, "narrowest").get_segments()
     assert np.hypot(*(bar[0] - bar[-1])) == pytest.approx(1.5)
     assert "1.50 m" in [text.get_text() for text in plan.texts]
@@ -81,7 +83,9 @@ def test_everything_is_at_its_place(style: None) -> None:
     level_lines = [line for line in profile.lines if line.get_gid() != "leader"]
     levels = [line.get_ydata()[0] for line in level_lines if len(line.get_ydata()) == 2]
     reach = max(robot.reach for robot in seen.robots)
-    assert sorted(levels) == pytest.approx(sorted([0.6, 2.0 * reach, 2.0 * seen.safe_distance]))
+    assert sorted(levels) == pytest.approx(
+        sorted([0.6, 2.0 * reach, 2.0 * seen.scene.safe_distance])
+    )
 
 
 def test_danger_is_shown_where_the_corridor_is_narrow(style: None) -> None:
@@ -128,7 +132,7 @@ def test_any_world_has_the_same_layout(name: str, style: None) -> None:
         assert np.allclose(axis.get_position().bounds, other.get_position().bounds)
     plan = figure.axes[0]
     (x0, x1), (y0, y1) = plan.get_xlim(), plan.get_ylim()
-    low, high = seen.extent
+    low, high = seen.scene.extent
     assert x0 < low[0] < high[0] < x1
     assert y0 < low[1] < high[1] < y1
     wide, high_inches = figure.get_size_inches() * plan.get_position().size
@@ -178,12 +182,10 @@ def test_far_from_the_origin_numbers_stay_short(style: None) -> None:
     assert readable_scale(10000.0, 10060.0) == (0.0, 0)
 
 
-def test_colours_of_robots_stay_apart() -> None:
-    for one, other in itertools.combinations(ROBOTS, 2):
-        assert np.hypot.reduce(np.subtract(one, other)) > 40.0
-    with styled():
-        plan = make_figure(shown(HUNDRED)).axes[0]
+def test_robots_take_their_colours_from_the_palette(style: None) -> None:
+    plan = make_figure(shown(HUNDRED)).axes[0]
     faces = collection(plan, "robots").get_facecolors()
+    assert np.allclose(faces[:10, :3] * 255.0, ROBOTS)
     assert len(np.unique(faces, axis=0)) == len(ROBOTS)
 
 

@@ -131,8 +131,8 @@ def test_collision_time_of_a_pair_under_present_commands() -> None:
     pose = np.zeros((1, 2, 3))
     pose[0, 1] = (10.0, 0.0, np.pi)
     rows = [
-        {"step": 0, "robot": 0, "given_v": 1.0, "next_step": 10},
-        {"step": 0, "robot": 1, "given_v": 2.0, "next_step": 10},
+        {"step": 0, "robot": 0, "nominal_v": 1.0, "next_step": 10},
+        {"step": 0, "robot": 1, "nominal_v": 2.0, "next_step": 10},
     ]
     record = history(rows, pose=pose)
     reach = [max(float(p[:, 0].max()) for p in parts) for parts in record.footprints]

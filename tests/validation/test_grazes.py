@@ -83,7 +83,7 @@ def test_the_video_counts_and_marks_it_apart(grazing):
     assert seen.swept.tolist() == [True]
     assert (seen.count(time - 0.01), seen.grazes(time - 0.01)) == (0, 0)
     assert (seen.count(time), seen.grazes(time)) == (1, 1)
-    assert GRAZE_SIGN in signs(Story(grazing), ground(grazing))
+    assert GRAZE_SIGN in signs(Story(grazing), ground(Story(grazing)))
 
 
 @pytest.mark.parametrize(

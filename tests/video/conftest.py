@@ -5,14 +5,24 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.records import make_record
 
 FIELDS = (
-    "time dt steps pose clearance boundary_clearance updates contacts names footprints walls "
-    "paths reference accessible safe safe_distance name seed robots world_text"
+    "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
+    "footprints walls paths reference stop_station arrived modes accessible safe safe_distance "
+    "name seed robots world_text"
 )
+
+
+class Changed(SimpleNamespace):
+    """What the video reads of a record, with some of it replaced."""
+
+    def column(self, name: str) -> Any:
+        known = name in (self.updates.dtype.names or ())
+        return self.updates[name] if known else np.full(len(self.updates), np.nan)
 
 
 @pytest.fixture(scope="session")
@@ -37,6 +47,6 @@ def changed() -> Callable[..., Any]:
     """Return what the video reads of a record, with some of it replaced."""
 
     def change(record: Any, **changes: Any) -> Any:
-        return SimpleNamespace(**{f: getattr(record, f) for f in FIELDS.split()} | changes)
+        return Changed(**{f: getattr(record, f) for f in FIELDS.split()} | changes)
 
     return change

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import dataclasses
+import itertools
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
@@ -8,7 +10,9 @@ import numpy as np
 import pytest
 
 from physim.contacts import Phase
+from physim.declared import PAPER_MODES, SAFE, Mode
 from physim.errors import PhysimError
+from physim.palette import rgb
 from physim.video import frame_at, panel, theme
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
@@ -103,12 +107,15 @@ def test_robots_have_the_colour_of_their_mode(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     record = made(1)
-    for mode, colour in theme.MODES.items():
+    five = tuple(Mode(f"m{k}", f"#{k}0{8 - k}0f0", f"mode {k}") for k in range(5))
+    for modes, mode in itertools.chain(
+        ((PAPER_MODES, k) for k in range(4)), ((five, k) for k in range(5))
+    ):
         updates = record.updates.copy()
-        updates["mode"] = mode
-        picture = frame_at(changed(record, updates=updates), 2.0)
+        updates["mode"], colour = mode, rgb(modes[mode].colour)
+        picture = frame_at(changed(record, updates=updates, modes=modes), 2.0)
         assert pixels(picture, colour) > 300
-        others = [c for c in theme.MODES.values() if c != colour]
+        others = [rgb(one.colour) for one in modes if rgb(one.colour) != colour]
         assert not any(pixels(picture, c) for c in others)
 
 
@@ -219,7 +226,8 @@ def test_a_record_of_one_sample(made: Callable[..., Any], changed: Callable[...,
     "name", ["r", "日本語 — é ß 🤖", "a/\"b'\n\t\x00%s", "x" * 200, "", "\ud800"]
 )
 def test_any_name(made: Callable[..., Any], changed: Callable[..., Any], name: str) -> None:
-    strange = changed(made(3), names=(name, "r2", name), name=name)
+    bodies = [dataclasses.replace(body, name=name) for body in made(3).bodies]
+    strange = changed(made(3), names=(name, "r2", name), bodies=tuple(bodies), name=name)
     assert frame_at(strange, 2.0).shape == (720, 1280, 3)
 
 
@@ -255,5 +263,5 @@ def test_places_far_from_the_origin(made: Callable[..., Any], changed: Callable[
         reference=record.reference._replace(points=record.reference.points + away),
     )  # fmt: skip
     here, there = frame_at(record, 2.0), frame_at(moved, 2.0)
-    for colour in (theme.SAFE_AREA, theme.DANGER_AREA, theme.MODES[theme.Mode.SAFE]):
+    for colour in (theme.SAFE_AREA, theme.DANGER_AREA, rgb(SAFE.colour)):
         assert pixels(there, colour) == pytest.approx(pixels(here, colour), rel=0.05)

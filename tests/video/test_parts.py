@@ -80,7 +80,7 @@ def test_a_sprite_is_clipped_at_every_edge() -> None:
 
 
 def test_tiles_show_no_seams(made: Callable[..., Any]) -> None:
-    world = ground(made(3))
+    world = ground(Story(made(3)))
     lens = Lens(31.7, 40.0, 611.0)
     cut = np.zeros((720, 1280, 3), np.uint8)
     Background(world, lens.scale).paint(cut, lens)
@@ -168,7 +168,7 @@ def test_the_legend_lists_what_can_appear(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     def listed(record: Any) -> list[str]:
-        return signs(Story(record), ground(record))
+        return signs(Story(record), ground(Story(record)))
 
     low = np.array([[0.0, -4.0], [80.0, -4.0], [80.0, 3.0], [0.0, 3.0]])  # it bends out of it
     record = changed(made(3), safe=[low])
@@ -176,9 +176,11 @@ def test_the_legend_lists_what_can_appear(
     areas = ["safe area", "danger area"]
     assert listed(record) == [*full, "path, dashed in danger area", "reference path", "boundary",
                               *areas]  # fmt: skip
-    for bare in ({"safe": ()}, {"safe_distance": 0.0}):
-        found = listed(changed(record, **bare))
-        assert found == [*full, "path", "reference path", "boundary", "accessible area"]
+    found = listed(changed(record, safe_distance=0.0))
+    assert found == [*full, "path", "reference path", "boundary", "accessible area"]
+    nowhere_safe = listed(changed(record, safe=()))
+    assert nowhere_safe == [*full, "path, dashed in danger area", "reference path", "boundary",
+                            "danger area"]  # fmt: skip
     assert "closest pair" not in listed(made(1))
     updates = record.updates.copy()
     updates["target_x"] = np.nan
@@ -193,7 +195,7 @@ def test_the_legend_lists_what_can_appear(
 def test_without_safe_areas_nothing_is_drawn_as_danger(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
-    picture = frame_at(changed(made(1), safe=()), 2.0)
+    picture = frame_at(changed(made(1), safe_distance=0.0), 2.0)
     for colour in (theme.DANGER_AREA, theme.SAFE_AREA):
         assert (picture == colour).all(axis=2).sum() < 10, "single pixels of trails may be alike"
     assert (picture == theme.FLOOR).all(axis=2).sum() > 100_000

@@ -9,7 +9,9 @@ import av
 import numpy as np
 import pytest
 
+from physim.declared import AT_STOP
 from physim.errors import PhysimError
+from physim.palette import rgb
 from physim.video import frame_at, render, theme
 from physim.video.painter import Painter
 from physim.video.story import frame_times, playback_speed
@@ -69,10 +71,10 @@ def test_the_last_picture_stays_and_shows_the_last_decisions(
     record, path = made(3), tmp_path / "video.mp4"
     updates = record.updates.copy()
     updates["step"][-3:] = record.steps[-1]
-    updates["mode"][-3:] = theme.Mode.ARRIVED
+    updates["mode"][-3:] = 3
     painter = Painter(changed(record, updates=updates), 4.0, 10.0)
-    arrived = (painter.frame(4.0) == theme.MODES[theme.Mode.ARRIVED]).all(axis=2).sum()
-    before = (painter.frame(3.9) == theme.MODES[theme.Mode.ARRIVED]).all(axis=2).sum()
+    arrived = (painter.frame(4.0) == rgb(AT_STOP.colour)).all(axis=2).sum()
+    before = (painter.frame(3.9) == rgb(AT_STOP.colour)).all(axis=2).sum()
     assert arrived > before + 900, "three robots have the colour of their last decision"
     frames = render(changed(record, updates=updates), path, fps=10.0, speed=4.0)
     shown = [picture.to_ndarray(format="gray").astype(int) for picture in decoded(path)]

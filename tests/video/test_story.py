@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from physim.contacts import CONTACT, Kind, Phase
-from physim.control import Mode
+from physim.declared import PAPER_MODES, Mode
 from physim.video.contacts import episodes
 from physim.video.story import Story, frame_times
 
@@ -64,10 +64,26 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     assert found.place_at(2, 2.5)[0] == 4.0, "the next episode of the same pair"
 
 
-def test_only_the_modes_of_the_controller_are_explained(
+def test_the_modes_that_the_controller_declares_are_explained(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
-    updates = made(2).updates.copy()
-    for given, shown in ((0, list(Mode)), (-1, []), (3, [Mode.ARRIVED])):
+    record, updates = made(2), made(2).updates.copy()
+    assert Story(record).shown_modes == list(range(len(PAPER_MODES)))
+    many = tuple(Mode(f"m{k}", "#123456") for k in range(40))
+    for given, modes, shown in (
+        (0, many[:5], [0, 1, 2, 3, 4]),
+        (-1, many[:5], []),
+        (31, many, [31]),
+        (-1, (), []),
+    ):
         updates["mode"] = given
-        assert Story(changed(made(2), updates=updates)).shown_modes == shown
+        assert Story(changed(record, updates=updates, modes=modes)).shown_modes == shown
+
+
+def test_who_has_arrived_is_told_by_the_motion(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    updates = made(3).updates.copy()
+    updates["mode"] = 3
+    story = Story(changed(made(3), updates=updates, arrived=np.array([50, -1, 100]), dt=0.02))
+    assert [story.arrived(time) for time in (0.0, 0.99, 1.0, 2.0, 4.0)] == [0, 0, 1, 2, 2]

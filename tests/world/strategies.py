@@ -7,7 +7,9 @@ import math
 from hypothesis import strategies as st
 
 from physim.world import (
+    Arrival,
     Box,
+    Choice,
     ControllerChoice,
     Corridor,
     Expectation,
@@ -16,6 +18,7 @@ from physim.world import (
     Offset,
     Physics,
     Robot,
+    Sensing,
     Start,
     Time,
     World,
@@ -43,6 +46,11 @@ settings = st.dictionaries(
         max_leaves=5,
     ),
     max_size=3,
+)
+
+
+choices = st.lists(
+    st.builds(Choice, type=st.sampled_from(["noise", "odd: one"]), settings=settings), max_size=2
 )
 
 
@@ -117,6 +125,10 @@ def worlds(draw):
         controller=ControllerChoice(
             type=draw(st.sampled_from(["mode_switching", "odd: one"])), settings=draw(settings)
         ),
+        sensing=Sensing(range=draw(st.none() | lengths), stages=draw(choices)),
+        filters=draw(choices),
+        disturbances=draw(choices),
+        arrival=Arrival(tolerance=draw(st.floats(0, 10))),
         obstacles=draw(st.lists(polygons, max_size=2)),
         expect=draw(st.none() | st.builds(Expectation, contacts=st.integers(0, 5))),
         physics=Physics(friction=draw(st.floats(0, 1))),

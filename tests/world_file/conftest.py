@@ -1,21 +1,25 @@
-"""The tests of this folder see two registered controllers of their own."""
+"""The tests of this folder see registered controllers and stages of their own."""
 
 from __future__ import annotations
-
-from importlib.metadata import EntryPoint
 
 import pytest
 
 from physim import registry
 
-MODULE = "tests.world_file.controllers_for_tests"
+MODULE = "tests.world_file.parts_for_tests"
 
 
 @pytest.fixture(autouse=True)
 def _registered(monkeypatch):
     entries = {
-        name: EntryPoint(name, f"{MODULE}:{target}", registry.GROUP)
-        for name, target in (("mode_switching", "Switching"), ("plain", "Plain"))
+        "mode_switching": (f"{MODULE}:Switching",),
+        "plain": (f"{MODULE}:Plain",),
+        "broken": ("no_such_module_here:Class",),
     }
-    entries["broken"] = EntryPoint("broken", "no_such_module_here:Class", registry.GROUP)
-    monkeypatch.setattr(registry, "_entries", lambda: entries)
+    found = {
+        registry.CONTROLLER: entries,
+        registry.SENSING: {"haze": (f"{MODULE}:Haze",)},
+        registry.FILTER: {"slow": (f"{MODULE}:Slow",), "broken": ("no_such_module_here:Class",)},
+        registry.DISTURBANCE: {"gains": (f"{MODULE}:Gains",)},
+    }
+    monkeypatch.setattr(registry, "_entries", lambda kind: found.get(kind, {}))

@@ -66,8 +66,8 @@ def test_all_faults_come_at_once_in_the_order_of_the_file():
     text = text.replace("look_ahead", "look_ahed").replace("width: 8.0", 'width: "8"')
     assert message(text).splitlines() == [
         "w.yaml:3:1: sead: unknown key; allowed: name, description, seed, time, corridor, "
-        "boundaries, reference_path, start, robots, formation, controller, obstacles, expect, "
-        'physics; did you mean "seed"?',
+        "boundaries, reference_path, start, robots, formation, controller, sensing, filters, "
+        'disturbances, arrival, obstacles, expect, physics; did you mean "seed"?',
         "w.yaml:4:30: time.duration: 1e3 is a text to many YAML readers; write 1.0e+3 or 1000",
         "w.yaml:5:50: corridor.width: must be: [m] full width: one number, or one per point of "
         'the centreline; given "8", which is a text; write the number without quotes',
@@ -116,7 +116,7 @@ def test_a_world_cannot_name_a_class():
 def test_the_command_line_may_name_another_controller():
     assert parse_world(STRAIGHT, controller="plain").controller.settings == {}
     assert parse_world(STRAIGHT, controller="mode_switching") == parse_world(STRAIGHT)
-    name = "tests.world_file.controllers_for_tests:Switching"
+    name = "tests.world_file.parts_for_tests:Switching"
     world = parse_world(STRAIGHT, controller=name, overrides=["controller.look_ahead=3.0"])
     assert world.controller.type == name
     assert world.controller.settings == {"look_ahead": 3.0}

@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from physim.errors import ControllerError, WorldError
-from physim.registry import controller_names, find_controller, make_controller
-from tests.world_file import controllers_for_tests as fakes
+from physim.registry import CONTROLLER, controller_names, find_part, make_part
+from tests.world_file import parts_for_tests as fakes
 
-HERE = "tests.world_file.controllers_for_tests"
+HERE = "tests.world_file.parts_for_tests"
 
 
 def test_names_have_a_line_each():
@@ -17,11 +17,11 @@ def test_names_have_a_line_each():
 
 
 def test_controllers_are_made_with_checked_settings():
-    made = make_controller("mode_switching", {"omegas": (0.5, 1)})
+    made = make_part(CONTROLLER, "mode_switching", {"omegas": (0.5, 1)})
     assert isinstance(made, fakes.Switching)
     assert made.settings.omegas == (0.5, 1.0)
-    assert isinstance(make_controller("plain", {}), fakes.Plain)
-    assert isinstance(make_controller(f"{HERE}:Plain", {}, trusted=True), fakes.Plain)
+    assert isinstance(make_part(CONTROLLER, "plain", {}), fakes.Plain)
+    assert isinstance(make_part(CONTROLLER, f"{HERE}:Plain", {}, trusted=True), fakes.Plain)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def test_controllers_are_made_with_checked_settings():
 )
 def test_wrong_settings_have_their_place(settings, location):
     with pytest.raises(WorldError) as caught:
-        make_controller("mode_switching", settings)
+        make_part(CONTROLLER, "mode_switching", settings)
     assert [fault.location for fault in caught.value.faults] == [location]
 
 
@@ -54,7 +54,7 @@ def test_wrong_settings_have_their_place(settings, location):
 )
 def test_controllers_that_cannot_be_had_say_why(name, trusted, text):
     with pytest.raises(ControllerError) as caught:
-        find_controller(name, trusted)
+        find_part(CONTROLLER, name, trusted)
     assert text in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -66,6 +66,6 @@ def test_a_class_in_the_current_folder_is_found(tmp_path, monkeypatch):
     (tmp_path / "my_faulty_controller.py").write_text("\nx = 1 / 0\n")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.path", __import__("sys").path[:])
-    assert find_controller("my_own_controller:Mine", trusted=True).__name__ == "Mine"
+    assert find_part(CONTROLLER, "my_own_controller:Mine", trusted=True).__name__ == "Mine"
     with pytest.raises(ControllerError, match=r"ZeroDivisionError.*my_faulty_controller\.py:2"):
-        find_controller("my_faulty_controller:Mine", trusted=True)
+        find_part(CONTROLLER, "my_faulty_controller:Mine", trusted=True)

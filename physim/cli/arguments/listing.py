@@ -13,6 +13,7 @@ examples:
   physim list
   physim run NAME                            NAME as listed under worlds
   physim run three_robots --controller NAME  NAME as listed under controllers
+  physim run three_robots --observer NAME    NAME as listed under observers
 """
 
 
@@ -20,8 +21,9 @@ def add(commands: Commands) -> None:
     """Add the command to the parser."""
     listing = commands.add_parser(
         "list",
-        help="list the worlds and controllers that come with physim",
-        description="List the shipped worlds and the registered controllers, a line each.",
+        help="list the worlds that come with physim, controllers and other parts",
+        description="List the shipped worlds and, a line each, what is registered: controllers, "
+        "sensing stages, filters, disturbances and observers, those of other packages too.",
         epilog=EPILOG,
         formatter_class=Wrapped,
     )

@@ -16,8 +16,9 @@ figures (docs/FIGURES.md tells what each shows and how it is worked out):
   width            corridor width along the path of the first robot (Fig. 4)
   distances        distances between robots, and to walls (Figs. 3b, 6c)
   collision_times  collision times at the decisions (Figs. 3c, 6d)
-  modes            safe and danger mode of each robot (Fig. 8)
+  modes            modes of each robot over time (Fig. 8)
   prediction       predicted against actual time to contact
+and those that installed packages register as physim.plots
 
 exit codes:
   0    drawn

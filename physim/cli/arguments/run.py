@@ -21,6 +21,7 @@ examples:
   physim run ten_robots --seed 3 --no-video -o /tmp/seed3
   physim run my_world.yaml --set time.duration=20.0 --set controller.beta=0.3
   physim run my_world.yaml --controller my_module:MyController
+  physim run my_world.yaml --observer my_module:MyObserver
 """
 
 
@@ -39,6 +40,15 @@ def add(commands: Commands) -> None:
     )
     run.add_argument("--force", action="store_true", help="write over an earlier run in DIR")
     add_changes(run)
+    run.add_argument(
+        "--observer",
+        dest="observers",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="let a registered observer (physim list) or your own, as module:Class, look on (may "
+        "be repeated)",
+    )
     run.add_argument("--no-video", action="store_true", help="leave the video out")
     run.add_argument("--quiet", action="store_true", help="print neither progress nor table")
     run.set_defaults(action=lazy("physim.cli.run", "run"))

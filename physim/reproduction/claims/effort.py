@@ -27,17 +27,17 @@ def measure(record: Record) -> Measures:
     """
     rows = record.updates
     held = np.minimum(rows["next_step"], record.steps_run) - rows["step"]
-    messages, evaluations = metrics.messages(record), metrics.evaluations(record)
+    messages, evaluations = metrics.messages(record) or 0, metrics.evaluations(record)
     planned = (rows["next_step"] - rows["step"]) * record.dt
     every_step = float((rows["considered"] * held).sum())
-    every_evaluation = float((rows["evaluations"] * held).sum())
+    every_evaluation = float(np.nansum(record.column("evaluations") * held))
     way = (record.stop_station - _first_stations(record)).max()
     time = metrics.time_to_finish(record)
     return {
         "messages": float(messages),
         "messages_share": messages / every_step if every_step else np.nan,
-        "evaluations": float(evaluations),
-        "evaluations_share": evaluations / every_evaluation if every_evaluation else np.nan,
+        "evaluations": np.nan if evaluations is None else float(evaluations),
+        "evaluations_share": evaluations / every_evaluation if evaluations else np.nan,
         "shorter_intervals": float((planned < LONGEST - 1e-9).mean()),
         "time_to_finish": np.nan if time is None else time,
         "time_at_steady_speed": float(way),

@@ -17,7 +17,8 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import column_over_time, world_settings
-from physim.plots.style import BLUE, INK, VERMILION
+from physim.metrics.modes import is_danger
+from physim.plots.style import CYCLE, INK
 from physim.record import Record
 from physim.reproduction.studies.drawing import points, prepared
 from physim.reproduction.studies.estimates import column, estimate, outcome
@@ -52,12 +53,12 @@ def measure(record: Record) -> Measures:
     gain = float(world_settings(record)["formation"]["gain"])
     theory = linear_course(ahead[begin], gain, matrix, time[begin:end] - time[begin])
     settled = record.updates["step"] >= SETTLED / record.dt
-    speeds = record.updates["given_v"][settled]
+    speeds = record.updates["applied_v"][settled]
     return {
         "time_constant": time_constant(time[begin:end], size[begin:end]),
         "theory": time_constant(time[begin:end], root_mean_square(theory)),
         "held": float(np.mean((speeds <= 0.1) | (speeds >= 1.9))),
-        "danger": float(np.mean(record.updates["mode"][settled] > 0)),
+        "danger": float(np.mean(is_danger(record, record.updates[settled]))),
     }
 
 
@@ -111,8 +112,8 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     prepared(figure, "Larger alpha closes formation errors faster")
     axis = figure.subplots()
     span = np.array([GAINS[0] * 0.8, GAINS[-1] * 1.25])
-    looks = ((BLUE, "o", 4.0, "every robot minds all three others"),
-             (VERMILION, "s", 2.0, "every robot minds two others"))  # fmt: skip
+    looks = ((CYCLE[0], "o", 4.0, "every robot minds all three others"),
+             (CYCLE[1], "s", 2.0, "every robot minds two others"))  # fmt: skip
     for k, (colour, marker, rate, label) in enumerate(looks):
         mine = arms[k * len(GAINS) : (k + 1) * len(GAINS)]
         axis.plot(span, 1.0 / (span * rate), color=colour, linewidth=0.9, linestyle=(0, (4, 2)))

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
-from physim.metrics import arrival_steps, column_over_time, formation_errors, world_settings
+from physim.metrics import (
+    column_over_time,
+    formation_errors,
+    steps_under_way,
+    world_settings,
+)
 from physim.plots.style import CYCLE, QUIET
 from physim.record import Record
 from physim.reproduction.studies.drawing import prepared
@@ -51,8 +56,9 @@ def measure(record: Record) -> Measures:
     course = formation_errors(record)
     if course is None:
         raise RecordError(f"{record!r} has no formation errors")
-    arrived = arrival_steps(record) * record.dt
-    under_way = time < np.where(arrived < 0, math.inf, arrived).min()
+    steps = steps_under_way(record)
+    there = np.where(steps < record.steps_run, steps * record.dt, math.inf)
+    under_way = time < there.min()
     size = root_mean_square(course.values)
     straights = _straights(_in_bend(station, corners(record.reference.points)), under_way)
     gain = float(world_settings(record)["formation"]["gain"])

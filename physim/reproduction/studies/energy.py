@@ -17,7 +17,7 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import column_over_time, world_settings
-from physim.plots.style import BLUE, CYCLE, INK, MARKERS
+from physim.plots.style import CYCLE, INK, MARKERS
 from physim.record import Record
 from physim.reproduction.studies.drawing import arms_down, prepared
 from physim.reproduction.studies.estimates import column, estimate, freely, outcome, share_text
@@ -172,7 +172,7 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
         if not math.isnan(value):
             axis.annotate(
                 f"each step within {value:.0e}", (0.99, row), ha="right", va="center",
-                xycoords=("axes fraction", "data"), fontsize=8.0, color=BLUE,
+                xycoords=("axes fraction", "data"), fontsize=8.0, color=CYCLE[0],
             )  # fmt: skip
     figure.legend(loc="outside lower left", ncols=2)
 

@@ -14,7 +14,7 @@ def figures(record: Record, *names: str) -> dict[str, float]:
     """Metrics by name; nan where one has no meaning for the run."""
     found = take(record, names)
     values = {name: found[name].value if name in found else None for name in names}
-    return {name: math.nan if value is None else float(value) for name, value in values.items()}
+    return {name: _number(value) for name, value in values.items()}
 
 
 def safety(record: Record) -> dict[str, float]:
@@ -36,6 +36,10 @@ def work(record: Record) -> dict[str, float]:
     each = seconds if seconds > 0.0 else math.nan
     return {
         "updates": math.nan if updates is None else updates.value,
-        "messages": messages(record) / each,
-        "evaluations": evaluations(record) / each,
+        "messages": _number(messages(record)) / each,
+        "evaluations": _number(evaluations(record)) / each,
     }
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)

@@ -15,7 +15,7 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import averaged_speeds, column_over_time
-from physim.plots.style import BLUE, GREEN, VERMILION
+from physim.plots.style import CYCLE
 from physim.record import Record
 from physim.reproduction.studies.drawing import arms_axis, points, prepared, reference_line, runs
 from physim.reproduction.studies.estimates import column, estimate, outcome
@@ -106,9 +106,9 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     """Averaged speeds of every seed on outer routes, between and on inner routes."""
     prepared(figure, "Outside a bend robots go faster, inside slower")
     axis = figure.subplots()
-    looks = (("outer", VERMILION, "^", -0.24, "outer route"),
-             ("between", BLUE, "o", 0.0, "neither"),
-             ("inner", GREEN, "v", 0.24, "inner route"))  # fmt: skip
+    looks = (("outer", CYCLE[1], "^", -0.24, "outer route"),
+             ("between", CYCLE[0], "o", 0.0, "neither"),
+             ("inner", CYCLE[2], "v", 0.24, "inner route"))  # fmt: skip
     for name, colour, marker, shift, label in looks:
         places = [k + shift for k in range(len(arms))]
         columns = [column(mine, name) for mine in arms]

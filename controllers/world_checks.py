@@ -1,0 +1,84 @@
+"""What does not go together with the paper's controller in a world, told before the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, hypot
+from typing import TYPE_CHECKING
+
+from physim.errors import Fault, Location
+
+from .settings import ModeSwitchingSettings
+
+if TYPE_CHECKING:
+    from physim.world import World
+
+
+def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
+    """Refuse ``speed`` beside a formation, which has a speed of its own."""
+    if world.formation is None or "speed" not in settings.model_fields_set:
+        return []
+    message = "given beside formation, whose speed rules; set formation.speed instead"
+    return [Fault((*where, "speed"), message)]
+
+
+def stop_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
+    """Doubt robots that stand still farther from their stops than arrival allows."""
+    allowed, short = world.arrival.tolerance, settings.arrival_tolerance
+    if allowed >= short:
+        return []
+    is_set = "arrival_tolerance" in settings.model_fields_set
+    where: Location = ("controller", "arrival_tolerance") if is_set else ("arrival", "tolerance")
+    message = (
+        f"robots stand still up to {short:g} m (the controller's arrival_tolerance) before their "
+        f"stop stations, and count as arrived from {allowed:g} m (arrival.tolerance) on: some may "
+        "never arrive; make arrival.tolerance the larger one"
+    )
+    return [Fault(where, message)]
+
+
+def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
+    """Doubt a range of sight within which thresholds of the controller cannot be kept."""
+    reach = world.sensing_range
+    needed, why = max(_needs(settings, world))
+    if reach >= needed:
+        return []
+    where: Location = ("sensing", "range")
+    if world.sensing.range is None and world.formation is not None:
+        where = ("formation", "range")
+    message = (
+        f"robots see {reach:g} m, from one reference point to another or to a wall, and {why}; "
+        f"let them see {ceil(needed * 10.0) / 10.0:g} m at least"
+    )
+    return [Fault(where, message)]
+
+
+def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[float, str]]:
+    """Ranges [m] that are needed, with what happens below them."""
+    plan = world.formation
+    fastest = settings.speed if plan is None else max(plan.speed, plan.limits[1])
+    around = [max(hypot(x, y) for x, y in robot.outline) for robot in world.robots]
+    radii = sorted(around)
+    yield (
+        radii[-1] + settings.boundary_low,
+        "a wall may be nearer than controller.boundary_low unseen",
+    )
+    yield (
+        settings.look_ahead + settings.safe_distance,
+        "a target controller.look_ahead away may lie within controller.safe_distance of a wall "
+        "unseen",
+    )
+    if len(radii) == 1:
+        return
+    yield (
+        sum(radii[-2:]) + settings.distance_low,
+        "two robots may be nearer than controller.distance_low unseen",
+    )
+    reaches = sorted(
+        radius + min(fastest, robot.limits.v) * settings.time_low
+        for radius, robot in zip(around, world.robots, strict=True)
+    )
+    yield (
+        sum(reaches[-2:]),
+        "two that drive at each other may see it less than controller.time_low before they meet",
+    )

@@ -1,0 +1,105 @@
+"""Metrics of one's own: classes that packages register in the entry point group ``physim.metrics``.
+
+The name of the entry point is that of the metric::
+
+    class Stops:
+        unit = "-"
+        definition = "decisions to stand still"  # else the first line of the docstring
+
+        def measure(self, record):  # a physim.Record
+            return int((record.updates["applied_v"] == 0.0).sum())
+
+``measure`` gives a number, true or false, a `Moment`, `Place` or `Each`, or None where the figure
+has no meaning for the run. What fails in it is told in one line.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from importlib.metadata import entry_points
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from physim.errors import PhysimError
+from physim.metrics.definition import Definition, Found, Run
+from physim.metrics.values import Each, Moment, Place
+
+NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+
+
+class Own(NamedTuple):
+    """What packages registered."""
+
+    definitions: dict[str, Definition]
+    """by name"""
+    faults: tuple[str, ...]
+    """a line for each that cannot be used"""
+
+
+def own_metrics(taken: Collection[str]) -> Own:
+    """Find the registered metrics; ``taken`` are names that they may not have."""
+    found: dict[str, Definition] = {}
+    faults = []
+    for name in sorted({entry.name for entry in entry_points(group="physim.metrics")}):
+        from physim.registry import METRIC  # only here: it brings the models of worlds along
+
+        try:
+            part = own_part(METRIC, name, taken)
+            found[name] = _definition(name, part)
+        except PhysimError as error:
+            faults.append(str(error))
+    return Own(found, tuple(faults))
+
+
+def own_part(kind: Any, name: str, taken: Collection[str]) -> Any:
+    """Make a registered part that looks at records. Raises PhysimError, one line, where it fails.
+
+    ``kind`` is `physim.registry.METRIC` or ``PLOT``; ``taken`` are names that physim has itself.
+    """
+    from physim.registry import find_part, made_part
+
+    if not NAME.fullmatch(name):
+        raise PhysimError(
+            f"{kind.word} {name[:60]!r}: allowed in a name are small letters, digits and _, a "
+            "letter first"
+        )
+    if name in taken:
+        raise PhysimError(f'{kind.word} "{name}": physim has one of that name; take another')
+    return made_part(kind, find_part(kind, name), None, name)
+
+
+def _definition(name: str, part: Any) -> Definition:
+    lines = (type(part).__doc__ or "").strip().splitlines()
+    told = {
+        "unit": getattr(part, "unit", None),
+        "definition": getattr(part, "definition", lines[0] if lines else None),
+        "source": getattr(part, "source", "-"),
+    }
+    for key, value in told.items():
+        if not (isinstance(value, str) and value.isprintable() and 0 < len(value) <= 300):
+            raise PhysimError(
+                f'metric "{name}": {type(part).__name__}.{key} must be a line of text'
+                + (', "-" where there is none' if key != "definition" else "")
+            )
+    unit, meaning, source = (str(value) for value in told.values())
+    return Definition(name, unit, meaning.rstrip("."), source, lambda run: _found(name, part, run))
+
+
+def _found(name: str, part: Any, run: Run) -> Found:
+    """What the metric says of a run, in plain types."""
+    from physim.registry import broken_by
+
+    try:
+        value = part.measure(run.record)
+    except (Exception, SystemExit) as error:
+        raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, bool | int | float | Moment | Place | Each):
+        return value
+    raise PhysimError(
+        f'metric "{name}" gives a {type(value).__name__}; allowed: a number, true or false, '
+        "Moment, Place, Each, or None"
+    )

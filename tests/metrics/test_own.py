@@ -1,0 +1,164 @@
+"""Metrics that packages register: found by entry point, told like physim's own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from physim.errors import PhysimError
+from physim.metrics import DEFINITIONS, definition, measure, measured
+from physim.record import Record
+from physim.summary import summarise, table
+from tests.cli.commands import physim
+from tests.packages import install
+from tests.records import make_record
+
+TEXT = '''
+import numpy as np
+from physim.metrics import Each, Moment
+
+class Still:
+    """Decisions to stand still. More lines follow.
+
+    They are not shown.
+    """
+    unit = "-"
+
+    def measure(self, record):
+        return (record.updates["applied_v"] == 0.0).sum()
+
+class Latest:
+    unit, definition, source = "s", "when the last decision was made, by whom", "(14)"
+
+    def measure(self, record):
+        row = record.updates[-1]
+        return Moment(float(row["step"]) * record.dt, int(row["step"]),
+                      float(row["step"]) * record.dt, int(row["robot"]))
+
+class Nothing:
+    unit, definition = "m", "has no meaning here"
+
+    def measure(self, record):
+        return None
+
+class Broken:
+    unit, definition = "m", "fails"
+
+    def measure(self, record):
+        return record.no_such_thing
+
+class Words:
+    unit, definition = "m", "gives words"
+
+    def measure(self, record):
+        return "far"
+
+class Unitless:
+    definition = "has no unit"
+
+    def measure(self, record):
+        return 1
+
+class Unmade:
+    unit, definition = "m", "cannot be made"
+
+    def __init__(self):
+        raise ValueError("no")
+
+    def measure(self, record):
+        return 1
+
+class Mute:
+    unit = "m"
+'''
+
+
+@pytest.fixture(scope="module")
+def record() -> Iterator[Record]:
+    with make_record(seconds=2.0) as made:
+        yield made
+
+
+def registered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, **classes: str) -> None:
+    name = f"own_metrics_{tmp_path.name.replace('-', '_')}"
+    install(tmp_path, monkeypatch, name, TEXT, {"physim.metrics": classes})
+
+
+def test_they_are_measured_like_physim_s_own(
+    record: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    registered(tmp_path, monkeypatch, still="Still", latest="Latest", nothing="Nothing")
+    found = measure(record)
+    assert set(found) - set(DEFINITIONS) == {"still", "latest"}
+    assert found["still"].value == int((record.updates["applied_v"] == 0.0).sum())
+    assert type(found["still"].value) is int
+    assert (found["still"].unit, found["still"].definition.source) == ("-", "-")
+    assert found["still"].definition.meaning.startswith("Decisions to stand still")
+    assert found["latest"].bodies == (int(record.updates["robot"][-1]),)
+    assert list(measure(record, ["latest", "decisions"])) == ["latest", "decisions"]
+    assert definition("latest").source == "(14)"
+    summary = summarise(record)
+    assert summary.metric_faults == ()
+    assert json.loads(summary.to_json())["metrics"]["latest"]["bodies"] == ["r3"]
+    rows = dict(line.split("  ", 1) for line in table(summary).splitlines())
+    assert rows["latest"].strip() == f"{found['latest'].value:.4g} s"
+
+
+def test_definitions_list_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    registered(tmp_path, monkeypatch, latest="Latest", broken="Unmade")
+    done = physim("summary", "--definitions", capture=capsys)
+    assert done.code == 0
+    assert "when the last decision was made, by whom [(14)]" in done.out
+    assert done.err.count("\n") == 1
+    told = json.loads(physim("summary", "--definitions", "--json", capture=capsys).out)
+    assert told["latest"] == {
+        "unit": "s", "meaning": "when the last decision was made, by whom", "source": "(14)",
+    }  # fmt: skip
+    assert "broken" not in told
+
+
+@pytest.mark.parametrize(
+    ("name", "one", "told"),
+    [
+        ("broken", "Broken", 'metric "broken" fails: AttributeError'),
+        ("words", "Words", 'metric "words" gives a str; allowed: a number'),
+        ("unitless", "Unitless", "Unitless.unit must be a line of text"),
+        ("unmade", "Unmade", 'metric "unmade" cannot be made: ValueError: no'),
+        ("mute", "Mute", "class Mute has no method measure"),
+        ("absent", "Absent", "has no class"),
+        ("contacts", "Still", 'metric "contacts": physim has one of that name'),
+        ("Loud!", "Still", "metric 'Loud!': allowed in a name are small letters"),
+    ],
+)
+def test_what_fails_is_told_in_one_line_and_the_rest_is_had(
+    name: str,
+    one: str,
+    told: str,
+    record: Record,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    registered(tmp_path, monkeypatch, **{name: one, "latest": "Latest"})
+    found, faults = measured(record)
+    assert "latest" in found
+    assert set(found) >= {"contacts", "decisions"}
+    assert len(faults) == 1
+    assert told in faults[0]
+    assert "\n" not in faults[0]
+    with pytest.raises(PhysimError) as caught:
+        measure(record)
+    assert str(caught.value) == faults[0]
+    assert measure(record, ["decisions"])
+    summary = summarise(record)
+    assert summary.metric_faults == faults
+    assert [line for line in table(summary).splitlines() if line.startswith("WARNING")] == [
+        line for line in table(summary).splitlines() if line.endswith(faults[0])
+    ]
+    if name not in DEFINITIONS:
+        with pytest.raises(PhysimError):
+            measure(record, [name])

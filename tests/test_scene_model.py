@@ -1,0 +1,113 @@
+"""One scene model: the same from a world, a scene and a record, so that pictures agree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+from physim import palette
+from physim.declared import NO_NUMBER, PAPER_MODES, Mode
+from physim.geometry.shapes import FloatArray
+from physim.record import RecordWriter
+from physim.scene_builder import build_scene, lay_out
+from physim.scene_model import SceneModel, outline, region, split_at
+from physim.world import World
+from physim.world_file import load_world, parse_world
+from physim.world_file.shipped import shipped_worlds
+from tests.metrics.histories import history
+from tests.preview.worlds import NARROW
+from tests.records import DECLARED, ELL, make_record
+
+L = 0.8
+
+
+def three_models(world: World) -> list[SceneModel]:
+    """Of the world laid out, of its scene, and of a record with its first sample."""
+    scene, layout = build_scene(world), lay_out(world)
+    area = scene.area
+    out = RecordWriter(
+        None, scene, world.to_yaml(), accessible=area.accessible_rings, safe=area.safe_rings(L),
+        safe_distance=L, declared=DECLARED,
+    )  # fmt: skip
+    none = np.full((1, scene.robots), np.inf)
+    out.append_steps(np.zeros(1, dtype=np.int64), scene.start[None], none, none)
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    return [
+        SceneModel.of_layout(layout, DECLARED.modes, L),
+        SceneModel.of_scene(scene, DECLARED.modes, L),
+        SceneModel.of_record(out.record()),
+    ]
+
+
+def length(pieces: list[FloatArray]) -> float:
+    return sum(float(shapely.LineString(piece).length) for piece in pieces)
+
+
+@pytest.mark.parametrize("name", [*sorted(shipped_worlds()), "obstacles"])
+def test_it_is_the_same_from_every_source(name: str) -> None:
+    world = parse_world(NARROW) if name == "obstacles" else load_world(name)
+    first, *others = three_models(world)
+    for other in others:
+        for field in ("name", "seed", "bodies", "names", "colours", "modes", "safe_distance"):
+            assert getattr(first, field) == getattr(other, field), field
+        for field in ("start", "reference", "stop_station", "stops"):
+            assert np.allclose(getattr(first, field), getattr(other, field), atol=1e-6), field
+        for field in ("boundaries", "paths", "accessible", "safe"):
+            for one, two in zip(getattr(first, field), getattr(other, field), strict=True):
+                assert np.allclose(one, two, rtol=0.0, atol=1e-9), field
+        for field in ("outlines", "obstacles"):
+            for one, two in zip(getattr(first, field), getattr(other, field), strict=True):
+                missed = shapely.Polygon(one).symmetric_difference(shapely.Polygon(two)).area
+                assert missed < 1e-4 * shapely.Polygon(one).area, field
+        for one, two in zip(first.path_pieces, other.path_pieces, strict=True):
+            for mine, others_ in zip(one, two, strict=True):
+                assert length(mine) == pytest.approx(length(others_), abs=1e-6)
+        assert np.allclose(first.extent, other.extent, atol=1e-5)
+
+
+def test_colours_are_those_of_the_palette_and_of_the_controller() -> None:
+    with make_record(robots=12, seconds=0.5) as record:
+        model = SceneModel.of_record(record)
+        assert np.array_equal(model.start, record.pose[0])
+    assert model.colours[:10] == palette.ROBOTS
+    assert model.colours[10:] == palette.ROBOTS[:2]
+    for number, mode in enumerate(PAPER_MODES):
+        assert palette.hexed(model.mode_colour(number)) == mode.colour
+    assert model.mode_colour(NO_NUMBER) == palette.UNDECIDED
+
+
+def test_a_world_is_shown_with_the_modes_of_its_controller_and_without_areas() -> None:
+    modes = (Mode("go", "#010203"), Mode("wait", "#a0b0c0"))
+    model = SceneModel.of_layout(lay_out(load_world("three_robots")), modes)
+    assert [model.mode_colour(k) for k in (0, 1)] == [(1, 2, 3), (160, 176, 192)]
+    assert (model.safe, model.safe_distance) == ((), 0.0)
+    assert all(not danger for _, danger in model.path_pieces)
+
+
+def test_an_outline_has_no_seams() -> None:
+    whole = shapely.Polygon(outline(ELL))
+    assert whole.area == pytest.approx(sum(shapely.Polygon(part).area for part in ELL), rel=1e-4)
+    assert len(whole.simplify(1e-5).exterior.coords) == 7  # six corners
+
+
+def test_obstacles_that_touch_have_one_ring_and_holes_are_kept() -> None:
+    model = SceneModel.of_layout(lay_out(parse_world(NARROW)))
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    ring = [square + (dx, dy) for dx in range(3) for dy in range(3) if (dx, dy) != (1, 1)]
+    object.__setattr__(model, "obstacles", tuple(ring))
+    assert len(model.solid_rings) == 2
+    assert region(model.solid_rings).area == pytest.approx(8.0)
+
+
+def test_paths_are_cut_at_an_area() -> None:
+    area = shapely.box(0.0, 0.0, 4.0, 4.0)
+    inside, outside = split_at(np.array([[-1.0, 2.0], [1.0, 2.0], [6.0, 2.0]]), area)
+    assert [sorted(p[:, 0]) for p in inside] == [[0.0, 1.0, 4.0]]
+    assert sorted(sorted(p[:, 0]) for p in outside) == [[-1.0, 0.0], [4.0, 6.0]]
+
+
+def test_a_record_without_samples_has_a_place_but_no_start() -> None:
+    model = SceneModel.of_record(history())
+    assert np.isnan(model.start).all()
+    assert np.isfinite(model.extent).all()

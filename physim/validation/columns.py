@@ -9,7 +9,7 @@ s* within range, both along it and straight.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.sight import parts_in_range
 from physim.record import Record
 from physim.scene import Scene
-from physim.tolerances import LENGTH
+from physim.tolerances import LENGTH, TIME
 from physim.validation.mismatch import SLACKS, Mismatches, differs
 from physim.validation.walk import Stretch
 
@@ -55,7 +55,8 @@ class Meaning:
             return cls(horizon, (0.0,) if motion == "translation" else (1.0,), True)
         told = record.column("collision_time")
         told = told[np.isfinite(told)]
-        return cls(min(float(told.max(initial=0.0)), LONGEST), (1.0, 0.0), False)
+        least = min(float(told.max(initial=0.0)), LONGEST)
+        return cls(least + 2.0 * TIME, (1.0, 0.0), False)
 
 
 class Considered:
@@ -107,7 +108,8 @@ class StandardColumns:
         other = self._exact(stretch, self.meaning.motions[1])[:, 2]
         wrong = differs(told, exact, SLACKS["collision_time"])
         wrong &= differs(told, other, SLACKS["collision_time"])
-        return np.asarray(wrong & ~((told > LONGEST) & (exact == inf)))
+        within = exact < self.meaning.horizon - 3.0 * TIME
+        return np.asarray(wrong & (within | (told <= LONGEST)))
 
     def _exact(self, stretch: Stretch, keep: float) -> FloatArray:
         rows, out = stretch.rows, np.empty((len(stretch.rows), 3))

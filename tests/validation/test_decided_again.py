@@ -1,0 +1,85 @@
+"""Decisions made again by the world's own controller: what was changed is told, row and column."""
+
+from __future__ import annotations
+
+import pytest
+
+import physim
+from physim.validation import report, validate
+from tests.forgeries.parts import Heard, Ramp, Slip
+from tests.forgeries.runs import LANE
+from tests.forgeries.tools import column, decided, dropped, together, world
+from tests.validation.test_tampered import tampered
+
+
+@pytest.fixture(scope="module")
+def free():
+    return physim.simulate(physim.parse_world(LANE, overrides=["time.duration=8"]))
+
+
+def judged(record, folder, change):
+    with physim.Record.load(tampered(record, folder, change)) as forged:
+        return validate(forged)
+
+
+def test_as_it_is_everything_agrees(free):
+    found = validate(free)
+    assert found.recomputed.mismatches == found.recomputed.left_out == ()
+    assert found.recomputed.replayed == found.recomputed.decisions == len(free.updates)
+    assert f"{len(free.updates)} made again by mode_switching" in " ".join(report(found).split())
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told", "exact"),
+    [("mode", 2, "danger_time", "safe"), ("rule", 1, "plan", "path_following")],
+)
+def test_a_mode_and_a_rule(free, tmp_path, name, value, told, exact):
+    found = judged(free, tmp_path, column("/updates", name, value, decided(0, 30)))
+    (one,) = found.recomputed.mismatches
+    assert (one.table, one.column, one.robot, one.step) == ("/updates", name, 0, 300)
+    assert (one.told, one.exact, one.count) == (told, exact, 1)
+    assert found.code == 3
+    assert f"r1: /updates, row {one.row}, {name} is {told} in the record" in found.verdict
+
+
+def test_a_decision_that_is_not_there(free, tmp_path):
+    gone = together(dropped("/updates", decided(1, 20)), dropped("/considered", decided(1, 20)))
+    found = judged(free, tmp_path, gone)
+    (one,) = [one for one in found.recomputed.mismatches if one.column == "next_step"]
+    assert (one.robot, one.step) == (1, free.updates["step"][free.updates["robot"] == 1][19])
+
+
+def test_limits_lowered_in_the_world(free, tmp_path):
+    found = judged(free, tmp_path, world("v: 1.5", "v: 0.9"))
+    wrong = {(one.column, one.robot) for one in found.recomputed.mismatches if one.exact == 0.9}
+    assert {("nominal_v", i) for i in range(3)} <= wrong
+
+
+def test_plans_of_several_speeds_are_remembered():
+    text = LANE.replace("horizon: 4.0", "horizon: 4.0, dwell_times: [0.04, 0.06]")
+    record = physim.simulate(physim.parse_world(text, overrides=["time.duration=5"]))
+    assert len(set(record.updates["rule"].tolist())) > 1
+    assert validate(record).recomputed.mismatches == ()
+
+
+def test_behind_filters_and_disturbances_decisions_are_made_again(tmp_path):
+    world = physim.parse_world(LANE, overrides=["time.duration=4"])
+    record = physim.simulate(world, filters=[Ramp()], disturbances=[Slip()])
+    found = validate(record)
+    assert found.recomputed.mismatches == ()
+    assert found.recomputed.replayed == len(record.updates)
+
+
+def test_what_was_sensed_is_not_in_the_record():
+    world = physim.parse_world(LANE, overrides=["time.duration=2"])
+    found = validate(physim.simulate(world, sensing=[Heard()]))
+    assert (found.recomputed.mismatches, found.recomputed.replayed) == ((), 0)
+    assert "what robots sensed is not in the record" in " ".join(report(found).split())
+
+
+def test_no_kernel_is_compiled_twice(free):
+    from physim.controllers.batch import decide_all
+
+    known = len(decide_all.whole.signatures)  # that of the run among them
+    validate(free)
+    assert len(decide_all.whole.signatures) == known

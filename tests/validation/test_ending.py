@@ -1,0 +1,74 @@
+"""How a run ended, who had arrived, and counts, against what happened."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physim
+from physim.arrival import arrivals, since
+from physim.validation import validate, walk
+from physim.validation.ending import Arrivals
+from physim.validation.origin import world_inside
+from tests.forgeries.runs import LANE, killed
+from tests.forgeries.tools import attribute, cells, cut
+from tests.validation.test_tampered import tampered
+
+
+@pytest.fixture(scope="module")
+def finished():
+    record = physim.simulate(physim.parse_world(LANE))
+    assert record.ended == "finished"
+    return record
+
+
+@pytest.mark.parametrize("size", [1, 7, 64, 5000])
+def test_arrivals_block_by_block(finished, monkeypatch, size):
+    monkeypatch.setattr("physim.validation.ledger.BLOCK_POSES", size * finished.robots)
+    monkeypatch.setattr("physim.validation.ledger.LEAST_STEPS", 1)
+    scene = world_inside(finished).scene
+    told, station = Arrivals(finished, scene), []
+    for stretch in walk.walk(finished):
+        told.take(stretch)
+        station.append(stretch.course[stretch.overlap :, :, 0])
+    least = scene.stop_station - scene.arrival_tolerance
+    whole = arrivals(finished.pose, np.concatenate(station), least, finished.dt)
+    assert told.all_since == finished.steps_run == int(np.argmax(whole.all(axis=1)))
+    assert told.since(finished.samples).tolist() == since(whole).tolist()
+    assert finished.arrived.tolist() == since(whole).tolist()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (cut(600, "finished"), "ended is finished in the record, not by the poses: r1, r2, r3 had"),
+        (cut(600, "duration"), "steps_run is 600 in the record, 3000 by the world inside"),
+        (attribute("ended", "interrupted"), "ended is interrupted in the record, finished by"),
+        (attribute("ended", "duration"), "ended is duration in the record, finished by"),
+        (attribute("rejected_contacts", np.int64(3)), "rejected_contacts is 3 in the record, 0 by"),
+        (cells("/robots/arrived", 2, 1500), "r3: /robots/arrived, row 2 is 1500 in the record"),
+    ],
+)
+def test_how_it_ended(finished, tmp_path, change, told):
+    with physim.Record.load(tampered(finished, tmp_path, change)) as forged:
+        found = validate(forged)
+    names = [body.name for body in found.run.bodies]
+    assert found.code == 3
+    assert any(told in one.line(names) for one in found.recomputed.mismatches)
+
+
+def test_a_run_that_was_cut_as_it_says_is_judged_as_far_as_it_goes(finished, tmp_path):
+    with physim.Record.load(tampered(finished, tmp_path, cut(600, "interrupted"))) as short:
+        found = validate(short)
+    assert (found.code, found.recomputed.mismatches) == (0, ())
+    assert "finished" not in [one.key for one in found.expectations]
+    killed(tmp_path / "killed.h5")
+    with physim.Record.load(tmp_path / "killed.h5") as record:
+        assert validate(record).code == 0
+
+
+def test_an_unknown_minor_version_is_read_and_a_major_one_refused(finished, tmp_path):
+    with physim.Record.load(tampered(finished, tmp_path, attribute("version", "3.7"))) as newer:
+        assert validate(newer).code == 0
+    with pytest.raises(physim.PhysimError, match=r"record version '4.0'; this physim reads"):
+        physim.Record.load(tampered(finished, tmp_path, attribute("version", "4.0")))

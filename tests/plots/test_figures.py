@@ -184,6 +184,18 @@ def test_formation_marks_peak_and_end(record: Record) -> None:
     assert np.array_equal(figure.axes[1].lines[0].get_ydata(), energy.values)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_peak_of_a_formation_error_is_marked_on_its_side(sign: float) -> None:
+    rows = [
+        {"step": 10 * k, "robot": i, "formation_error": sign * (0.1 * k - 0.5 * i)}
+        for k in range(10)
+        for i in (0, 1)
+    ]
+    figure = formation(history(rows))
+    assert marks(figure.axes[0]) == [(0.9, pytest.approx(0.9 * sign))]
+    assert texts(figure, "mark") == [f"{0.9 * sign:.2f} m (r1)"]
+
+
 def test_width_marks_the_narrowest_and_the_widest_place(record: Record) -> None:
     figure = width(record)
     found = metrics.measure(record)

@@ -94,7 +94,7 @@ EDITS = (
         "np.copysign(peak.value, signed)",
         "peak.value",
         "the peak of a formation error is marked on its side",
-        "tests/plots/test_figures.py::test_formation_marks_peak_and_end",
+        "tests/plots/test_figures.py::test_the_peak_of_a_formation_error_is_marked_on_its_side",
     ),
     Edit(
         "plots",

@@ -109,6 +109,17 @@ def cut(step: int, ended: str) -> Change:
             rows = file[name][()]
             last = step if name.endswith("contacts") else step - 1
             replace_rows(file, name, rows[rows["step"] <= last])
+        extremes, farthest = file["/extremes"][()], file["/extremes_farthest"][()]
+        for value, when in (
+            ("clearance", "clearance_step"),
+            ("boundary_clearance", "boundary_step"),
+        ):
+            kept = file[f"steps/{value}"][()]
+            extremes[value], extremes[when] = kept.min(axis=0), kept.argmin(axis=0)
+        farthest["step"] = min(farthest["step"], step)
+        file["/extremes"][...], file["/extremes_farthest"][()] = extremes, farthest
+        arrived = file["/robots/arrived"][()]
+        file["/robots/arrived"][...] = np.where(arrived > step, -1, arrived)
         file.attrs["steps_run"] = np.int64(step)
         attribute("ended", ended)(file)
 

@@ -90,15 +90,6 @@ EDITS = (
     Edit(
         "video",
         "physim/video/robots.py",
-        "draw_robot",
-        "theme.mode_colour(mode)",
-        "theme.mode_colour(0)",
-        "robots have the colour of their mode",
-        "tests/video/test_frames.py::test_robots_have_the_colour_of_their_mode",
-    ),
-    Edit(
-        "video",
-        "physim/video/robots.py",
         "Fleet.placed",
         "c * x - s * y, s * x + c * y",
         "c * x + s * y, c * y - s * x",

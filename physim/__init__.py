@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from physim.stages import Step
     from physim.state import SimulationState
     from physim.summary import summarise
+    from physim.testing import check_controller
     from physim.validation import validate
     from physim.video import render
     from physim.world import World
@@ -60,6 +61,7 @@ _WHERE = {
     "World": "physim.world",
     "WorldError": "physim.errors",
     "build_scene": "physim.scene_builder",
+    "check_controller": "physim.testing",
     "check_world": "physim.checking",
     "load_world": "physim.world_file",
     "parse_world": "physim.world_file",
@@ -92,6 +94,7 @@ __all__ = [
     "WorldError",
     "__version__",
     "build_scene",
+    "check_controller",
     "check_world",
     "load_world",
     "parse_world",

@@ -1,12 +1,11 @@
 """What every registered controller keeps to, on every shipped world.
 
-Finite commands within the limits, valid modes and holds, equal runs bit for bit, sight no further
-than the range; and a batch form that decides exactly as the plain one.
+The rules of `check_controller`; sight no further than the range; and a batch form that decides
+exactly as the plain one, under all settings and where it is dangerous.
 """
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 from collections.abc import Iterator
 from typing import Any
@@ -16,23 +15,24 @@ import pytest
 import shapely
 
 from physim.control import (
-    NO_MODE,
     Batched,
     Controller,
     Decision,
     Decisions,
-    Mode,
     Observation,
     Snapshot,
 )
 from physim.control_loop import PlainBatch
 from physim.controllers.mode_switching import ModeSwitching
+from physim.declared import Declared
 from physim.geometry.nearby import build_nearby
-from physim.geometry.shapes import Shapes, pack_shapes
-from physim.registry import controller_names, make_controller
+from physim.geometry.shapes import Shapes, pack_shapes, read_only
+from physim.registry import CONTROLLER, controller_names, make_part
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
+from physim.stages import everybody, shared
+from physim.testing import check_controller
 from physim.world import World
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import find_world, shipped_worlds
@@ -51,6 +51,9 @@ class Plain:
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
+        declared = Declared.of(controller)
+        self.modes, self.rules = declared.modes, declared.rules
+        self.columns = declared.columns
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         return self.controller.decide(observation, memory)
@@ -65,38 +68,25 @@ def run(simulation: Simulation, seconds: float = SECONDS) -> Iterator[Decisions]
     """Step through a simulation; the decisions of every step that has some."""
     for _ in range(round(seconds / simulation.scene.dt)):
         simulation.step()
-        if simulation.update is not None:
-            yield simulation.update.decisions
+        if simulation.last is not None and simulation.last.decisions is not None:
+            yield simulation.last.decisions
 
 
 def made(name: str, world: World) -> Controller:
     settings = world.controller.settings if world.controller.type == name else {}
-    controller: Controller = make_controller(name, settings)
+    controller: Controller = make_part(CONTROLLER, name, settings)
     return controller
 
 
-@every_pair
-def test_commands_are_finite_within_limits_and_repeat_bit_for_bit(
-    name: str, world_name: str
-) -> None:
-    world = load_world(find_world(world_name))
-    scene = build_scene(world)
-    first = Simulation(scene, controller=made(name, world))
-    second = Simulation(scene, controller=made(name, world))
-    asked = set()
-    for a, b in zip(run(first), run(second), strict=True):
-        assert a.command.shape == (len(a.robot), 2)
-        assert np.isfinite(a.command).all()
-        assert (np.abs(a.command) <= scene.limits[a.robot]).all()
-        assert np.isfinite(a.hold).all()
-        assert (a.hold >= 0.0).all()
-        assert set(a.mode.tolist()) <= {NO_MODE, *map(int, Mode)}
-        assert a.report.shape == (len(a.robot), 7)
-        assert (a.report[:, 5:] >= 0.0).all()
-        assert same(a, b)
-        asked |= set(a.robot.tolist())
-    assert asked == set(range(scene.robots))
-    assert np.array_equal(first.pose, second.pose)
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_registered_controllers_keep_to_the_rules(name: str) -> None:
+    """In every shipped world and in every situation."""
+    assert check_controller(name) == []
+
+
+def test_so_does_the_shipped_one_in_the_middle_of_a_plan() -> None:
+    settings = {"dwell_times": [0.04, 0.03, 0.03], "omegas": [-1.0, 0.0, 1.0]}
+    assert check_controller("mode_switching", settings=settings, worlds=["three_robots"]) == []
 
 
 def same(a: Decisions, b: Decisions) -> bool:
@@ -122,7 +112,7 @@ def test_an_observation_holds_what_is_in_range_and_nothing_else(name: str, world
         for i in range(scene.robots):
             seen = simulation.observe(i)
             gap = np.hypot(*(simulation.pose[:, :2] - simulation.pose[i, :2]).T)
-            near = [j for j in range(scene.robots) if j != i and gap[j] <= plan.range]
+            near = [j for j in range(scene.robots) if j != i and gap[j] <= scene.sensing_range]
             assert [other.index for other in seen.others] == near
             for other in seen.others:
                 assert np.array_equal(other.pose, simulation.pose[other.index])
@@ -130,14 +120,14 @@ def test_an_observation_holds_what_is_in_range_and_nothing_else(name: str, world
                 assert other.time == seen.time == simulation.time
             here = shapely.Point(simulation.pose[i, :2])
             distance = shapely.distance(walls, here)
-            clear = np.abs(distance - plan.range) > 1e-9
-            parts = [p for p in range(len(walls)) if distance[p] <= plan.range]
+            clear = np.abs(distance - scene.sensing_range) > 1e-9
+            parts = [p for p in range(len(walls)) if distance[p] <= scene.sensing_range]
             if clear.all():
                 assert len(seen.walls) == len(parts)
                 for corners, p in zip(seen.walls, parts, strict=True):
                     assert np.array_equal(corners, part_of(scene.walls, p))
             hidden += len(walls) - len(parts) + scene.robots - 1 - len(near)
-            stations = simulation.perception.reference_station
+            stations = simulation.now.reference_station
             mates = {n.index for n in seen.neighbours}
             assert mates == (neighbours(scene, stations, i) if plan.active else set())
             assert all(n.station == stations[n.index] for n in seen.neighbours)
@@ -214,7 +204,7 @@ def test_a_controller_that_writes_to_what_it_sees_changes_nothing(world_name: st
         bad.step()
         good.step()
         assert np.array_equal(bad.pose, good.pose)
-        assert np.array_equal(bad.perception.station, good.perception.station)
+        assert np.array_equal(bad.now.station, good.now.station)
     kept = [
         (s.start, s.limits, s.walls, s.shapes, s.paths, s.reference, s.outside, s.stop_station)
         for s in scenes
@@ -231,17 +221,17 @@ def test_nothing_beyond_the_range_changes_a_decision(world_name: str, plain: boo
     has_formation = load_world(find_world(world_name)).formation is not None
     shorter = ("formation.range=6.0",) if has_formation else ()
     simulation = later(build_scene(shipped(world_name, *shorter)))
-    scene, snapshot = simulation.scene, simulation.snapshot()
+    scene, snapshot = simulation.scene, simulation.now
     altered = 0
     for i in range(scene.robots):
         changed, moved = beyond(snapshot, scene, i, rng)
         walls = wall_geometry(scene.walls)
         gaps = shapely.distance(walls, shapely.Point(snapshot.pose[i, :2]))
-        kept = [p for p in range(len(walls)) if gaps[p] <= scene.formation.range + 1e-6]
+        kept = [p for p in range(len(walls)) if gaps[p] <= scene.sensing_range + 1e-6]
         kept = kept or [int(gaps.argmin())]
         bare = pack_shapes([[part_of(scene.walls, p)] for p in kept])
         narrow = dataclasses.replace(
-            scene, walls=bare, nearby=build_nearby(bare, scene.formation.range, 2.0)
+            scene, walls=bare, nearby=build_nearby(bare, scene.sensing_range, 2.0)
         )
         altered += moved + len(walls) - len(kept)
         due = np.array([i])
@@ -260,7 +250,7 @@ def beyond(
     """
     pose, command = snapshot.pose.copy(), snapshot.command.copy()
     reference = snapshot.reference_station.copy()
-    reach = scene.formation.range
+    reach = scene.sensing_range
     far = np.hypot(*(pose[:, :2] - pose[i, :2]).T) > reach
     for j in np.flatnonzero(far):
         bearing = rng.uniform(-np.pi, np.pi)
@@ -279,14 +269,13 @@ def beyond(
 def decide(scene: Scene, snapshot: Snapshot, due: np.ndarray, plain: bool) -> Decisions:
     """First decisions of robots ``due`` from a snapshot, by either form."""
     controller = made("mode_switching", scene.world)
-    if not plain:
-        assert isinstance(controller, Batched)
-        return controller.batch(scene).decide_due(snapshot, due)
-    simulation = Simulation(scene, controller=controller)
-    known = simulation.perception
-    known.station, known.reference_station = snapshot.station, snapshot.reference_station
-    asked = PlainBatch(controller, scene, lambda i: known.observe(i, snapshot))
-    return asked.decide_due(snapshot, due)
+    assert isinstance(controller, Batched)
+    declared = Declared.of(controller)
+    form = PlainBatch(controller, scene, declared) if plain else controller.batch(scene)
+    sensed = everybody(snapshot, shared(scene.robots))
+    for array in sensed[1:]:
+        read_only(array)  # type: ignore[arg-type]
+    return form.decide_due(sensed, due, form.memory())
 
 
 def later(scene: Scene, seconds: float = 25.0) -> Simulation:
@@ -324,6 +313,8 @@ VARIANTS = {
 OF_THE_FORMATION = {
     "all are neighbours": ("formation.neighbours=all",),
     "short range": ("formation.range=4.0",),
+    "short sight": ("sensing.range=3.0",),
+    "long sight": ("sensing.range=25.0",),
     "listed neighbours": ("formation.neighbours=[[{0}, {1}]]",),
     "wanted leads": ("formation.gain=0.3", "formation.limits=[0.0, 1.4]"),
 }
@@ -348,8 +339,8 @@ def test_batch_decides_as_the_plain_form(world_name: str, variant: str) -> None:
 def check_alike(scene: Scene, seconds: float) -> set[int]:
     """Run both forms side by side; every decision must be equal to the bit. The modes seen."""
     settings = scene.world.controller.settings
-    batch = Simulation(scene, controller=make_controller("mode_switching", settings))
-    plain = Simulation(scene, controller=Plain(make_controller("mode_switching", settings)))
+    batch = Simulation(scene, controller=make_part(CONTROLLER, "mode_switching", settings))
+    plain = Simulation(scene, controller=Plain(make_part(CONTROLLER, "mode_switching", settings)))
     assert not isinstance(plain.controller, Batched)
     modes: set[int] = set()
     for a, b in zip(run(batch, seconds), run(plain, seconds), strict=True):
@@ -372,7 +363,7 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
         if simulation.step_number % 50 == 0:
             pose = simulation.pose
         simulation.step()
-        if simulation.update is not None:
+        if simulation.last is not None and simulation.last.decisions is not None:
             mode = simulation.mode
             weight = (mode == 1).sum() + 2.0 * (mode == 2).sum()
             if simulation.step_number % 50 == 1:
@@ -381,59 +372,9 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
     modes: set[int] = set()
     for start in (*(alarms[k][1] for k in worst), alarms[-2][1]):
         modes |= check_alike(dataclasses.replace(scene, start=start), 1.5)
-    assert int(Mode.ARRIVED) in modes
+    assert 3 in modes  # at its stop station
     if alarms[worst[0]][0] > 0:
-        assert modes & {int(Mode.DISTANCE), int(Mode.TIME)}
-
-
-# Order
-
-
-@pytest.mark.parametrize("plain", [False, True], ids=["batch", "plain"])
-@pytest.mark.parametrize("world_name", WORLDS)
-def test_order_in_which_robots_are_asked_does_not_matter(world_name: str, plain: bool) -> None:
-    scene = build_scene(shipped(world_name, "controller.dwell_times=[0.05, 0.05]"))
-    controller: Controller = made("mode_switching", scene.world)
-    simulation = Simulation(scene, controller=Plain(controller) if plain else controller)
-    for _ in run(simulation, 2.03):
-        pass
-    snapshot = simulation.snapshot()
-    everyone = np.arange(scene.robots)
-    rng = np.random.default_rng(1)
-    orders = [[everyone], [everyone[::-1]], [rng.permutation(everyone)]]
-    orders += [[everyone[: k + 1], everyone[k + 1 :]] for k in range(scene.robots - 1)]
-    orders += [[everyone[1::2], everyone[::2]]] if scene.robots > 1 else []
-    outcomes = []
-    for order in orders:
-        asked = fork(simulation)
-        rows = [asked.decide_due(snapshot, due) for due in order]
-        robot = np.concatenate([r.robot for r in rows])
-        assert sorted(robot) == everyone.tolist()
-        by_robot = np.argsort(robot)
-        merged = [np.concatenate(column)[by_robot] for column in zip(*rows, strict=True)]
-        outcomes.append((Decisions(*merged), memories(asked)))
-    for decisions, memory in outcomes[1:]:
-        assert same(decisions, outcomes[0][0])
-        assert all(np.array_equal(a, b) for a, b in zip(memory, outcomes[0][1], strict=True))
-
-
-def fork(simulation: Simulation) -> Any:
-    """The simulation's batch with memories of its own."""
-    batch = simulation._batch
-    twin = copy.copy(batch)
-    if isinstance(batch, PlainBatch):
-        twin.memory = list(batch.memory)
-    else:
-        twin.memories = copy.deepcopy(batch.memories)
-    return twin
-
-
-def memories(batch: Any) -> list[np.ndarray]:
-    """Memories of all robots: mode, plan and number of the next dwell time."""
-    if isinstance(batch, PlainBatch):
-        columns = zip(*batch.memory, strict=True)
-        return [np.array(column) for column in columns]
-    return list(batch.memories)
+        assert modes & {1, 2}
 
 
 def test_the_shipped_controller_has_a_batch_form() -> None:

@@ -65,6 +65,7 @@ LAYERS = {
     "physim.recording": (4, 5),
     "physim.warm_up": (4, 4),
     "physim.crashtest": (4, 0),
+    "physim.testing": (4, 4),
     "physim.metrics": (5, 0),
     "physim.expectations": (5, 1),
     "physim.summary": (5, 2),

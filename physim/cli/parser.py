@@ -24,7 +24,8 @@ look at what a run recorded (RECORD is runs/NAME-SEED/record.h5):
   physim summary RECORD              contacts, distances, collision times
   physim plot RECORD                 the same as pictures
   physim video RECORD                the video again, slower or faster
-judge what it shows:
+judge a controller, and what its runs show:
+  physim check-controller my:Mine    does it keep to what every run relies on?
   physim validate RECORD             contacts, exact checks, responsibility
   physim crashtest                   does the engine agree with the analysis?
   physim reproduce                   the figures of the paper, measured again

@@ -30,7 +30,7 @@ class Cautious:
         omega = max(-o.limits[1], min(o.limits[1], 2.0 * error))  # [rad/s]
         ahead = [s for s in o.others if s.station > o.reference_station]
         near = any(hypot(s.pose[0] - x, s.pose[1] - y) < 2.2 for s in ahead)
-        v, mode = (0.0, "wait") if near else (0.8, "go")
+        v, mode = (0.0, "wait") if near else (min(0.8, o.limits[0]), "go")
         return Decision(v=v, omega=omega, hold=0.1, mode=mode)  # [m/s], [rad/s], [s]
 '''
 

@@ -133,7 +133,7 @@ def test_physim_alone_prints_the_help(capsys: pytest.CaptureFixture[str]) -> Non
 
 
 def test_the_help_teaches_commands_that_exist(capsys: pytest.CaptureFixture[str]) -> None:
-    taught = re.findall(r"^  physim (\w+)", DESCRIPTION, re.MULTILINE)
+    taught = re.findall(r"^  physim ([\w-]+)", DESCRIPTION, re.MULTILINE)
     assert set(taught) | {"schema"} == set(COMMANDS)
     assert len(taught) == len(set(taught))
     assert max(map(len, DESCRIPTION.splitlines())) <= 80

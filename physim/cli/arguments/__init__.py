@@ -12,6 +12,7 @@ IN_ORDER = (
     "new",
     "importing",
     "check",
+    "check_controller",
     "preview",
     "summary",
     "plot",

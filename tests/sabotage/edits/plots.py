@@ -30,7 +30,7 @@ EDITS = (
         "mark(axis, peak.time, peak.value, text,",
         "mark(axis, peak.time, abs(peak.value), text,",
         "the peak of the deviation is marked on its side",
-        "tests/plots/test_figures.py::test_deviation_draws_the_metric_and_marks_its_peak",
+        "tests/plots/test_figures.py::test_the_peak_of_a_deviation_is_marked_on_its_side",
     ),
     Edit(
         "plots",
@@ -76,7 +76,7 @@ EDITS = (
         '(rows["collision_time"] > 0.0)]',
         'record.updates\n    rows = rows[np.isfinite(rows["collision_time"])]',
         "decisions made in contact foretell none",
-        "tests/plots/test_plots.py::test_predictions_are_those_before_a_contact",
+        "tests/plots/test_plots.py::test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept",
     ),
     Edit(
         "plots",
@@ -85,7 +85,7 @@ EDITS = (
         'int(row["next_step"] >= hits[k])',
         "1",
         "a command that was changed before the contact is told",
-        "tests/plots/test_plots.py::test_predictions_are_those_before_a_contact",
+        "tests/plots/test_plots.py::test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept",
     ),
     Edit(
         "plots",
@@ -94,7 +94,7 @@ EDITS = (
         "np.copysign(peak.value, signed)",
         "peak.value",
         "the peak of a formation error is marked on its side",
-        "tests/plots/test_figures.py::test_formation_marks_peak_and_end",
+        "tests/plots/test_figures.py::test_the_peak_of_a_formation_error_is_marked_on_its_side",
     ),
     Edit(
         "plots",

@@ -21,7 +21,7 @@ EDITS = (
         "area.buffer(-safe_distance, quad_segs=ROUND_SEGMENTS)",
         "area.buffer(-0.5 * safe_distance, quad_segs=ROUND_SEGMENTS)",
         "the safe area is L away from all boundaries",
-        "tests/preview/test_picture.py::test_everything_is_at_its_place",
+        "tests/preview/test_contents.py::test_the_safe_area_is_that_of_the_run",
     ),
     Edit(
         "preview",

@@ -1,0 +1,15 @@
+"""Checks for controllers of one's own, for a test or an afternoon: `check_controller`.
+
+In pytest::
+
+    from physim.testing import check_controller
+
+    def test_my_controller_keeps_to_the_rules():
+        assert not check_controller(MyController)
+"""
+
+from physim.testing.check import check_controller
+from physim.testing.findings import Finding, Rule
+from physim.testing.situations import situations
+
+__all__ = ["Finding", "Rule", "check_controller", "situations"]

@@ -1,0 +1,112 @@
+"""Asking a controller once, as a run would, and what it answered as values to compare."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from physim.control import Controller, Decision, Decisions, Observation
+from physim.control_decisions import Row, broken, decision_row
+from physim.control_loop import check_commands, hold_steps
+from physim.declared import Declared
+from physim.errors import ControllerError, PhysimError
+from physim.scene import Scene
+from physim.testing.contents import NAN, Contents, Told, contents, difference
+
+RAISES, REFUSED = "raises", "refused"
+"""What an answer holds in place of a decision."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a controller said to one question."""
+
+    values: Contents
+    """the decision by field, memory and all; or what it raised; or why a run would refuse it"""
+    decision: Decision | None
+    """None where it is no use"""
+    fault: str = ""
+    """why a run would stop here"""
+
+    @property
+    def raised(self) -> bool:
+        """Whether it raised."""
+        return RAISES in self.values
+
+
+def ask(controller: Controller, scene: Scene, observation: Observation, memory: Any) -> Answer:
+    """Ask a controller; what it is given is handed over as it is."""
+    where = f"{observation.name} at {observation.time:g} s"
+    try:
+        decision = controller.decide(observation, memory)
+    except (Exception, SystemExit) as error:
+        told = error if isinstance(error, PhysimError) else broken(error, where)
+        fault = str(told).removeprefix(f"{where}: ")
+        return Answer({RAISES: type(error).__name__}, None, fault)
+    try:
+        declared = Declared.of(controller)
+        row = _judged(decision, scene, observation, where, declared)
+    except ControllerError as error:
+        fault = str(error).removeprefix(f"{where}: ")
+        return Answer({REFUSED: fault}, None, fault)
+    return Answer({**values_of(row, declared), **contents(decision.memory, "memory")}, decision)
+
+
+def _judged(
+    decision: Any, scene: Scene, observation: Observation, where: str, declared: Declared
+) -> Row:
+    """Numbers of a decision. Raises ControllerError for one at which a run would stop."""
+    row = decision_row(decision, where, declared, scene.robots)
+    robot, time = np.array([observation.index]), observation.time
+    command, hold = np.array([row.command]), np.array([row.hold])
+    check_commands(scene, time, robot, command)
+    hold_steps(scene, time, robot, hold)
+    return row
+
+
+def rows_of(decisions: Decisions) -> dict[int, Row]:
+    """Numbers of each decision of a batch, by robot."""
+    start = decisions.considered_start
+    return {
+        int(robot): Row(
+            (float(decisions.command[k, 0]), float(decisions.command[k, 1])),
+            float(decisions.hold[k]),
+            int(decisions.mode[k]),
+            int(decisions.rule[k]),
+            [int(j) for j in decisions.considered[start[k] : start[k + 1]]],
+            [float(value) for value in decisions.report[k]],
+        )
+        for k, robot in enumerate(decisions.robot)
+    }
+
+
+def values_of(row: Row, declared: Declared) -> Contents:
+    """Numbers of a decision by name."""
+    told = [("v", row.command[0]), ("omega", row.command[1]), ("hold", row.hold)]
+    told += [
+        (f"report {column.name}", value)
+        for column, value in zip(declared.columns, row.report, strict=True)
+    ]
+    values: Contents = {name: float(value) if value == value else NAN for name, value in told}
+    values["considered"] = Told(", ".join(map(str, sorted(row.considered))) or "nobody")
+    for name, number, among in (
+        ("mode", row.mode, declared.modes),
+        ("rule", row.rule, declared.rules),
+    ):
+        values[name] = Told(among[number].name if 0 <= number < len(among) else f"no {name}")
+    return values
+
+
+def differs(one: Contents, other: Contents) -> str:
+    """What is other in the second of two answers; empty where nothing is."""
+    found = difference(one, other)
+    if found is None:
+        return ""
+    for values, word in ((other, "it "), (one, "no more ")):
+        if RAISES in values:
+            return f"{word}raises {values[RAISES]}"
+        if REFUSED in values:
+            return f"{word}says what is refused: {values[REFUSED]}"
+    return f"{found.place} is {found.after} instead of {found.before}"

@@ -1,0 +1,138 @@
+"""Check that a controller keeps to the rules: `check_controller`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any
+
+from physim.control import Batched, Controller
+from physim.errors import ControllerError, PhysimError, plural
+from physim.part_checks import robot_faults
+from physim.scene import Scene
+from physim.scene_builder import build_scene
+from physim.testing.batch_rules import check_batch
+from physim.testing.candidate import Candidate, Make, candidate
+from physim.testing.findings import Finding, Found
+from physim.testing.plain_rules import check_plain
+from physim.testing.runs import run_world
+from physim.testing.situations import situations
+from physim.world import World
+from physim.world_file import load_world
+from physim.world_file.shipped import shipped_worlds
+
+Given = World | str | os.PathLike[str]
+"""A world, its file, or the name of a shipped one."""
+SECONDS = 2.0
+"""[s] of each world, unless told otherwise"""
+
+
+@dataclass(frozen=True)
+class Examined:
+    """What was found in one world."""
+
+    world: str
+    situation: bool
+    """whether it is one of `situations` rather than a world asked for"""
+    decisions: int
+    findings: tuple[Finding, ...]
+    skipped: str = ""
+    """why the controller was not tried: what it says of the robots; empty where it was"""
+
+    def lines(self) -> list[str]:
+        """A line a finding, or one that says why there can be none."""
+        return (
+            [f"skipped: {self.world}: {self.skipped}"]
+            if self.skipped
+            else [*map(str, self.findings)]
+        )
+
+
+def check_controller(
+    controller: type[Any] | Controller | str,
+    *,
+    worlds: Sequence[Given] | None = None,
+    seconds: float = SECONDS,
+    settings: Mapping[str, Any] | None = None,
+    tell: Callable[[str], object] = print,
+) -> list[Finding]:
+    """Check that a controller keeps to every `Rule`, so that its runs mean what they show.
+
+    In a test of your own: ``assert not check_controller(MyController)``.
+
+    It decides for the first ``seconds`` of every world, and in the `situations` of this package:
+    nobody or no wall in sight, at the end of the path, facing backwards, overlapping others. Then
+    it is asked for the same decisions again: by new instances, in other orders, from copies of its
+    memory. Its batch form, where it has one, has to agree.
+
+    ``controller`` is a class, an object (it is copied, never asked itself), a registered name or
+    ``module:Class``. ``worlds`` are worlds, files or names, without it all shipped ones.
+    ``settings`` are checked as those in a world file; without them a world's own count where the
+    controller is its own.
+
+    Returns one finding for each rule and world: the first, with the number of others like it.
+    ``tell`` gets each as a line, and a line for each world whose robots the controller refuses
+    (`robot_faults`), in which it is not tried.
+
+    Raises ControllerError where the controller cannot be made or suits no world given, WorldError
+    for worlds or settings that are wrong.
+    """
+    found: list[Finding] = []
+    chosen = candidate(controller, settings)
+    for part in examined(chosen, worlds, seconds):
+        for line in part.lines():
+            tell(line)
+        found += part.findings
+    return found
+
+
+def places(worlds: Sequence[Given] | None) -> list[Given]:
+    """Worlds to be tried: those given, else all shipped."""
+    if worlds is None:
+        return list(shipped_worlds())
+    return [worlds] if isinstance(worlds, World | str | os.PathLike) else list(worlds)
+
+
+def examined(
+    chosen: Candidate, worlds: Sequence[Given] | None, seconds: float = SECONDS
+) -> Iterator[Examined]:
+    """Try a controller in one world after the other, then in each situation.
+
+    Raises as `check_controller` does.
+    """
+    if not (isfinite(seconds) and seconds > 0.0):
+        raise PhysimError(f"seconds = {seconds:g}; it must be a time greater than 0 s")
+    tried, refusal = False, ""
+    given = places(worlds)
+    for one in given:
+        world = one if isinstance(one, World) else load_world(one)
+        name = world.name if isinstance(one, World) else str(one)
+        part = _examined(name, build_scene(world), chosen.maker(world), seconds)
+        tried = tried or not part.skipped
+        refusal = refusal or part.skipped
+        yield part
+    if given and not tried:
+        raise ControllerError(
+            f"{chosen.name} suits the robots of none of {plural(len(given), 'world')}, so nothing "
+            f"could be checked: {refusal}"
+        )
+    make = chosen.maker()
+    for name, scene in situations().items():
+        yield replace(_examined(name, scene, make, seconds), situation=True)
+
+
+def _examined(name: str, scene: Scene, make: Make, seconds: float) -> Examined:
+    """Try a controller in one world."""
+    controller = make()
+    if faults := robot_faults(controller, dict(enumerate(scene.world.robots))):
+        more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+        return Examined(name, False, 0, (), f"{faults[0]}{more}")
+    found = Found(name)
+    run = run_world(scene, controller, seconds)
+    check_plain(run, controller, make, found)
+    batched = make()
+    if isinstance(batched, Batched):
+        check_batch(run, batched, found)
+    return Examined(name, False, len(run.asked), found.findings())

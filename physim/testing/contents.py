@@ -1,0 +1,260 @@
+"""What a value holds, flat: every number and text in it by its place, to compare and to name.
+
+``contents({"n": 1, "at": [2.0]}, "memory")`` holds 1 at ``memory['n']`` and 2.0 at
+``memory['at'][0]``. Two values with equal contents are taken to be the same, whatever objects they
+are made of.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import random
+import sys
+import types
+from array import array
+from collections import deque
+from collections.abc import Iterator, Mapping, Set
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Contents = dict[str, Any]
+"""Leaves by place, to compare with ``==``."""
+
+AS_PRINTED = ("datetime", "decimal", "fractions", "itertools", "pathlib", "uuid", "zoneinfo")
+"""Packages whose objects are told by what they print."""
+CLOSED = (sys.stdlib_module_names - {"collections", "functools", "types"}) | {"numba"}
+"""Packages whose other objects are not looked into: locks, files, loggers, compiled functions."""
+KERNELS = "physim.compiled"
+"""Module of functions that are compiled: no more than names."""
+WIDEST = 40
+"""Characters of a value that are shown."""
+
+PLAIN = (int, complex, str, bytes, type(None))
+QUICK = frozenset((int, str, bool, type(None)))
+"""Types of most leaves."""
+NAMED = (type, types.ModuleType, types.BuiltinFunctionType)
+FUNCTIONS = (types.FunctionType, types.MethodType, functools.partial, staticmethod, classmethod)
+CONTAINERS = frozenset((dict, list, tuple, set, frozenset))
+
+
+@dataclass(frozen=True)
+class Told:
+    """A leaf in words: a name, or what takes the place of a value."""
+
+    text: str
+
+    def __repr__(self) -> str:
+        """The words alone."""
+        return self.text
+
+
+NAN = Told("nan")
+"""Equal to itself, other than the number."""
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array as a leaf."""
+
+    dtype: str
+    shape: tuple[int, ...]
+    data: bytes
+
+    def __repr__(self) -> str:
+        """Its shape alone."""
+        return f"an array {self.shape}"
+
+
+class Difference(NamedTuple):
+    """First place at which two contents differ, and what is there, as it is shown."""
+
+    place: str
+    before: str
+    """``nothing`` where the place is only in the other"""
+    after: str
+
+
+def contents(
+    value: object, name: str, *, functions: bool = False, most: int = sys.maxsize
+) -> Contents:
+    """Leaves of a value by their places, which begin with ``name``; no more than ``most``.
+
+    With ``functions`` what a function keeps counts, too: defaults, closure, attributes.
+    """
+    walk = _Walk(functions, most)
+    walk.add(value, name, ())
+    return walk.found
+
+
+def difference(before: Contents, after: Contents) -> Difference | None:
+    """First place at which contents differ; None where they are the same."""
+    if before == after:
+        return None
+    for place, old in before.items():
+        if place not in after:
+            return Difference(place, shown(old), "nothing")
+        if old != after[place]:
+            return _between(place, old, after[place])
+    place = next(place for place in after if place not in before)
+    return Difference(place, "nothing", shown(after[place]))
+
+
+def shown(leaf: object) -> str:
+    """A leaf on one line, cut off where it is long."""
+    text = repr(leaf)
+    return text if len(text) <= WIDEST else f"{text[: WIDEST - 1]}…"
+
+
+def _between(place: str, old: Any, new: Any) -> Difference:
+    """Difference of two leaves; of arrays of one shape, that of their first unequal elements."""
+    both = isinstance(old, Array) and isinstance(new, Array)
+    if not both or (old.dtype, old.shape) != (new.dtype, new.shape):
+        return Difference(place, shown(old), shown(new))
+    a, b = (np.frombuffer(leaf.data, leaf.dtype) for leaf in (old, new))
+    k = next(k for k in range(len(a)) if a[k].tobytes() != b[k].tobytes())
+    at = ", ".join(str(int(n)) for n in np.unravel_index(k, old.shape))
+    return Difference(f"{place}[{at}]" if at else place, str(a[k]), str(b[k]))
+
+
+class _Walk:
+    """Goes through a value and takes down its leaves."""
+
+    def __init__(self, functions: bool, most: int) -> None:
+        self.functions = functions
+        self.most = most
+        self.found: Contents = {}
+
+    def add(self, value: Any, place: str, above: tuple[int, ...]) -> None:
+        """Take down the leaves of a value; ``above`` are the identities of those it lies in."""
+        if len(self.found) >= self.most:
+            return
+        leaf = value if type(value) in QUICK else _leaf(value)
+        if leaf is not None or value is None:
+            self.found[place] = leaf
+        elif id(value) in above:
+            self.found[place] = Told("what it lies in")
+        else:
+            above = (*above, id(value))
+            for part, item in self._parts(value):
+                self.add(item, place + part, above)
+
+    def _parts(self, value: Any) -> Iterator[tuple[str, Any]]:
+        """What a value is made of: how the place of each goes on, and the item."""
+        if isinstance(value, FUNCTIONS):
+            yield from self._of_function(value)
+            return
+        if type(value) not in CONTAINERS:
+            yield ".__class__", type(value)
+        elif not value:
+            yield "", Told(f"an empty {type(value).__name__}")
+        if isinstance(value, tuple) and hasattr(value, "_fields"):
+            yield from zip((f".{field}" for field in value._fields), value, strict=True)
+        elif isinstance(value, list | tuple | deque):
+            yield from ((f"[{k}]", item) for k, item in enumerate(value))
+        elif isinstance(value, Mapping):
+            yield from ((f"[{_key(key, k)}]", item) for k, (key, item) in enumerate(value.items()))
+        elif isinstance(value, Set):
+            yield "", Told(f"{{{', '.join(sorted(map(repr, value)))}}}")
+        elif isinstance(value, np.ndarray):  # of objects
+            yield ".tolist()", value.tolist()
+        if type(value) not in CONTAINERS and not _is_closed(type(value).__module__):
+            yield from _attributes(value)
+
+    def _of_function(self, value: Any) -> Iterator[tuple[str, Any]]:
+        """Name of a function, and where that is asked for what it keeps."""
+        if isinstance(value, staticmethod | classmethod):
+            value = value.__func__
+        if isinstance(value, functools.partial):
+            yield from ((".func", value.func), (".args", value.args), (".kw", value.keywords))
+            return
+        yield "", Told(getattr(value, "__qualname__", "a function"))
+        if isinstance(value, types.MethodType):
+            yield ".__self__", value.__self__
+        elif self.functions and isinstance(value, types.FunctionType):
+            yield from _kept_by_function(value)
+
+
+def _kept_by_function(function: types.FunctionType) -> Iterator[tuple[str, Any]]:
+    """Defaults, attributes and closure of a function."""
+    if function.__defaults__:
+        yield ".__defaults__", function.__defaults__
+    if function.__kwdefaults__:
+        yield ".__kwdefaults__", function.__kwdefaults__
+    if function.__dict__:
+        yield from ((f".{name}", item) for name, item in function.__dict__.items())
+    if function.__closure__:
+        for name, cell in zip(function.__code__.co_freevars, function.__closure__, strict=True):
+            if cell != types.CellType():  # an empty one has no contents
+                yield f"'s {name}", cell.cell_contents
+
+
+def _leaf(value: Any) -> Any:
+    """A value that is no further looked into, as it is compared; None where it is one that is."""
+    kind = type(value)
+    if kind is np.ndarray and not value.dtype.hasobject:
+        return Array(value.dtype.str, value.shape, value.tobytes())
+    if isinstance(value, Enum):
+        return Told(f"{kind.__name__}.{value.name}")
+    if isinstance(value, float | np.floating):
+        return float(value) if value == value else NAN
+    if isinstance(value, PLAIN):
+        return value
+    if kind in CONTAINERS:
+        return None
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, NAMED) or kind.__module__ == KERNELS:
+        return Told(getattr(value, "__qualname__", None) or value.__name__)
+    if kind is Told:
+        return value
+    if isinstance(value, range | bytearray | array) or _top(kind.__module__) in AS_PRINTED:
+        return Told(repr(value))
+    return _drawing(value)
+
+
+def _drawing(value: Any) -> Told | None:
+    """State of a source of random numbers, by its hash; None of what is no such thing."""
+    state: Any
+    if isinstance(value, random.Random):
+        state = value.getstate()
+    elif isinstance(value, np.random.Generator):
+        state = value.bit_generator.state
+    elif isinstance(value, np.random.RandomState):
+        state = value.get_state()
+    else:
+        return None
+    return Told(f"state {hashlib.sha256(repr(state).encode()).hexdigest()[:16]}")
+
+
+def _key(key: object, position: int) -> str:
+    """How a key is written; one whose print may differ from copy to copy by its position."""
+    return shown(key) if isinstance(key, (*PLAIN, float, tuple, Enum)) else f"key {position}"
+
+
+def _top(module: str) -> str:
+    return module.partition(".")[0]
+
+
+def _is_closed(module: str) -> bool:
+    return _top(module) in CLOSED
+
+
+def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
+    """Attributes of an object itself: those of its dictionary and of its slots."""
+    own = getattr(value, "__dict__", None)
+    if isinstance(own, dict):
+        yield from ((f".{name}", item) for name, item in own.items())
+    for kind in type(value).__mro__:
+        slots = vars(kind).get("__slots__", ())
+        for slot in (slots,) if isinstance(slots, str) else slots:
+            name = f"_{kind.__name__.lstrip('_')}{slot}" if _is_private(slot) else slot
+            if name not in ("__dict__", "__weakref__") and hasattr(value, name):
+                yield f".{name}", getattr(value, name)
+
+
+def _is_private(name: str) -> bool:
+    return name.startswith("__") and not name.endswith("__")

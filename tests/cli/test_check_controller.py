@@ -1,0 +1,87 @@
+"""``physim check-controller``: what it prints and its exit codes."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from physim.testing import situations
+from tests.cli.commands import physim
+
+BROKEN = "tests.testing.broken"
+STRAIGHT = ("--world", "straight", "--seconds", 0.3)
+
+
+def test_nothing_is_found(capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("check-controller", f"{BROKEN}:Sound", *STRAIGHT, capture=capsys)
+    assert (done.code, done.err) == (0, "")
+    (line,) = done.out.splitlines()
+    assert line.startswith(f"{BROKEN}:Sound: no findings in ")
+    assert line.endswith(" decisions of 1 world and 5 situations")
+
+
+def test_a_line_a_finding(capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("check-controller", f"{BROKEN}:CountsOnItself", *STRAIGHT, capture=capsys)
+    assert (done.code, done.err) == (1, "")
+    *lines, last = done.out.splitlines()
+    assert [line.partition(" at ")[0] for line in lines[:2]] == [
+        "state: straight, r1", "state: nobody in sight, a",
+    ]  # fmt: skip
+    assert len(lines) == 1 + len(situations())
+    assert last.startswith(f"{BROKEN}:CountsOnItself: {len(lines)} findings in ")
+
+
+def test_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("check-controller", f"{BROKEN}:Throws", *STRAIGHT, "--json", capture=capsys)
+    assert (done.code, done.err) == (1, "")
+    told = json.loads(done.out)
+    assert (told["format"], told["version"]) == ("physim-check-controller", 1)
+    first = told["findings"][0]
+    assert {key: first[key] for key in ("rule", "world", "robot", "time")} == {
+        "rule": "repeats", "world": "straight", "robot": "r1", "time": 0.0,
+    }  # fmt: skip
+    assert [world["world"] for world in told["worlds"]] == ["straight", *situations()]
+    assert [world["situation"] for world in told["worlds"]] == [False] + [True] * 5
+    assert told["worlds"][0]["decisions"] > 4
+
+
+def test_settings_are_given_as_for_a_run(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ("check-controller", f"{BROKEN}:Adjustable", *STRAIGHT, "--set")
+    assert physim(*command, "controller.share=0.8", capture=capsys).code == 0
+    done = physim(*command, "controller.share=1.1", capture=capsys)
+    assert done.code == 1
+    assert done.out.startswith("decision: straight, r1 at 0 s: command v = 1.65 m/s; ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("nosuch",), 'no controller is called "nosuch"; '),
+        ((f"{BROKEN}:Sound", "--world", "strait"), "strait: no such file, "),
+        ((f"{BROKEN}:Adjustable", "--set", "controller.shares=1"), "--set controller.shares: unkn"),
+        ((f"{BROKEN}:Adjustable", "--set", "controller.share=x"), "--set controller.share: "),
+        ((f"{BROKEN}:Adjustable", "--set", "time.step=1"), "--set time.step: is no setting of "),
+        ((f"{BROKEN}:Sound", "--set", "controller.type=constant"), "--set controller.type: "),
+        ((f"{BROKEN}:Sound", "--set", "controller=constant"), "--set controller: "),
+        ((f"{BROKEN}:Sound", "--set", "share"), '--set share: "share" is not KEY=VALUE'),
+        ((f"{BROKEN}:Sound", "--seconds", "0"), "--seconds 0: must be a number from 0.001 to "),
+    ],
+)
+def test_bad_input(
+    arguments: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim("check-controller", *arguments, capture=capsys)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith(said)
+    assert done.err.count("\n") == 1
+
+
+def test_it_is_said_what_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("physim.cli.check_controller.is_warm", lambda: False)
+    done = physim("check-controller", "constant", *STRAIGHT, capture=capsys)
+    assert done.err.startswith("compiling all that a run needs (once after an ")
+    assert done.err.count("\n") == 1
+    assert done.code == 0

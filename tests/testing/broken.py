@@ -1,0 +1,478 @@
+"""Controllers that break one rule each; all others they keep to."""
+
+from __future__ import annotations
+
+import functools
+import random
+import threading
+from collections.abc import Callable
+from math import acos, sqrt
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from physim.control import Decision, Decisions, Observation, Sensed
+from physim.declared import NO_NUMBER, Column, Mode
+from physim.geometry.shapes import IntArray
+from physim.scene import Scene
+
+HOLD = 0.1
+"""[s]"""
+
+
+def steady(o: Observation, memory: Any = None, share: float = 0.5) -> Decision:
+    """Straight on at a share of the top speed."""
+    return Decision(v=share * o.limits[0], omega=0.0, hold=HOLD, memory=memory)
+
+
+class Sound:
+    """Counts its decisions in its memory and goes the slower the more there were."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        count = memory["count"] if memory else 0
+        return steady(observation, {"count": count + 1, "pose": observation.pose}, 1 / (count + 2))
+
+
+class WorksOutOnce:
+    """Keeps what never changes again: a table by robot, a cached property."""
+
+    def __init__(self) -> None:
+        self.lengths: dict[int, float] = {}
+
+    @functools.cached_property
+    def share(self) -> float:
+        return 0.5
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        self.lengths.setdefault(observation.index, observation.path.length)
+        return steady(observation, share=self.share)
+
+
+# raises
+
+
+class RaisesLate:
+    """At the fourth decision."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        count = memory or 0
+        if count == 3:
+            raise KeyError("four")
+        return steady(observation, count + 1)
+
+
+class NeedsOthers:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        min(other.station for other in observation.others)
+        return steady(observation)
+
+
+class NeedsWalls:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        np.concatenate(observation.walls)
+        return steady(observation)
+
+
+class NeedsAWayOn:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        o = observation
+        1.0 / max(o.path.length - o.station, 0.0)
+        return steady(o)
+
+
+class NeedsTheWayAhead:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        o = observation
+        sqrt(np.cos(o.pose[2]) + 0.5)
+        return steady(o)
+
+
+class NeedsRoom:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        o = observation
+        for other in o.others:
+            gap = np.hypot(*(other.pose[:2] - o.pose[:2])) - 1.0
+            acos(min(1.0 / (gap + 1e-9), 1.0) if gap > 0.0 else 2.0)
+        return steady(o)
+
+
+# decision
+
+
+class Says:
+    """Says a certain thing at every decision."""
+
+    def __init__(self, decision: Any) -> None:
+        self.decision = decision
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        decision: Decision = self.decision
+        return decision
+
+
+UNFIT = {
+    "nothing": None,
+    "command as text": Decision("fast", 0.0, HOLD),  # type: ignore[arg-type]
+    "NaN": Decision(0.0, float("nan"), HOLD),
+    "too fast": Decision(1e3, 0.0, HOLD),
+    "hold in the past": Decision(0.0, 0.0, -HOLD),
+    "mode that is not declared": Decision(0.0, 0.0, HOLD, mode="fast"),
+    "rule that is not declared": Decision(0.0, 0.0, HOLD, rule="fast"),
+    "robot that there is not": Decision(0.0, 0.0, HOLD, considered=[-1]),
+    "column that is not declared": Decision(0.0, 0.0, HOLD, report={"effort": 1.0}),
+}
+
+
+# repeats
+
+
+class Throws:
+    """Draws from where nothing of its own is kept."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=random.random())
+
+
+class BornDifferent:
+    def __init__(self) -> None:
+        self.share = random.random()
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=self.share)
+
+
+class RemembersAtRandom:
+    """The commands repeat, what it remembers does not."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, {"drawn": random.random()})
+
+
+# state
+
+
+class CountsOnItself:
+    def __init__(self) -> None:
+        self.count = 0
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        self.count += 1
+        return steady(observation, share=1.0 / (1 + self.count))
+
+
+class KeepsTheLastPose:
+    """Does nothing with it yet."""
+
+    def __init__(self) -> None:
+        self.last: dict[int, Any] = {}
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        self.last[observation.index] = observation.pose
+        return steady(observation)
+
+
+class DrawsOnItself:
+    def __init__(self) -> None:
+        self.rng = np.random.default_rng(1)
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=self.rng.random())
+
+
+class CountsOnTheClass:
+    count = 0
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        type(self).count += 1
+        return steady(observation, share=1.0 / (1 + self.count))
+
+
+DECIDED: list[float] = []
+
+
+class CountsInTheModule:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        DECIDED.append(observation.time)
+        return steady(observation, share=1.0 / (1 + len(DECIDED)))
+
+
+class CountsInADefault:
+    def decide(self, observation: Observation, memory: Any, decided: Any = []) -> Decision:  # noqa: B006
+        decided.append(observation.time)
+        return steady(observation, share=1.0 / (1 + len(decided)))
+
+
+class _Slotted:
+    __slots__ = ("counter",)
+
+    def __init__(self) -> None:
+        self.counter = iter(range(1, 10**6))
+
+
+class CountsOutOfSight(_Slotted):
+    """By something that shows nothing of its state."""
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=1.0 / (1 + next(self.counter)))
+
+
+class RemembersTheFirst:
+    """The same whenever it is asked again, but another one would be another."""
+
+    def __init__(self) -> None:
+        self.kept = threading.local()
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        first = self.kept.__dict__.setdefault("first", observation.index)
+        return steady(observation, share=0.5 if first == observation.index else 0.4)
+
+
+STATE: dict[type, str] = {
+    CountsOnItself: "self.count from ",
+    KeepsTheLastPose: "self.last[",
+    DrawsOnItself: "self.rng from ",
+    CountsOnTheClass: "CountsOnTheClass.count from ",
+    CountsInTheModule: "broken.DECIDED",
+    CountsInADefault: "CountsInADefault.decide.__defaults__[0]",
+    CountsOutOfSight: "asked all this again it decides otherwise",
+}
+"""What the finding has to tell."""
+
+
+# order
+
+
+class FirstComeFirstServed:
+    """The robot asked first at a time goes, the others wait; kept where nobody looks."""
+
+    place = threading.local()
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        asked = self.place.__dict__.setdefault("asked", {})
+        first = asked.get("time") != observation.time
+        if first:
+            asked["time"], asked["first"] = observation.time, observation.index
+        return steady(observation, share=0.5 if asked["first"] == observation.index else 0.0)
+
+
+# memory
+
+
+class WritesItsMemory:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        memory = memory or {"count": 0}
+        memory["count"] += 1
+        return steady(observation, memory, 1.0 / (1 + memory["count"]))
+
+
+# copies
+
+
+class CannotBePickled:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, {"next": lambda: 0.5})
+
+
+class CannotBeCopied:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, {"lock": threading.Lock()})
+
+
+class Forgetful:
+    """A memory that does not pickle all of itself."""
+
+    def __init__(self, count: int = 0) -> None:
+        self.count = count
+
+    def __reduce__(self) -> tuple[type[Forgetful], tuple[()]]:
+        return Forgetful, ()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Forgetful:
+        return Forgetful(self.count)
+
+
+class LosesItsMemory:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        count = memory.count if memory else 0
+        return steady(observation, Forgetful(count + 1), 1.0 / (2 + count))
+
+
+# observation
+
+
+class BendsThePath:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        observation.path.points[-1] += 1.0
+        return steady(observation)
+
+
+class SwapsThePath:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        observation.path.outside = np.ones((1, 2))
+        return steady(observation)
+
+
+class OverridesTheFreeze:
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        object.__setattr__(observation, "v", 0.3)
+        return steady(observation)
+
+
+# batch
+
+Decide = Callable[[Sensed, IntArray, Scene], Decisions]
+
+
+def steadily(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    """The batch form of `steady`."""
+    many = len(due)
+    command = np.column_stack([0.5 * scene.limits[due, 0], np.zeros(many)])
+    nothing = np.full(many, NO_NUMBER)
+    nobody, start = np.zeros(0, dtype=np.int64), np.zeros(many + 1, dtype=np.int64)
+    report = np.full((many, 1), np.nan)
+    return Decisions(due, command, np.full(many, HOLD), nothing, nothing, report, nobody, start)
+
+
+class Batch:
+    def __init__(self, scene: Scene, decide: Decide) -> None:
+        self.scene, self.decide = scene, decide
+
+    def memory(self) -> dict[str, Any]:
+        return {}
+
+    def decide_due(self, sensed: Sensed, due: IntArray, memory: dict[str, Any]) -> Decisions:
+        return self.decide(sensed, due, self.scene)
+
+
+class Twofold:
+    """Steady, in both forms; the batch form is made of a function."""
+
+    modes = (Mode("steady", "#0072b2"),)
+    columns = (Column("effort", "J"),)
+
+    def __init__(self, decide_due: Decide = steadily) -> None:
+        self.decide_due = decide_due
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation)
+
+    def batch(self, scene: Scene) -> Batch:
+        return Batch(scene, self.decide_due)
+
+
+def turns_later(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    found = steadily(sensed, due, scene)
+    if sensed.step * scene.dt > 0.25:
+        found.command[due == 1, 1] = 1e-9
+    return found
+
+
+def holds_longer(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    found = steadily(sensed, due, scene)
+    return found._replace(hold=np.nextafter(found.hold, 1.0))
+
+
+def tells_a_mode(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    return steadily(sensed, due, scene)._replace(mode=np.zeros(len(due), dtype=np.int64))
+
+
+def tells_more(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    found = steadily(sensed, due, scene)
+    found.report[:, 0] = 1.0
+    return found
+
+
+def considers_itself(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    return steadily(sensed, due, scene)._replace(
+        considered=due.copy(), considered_start=np.arange(len(due) + 1)
+    )
+
+
+def decides_for_others(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    return steadily(sensed, due, scene)._replace(robot=due[::-1])
+
+
+def leaves_some_out(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    return steadily(sensed, due[:1], scene)
+
+
+def says_nothing(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    return None  # type: ignore[return-value]
+
+
+def fails(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    raise ZeroDivisionError("no way on")
+
+
+BATCH = {
+    turns_later: ("r2", 0.3, "omega is 1e-09 instead of 0.0"),
+    holds_longer: ("r1", 0.0, "hold is 0.10000000000000002 instead of 0.1"),
+    tells_a_mode: ("r1", 0.0, "mode is steady instead of no mode"),
+    tells_more: ("r1", 0.0, "report effort is 1.0 instead of nan"),
+    considers_itself: ("r1", 0.0, "considered is 0 instead of nobody"),
+    decides_for_others: ("r1", 0.0, "for robots [1, 0] when asked for [0, 1]"),
+    leaves_some_out: ("r1", 0.0, "command of shape (1, 2); it must be (2, 2)"),
+    says_nothing: ("r1", 0.0, "returned NoneType; it must return Decisions"),
+    fails: ("r1", 0.0, "ZeroDivisionError: no way on"),
+}
+"""Robot, time [s] and what is told."""
+
+
+def first_row_goes(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    """As `FirstRobotGoes`, as long as all are due at once."""
+    found = steadily(sensed, due, scene)
+    found.command[1:, 0] = 0.0
+    return found
+
+
+class FirstRobotGoes(Twofold):
+    def __init__(self) -> None:
+        super().__init__(first_row_goes)
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=0.0 if observation.index else 0.5)
+
+
+def moves_the_robots(sensed: Sensed, due: IntArray, scene: Scene) -> Decisions:
+    sensed.pose.flags.writeable = True
+    sensed.pose[0, 0] += 1.0
+    return steadily(sensed, due, scene)
+
+
+# settings and robots
+
+
+class ShareSettings(BaseModel):
+    share: float = 0.5
+
+
+class Adjustable:
+    """Drives at a share of the top speed; beyond 1 a run refuses it."""
+
+    Settings = ShareSettings
+
+    def __init__(self, settings: ShareSettings) -> None:
+        self.share = settings.share
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation, share=self.share)
+
+
+class Choosy:
+    """Refuses robots by their name."""
+
+    def __init__(self, *refused: str) -> None:
+        self.refused = refused
+
+    def robot_faults(self, robots: Any) -> Any:
+        from physim import Fault
+
+        return [
+            Fault(("robots", i, "name"), f"does not drive {robot.name}")
+            for i, robot in robots.items()
+            if robot.name in self.refused
+        ]
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        return steady(observation)

@@ -1,0 +1,254 @@
+"""`check_controller` finds what is broken, by the rule that is, and nothing else."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import physim
+from physim import ControllerError, PhysimError, WorldError, load_world
+from physim.control import Decision, Observation
+from physim.controllers.mode_switching import ModeSwitching
+from physim.testing import Finding, Rule, check_controller, situations
+from physim.testing.candidate import candidate
+from physim.testing.check import examined
+from tests.testing import broken
+
+SHORT = 0.5
+"""[s]"""
+
+
+def found_on_straight(controller: Any) -> tuple[Finding, ...]:
+    """Findings in the smallest world alone: two robots, r1 and r2."""
+    part = next(examined(candidate(controller, None), ["straight"], SHORT))
+    assert part.world == "straight"
+    assert part.decisions == 10
+    return part.findings
+
+
+def only(controller: Any, rule: Rule, robot: str = "r1", time: float = 0.0) -> str:
+    """Text of the one finding, which is of this rule and first seen at this decision."""
+    (finding,) = found_on_straight(controller)
+    assert (finding.rule, finding.world) == (rule, "straight")
+    assert (finding.robot, round(finding.time, 6)) == (robot, time)
+    assert str(finding) == f"{rule}: straight, {robot} at {time:g} s: {finding.text}"
+    assert "\n" not in str(finding)
+    return finding.text
+
+
+@pytest.mark.parametrize(
+    "controller", [broken.Sound, broken.WorksOutOnce, broken.Twofold, broken.Choosy]
+)
+def test_sound_controllers_have_no_finding(controller: type) -> None:
+    assert check_controller(controller, worlds=["straight", "merging"], seconds=SHORT) == []
+
+
+def test_what_raises() -> None:
+    text = only(broken.RaisesLate, Rule.RAISES, time=0.3)
+    assert text.startswith("KeyError: 'four' (")
+    assert text.endswith("(and 3 more)")
+
+
+@pytest.mark.parametrize(
+    ("controller", "situation", "error"),
+    [
+        (broken.NeedsOthers, "nobody in sight", "ValueError"),
+        (broken.NeedsWalls, "no wall in sight", "ValueError"),
+        (broken.NeedsAWayOn, "at the end of the path", "ZeroDivisionError"),
+        (broken.NeedsTheWayAhead, "facing backwards", "ValueError"),
+        (broken.NeedsRoom, "overlapping", "ValueError"),
+    ],
+)
+def test_what_fails_in_a_situation(controller: type, situation: str, error: str) -> None:
+    assert found_on_straight(controller) == ()
+    found = check_controller(controller, worlds=[], seconds=SHORT)
+    assert {finding.rule for finding in found} == {Rule.RAISES}
+    (finding,) = (one for one in found if one.world == situation)
+    assert finding.text.startswith(error)
+    others = {finding.world for finding in found} - {situation}
+    assert others <= ({"no wall in sight"} if controller is broken.NeedsOthers else set())
+
+
+@pytest.mark.parametrize("what", broken.UNFIT)
+def test_what_a_run_would_refuse(what: str) -> None:
+    controller = broken.Says(broken.UNFIT[what])
+    text = only(controller, Rule.DECISION)
+    with pytest.raises(ControllerError) as refused:
+        physim.Simulation(load_world("straight"), controller=controller).step()
+    assert str(refused.value).endswith(f"r1 at 0 s: {text.removesuffix(' (and 9 more)')}")
+
+
+@pytest.mark.parametrize(
+    ("controller", "field"),
+    [
+        (broken.Throws, "v is "),
+        (broken.BornDifferent, "v is "),
+        (broken.RemembersAtRandom, "memory['drawn'] is "),
+    ],
+)
+def test_what_does_not_repeat(controller: type, field: str) -> None:
+    text = only(controller, Rule.REPEATS)
+    assert "decide otherwise from the same observation and memory" in text
+    assert field in text
+
+
+@pytest.mark.parametrize("controller", broken.STATE)
+def test_state_beside_the_memory(controller: type) -> None:
+    text = only(controller, Rule.STATE)
+    assert broken.STATE[controller] in text
+    assert "belongs into its memory" in text
+
+
+def test_state_that_shows_in_other_instances_alone() -> None:
+    text = only(broken.RemembersTheFirst, Rule.STATE, "r2")
+    assert "a new instance, given the memory, decides otherwise" in text
+    assert "v is 0.75 instead of 0.6" in text
+
+
+def test_order_of_the_robots() -> None:
+    text = only(broken.FirstComeFirstServed, Rule.ORDER, "r2")
+    assert "with the robots in reverse order it decides otherwise: v is 0.75 instead of 0.0" in text
+
+
+def test_memory_written_in_place() -> None:
+    text = only(broken.WritesItsMemory, Rule.MEMORY, time=0.1)
+    assert "memory['count'] from 1 to 2" in text
+
+
+@pytest.mark.parametrize(
+    ("controller", "said"),
+    [
+        (broken.CannotBePickled, "cannot be pickled: "),
+        (broken.CannotBeCopied, "cannot be deep-copied: TypeError: cannot pickle '_thread.lock'"),
+        (broken.LosesItsMemory, "pickled and unpickled it decides otherwise: v is 0.75 instead"),
+    ],
+)
+def test_memory_that_cannot_be_kept(controller: type, said: str) -> None:
+    assert said in only(controller, Rule.COPIES, time=0.1)
+
+
+@pytest.mark.parametrize(
+    ("controller", "said"),
+    [
+        (broken.BendsThePath, "observation.path.lines.points[1, 0] from 30.0 to 31.0"),
+        (broken.SwapsThePath, "observation.path.outside from an array (0, 2) to an array (1, 2)"),
+        (broken.OverridesTheFreeze, "observation.v from 0.0 to 0.3"),
+    ],
+)
+def test_what_is_written_into_the_observation(controller: type, said: str) -> None:
+    assert said in only(controller, Rule.OBSERVATION)
+
+
+@pytest.mark.parametrize("decide", broken.BATCH, ids=lambda decide: decide.__name__)
+def test_a_batch_form_that_decides_otherwise(decide: broken.Decide) -> None:
+    robot, time, said = broken.BATCH[decide]
+    assert said in only(broken.Twofold(decide), Rule.BATCH, robot, time)
+
+
+def test_a_batch_form_that_was_inherited() -> None:
+    class Slower(ModeSwitching):
+        def decide(self, observation: Observation, memory: Any) -> Decision:
+            return Decision(0.0, 0.0, 0.1)
+
+    assert "the batch form decides otherwise" in only(Slower, Rule.BATCH)
+
+
+def test_a_batch_form_that_depends_on_its_rows() -> None:
+    text = only(broken.FirstRobotGoes, Rule.BATCH_ORDER, "r2")
+    assert "asked robot by robot" in text
+    assert "v is 0.75 instead of 0.0" in text
+
+
+def test_a_batch_form_that_writes_into_what_is_sensed() -> None:
+    text = only(broken.Twofold(broken.moves_the_robots), Rule.OBSERVATION)
+    assert "the batch form writes into what is sensed" in text
+
+
+def test_every_finding_is_returned_and_told_as_a_line(capsys: pytest.CaptureFixture[str]) -> None:
+    found = check_controller(broken.CountsOnItself, worlds=["straight", "merging"], seconds=0.1)
+    told = capsys.readouterr().out.splitlines()
+    assert told == [str(finding) for finding in found]
+    assert [finding.world for finding in found] == ["straight", "merging", *situations()]
+    lines: list[str] = []
+    check_controller(broken.CountsOnItself, worlds=["straight"], seconds=0.1, tell=lines.append)
+    assert lines == [line for line in told if ": merging," not in line]
+    assert capsys.readouterr().out == ""
+
+
+def test_worlds_whose_robots_are_refused_are_told_and_left_out() -> None:
+    lines: list[str] = []
+    worlds = [load_world("straight"), "merging"]
+    choosy = broken.Choosy("m1", "m2")
+    assert check_controller(choosy, worlds=worlds, seconds=0.1, tell=lines.append) == []
+    assert lines == ["skipped: merging: robots[0].name: does not drive m1 (and 1 more)"]
+    with pytest.raises(ControllerError, match="Choosy suits the robots of none of 1 world, so "):
+        check_controller(choosy, worlds="merging", tell=lines.append)
+
+
+def test_settings_are_checked_as_in_a_world() -> None:
+    told: list[str] = []
+    worlds: Any = {"worlds": ["straight"], "seconds": 0.1, "tell": told.append}
+    assert check_controller(broken.Adjustable, settings={"share": 0.9}, **worlds) == []
+    fast = check_controller(broken.Adjustable, settings={"share": 1.5}, **worlds)
+    assert {finding.rule for finding in fast} == {Rule.DECISION}
+    for settings, said in (({"shares": 1}, "unknown key"), ({"share": "1"}, "must be a number")):
+        with pytest.raises(WorldError, match=rf"controller.share.*{said}"):
+            check_controller(broken.Adjustable, settings=settings, **worlds)
+    with pytest.raises(ControllerError, match="settings go with a class or a name"):
+        check_controller(broken.Sound(), settings={}, **worlds)
+
+
+def test_a_world_of_its_own_has_its_settings() -> None:
+    world = load_world("straight", overrides=["controller.look_ahead=3.5"])
+    seen = []
+
+    class Kept(ModeSwitching):
+        def decide(self, observation: Observation, memory: Any) -> Decision:
+            seen.append(self.settings.look_ahead)
+            return super().decide(observation, memory)
+
+    chosen = candidate("mode_switching", None)
+    assert chosen.maker(world)().settings.look_ahead == 3.5
+    assert chosen.maker()().settings.look_ahead == 2.0
+    assert candidate(Kept, None).maker(world)().settings.look_ahead == 2.0
+
+
+def test_the_object_given_is_never_asked() -> None:
+    given = broken.CountsOnItself()
+    assert check_controller(given, worlds=["straight"], seconds=0.1, tell=str)
+    assert given.count == 0
+
+
+@pytest.mark.parametrize("given", ["nosuch", "tests.testing.broken:UNFIT", object, object()])
+def test_what_is_no_controller(given: Any) -> None:
+    with pytest.raises(ControllerError):
+        check_controller(given)
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan"), float("inf")])
+def test_seconds_are_a_time(seconds: float) -> None:
+    with pytest.raises(PhysimError, match="it must be a time greater than 0 s"):
+        check_controller("constant", seconds=seconds)
+
+
+def test_a_situation_is_what_its_name_says() -> None:
+    seen = {
+        name: [physim.Simulation(scene, controller="constant").observe(i) for i in range(3)]
+        for name, scene in situations().items()
+        if scene.robots == 3
+    }
+    assert set(situations()) == {*seen, "nobody in sight"}
+    alone = physim.Simulation(situations()["nobody in sight"], controller="constant")
+    assert all(alone.observe(i).others == () != alone.observe(i).walls for i in range(2))
+    assert all(o.walls == () for o in seen["no wall in sight"])
+    assert [len(o.others) for o in seen["no wall in sight"]] == [1, 1, 0]
+    at, past, before = seen["at the end of the path"]
+    assert at.station == at.path.length == past.station
+    assert before.stop_station - 1.0 < before.station < before.stop_station
+    assert all(abs(o.pose[2]) > 1.5 for o in seen["facing backwards"])
+    simulation = physim.Simulation(situations()["overlapping"], controller="constant")
+    simulation.step()
+    names = [body.name for body in simulation.scene.bodies]
+    touching = {(names[row["a"]], names[row["b"]]) for row in simulation.contacts}
+    assert {("a", "b")} | {("in_wall", "left wall")} == touching

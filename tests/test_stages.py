@@ -35,9 +35,7 @@ SHORT = "time.duration=3.0"
 @pytest.fixture(autouse=True, scope="module")
 def _installed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     folder = install(tmp_path_factory.mktemp("stages") / "installed")
-    modules = {
-        target.split(":")[0] for names in entry_points().values() for target in names.values()
-    }
+    targets = [target for names in entry_points().values() for target in names.values()]
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
     yield

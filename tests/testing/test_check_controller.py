@@ -111,6 +111,11 @@ def test_order_of_the_robots() -> None:
     assert "with the robots in reverse order it decides otherwise: v is 0.75 instead of 0.0" in text
 
 
+def test_who_else_is_asked() -> None:
+    text = only(broken.LooksAround, Rule.ORDER, time=0.1)
+    assert "asked for this robot alone it decides otherwise: v is 0.5 instead of 0.375" in text
+
+
 def test_memory_written_in_place() -> None:
     text = only(broken.WritesItsMemory, Rule.MEMORY, time=0.1)
     assert "memory['count'] from 1 to 2" in text

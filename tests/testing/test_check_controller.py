@@ -112,7 +112,7 @@ def test_order_of_the_robots() -> None:
 
 
 def test_who_else_is_asked() -> None:
-    text = only(broken.LooksAround, Rule.ORDER, time=0.1)
+    text = only(broken.LooksAround, Rule.ORDER, time=0.2)
     assert "asked for this robot alone it decides otherwise: v is 0.5 instead of 0.375" in text
 
 

@@ -44,6 +44,10 @@ def test_sound_controllers_have_no_finding(controller: type) -> None:
     assert check_controller(controller, worlds=["straight", "merging"], seconds=SHORT) == []
 
 
+def test_it_is_at_hand_beside_check_world() -> None:
+    assert physim.check_controller is check_controller
+
+
 def test_what_raises() -> None:
     text = only(broken.RaisesLate, Rule.RAISES, time=0.3)
     assert text.startswith("KeyError: 'four' (")

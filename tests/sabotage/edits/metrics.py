@@ -57,8 +57,7 @@ EDITS = (
         "arrival_steps(record).max()",
         "arrival_steps(record).min()",
         "the time to finish is that of the last robot",
-        "tests/metrics/test_figures.py::"
-        "test_finished_means_that_all_have_arrived_by_their_motion",
+        "tests/metrics/test_figures.py::test_finished_means_that_all_have_arrived_by_their_motion",
     ),
     Edit(
         "metrics",

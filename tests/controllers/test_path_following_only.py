@@ -56,7 +56,7 @@ def test_decisions_agree_with_the_oracle() -> None:
 def test_near_the_last_waypoint_it_looks_no_further() -> None:
     """The turn by (5) differs there from the one judged by 0.5 s."""
     controller, differ = PathFollowing(), 0
-    for k in range(60):
+    for k in range(200):
         rng = np.random.default_rng([72, k])
         left = rng.uniform(0.05, 0.45)
         history = single_robot(np.array([[0.0, 0.0], [10.0, 0.0]]), 10.0 - left)

@@ -139,6 +139,14 @@ def test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_k
     assert known.robot.tolist() == [0, 0, 0]
 
 
+def test_a_command_that_a_stage_changed_was_not_held() -> None:
+    rows = [{"step": k, "robot": 0, "collision_time": 0.3, "next_step": 40} for k in (0, 10)]
+    touch = [(30, 0, 1, 0, 0.001, 1.0), (31, 0, 1, 2, -0.1, 0.0)]
+    slowed = [(step, 0, 1.0, 0.0, 1.0, 0.0, 0.5, 0.0) for step in (5, 30)]
+    assert predictions(history(rows, touch)).kept.tolist() == [1, 1]
+    assert predictions(history(rows, touch, commands=slowed)).kept.tolist() == [0, 1]
+
+
 def test_a_record_without_contacts_says_so() -> None:
     record = make_record(contacts=False)
     texts = [text.get_text() for text in prediction(record).axes[0].texts]

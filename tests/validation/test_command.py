@@ -97,7 +97,7 @@ def test_coarse_record_is_simulated_again(folder, capsys):
     one_line(err)
     code, out, _ = run(capsys, path, "--controller", "path_following")
     assert code == 3
-    assert "simulated again it is another run, 0.0000 s slow: /updates, row 0, mode is -1" in out
+    assert "simulated again it is another run, /modes/name is 0 rows in the record, 2" in out
 
 
 def test_a_coarse_record_without_its_contacts(folder, capsys):
@@ -153,7 +153,7 @@ def test_a_run_of_other_versions_is_held_up_to_its_first_contact(folder, capsys)
     told = " ".join(out.split())
     assert code == 1
     assert "by other versions than made the record (physim 0.0.9): the same within 1e-09" in told
-    assert "up to the first contact after 2." in told
+    assert "up to the first contact after " in told
     with h5py.File(path, "r+") as file:
         file["/steps/pose"][...] += 1e-8
     assert run(capsys, path, "--rerun", "--controller", CARELESS)[0] == 3
@@ -234,7 +234,7 @@ def one_line(err):
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (lambda file: file.attrs.modify("version", 99), "record version 99"),
+        (lambda file: file.attrs.modify("version", "99.1"), "record version '99.1'"),
         (lambda file: file.__delitem__("contacts"), "dataset /contacts is missing"),
         (lambda file: [file[f"steps/{key}"].resize(100, axis=0) for key in
                        ("step", "pose", "clearance", "boundary_clearance")], "truncated"),

@@ -17,11 +17,12 @@ import pytest
 
 import physim
 from physim import Record
-from physim.registry import KINDS
+from physim.registry import KINDS, METRIC, PLOT
 from physim.world_file.shipped import find_world
 from tests.extending import blocks, entry_points, install, of
 
 BIN = Path(sys.executable).parent
+EVERY_KIND = (*KINDS, METRIC, PLOT)
 
 
 def run(text: str, folder: Path, **more: str) -> subprocess.CompletedProcess[str]:
@@ -61,10 +62,10 @@ def plain() -> Record:
 
 def test_every_kind_has_an_example() -> None:
     groups = entry_points()
-    assert {kind.group for kind in KINDS} <= set(groups)
+    assert {kind.group for kind in EVERY_KIND} == set(groups)
     python = {block.section for block in of("python")}
     assert python == {b.section for b in of("sh")} == {b.section for b in of("text")}
-    assert len(python) >= len(groups)
+    assert len(python) == len(groups)
 
 
 def test_list_shows_each_with_its_first_line(folder: Path) -> None:
@@ -72,7 +73,7 @@ def test_list_shows_each_with_its_first_line(folder: Path) -> None:
     found = {
         line.split(maxsplit=1)[0]: line for line in done.stdout.splitlines() if line[:1] == " "
     }
-    for kind in KINDS:
+    for kind in EVERY_KIND:
         (name,) = entry_points()[kind.group]
         assert found[name].rstrip().endswith(".")
     again = json.loads(run("physim list --json", folder).stdout)
@@ -178,3 +179,31 @@ def test_observer_looks_on_and_changes_nothing(folder: Path, plain: Record) -> N
     assert "apart" not in without.stdout
     by_class = block.text.replace("nearest", "nearest:Nearest").replace("watched", "by_class")
     assert "end of the run: finished" in run(by_class, folder).stdout
+
+
+def test_metric_stands_in_the_summary(folder: Path) -> None:
+    def stops(name: str) -> int:
+        given = json.loads((folder / name / "summary.json").read_text())["metrics"]["stops"]
+        assert given["unit"] == "-"
+        return int(given["value"])
+
+    with Record.load(folder / "waiting" / "record.h5") as record:
+        for i in range(record.robots):
+            told = record.updates["applied_v"][record.updates["robot"] == i].tolist()
+            pairs = zip(told, told[1:], strict=False)
+            stops_of = sum(before != 0.0 and after == 0.0 for before, after in pairs)
+            assert stops_of >= (1, 50)[i]
+    assert stops("waiting") > 50
+    assert stops("hazy") == 2  # each robot at its stop station
+    without = run("physim summary waiting/record.h5 --json", folder, PYTHONPATH="")
+    assert "stops" not in json.loads(without.stdout)["metrics"]
+
+
+def test_plot_is_a_picture_of_its_record(folder: Path) -> None:
+    one = folder / "uneven" / "speed_gap.png"
+    assert one.read_bytes()[:4] == b"\x89PNG"
+    assert run("physim plot watched/record.h5 --only speed_gap", folder).returncode == 0
+    assert one.read_bytes() != (folder / "watched" / "speed_gap.png").read_bytes()
+    command = "physim plot uneven/record.h5 --only speed_gap -o elsewhere"
+    without = run(command, folder, PYTHONPATH="")
+    assert (without.returncode, without.stderr.count("\n")) == (2, 1)

@@ -5,16 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 
-from physim.registry import KINDS, part_names
+from physim.registry import KINDS, METRIC, PLOT, part_names
 from physim.world_file.shipped import shipped_worlds
+
+LISTED = (*KINDS, METRIC, PLOT)
 
 
 def listing(options: argparse.Namespace) -> int:
     """Print the shipped worlds and the registered parts of every kind, a line each."""
     found = {"worlds": shipped_worlds()}
-    found |= {f"{kind.word}s": part_names(kind) for kind in KINDS}
+    found |= {f"{kind.word}s": part_names(kind) for kind in LISTED}
     if options.json:
-        keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in KINDS)]
+        keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in LISTED)]
         print(json.dumps(dict(zip(keys, found.values(), strict=True)), indent=2))
         return 0
     width = max(len(name) for entries in found.values() for name in entries)
@@ -24,5 +26,5 @@ def listing(options: argparse.Namespace) -> int:
         for name, line in entries.items():
             print(f"  {name:<{width}}  {line}")
     if none := [title for title, entries in found.items() if not entries]:
-        print(f"no {', '.join(none)}; of your own: docs/EXTENDING.md")
+        print(f"none of your own: {', '.join(none)} (docs/EXTENDING.md)")
     return 0

@@ -23,7 +23,8 @@ def add(commands: Commands) -> None:
         "list",
         help="list the worlds that come with physim, controllers and other parts",
         description="List the shipped worlds and, a line each, what is registered: controllers, "
-        "sensing stages, filters, disturbances and observers, those of other packages too.",
+        "sensing stages, filters, disturbances, observers; of metrics and plots those of other "
+        "packages.",
         epilog=EPILOG,
         formatter_class=Wrapped,
     )

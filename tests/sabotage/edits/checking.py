@@ -46,11 +46,10 @@ EDITS = (
         "checking",
         "physim/checking/formation.py",
         "_check_duration",
-        "min(own, sketch.formation_speed)",
-        "sketch.formation_speed",
+        "min(own, sketch.speed)",
+        "sketch.speed",
         "a slow robot takes longer to finish",
-        "tests/checking/test_robots.py::"
-        "test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
+        "tests/checking/test_robots.py::test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
     ),
     Edit(
         "checking",

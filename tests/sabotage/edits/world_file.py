@@ -99,10 +99,10 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/loading.py",
-        "judge",
-        "_controller(values, controller is not None, robots)",
-        "_controller(values, True, robots)",
+        "physim/world_file/named_parts.py",
+        "judge_parts",
+        "find_part(named.kind, name, trusted and is_controller)",
+        "find_part(named.kind, name, True)",
         "a world names registered controllers only",
         "tests/world_file/test_loading.py::test_a_world_cannot_name_a_class",
     ),
@@ -118,7 +118,7 @@ EDITS = (
     Edit(
         "world_file",
         "physim/registry.py",
-        "find_controller",
+        "find_part",
         "if not trusted:",
         "if False:",
         "only who is trusted names a class to be imported",

@@ -46,7 +46,7 @@ EDITS = (
         "checking",
         "physim/checking/formation.py",
         "_check_duration",
-        "min(own, sketch.formation_speed)",
+        "min(own, sketch.speed)",
         "sketch.formation_speed",
         "a slow robot takes longer to finish",
         "tests/checking/test_robots.py::"

@@ -1,4 +1,4 @@
-"""Speed of the physics alone, free and in a jam: ``python benchmarks/physics.py``."""
+"""Speed of the physics, free and in a jam, and of its state: ``python benchmarks/physics.py``."""
 
 from __future__ import annotations
 
@@ -60,6 +60,27 @@ def measure(robots: int, jam: bool, steps: int) -> str:
     )
 
 
+def measure_state(robots: int, jam: bool, rounds: int) -> str:
+    """Processor time of taking a state, restoring it, and resetting, as median."""
+    physics = scene(robots, 2.0 if jam else 4.0)
+    start, seconds = physics.pose, np.zeros((rounds, 3))
+    for _ in range(150):
+        physics.step(inwards(physics) if jam else free(physics))
+    for row in seconds:
+        times = [time.process_time()]
+        state = physics.state
+        times.append(time.process_time())
+        physics.restore(state)
+        times.append(time.process_time())
+        physics.reset(start)
+        times.append(time.process_time())
+        row[:] = np.diff(times)
+        physics.restore(state)
+    told = "".join(f"{us:11.1f}" for us in np.median(seconds, axis=0) * 1e6)
+    name = "jam" if jam else "free"
+    return f"{name:5}{robots:5}{told} us to take, restore, reset{len(state.part):5} points"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--steps", type=int, default=1000)
@@ -67,6 +88,7 @@ def main() -> None:
     for robots in (10, 100):
         for jam in (False, True):
             print(measure(robots, jam, steps))
+            print(measure_state(robots, jam, max(10, steps // 10)))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Do two checkouts move the robots alike, to the bit? ``python benchmarks/same_motion.py OTHER``
 
 OTHER is another checkout with an environment of its own in ``.venv``. Every world that is shipped
-here is run in both, ``--seeds`` times; compared are SHA-256 of poses, distances, contacts and of the
+here is run in both, ``--seeds`` times; compared are SHA-256 of poses, distances, contacts and the
 decisions' stations, modes, targets, distances and times up to the sooner end: what runs have in
 common whatever the version of their records. Exit 0 where all are equal, 1 otherwise.
 """

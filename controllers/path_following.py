@@ -66,7 +66,7 @@ def copy_plan(plan: FloatArray, out: FloatArray) -> None:
 
 @compiled
 def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> float:
-    """Angle [rad], 0 to pi, between a heading and the direction to a target."""
+    """Angle [rad], 0 to pi, between a heading and the direction to a target; 0 at the target."""
     if tx == x and ty == y:
         return 0.0
     error = atan2(ty - y, tx - x) - heading

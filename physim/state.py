@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from physim.control import Snapshot
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.physics import PhysicsState
 
 
 @dataclass(frozen=True)
@@ -38,5 +39,5 @@ class SimulationState:
     """(W + 1, N, 2) places of the last samples, see `physim.arrival`"""
     arrived: NDArray[np.bool_]
     """(N,)"""
-    physics: Any
+    physics: PhysicsState
     """of the engine"""

@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from physim.contacts import Kind
+from physim.declared import Declared, Mode
 from physim.errors import RecordError
 from physim.expectations import Held, expectations
 from physim.record import Record
-from physim.summary import summarise, table
+from physim.summary import summarise, table, table_rows
 from physim.summary.table import SHOWN_CONTACTS
 from tests.metrics.histories import history
 from tests.records import make_record
@@ -188,3 +190,65 @@ def test_contacts_one_by_one() -> None:
     assert "r1 and r2, 0.02 s long, 13.4 mm deep, impact 30.0 N s" in text
     assert "3 more (physim summary --json lists all)" in text
     assert text.count(" mm deep") == SHOWN_CONTACTS
+
+
+def rows_of(record: Record) -> list[tuple[str, str]]:
+    with record:
+        return table_rows(summarise(record))
+
+
+def test_who_did_not_arrive_is_told_with_the_reason_in_table_and_json() -> None:
+    """A claim of the controller counts for nothing: the robots stand where they were put."""
+    pose = np.zeros((101, 2, 3))
+    claims = [{"step": 0, "robot": i, "mode": 3, "station": 0.0} for i in (0, 1)]
+    record = history(claims, pose=pose, arrived=[-1, 60], steps_run=100)
+    found = summarise(record)
+    short = float(record.stop_station[0])
+    assert not found.finished
+    assert found.time_to_finish_s is None
+    (one,) = found.not_arrived
+    assert (one.robot, one.stands, one.tolerance_m) == ("r1", True, 0.1)
+    told = json.loads(found.to_json())["not_arrived"]
+    assert told == [
+        {"robot": "r1", "short_m": one.short_m, "tolerance_m": 0.1, "stands": True,
+         "text": one.text},
+    ]  # fmt: skip
+    assert one.short_m == pytest.approx(short, abs=3.0)  # its path begins near the origin
+    rows = dict(table_rows(found))
+    assert rows["all robots arrived"] == "no, 1 of 2"
+    assert rows["  not arrived"] == one.text
+    assert "stands" in one.text
+    assert "short of its stop station (tolerance 0.10 m)" in one.text
+
+
+def test_of_many_that_did_not_arrive_the_first_are_told() -> None:
+    rows = rows_of(make_record(robots=20, seconds=1.0))
+    assert sum(label == "  not arrived" for label, _ in rows) == 12
+    assert ("  ...", "8 more (physim summary --json lists all)") in rows
+
+
+def test_commands_that_a_stage_changed_are_counted() -> None:
+    same, slow = (1.0, 0.0), (0.5, 0.0)
+    commands = [(step, 0, *same, *slow, *slow) for step in range(10)]
+    commands += [(20, 1, *same, *same, *slow)]
+    rows = dict(rows_of(history(commands=commands, steps_run=100)))
+    assert rows["commands"] == (
+        "filtered differs from nominal in 10 robot-steps (5.0%), "
+        "applied from filtered in 1 robot-steps (0.5%)"
+    )
+    assert "commands" not in dict(rows_of(make_record(seconds=0.5)))
+
+
+def test_a_controller_that_declares_nothing_is_told_so() -> None:
+    rows = dict(rows_of(history([{"step": 0, "robot": 0}], declared=Declared())))
+    assert rows["danger mode, share of time"] == "n/a (the controller declares no modes)"
+    assert rows["shortest collision time"] == "n/a (the controller works none out)"
+    assert "collision times" not in rows["decisions"]
+    calm = Declared((Mode("go", "#000000"),))
+    rows = dict(rows_of(history([{"step": 0, "robot": 0}], declared=calm)))
+    assert rows["danger mode, share of time"] == "n/a (the controller declares no modes of danger)"
+
+
+def test_what_was_not_recorded_is_not_told_as_none() -> None:
+    rows = dict(rows_of(history(tables=())))
+    assert rows["contacts"] == rows["decisions"] == "n/a (not recorded)"

@@ -13,7 +13,7 @@ from physim.errors import Fault, Location, WorldError, plural
 from physim.scene_builder import build_scene
 from physim.testing.candidate import Candidate, candidate
 from physim.testing.check import SECONDS, Examined, examined, places
-from physim.testing.situations import situations
+from physim.testing.situations import SITUATIONS
 from physim.warm_up import is_warm, warm_up
 from physim.world_file import Document, apply_overrides, load_world, located, read_document
 
@@ -27,7 +27,7 @@ def check_controller_command(options: argparse.Namespace) -> int:
     chosen = _chosen(options)
     worlds = places(options.worlds)
     _prepare()
-    bar = Bar("check", len(worlds) + len(situations()), "worlds", quiet=False)
+    bar = Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False)
     parts: list[Examined] = []
     try:
         for part in examined(chosen, worlds, options.seconds or SECONDS):

@@ -8,7 +8,6 @@ import json
 from physim.registry import KINDS, METRIC, PLOT, part_names
 from physim.world_file.shipped import shipped_worlds
 
-
 LISTED = (*KINDS, METRIC, PLOT)
 
 

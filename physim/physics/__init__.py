@@ -3,5 +3,6 @@
 from __future__ import annotations
 
 from physim.physics.host import Physics
+from physim.physics.state import PhysicsState
 
-__all__ = ["Physics"]
+__all__ = ["Physics", "PhysicsState"]

@@ -20,7 +20,7 @@ _DRIVE = _VELOCITY | BodyFields.FORCE | BodyFields.TORQUE
 class BodyArrays:
     """Reads and writes the N robots of a space; the arrays are shared with the engine.
 
-    Fill ``velocity`` or ``drive`` and call the method of that name to pass it on.
+    Fill ``pose``, ``velocity`` or ``drive`` and call the method of that name to pass it on.
     """
 
     def __init__(self, space: pymunk.Space, robots: int) -> None:
@@ -31,7 +31,7 @@ class BodyArrays:
         velocity, self._velocity_buffer = _shared(rows, 3)
         drive, self._drive_buffer = _shared(rows, 6)
         self.pose: FloatArray = pose[:robots]
-        """(N, 3) x, y [m], heading [rad, unwrapped], as last read"""
+        """(N, 3) x, y [m], heading [rad, unwrapped], as last read or to be written"""
         self.velocity: FloatArray = velocity[:robots]
         """(N, 3) vx, vy [m/s], omega [rad/s], as last read or to be written"""
         self.drive: FloatArray = drive[:robots]
@@ -46,6 +46,10 @@ class BodyArrays:
         """Fill ``velocity``."""
         self._velocity_buffer.clear()
         get_space_bodies(self._space, _VELOCITY, self._velocity_buffer)
+
+    def write_pose(self) -> None:
+        """Put every robot at its row of ``pose``."""
+        set_space_bodies(self._space, _POSE, self._pose_buffer)
 
     def write_velocity(self) -> None:
         """Give every robot its row of ``velocity``."""

@@ -35,6 +35,9 @@ class Guard(Protocol):
 
     rejected: int
     """false contacts of parts met so far"""
+    reported: int
+    """contacts of parts, true and false, that the engine reported between the last two calls of
+    `take`: as many as it remembers, if that was one solve"""
 
     def take_rejected(self) -> IntArray:
         """Return the parts (M, 2) of the false contacts since the last call."""
@@ -51,6 +54,8 @@ class PythonGuard:
     def __init__(self, hosted: Hosted, shapes: Shapes, *, checks: bool = True) -> None:
         """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
         self.rejected = 0
+        self.reported = 0
+        self._reported = 0
         self._number = {shape: part for part, shape in enumerate(hosted.parts)}
         self._shapes = shapes
         self._links = segment_links(shapes)
@@ -64,6 +69,7 @@ class PythonGuard:
 
     def take(self) -> Touches:
         """Return the true contacts since the last call; raise what went wrong in a callback."""
+        self.reported, self._reported = self._reported, 0
         found, self._found = self._found, []
         failure, self._failure = self._failure, None
         if failure is not None:
@@ -84,6 +90,7 @@ class PythonGuard:
 
     def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         # An exception would be printed and swallowed by the engine: keep it for take().
+        self._reported += 1
         try:
             verdict = self._judge(arbiter) if self._checks else ACTS
             arbiter.process_collision = verdict not in (APART, LEFT)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.errors import PhysimError
 from physim.geometry.closeness import describe_pairs, joined
 from physim.geometry.motion import chord_velocities
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.physics.bodies import BodyArrays
+from physim.physics.engine import Engine
+from physim.physics.engine_state import Impulses, goes_on_from_impulses, no_impulses
 from physim.physics.guard import PythonGuard, Touches
+from physim.physics.journal import Journal
 from physim.physics.pairs import (
     Pairs,
     contact_rows,
@@ -23,6 +26,7 @@ from physim.physics.pairs import (
     split,
 )
 from physim.physics.space import body_parts, build_space, moment, part_bodies
+from physim.physics.state import PhysicsState
 
 
 class Physics:
@@ -73,22 +77,21 @@ class Physics:
         start = np.ascontiguousarray(start, dtype=np.float64)
         hosted = build_space(shapes, walls, start, mass, friction, elasticity)
         self.dt = dt
-        self.step_number = 0
         self._robots = len(start)
-        self._space = hosted.space
         self._shapes = joined(shapes, walls)
         self._body_of_part = part_bodies(self._shapes)
         self._bodies = len(self._shapes.body_start) - 1
         self._guard = PythonGuard(hosted, self._shapes, checks=_guarded)
-        self._arrays = BodyArrays(hosted.space, self._robots)
+        self._engine = Engine(hosted, shapes, walls, self._guard, dt)
+        self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
-        self._pairs = self._no_pairs = no_pairs()
-        self.contacts = self._no_contacts = no_contacts()
-        self.false_contacts = self._no_false = no_false_contacts()
-        self._move(self._no_pairs)
+        self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
+        self._no_false = no_false_contacts()
+        self._journal = None if goes_on_from_impulses() else Journal(self._robots)
+        self._begin(0, start, 0)
 
     @property
     def pose(self) -> FloatArray:
@@ -118,6 +121,96 @@ class Physics:
         self._arrays.write_velocity()
         self.step_number += 1
         self._move(pushes)
+        if self._journal is not None:
+            self._journal.add(command)
+            if not self._engine.remembers:
+                self._journal.begin(self.step_number, self._arrays.pose, self.rejected)
+
+    @property
+    def state(self) -> PhysicsState:
+        """All that the next step depends on, as a value; `restore` goes on from it bit for bit."""
+        journal, known = self._journal, no_impulses()
+        if journal is None:
+            journal, known = Journal(self._robots), self._engine.impulses()
+        return PhysicsState(
+            step=np.array(self.step_number),
+            pose=self._arrays.pose,
+            touching=split(self._pairs.key, self._bodies),
+            part=known.part,
+            feature=known.feature,
+            impulse=known.impulse,
+            rejected=np.array(self.rejected),
+            contacts=self.contacts,
+            false_contacts=self.false_contacts,
+            origin_step=np.array(journal.step),
+            origin_pose=journal.pose,
+            origin_rejected=np.array(journal.rejected),
+            applied=journal.applied,
+        )
+
+    def restore(self, state: PhysicsState) -> None:
+        """Go back, or on, to a state of the same scene: what follows is the same to the last bit.
+
+        The state may come from another `Physics` of the same arguments, in another process on the
+        same kind of machine. One that holds its origin is reached by doing the steps since again.
+        Raises PhysimError for a state of another scene; restore or reset before going on then.
+        """
+        self._check(state.pose)
+        if len(state.origin_pose):
+            self._do_again(state)
+        else:
+            self._take_up(state)
+        if self._arrays.pose.tobytes() != state.pose.tobytes():
+            raise PhysimError("the state is of another scene: its steps lead to other poses")
+        touching = state.touching[:, 0] * self._bodies + state.touching[:, 1]
+        self._pairs = Pairs(touching, np.zeros(len(touching)))
+        self.step_number = int(state.step)
+        self._guard.rejected = int(state.rejected)
+        self.contacts, self.false_contacts = state.contacts, state.false_contacts
+
+    def reset(self, start: FloatArray) -> None:
+        """Begin anew at poses (N, 3) x, y [m], heading [rad]: the same as if built with them.
+
+        Raises PhysimError for another number of poses, or one that is not finite.
+        """
+        start = np.asarray(start, dtype=np.float64)
+        self._check(start)
+        self._engine.stand(start)
+        self._begin(0, start, 0)
+
+    def _check(self, pose: FloatArray) -> None:
+        if pose.shape != (self._robots, 3):
+            raise PhysimError(f"poses of shape {pose.shape}; allowed: {(self._robots, 3)}")
+        if not np.isfinite(pose).all():
+            raise PhysimError("a pose is not finite")
+
+    def _take_up(self, state: PhysicsState) -> None:
+        if self._journal is None:
+            known = Impulses(state.part, state.feature, state.impulse)
+            self._engine.recall(state.pose, known)
+            return
+        if len(state.part):
+            raise PhysimError(
+                "this version of pymunk cannot go on from a state in contact that another one made"
+            )
+        self._engine.recall(state.pose, None)
+        self._journal.begin(int(state.step), state.pose, int(state.rejected))
+
+    def _do_again(self, state: PhysicsState) -> None:
+        self._engine.stand(state.origin_pose)
+        self._begin(int(state.origin_step), state.origin_pose, int(state.origin_rejected))
+        for command in state.applied:
+            self.step(command)
+
+    def _begin(self, step: int, pose: FloatArray, rejected: int) -> None:
+        """Find what touches at a sample without a past, at whose poses the robots stand."""
+        self.step_number = step
+        self._guard.rejected = rejected
+        self._pairs = self._no_pairs
+        self.contacts, self.false_contacts = self._no_contacts, self._no_false
+        if self._journal is not None:
+            self._journal.begin(step, pose, rejected)
+        self._move(self._no_pairs)
 
     def _hold_back(self) -> Pairs:
         """Replace wanted velocities of robots in contact by what contacts allow; the pushes.
@@ -129,10 +222,9 @@ class Physics:
         drive[:, :3] = 0.0
         np.multiply(self._wanted, self._drive_per_speed, out=drive[:, 3:])
         self._arrays.write_drive()
-        self._space.step(self.dt)
+        pushes = self._gather(self._engine.step())
         self._arrays.read_velocity()
-        pushes = self._gather(self._guard.take())
-        self._guard.take_rejected()  # the same as those met when the bodies came here
+        self._engine.rejected()  # the same as those met when the bodies came here
         held = np.unique(split(pushes.key, self._bodies))
         held = held[held < self._robots]
         self._wanted[held] = self._arrays.velocity[held]
@@ -140,10 +232,9 @@ class Physics:
 
     def _move(self, pushes: Pairs) -> None:
         """Move all bodies, find the contacts at their new poses, and set ``contacts``."""
-        self._space.step(self.dt)
+        touches = self._engine.step()
         self._arrays.read_pose()
-        touches = self._guard.take()
-        self._note_false(self._guard.take_rejected())
+        self._note_false(self._engine.rejected())
         before = self._pairs
         if not len(before.key) and not len(touches.part):
             self.contacts = self._no_contacts

@@ -97,6 +97,15 @@ def cell_side(shapes: Shapes, walls: Shapes) -> float:
     return side
 
 
+def parking(shapes: Shapes, walls: Shapes) -> FloatArray:
+    """Poses (N, 3) for all robots far from the walls and from each other, above and in a row."""
+    room = 4.0 * float(shapes.radius.max())
+    pose = np.zeros((len(shapes.radius), 3))
+    pose[:, 0] = room * np.arange(len(pose))
+    pose[:, 1] = room + walls.vertices[:, 1].max(initial=0.0)
+    return pose
+
+
 def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
     """Return the convex parts (n, 2) of one body."""
     return [

@@ -24,7 +24,7 @@ BLANK = 0.002
 
 
 def modes(record: Record) -> Any:
-    """Figure: a row a robot, coloured by mode over time [s], its share of safe mode at the end."""
+    """Figure: a row a robot, coloured by mode over time [s], its share out of danger at the end."""
     few = record.robots <= MOST_ROWS
     row = 0.21 if few else max(0.03, 8.4 / record.robots)
     tall = min(9.0, max(2.0, 1.25 + row * record.robots))
@@ -45,7 +45,7 @@ def modes(record: Record) -> Any:
     _shares(axis, record, few)
     share = danger_time_share(record)
     if share is not None:
-        told = f"share of safe mode: {1.0 - share:.1%} of all robots' time under way"
+        told = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
         axis.set_title(told, loc="right", fontsize=8.0, color=QUIET)
     _legend(figure, record, spans)
     return figure
@@ -81,7 +81,7 @@ def _names(axis: Any, record: Record, few: bool) -> None:
 
 
 def _shares(axis: Any, record: Record, few: bool) -> None:
-    """Share of safe mode at the end of each row, bold where it is less than half."""
+    """Share of time out of danger at the end of each row, bold where it is less than half."""
     found = share_of_modes(record, danger=False)
     if found is None or not few:
         return

@@ -25,7 +25,7 @@ class Predictions(NamedTuple):
     actual: FloatArray
     """(M,) [s] from the decision to the robot's next physical contact"""
     kept: IntArray
-    """(M,) 1 where the robot held its command until the contact, else 0"""
+    """(M,) 1 where the decision's command was the applied one until the contact, else 0"""
 
 
 def predictions(record: Record) -> Predictions:
@@ -40,11 +40,13 @@ def predictions(record: Record) -> Predictions:
     began = contacts[(contacts["phase"] == Phase.BEGAN) & (contacts["kind"] == Kind.PHYSICAL)]
     for robot in range(record.robots):
         mine = rows[rows["robot"] == robot]
+        changed = np.sort(record.commands["step"][record.commands["robot"] == robot])
         hits = np.unique(began["step"][(began["a"] == robot) | (began["b"] == robot)])
         place = np.searchsorted(hits, mine["step"], side="right")
         for row, k in zip(mine[place < len(hits)], place[place < len(hits)], strict=True):
             actual = float((hits[k] - row["step"]) * record.dt)
-            kept = int(row["next_step"] >= hits[k])
+            between = np.searchsorted(changed, (row["step"], hits[k]))
+            kept = int(row["next_step"] >= hits[k] and between[0] == between[1])
             found.append((robot, float(row["collision_time"]), actual, kept))
     columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
     return Predictions(columns[0].astype(np.int64), columns[1], columns[2], columns[3].astype(int))

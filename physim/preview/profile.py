@@ -119,7 +119,7 @@ def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
     ]
     if shown.scene.safe_distance:
         found.append(
-            (2.0 * shown.scene.safe_distance, "= 2L: no safe area below", INK, (0, (7, 2)))
+            (2.0 * shown.scene.safe_distance, "= 2L: no safe area below", QUIET, (0, (7, 2)))
         )
     return found
 

@@ -65,7 +65,7 @@ def check_controller(
     It decides for the first ``seconds`` of every world, and in the `situations` of this package:
     nobody or no wall in sight, at the end of the path, facing backwards, overlapping others. Then
     it is asked for the same decisions again: by new instances, in other orders, from copies of its
-    memory. Its batch form, where it has one, has to agree.
+    memory, about seven times in all. Its batch form, where it has one, has to agree.
 
     ``controller`` is a class, an object (it is copied, never asked itself), a registered name or
     ``module:Class``. ``worlds`` are worlds, files or names, without it all shipped ones.

@@ -7,6 +7,7 @@ batch form or not.
 from __future__ import annotations
 
 import copy
+import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -125,15 +126,23 @@ class _Listener:
             memory=kept,
             uncopied=uncopied,
             answer=answer,
-            seen_changed=difference(
-                contents(spare, "observation"), contents(observation, "observation")
-            ),
+            seen_changed=_written(spare, observation),
             memory_changed=difference(before, contents(memory, "memory")),
         )
         self.asked.append(asked)
         if answer.decision is None:
             return Decision(STANDS.v, STANDS.omega, STANDS.hold, memory=memory)
         return answer.decision
+
+
+def _written(spare: Observation, given: Observation) -> Difference | None:
+    """Where an observation is no longer what it was, which the spare one still is."""
+    try:
+        if pickle.dumps(spare) == pickle.dumps(given):  # the quick way, for most of them
+            return None
+    except Exception:  # of what a controller put into it
+        pass
+    return difference(contents(spare, "observation"), contents(given, "observation"))
 
 
 def _kept(memory: Any) -> tuple[Any, str]:

@@ -15,7 +15,7 @@ from physim.world_file import parse_world
 
 HEAD = "{{name: situation, time: {{step: 0.02, duration: 60.0}}, {}}}"
 
-WORLDS = {
+SITUATIONS = {
     "nobody in sight": """
         corridor: {centreline: [[0, 0], [60, 0]], width: 8},
         robots: [
@@ -65,7 +65,9 @@ OVERLAPPING = ((1, (11.2, 0.3, 0.4)), (2, (20.0, 3.8, 0.2)))
 
 def situations() -> dict[str, Scene]:
     """Scenes by name; ``Simulation(scene, controller=MyController())`` runs one."""
-    scenes = {name: build_scene(parse_world(HEAD.format(text))) for name, text in WORLDS.items()}
+    scenes = {
+        name: build_scene(parse_world(HEAD.format(text))) for name, text in SITUATIONS.items()
+    }
     overlapping = scenes["overlapping"]
     start = np.array(overlapping.start)
     for i, pose in OVERLAPPING:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
-from types import ModuleType
+from collections.abc import Iterator
+from types import FunctionType, ModuleType
 
 from physim.control import Controller
-from physim.testing.contents import Contents, contents
+from physim.testing.contents import KERNELS, NAMED, Contents, contents
 
 MOST = 5000
 """Values of one object, class or global that are looked at."""
@@ -16,23 +17,59 @@ CALLED = ("__init__", "__call__")
 
 
 class Watch:
-    """Looks at all that a controller could keep something on."""
+    """Looks at all that a controller could keep something on.
+
+    Made after the controller has been asked: what holds nothing by then, such as most functions,
+    is looked into again only when something else bears its name.
+    """
 
     def __init__(self, controller: Controller) -> None:
         self.controller = controller
-        self.classes = [kind for kind in type(controller).__mro__ if _is_own(kind.__module__)]
-        names = dict.fromkeys(kind.__module__ for kind in self.classes)
-        self.modules = [sys.modules[name] for name in names if name in sys.modules]
+        classes = [kind for kind in type(controller).__mro__ if _is_own(kind.__module__)]
+        modules = dict.fromkeys(kind.__module__ for kind in classes)
+        seen = set(classes)
+        self.owners = [
+            *(_Owner(kind, kind.__name__, kind.__module__) for kind in classes),
+            *(
+                owner
+                for module in modules
+                if module in sys.modules
+                for owner in _owners(sys.modules[module], module, module, seen)
+            ),
+        ]
 
     def look(self) -> Contents:
         """What is kept now, by the name under which the controller's code knows it."""
         found = contents(self.controller, SELF, most=MOST)
-        seen = set(self.classes)
-        for kind in self.classes:
-            _look_at(kind, kind.__name__, kind.__module__, seen, found)
-        for module in self.modules:
-            _look_at(module, module.__name__, module.__name__, seen, found)
+        for owner in self.owners:
+            owner.look(found)
         return found
+
+
+class _Owner:
+    """A class or module."""
+
+    def __init__(self, owner: type | ModuleType, place: str, module: str) -> None:
+        self.owner = owner
+        self.place = place
+        self.module = module
+        self.fixed = {name: value for name, value in self.names() if _holds_nothing(value)}
+
+    def names(self) -> list[tuple[str, object]]:
+        """Its names and what they stand for."""
+        return [
+            (name, value)
+            for name, value in vars(self.owner).items()
+            if name[:2] != "__" or name[-2:] != "__" or name in CALLED
+        ]
+
+    def look(self, found: Contents) -> None:
+        """Take down what it keeps; of its own functions what those do."""
+        for name, value in self.names():
+            if name not in self.fixed or self.fixed[name] is not value:
+                is_own = getattr(value, "__module__", None) == self.module
+                place = f"{self.place}.{name}"
+                found.update(contents(value, place, functions=is_own, most=MOST))
 
 
 def is_shared(place: str) -> bool:
@@ -45,16 +82,18 @@ def _is_own(module: str) -> bool:
     return module.partition(".")[0] not in sys.stdlib_module_names and module != "physim.control"
 
 
-def _look_at(
-    owner: type | ModuleType, place: str, module: str, seen: set[type], found: Contents
-) -> None:
-    """Take down what a class or module keeps; its own functions and classes, once, likewise."""
+def _owners(owner: type | ModuleType, place: str, module: str, seen: set[type]) -> Iterator[_Owner]:
+    """A class or module and the classes of its own in it; each that was not seen yet."""
+    yield _Owner(owner, place, module)
     for name, value in list(vars(owner).items()):
-        if name.startswith("__") and name.endswith("__") and name not in CALLED:
-            continue
-        where = f"{place}.{name}"
-        is_own = getattr(value, "__module__", None) == module
-        found.update(contents(value, where, functions=is_own, most=MOST))
-        if is_own and isinstance(value, type) and value not in seen:
+        if isinstance(value, type) and value.__module__ == module and value not in seen:
             seen.add(value)
-            _look_at(value, where, module, seen, found)
+            yield from _owners(value, f"{place}.{name}", module, seen)
+
+
+def _holds_nothing(value: object) -> bool:
+    """Whether a value has nothing in it that could change: a name of something else."""
+    if isinstance(value, FunctionType):
+        kept = (value.__defaults__, value.__kwdefaults__, value.__closure__, value.__dict__)
+        return not any(kept)
+    return isinstance(value, NAMED) or type(value).__module__ == KERNELS

@@ -33,7 +33,7 @@ def json_of_validation(validation: Validation) -> str:
 
 def json_of_seeds(study: SeedStudy) -> str:
     """JSON of a study over seeds."""
-    free, finished = study.rate(study.free), study.rate(study.finished)
+    free, finished = study.rates
     return _text(
         {
             "format": "physim-validation-seeds",

@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 BY = "simulated again"
 BLOCK = 4096
 """Samples that are compared at a time."""
-OUTCOME = ("ended", "steps_run", "rejected_contacts")
-"""Attributes that say how the run went."""
+LAST = ("safe_distance", "ended", "steps_run", "rejected_contacts")
+"""Attributes that are told last: how the run went, and what is drawn."""
 NOT_COMPARED = ("record_every", "tables", "given", "version")
 """Attributes that do not say what happened: what was recorded, and how parts were named."""
 
@@ -141,7 +141,7 @@ def compare_runs(record: Record, again: Record) -> Rerun:
 
 def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Mismatch | None:
     """First difference: what is known before the run, then by time, then what sums it up."""
-    for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in OUTCOME]):
+    for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in LAST]):
         return found
     found_at = [
         *(_table(record, again, path, until, exact) for path in TABLES),
@@ -154,8 +154,8 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
     if timed:
         return min(timed, key=lambda one: -1 if one.step is None else one.step)
     if whole and record.ended != "running":
-        outcome = [key for key in OUTCOME if key != "ended" or record.ended != "error"]
-        for found in (*_attributes(record, again, outcome), *_sums(record, again, exact)):
+        last = [key for key in LAST if key != "ended" or record.ended != "error"]
+        for found in (*_attributes(record, again, last), *_sums(record, again, exact)):
             return found
     return None
 

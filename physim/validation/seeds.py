@@ -110,9 +110,10 @@ class SeedStudy:
         """Number of runs in which all robots arrived, and whose checks agree."""
         return sum(one.finished and one.code != DISAGREE for one in self.results)
 
-    def rate(self, runs: int) -> Rate:
-        """Share of so many of the runs."""
-        return Rate(runs, len(self.results))
+    @property
+    def rates(self) -> tuple[Rate, Rate]:
+        """Of contact-free runs, and of those that finished."""
+        return Rate(self.free, len(self.results)), Rate(self.finished, len(self.results))
 
     @property
     def code(self) -> int:
@@ -151,14 +152,14 @@ def seeds_text(study: SeedStudy) -> str:
     bad = [str(one.seed) for one in study.results if one.code == CONTACTS and not one.free]
     wrong = [str(one.seed) for one in study.results if one.code == DISAGREE]
     lines = [
-        f"{study.world}: " + study.rate(runs).words(what)
-        for runs, what in ((study.free, "contact-free"), (study.finished, "finished"))
+        f"{study.world}: {rate.words(what)}"
+        for rate, what in zip(study.rates, ("contact-free", "finished"), strict=True)
     ]
     if study.interrupted:
         lines.append(f"interrupted: {study.asked - count} of {study.asked} seeds were not run")
     if bad:
         lines.append(f"contacts with seeds {', '.join(bad)}")
-    for key in sorted({key for one in study.results for key in one.missed}):
+    for key in sorted({key for one in study.results for key in one.missed} - {"contacts"}):
         seeds = ", ".join(str(one.seed) for one in study.results if key in one.missed)
         lines.append(f"not as expected, {key}: with seeds {seeds}")
     if wrong:

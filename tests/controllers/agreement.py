@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from physim.control import Decisions
+from physim.controllers.mode_switching import ModeSwitching
 from physim.controllers.settings import ModeSwitchingSettings
 from tests.controllers.scenes import History, decisions
 from tests.oracles import decision as oracle
@@ -89,6 +90,7 @@ def _compare(
         tally.met += met_by(a, expected)
         for name, made in zip(FORMS, forms, strict=True):
             found = faults_of(a.settings, expected, made, a.view.index)
+            found += faults_of_names(a, expected, made)
             tally.faults += [f"{a}, {name}: {fault}" for fault in found]
         kept[key] = _remembered(a, expected, forms[0], tally)
     return kept
@@ -160,6 +162,23 @@ def faults_of(
     hold = timing.interval(expected.period, settings.beta, answer.time, settings.event_triggered)
     if not abs(made.hold[i] - hold) <= TIME:
         faults.append(f"hold {made.hold[i]}, not {hold}")
+    return faults
+
+
+RULES = {switching.BY_DISTANCE: "distance", switching.BY_TIME: "time"}
+
+
+def faults_of_names(a: Asked, expected: Expected, made: Decisions) -> list[str]:
+    """Whether the decision names the rule that made it, and the robots that it considered."""
+    i = a.view.index
+    named = ModeSwitching.rules[made.rule[i]].name
+    followed = "plan" if expected.continued else "path_following"
+    faults = []
+    if named != RULES.get(expected.mode, followed):
+        faults.append(f"rule {named} in mode {expected.mode}")
+    others = oracle.considered_numbers(a.view)
+    if considered_by(made, i).tolist() != sorted(others):
+        faults.append(f"considered {considered_by(made, i)}, not {others}")
     return faults
 
 

@@ -32,8 +32,10 @@ def equal_case(rng: np.random.Generator) -> tuple[History, ModeSwitchingSettings
         omegas=rng.permutation([-turn, 0.0, turn, turn / 2.0]).tolist(),
         reverse_in_safe_mode=bool(kind != "on the way" and rng.random() < 0.5),
     )
-    aside = {"beside": 0.5 * turn * max(period, ahead) * rng.choice([-1.0, 1.0]),
-             "two dwell times": rng.uniform(-np.pi, np.pi)}.get(str(kind), np.pi)  # fmt: skip
+    aside = {
+        "beside": 0.5 * turn * max(period, ahead) * rng.choice([-1.0, 1.0]),
+        "two dwell times": rng.uniform(-1.0, 1.0) * turn * period,
+    }.get(str(kind), np.pi)
     if kind == "beside":
         settings = settings.model_copy(
             update={"omegas": rng.permutation([0, turn, -turn]).tolist()}

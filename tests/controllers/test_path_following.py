@@ -78,6 +78,35 @@ def test_best_plan_is_that_of_trying_all(dwells: int) -> None:
     assert unequal >= (0 if dwells == 1 else 50)
 
 
+def test_at_its_target_a_robot_stands_still() -> None:
+    """All turns on the spot end at the target, where no heading is wrong: |omega| decides."""
+    for heading in (-2.0, 0.5, 3.0):
+        pairs = speed_pairs(np.array([0.0, 1.0]), 1.0, np.array([-0.7, 0.7, 0.0]))
+        plan = best_plan(np.array([4.0, 2.0, heading]), pairs, np.array([0.1]), 0.5, 4.0, 2.0)
+        assert plan.tolist() == [[0.0, 0.0]]
+
+
+@pytest.mark.parametrize("dwells", [2, 3])
+def test_of_mirror_images_the_first_in_the_order_of_the_sets_is_taken(dwells: int) -> None:
+    """Straight before a target, a plan and its mirror image end equally near to it."""
+    by_order = 0
+    for k in range(150):
+        rng = np.random.default_rng([23, dwells, k])
+        turn = float(rng.uniform(0.5, 4.0))
+        pairs = path_following.pairs([1.0], 1.0, rng.permutation([-turn, 0.0, turn]))
+        dwell = rng.uniform(0.1, 0.5, dwells)
+        pose = np.array([*rng.uniform(-5.0, 5.0, 2), rng.uniform(-3.0, 3.0)])
+        gap = rng.uniform(0.05, 1.0) * dwell.sum()
+        target = pose[:2] + gap * np.array([np.cos(pose[2]), np.sin(pose[2])])
+        plan = best_plan(pose, pairs, dwell, 0.0, *target)
+        sequences = path_following.plans(pairs, dwell)
+        keys = path_following.judgements(pose, sequences, dwell, 0.0, target)
+        right, settled = smallest(keys)
+        assert any(np.array_equal(plan, sequences[c]) for c in right)
+        by_order += settled == 4
+    assert by_order >= 50
+
+
 # The projection is continuous in time, and deviations are positive to the left
 
 

@@ -83,13 +83,16 @@ def forward_speed(view):
     return min(nu, me.limits[0])
 
 
-def considered(view):
-    """The robots that this one has to consider."""
+def considered_numbers(view):
+    """Indices of the robots that this one has to consider."""
     me = view.me
     seen = [(j, other.pose, other.reference_station) for j, other in view.others]
-    chosen = priority.considered(
-        view.index, me.pose, me.reference_station, seen, view.cluster.range
-    )
+    return priority.considered(view.index, me.pose, me.reference_station, seen, view.cluster.range)
+
+
+def considered(view):
+    """The robots that this one has to consider."""
+    chosen = considered_numbers(view)
     return [other for j, other in view.others if j in chosen]
 
 

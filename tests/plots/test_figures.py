@@ -105,6 +105,12 @@ def test_every_axis_has_its_unit_and_the_run_its_name(name: str, record: Record)
     assert ("of the paper" in source) == (name != "prediction")
 
 
+def marks(axis: Any) -> list[tuple[float, float]]:
+    """Points that are marked."""
+    dots = [line for line in axis.lines if line.get_marker() == "o" and line.get_zorder() == 5]
+    return [(float(dot.get_xdata()[0]), float(dot.get_ydata()[0])) for dot in dots]
+
+
 def texts(figure: Any, kind: str) -> list[str]:
     return [t.get_text() for axis in figure.axes for t in axis.texts if t.get_gid() == kind]
 
@@ -139,6 +145,24 @@ def test_deviation_draws_the_metric_and_marks_its_peak(record: Record) -> None:
     peak = metrics.deviation_peak(record)
     assert peak is not None
     assert texts(axis.figure, "mark") == [f"{peak.value:+.2f} m (r1)"]
+    assert marks(axis) == [(peak.time, peak.value)]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_peak_of_a_deviation_is_marked_on_its_side(sign: float) -> None:
+    rows = [
+        {
+            "step": 10 * k,
+            "robot": i,
+            "deviation": sign * (0.1 * k - 0.5 * i),
+            "next_step": 10 * k + 10,
+        }
+        for k in range(10)
+        for i in (0, 1)
+    ]
+    axis = deviation(history(rows)).axes[0]
+    assert marks(axis) == [(0.9, pytest.approx(0.9 * sign))]
+    assert texts(axis.figure, "mark") == [f"{0.9 * sign:+.2f} m (r1)"]
 
 
 def test_sharp_turns_of_a_path() -> None:
@@ -163,6 +187,18 @@ def test_formation_marks_peak_and_end(record: Record) -> None:
     energy = metrics.formation_energy(record)
     assert energy is not None
     assert np.array_equal(figure.axes[1].lines[0].get_ydata(), energy.values)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_peak_of_a_formation_error_is_marked_on_its_side(sign: float) -> None:
+    rows = [
+        {"step": 10 * k, "robot": i, "formation_error": sign * (0.1 * k - 0.5 * i)}
+        for k in range(10)
+        for i in (0, 1)
+    ]
+    figure = formation(history(rows))
+    assert marks(figure.axes[0]) == [(0.9, pytest.approx(0.9 * sign))]
+    assert texts(figure, "mark") == [f"{0.9 * sign:.2f} m (r1)"]
 
 
 def test_width_marks_the_narrowest_and_the_widest_place(record: Record) -> None:
@@ -261,6 +297,9 @@ def test_modes_tell_each_share(record: Record) -> None:
     safe = metrics.share_of_modes(record, danger=False)
     assert safe is not None
     assert texts(figure, "share") == [f"{share:.0%}" for share in safe.robots if share is not None]
+    assert 0.55 < safe.value < 1.0
+    told = f"share of safe mode: {safe.value:.1%} of all robots' time under way"
+    assert figure.axes[0].get_title("right") == told
     area = 0.0
     for bars in figure.axes[0].collections:
         corners = [path.vertices for path in bars.get_paths()]

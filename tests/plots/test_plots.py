@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.metrics import contact_episodes
 from physim.plots import FORMATS, NAMES, contacts, draw
@@ -15,6 +16,7 @@ from physim.plots.distances import MOST_POINTS, distances, thinned
 from physim.plots.prediction import prediction, predictions
 from physim.plots.style import CONTACT
 from physim.record import Record
+from tests.metrics.histories import history
 from tests.records import make_record
 
 
@@ -113,6 +115,36 @@ def test_predictions_are_those_before_a_contact(record: Record) -> None:
     got = list(zip(known.robot, known.predicted, known.actual, strict=True))
     assert len(got) == len(expected) > 0
     assert np.allclose(got, expected, rtol=0.0, atol=1e-12)
+
+
+def test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept() -> None:
+    """Robot 0 touches robot 1 from step 50 on, and the wall from step 80 on."""
+    contacts = [
+        (50, 0, 1, Phase.BEGAN, 1e-3),
+        (55, 0, 1, Phase.ENDED, -1e-3),
+        (80, 0, 2, Phase.BEGAN, 1e-3),
+    ]
+    decisions = [
+        {"step": 10, "collision_time": 0.7, "next_step": 30},  # changed before the contact
+        {"step": 30, "collision_time": np.inf, "next_step": 40},
+        {"step": 40, "collision_time": 0.12, "next_step": 50},
+        {"step": 50, "collision_time": 0.0, "next_step": 60},  # they touch: nothing is foretold
+        {"step": 60, "collision_time": 0.2, "next_step": 70},
+        {"step": 85, "collision_time": 0.5, "next_step": 90},  # after the last contact
+    ]
+    known = predictions(history(decisions, contacts))
+    assert known.predicted.tolist() == [0.7, 0.12, 0.2]
+    assert known.actual == pytest.approx([0.4, 0.1, 0.2])
+    assert known.kept.tolist() == [0, 1, 0]
+    assert known.robot.tolist() == [0, 0, 0]
+
+
+def test_a_command_that_a_stage_changed_was_not_held() -> None:
+    rows = [{"step": k, "robot": 0, "collision_time": 0.3, "next_step": 40} for k in (0, 10)]
+    touch = [(30, 0, 1, 0, 0.001, 1.0), (31, 0, 1, 2, -0.1, 0.0)]
+    slowed = [(step, 0, 1.0, 0.0, 1.0, 0.0, 0.5, 0.0) for step in (5, 30)]
+    assert predictions(history(rows, touch)).kept.tolist() == [1, 1]
+    assert predictions(history(rows, touch, commands=slowed)).kept.tolist() == [0, 1]
 
 
 def test_a_record_without_contacts_says_so() -> None:

@@ -29,6 +29,20 @@ def test_starts_and_stops_are_those_of_the_run(name: str) -> None:
         assert robot.reach == pytest.approx(scene.shapes.radius[i], abs=1e-12)
 
 
+@pytest.mark.parametrize("name", ["three_robots", "warehouse"])
+def test_the_safe_area_is_that_of_the_run(name: str) -> None:
+    """The accessible area without what is nearer than L to its edge, obstacles included."""
+    loaded = load_world(name)
+    scene, seen = build_scene(loaded), shown(loaded.to_yaml())
+    assert seen.safe_distance > 0.0
+    assert shapely.equals(seen.accessible, scene.area.polygon)
+    edge = seen.safe.boundary
+    gap = scene.area.polygon.boundary.distance(edge)
+    assert gap == pytest.approx(seen.safe_distance, rel=0.01)
+    rings = [shapely.LinearRing(ring) for ring in scene.area.safe_rings(seen.safe_distance)]
+    assert shapely.hausdorff_distance(shapely.MultiLineString(rings), edge) < 1e-9
+
+
 def test_widths_agree_with_the_slow_form() -> None:
     random = np.random.default_rng(4)
     path = np.cumsum(random.uniform(-1.0, 2.0, (12, 2)), axis=0)

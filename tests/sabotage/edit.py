@@ -37,6 +37,9 @@ ROOMS = MappingProxyType(
         "controllers": ("tests/controllers", "tests/test_controllers_contract.py"),
         "loop": (
             "tests/test_simulation.py",
+            "tests/test_arrival.py",
+            "tests/test_state.py",
+            "tests/test_stages.py",
             "tests/test_control_loop.py",
             "tests/test_perception.py",
             "tests/test_recording.py",

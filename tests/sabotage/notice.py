@@ -1,4 +1,7 @@
-"""A pytest plugin for runs in a scratch copy: which test noticed, and from where physim came."""
+"""A pytest plugin for runs in a scratch copy: which test noticed, and from where physim came.
+
+Hypothesis tries what it always tries, but makes no counterexample smaller: one is enough.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import Phase, settings
 
 REPORT = "PHYSIM_SABOTAGE_REPORT"
 """Environment variable that names the file the plugin writes."""
@@ -51,5 +55,8 @@ def foreign(root: Path) -> list[str]:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Hang the plugin in."""
+    """Hang the plugin in; the profile of tests/conftest.py is loaded by then."""
+    phases = (Phase.explicit, Phase.generate)
+    settings.register_profile("sabotage", parent=settings(), phases=phases)
+    settings.load_profile("sabotage")
     config.pluginmanager.register(Notice())

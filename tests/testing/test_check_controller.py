@@ -44,6 +44,10 @@ def test_sound_controllers_have_no_finding(controller: type) -> None:
     assert check_controller(controller, worlds=["straight", "merging"], seconds=SHORT) == []
 
 
+def test_it_is_at_hand_beside_check_world() -> None:
+    assert physim.check_controller is check_controller
+
+
 def test_what_raises() -> None:
     text = only(broken.RaisesLate, Rule.RAISES, time=0.3)
     assert text.startswith("KeyError: 'four' (")
@@ -109,6 +113,11 @@ def test_state_that_shows_in_other_instances_alone() -> None:
 def test_order_of_the_robots() -> None:
     text = only(broken.FirstComeFirstServed, Rule.ORDER, "r2")
     assert "with the robots in reverse order it decides otherwise: v is 0.75 instead of 0.0" in text
+
+
+def test_who_else_is_asked() -> None:
+    text = only(broken.LooksAround, Rule.ORDER, time=0.2)
+    assert "asked for this robot alone it decides otherwise: v is 0.5 instead of 0.375" in text
 
 
 def test_memory_written_in_place() -> None:

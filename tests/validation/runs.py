@@ -53,6 +53,13 @@ class Careless(Drivers):
         super().__init__((0.5, 0.0), (1.4, 0.2))
 
 
+class Idle(Drivers):
+    """Nobody ever moves."""
+
+    def __init__(self) -> None:
+        super().__init__((0.0, 0.0), (0.0, 0.0))
+
+
 REAR_END = ((0.5, 0.0), (1.4, 0.2))
 """the fast one comes from behind on a bend and runs into the slow one"""
 APART = ((1.0, 0.0), (0.9, 0.05))

@@ -11,10 +11,13 @@ import pytest
 import physim
 from physim.cli import main
 from physim.validation import validate
+from physim.validation.rerun import rerun
 from tests.cli.commands import started
+from tests.forgeries.parts import Ramp
 from tests.validation.runs import APART, LANE, REAR_END, edited, lane
 
 CARELESS = "tests.validation.runs:Careless"
+IDLE = "tests.validation.runs:Idle"
 ANY_HEADING = LANE.replace("[4.6, -1.0, 0.0]", "[4.6, -1.0, random]")
 
 
@@ -84,22 +87,27 @@ def test_json_on_standard_output_stands_alone(folder, capsys, more):
 def test_coarse_record_is_simulated_again(folder, capsys):
     path = folder / "coarse.h5"
     lane(REAR_END, path, **{"time.record_every": 7}).close()
-    # Its samples are those of Careless, which the world inside cannot name.
+    # It drove as Careless does, which the world inside cannot name.
     code, out, _ = run(capsys, path, "--controller", CARELESS)
     assert code == 1
-    assert "simulated again, and those in it agree" in out
-    code, _, err = run(capsys, path)
-    assert code == 2
-    assert "m away from its recorded sample" in err
+    assert "Simulated again: the same values to the bit in all 3.00 s" in out
+    code, out, err = run(capsys, path)
+    assert (code, out) == (2, "")
+    assert "give --controller tests.validation.runs:Drivers" in err
+    one_line(err)
+    code, out, _ = run(capsys, path, "--controller", "path_following")
+    assert code == 3
+    assert "simulated again it is another run, /modes/name is 0 rows in the record, 2" in out
 
 
 def test_a_coarse_record_without_its_contacts(folder, capsys):
     with lane(REAR_END, **{"time.record_every": 7}) as record:
         edited(record, folder / "fewer.h5", lambda rows: rows[:-1]).close()
-    code, out, err = run(capsys, folder / "fewer.h5", "--controller", CARELESS)
-    assert (code, out) == (2, "")
-    assert "the contacts are not those of the record" in err
-    one_line(err)
+    code, out, _ = run(capsys, folder / "fewer.h5", "--controller", CARELESS)
+    assert code == 3
+    assert "simulated again it is another run, " in out
+    assert "/contacts, row " in out
+    assert "not there in the record, there simulated again" in out
 
 
 def test_origin(folder, capsys):
@@ -109,6 +117,80 @@ def test_origin(folder, capsys):
     assert code == 2
     assert "corridor.width is 8.0 in the record, 9.0 in the world" in err
     one_line(err)
+
+
+def test_simulated_again_it_is_the_same_run(folder, capsys):
+    mine = from_a_class(folder, "again.h5")
+    code, out, _ = run(capsys, mine, "--rerun", "--controller", CARELESS)
+    with physim.Record.load(mine) as record:
+        assert f"the same run to the bit, digest {record.digest()}" in " ".join(out.split())
+    assert code == 1
+    code, out, err = run(capsys, mine, "--rerun")
+    assert (code, out) == (2, "")
+    assert f"give --controller {CARELESS}" in err
+    one_line(err)
+
+
+def test_another_run_is_told_by_its_first_difference(folder, capsys):
+    path = from_a_class(folder, "other.h5", **{"robots.0.mass": 90.0})
+    with h5py.File(path, "r+") as file:
+        file.attrs["world"] = file.attrs["world"].replace("mass: 90.0", "mass: 900.0")
+    assert run(capsys, path, "--quiet")[0] == 1  # no check of the record alone sees a mass
+    code, out, _ = run(capsys, path, "--quiet", "--rerun", "--controller", CARELESS)
+    assert code == 3
+    assert "another run, " in out
+    assert "/contacts, row 0, impulse is" in out
+
+
+def test_a_run_of_other_versions_is_held_up_to_its_first_contact(folder, capsys):
+    path = from_a_class(folder, "older.h5")
+    with h5py.File(path, "r+") as file:
+        file.attrs["versions"] = json.dumps({"physim": "0.0.9"})
+        rows = file["/contacts"][()]
+        rows["impulse"] *= 2.0  # behind the first contact: not compared
+        file["/contacts"][...] = rows
+    code, out, _ = run(capsys, path, "--rerun", "--controller", CARELESS)
+    told = " ".join(out.split())
+    assert code == 1
+    assert "by other versions than made the record (physim 0.0.9): the same within 1e-09" in told
+    assert "up to the first contact after " in told
+    with h5py.File(path, "r+") as file:
+        file["/steps/pose"][...] += 1e-8
+    assert run(capsys, path, "--rerun", "--controller", CARELESS)[0] == 3
+
+
+def test_parts_from_python_cannot_be_given_again_here(folder, capsys):
+    world = physim.load_world(folder / "lane.yaml")
+    physim.simulate(world, filters=[Ramp()], path=folder / "ramp.h5").close()
+    for more in (["--rerun"], ["--seeds", "1:3"]):
+        code, out, err = run(capsys, folder / "ramp.h5", *more)
+        assert (code, out) == (2, "")
+        assert "its filter tests.forgeries.parts:Ramp came from Python" in err
+        one_line(err)
+    with physim.Record.load(folder / "ramp.h5") as record:
+        assert rerun(record, filters=[Ramp()]).same_digest
+        other = rerun(record, filters=[Ramp(0.01)])
+        assert other.difference is not None
+        assert (other.difference.table, other.difference.step) == ("/updates", 0)
+
+
+def test_robots_that_never_move_are_not_as_expected(folder, capsys):
+    (folder / "any_expects.yaml").write_text(
+        ANY_HEADING + "expect: {finished: true}\n", encoding="utf-8"
+    )
+    target = folder / "idle.json"
+    code, out, _ = run(
+        capsys, folder / "any_expects.yaml", "--seeds", "1:6", "--controller", IDLE, "--set",
+        "time.duration=1.0", "--json", target,
+    )  # fmt: skip
+    assert code == 1
+    assert "5 of 5 runs contact-free = 100.0%" in out
+    assert "0 of 5 runs finished = 0.0%, 95 % Clopper-Pearson interval 0.0% to 52.2%" in out
+    assert "not as expected, finished: with seeds 1, 2, 3, 4, 5" in out
+    assert "verdict: contact-free; not as expected: finished" in out
+    found = json.loads(target.read_text(encoding="utf-8"))
+    assert (found["exit_code"], found["finished"], found["contact_free"]) == (1, 0, 5)
+    assert [one["missed"] for one in found["seeds"]] == [["finished"]] * 5
 
 
 def test_seeds(folder, capsys):
@@ -152,7 +234,7 @@ def one_line(err):
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (lambda file: file.attrs.modify("version", 99), "record version 99"),
+        (lambda file: file.attrs.modify("version", "99.1"), "record version '99.1'"),
         (lambda file: file.__delitem__("contacts"), "dataset /contacts is missing"),
         (lambda file: [file[f"steps/{key}"].resize(100, axis=0) for key in
                        ("step", "pose", "clearance", "boundary_clearance")], "truncated"),

@@ -44,7 +44,7 @@ def test_one_pose_shifted_by_a_millimetre(tmp_path, apart, column):
     assert (stray.robot, stray.step, stray.steps) == (1, 200, 2)
     assert max(stray.gap, stray.turn) == pytest.approx(1e-3, rel=0.01)
     assert found.code == 3
-    assert found.verdict.endswith("poses do not follow the commands, once")
+    assert "poses do not follow the commands, once" in found.verdict
     said = " ".join(report(found).split())
     assert "2.0000 s fast: unexplained (it touches nothing" in said
     assert json.loads(json_of_validation(found))["motion"]["strays"][0]["step"] == 200
@@ -147,7 +147,6 @@ def test_a_controller_without_modes_is_told_without_them():
     summary = summarise(record)
     assert summary.danger_time_share is None
     assert not {"danger_share", "safe_share", "mode_switches"} & set(summary.metrics)
-    assert "n/a (the controller gives no modes)" in table(summary)
     found = validate(record)
     assert "safe mode" not in report(found)
 

@@ -6,7 +6,7 @@ from math import comb
 
 import pytest
 
-from physim.validation.seeds import SeedResult, SeedStudy, clopper_pearson
+from physim.validation.seeds import SeedResult, SeedStudy, clopper_pearson, seeds_text
 
 
 def at_least(k, n, p):
@@ -31,8 +31,24 @@ def test_ends():
 )
 def test_the_worst_seed_decides(codes, code, free):
     results = tuple(
-        SeedResult(seed, "", one, 0, 0, "duration", 1.0, "", None) for seed, one in enumerate(codes)
+        SeedResult(seed, "", one, int(one == 1), 0, "duration", 1.0, "", None, False, ())
+        for seed, one in enumerate(codes)
     )
     study = SeedStudy("made up", results, len(codes))
     assert (study.code, study.free) == (code, free)
-    assert study.rate == free / len(codes)
+    assert study.rates[0].share == free / len(codes)
+
+
+def test_rates_stand_beside_each_other():
+    results = tuple(
+        SeedResult(seed, "", code, 0, 0, "finished" if done else "duration", 1.0, "", None, done,
+                   () if done else ("finished",))
+        for seed, (code, done) in enumerate([(0, True), (1, False), (0, True), (3, True)])
+    )  # fmt: skip
+    study = SeedStudy("made up", results, len(results))
+    assert (study.free, study.finished, study.code) == (3, 2, 3)
+    text = seeds_text(study)
+    assert "3 of 4 runs contact-free = 75.0%" in text
+    assert "2 of 4 runs finished = 50.0%" in text
+    assert "not as expected, finished: with seeds 1" in text
+    assert "contacts with seeds" not in text

@@ -46,9 +46,12 @@ def turned(file):
         (without(Phase.ENDED), "a contact whose end is not in the record"),
         (without(Phase.BEGAN), "a row that begins a contact or goes on with one, wrongly"),
         (column("/contacts", "phase", np.zeros_like), "a row that begins a contact"),
-        (column("/updates", "station", lambda c: c + 1e-6), "fast: unexplained (station on its"),
-        (column("/updates", "deviation", np.negative), "deviation from its path"),
-        (column("/updates", "reference_station", lambda c: c[::-1]), "station on the reference"),
+        (column("/updates", "station", lambda c: c + 1e-6), "fast: /updates, row 1, station is"),
+        (column("/updates", "deviation", np.negative), "fast: /updates, row 1, deviation is 1 in"),
+        (
+            column("/updates", "reference_station", lambda c: c[::-1]),
+            "/updates, row 0, reference_station is",
+        ),
     ],
 )
 def test_tables(parted, tmp_path, change, told):
@@ -146,7 +149,7 @@ def test_a_run_that_is_said_to_have_lasted_its_whole_duration(apart, tmp_path):
     with physim.Record.load(tampered(half, tmp_path, lasted)) as record:
         found = validate(record)
     assert found.code == 3
-    assert "whole duration is 100 in the record, 300 by the world inside it" in found.verdict
+    assert "attribute steps_run is 100 in the record, 300 by the world inside" in found.verdict
 
 
 def test_what_decided_is_recorded(tmp_path):

@@ -38,7 +38,9 @@ def test_the_robot_behind_is_responsible(rear_end):
     assert fast.part.startswith("front")
     assert slow.speed == pytest.approx(0.5, abs=1e-6)
     assert fast.speed == pytest.approx(1.4, abs=1e-4)
-    assert 0.0 < first.closing < 2.0
+    assert 0.0 < first.severity.closing < 2.0
+    assert len(first.severity.changes) == 2
+    assert first.severity.energy > 0.0
 
 
 def test_contact_comes_when_it_was_predicted(rear_end):
@@ -110,7 +112,7 @@ def test_a_graze_between_samples_is_found_and_explained():
 def test_a_coarse_record_is_refused():
     with (
         lane(((1.0, 0.0), (0.9, 0.05)), **{"time.record_every": 5}) as record,
-        pytest.raises(RecordError, match="every step is needed"),
+        pytest.raises(RecordError, match="every step and all tables are needed"),
     ):
         validate(record)
 

@@ -7,6 +7,7 @@ from tests.sabotage.edits import (
     basics,
     checking,
     cli,
+    controllers,
     crashtest,
     geometry,
     importing,
@@ -29,7 +30,7 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, world, world_file, scene, checking, physics, loop, record,
+        basics, geometry, world, world_file, scene, checking, physics, controllers, loop, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
         reproduction, cli,
     )

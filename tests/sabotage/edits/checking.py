@@ -47,10 +47,9 @@ EDITS = (
         "physim/checking/formation.py",
         "_check_duration",
         "min(own, sketch.speed)",
-        "sketch.formation_speed",
+        "sketch.speed",
         "a slow robot takes longer to finish",
-        "tests/checking/test_robots.py::"
-        "test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
+        "tests/checking/test_robots.py::test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
     ),
     Edit(
         "checking",

@@ -245,7 +245,7 @@ EDITS = (
         "geometry",
         "physim/geometry/safe_point.py",
         "nearest_safe_point",
-        "if not _crosses(edges, eye[0], eye[1], x, y):",
+        "if not _crosses(between, eye[0], eye[1], x, y):",
         "if True:",
         "a target is not moved through a wall",
         "tests/geometry/test_safe_point.py::test_point_beyond_a_thin_wall_is_not_taken",

@@ -30,7 +30,7 @@ EDITS = (
         "mark(axis, peak.time, peak.value, text,",
         "mark(axis, peak.time, abs(peak.value), text,",
         "the peak of the deviation is marked on its side",
-        "tests/plots/test_figures.py::test_deviation_draws_the_metric_and_marks_its_peak",
+        "tests/plots/test_figures.py::test_the_peak_of_a_deviation_is_marked_on_its_side",
     ),
     Edit(
         "plots",
@@ -63,8 +63,8 @@ EDITS = (
         "plots",
         "physim/plots/distances.py",
         "_least",
-        "(record.clearance, BLUE,",
-        "(record.boundary_clearance, BLUE,",
+        "(record.clearance, INK,",
+        "(record.boundary_clearance, INK,",
         "distances to robots and to walls are told apart",
         "tests/plots/test_plots.py::test_distances_show_the_least_values_and_every_contact",
     ),
@@ -72,11 +72,10 @@ EDITS = (
         "plots",
         "physim/plots/prediction.py",
         "predictions",
-        'record.updates\n    rows = rows[np.isfinite(rows["collision_time"]) & '
-        '(rows["collision_time"] > 0.0)]',
-        'record.updates\n    rows = rows[np.isfinite(rows["collision_time"])]',
+        "record.updates[np.isfinite(times) & (times > 0.0)]",
+        "record.updates[np.isfinite(times)]",
         "decisions made in contact foretell none",
-        "tests/plots/test_plots.py::test_predictions_are_those_before_a_contact",
+        "tests/plots/test_plots.py::test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept",
     ),
     Edit(
         "plots",
@@ -85,7 +84,7 @@ EDITS = (
         'int(row["next_step"] >= hits[k])',
         "1",
         "a command that was changed before the contact is told",
-        "tests/plots/test_plots.py::test_predictions_are_those_before_a_contact",
+        "tests/plots/test_plots.py::test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept",
     ),
     Edit(
         "plots",
@@ -94,7 +93,7 @@ EDITS = (
         "np.copysign(peak.value, signed)",
         "peak.value",
         "the peak of a formation error is marked on its side",
-        "tests/plots/test_figures.py::test_formation_marks_peak_and_end",
+        "tests/plots/test_figures.py::test_the_peak_of_a_formation_error_is_marked_on_its_side",
     ),
     Edit(
         "plots",

@@ -48,7 +48,7 @@ EDITS = (
         "e.impact, e.impulse)",
         "e.impulse, e.impact)",
         "impact and impulse of a contact are told apart",
-        "tests/test_summary.py::test_contacts_one_by_one",
+        "tests/test_summary.py::test_figures_and_names",
     ),
     Edit(
         "summary",

@@ -76,8 +76,7 @@ EDITS = (
         "(self.scale, -self.scale)",
         "(self.scale, self.scale)",
         "up is up",
-        "tests/video/test_frames.py::"
-        "test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time",
+        "tests/video/test_frames.py::test_places_far_from_the_origin",
     ),
     Edit(
         "video",
@@ -91,20 +90,11 @@ EDITS = (
     Edit(
         "video",
         "physim/video/robots.py",
-        "draw_robot",
-        "theme.mode_colour(mode)",
-        "theme.mode_colour(0)",
-        "robots have the colour of their mode",
-        "tests/video/test_frames.py::test_robots_have_the_colour_of_their_mode",
-    ),
-    Edit(
-        "video",
-        "physim/video/robots.py",
         "Fleet.placed",
         "c * x - s * y, s * x + c * y",
         "c * x + s * y, c * y - s * x",
         "robots are drawn at their headings",
-        "tests/video/test_frames.py::test_robots_have_the_colour_of_their_mode",
+        "tests/video/test_parts.py::test_the_closest_pair_is_the_closest",
     ),
     Edit(
         "video",

@@ -1,0 +1,68 @@
+"""The engine with its robots: step it, stand them somewhere else, recall contacts."""
+
+from __future__ import annotations
+
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.physics.bodies import BodyArrays
+from physim.physics.engine_state import ContactMemory, Impulses, no_impulses
+from physim.physics.guard import PythonGuard, Touches
+from physim.physics.space import Hosted, parking
+
+
+class Engine:
+    """A space that holds N robots, of which ``arrays`` reads and writes poses and velocities."""
+
+    def __init__(
+        self, hosted: Hosted, shapes: Shapes, walls: Shapes, guard: PythonGuard, dt: float
+    ) -> None:
+        """Take a space in which the robots stand at rest; steps are of ``dt`` [s]."""
+        self.arrays = BodyArrays(hosted.space, len(hosted.bodies))
+        self.guard = guard
+        self._space = hosted.space
+        self._memory = ContactMemory(hosted)
+        self._parking = parking(shapes, walls)
+        self._dt = dt
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the last step found contacts, if only false ones: the next begins from them."""
+        return bool(self.guard.reported)
+
+    def step(self) -> Touches:
+        """Move all bodies, find the contacts at their new poses and solve them; the true ones."""
+        self._space.step(self._dt)
+        return self.guard.take()
+
+    def rejected(self) -> IntArray:
+        """Return the parts (M, 2) of the false contacts since the last call."""
+        return self.guard.take_rejected()
+
+    def stand(self, pose: FloatArray) -> None:
+        """Put all robots at poses (N, 3), at rest; the engine forgets the contacts it had."""
+        while self.remembers:  # twice, if the easing of overlaps leads from parking into contact
+            self._put(self._parking)
+            self.step()
+        self._put(pose)
+        self.rejected()
+
+    def impulses(self) -> Impulses:
+        """Return what contacts have accumulated in the last step."""
+        return self._memory.read() if self.remembers else no_impulses()
+
+    def recall(self, pose: FloatArray, impulses: Impulses | None) -> None:
+        """Stand the robots at poses (N, 3) where contacts had accumulated impulses, if known.
+
+        Raises PhysimError where the contacts found at the poses are others.
+        """
+        self.stand(pose)
+        self.step()
+        self.rejected()
+        self.arrays.read_pose()
+        if impulses is not None:
+            self._memory.write(impulses)
+
+    def _put(self, pose: FloatArray) -> None:
+        self.arrays.velocity[:] = 0.0
+        self.arrays.write_velocity()
+        self.arrays.pose[:] = pose
+        self.arrays.write_pose()

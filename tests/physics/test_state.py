@@ -1,0 +1,241 @@
+"""A run restored at any sample goes on bit for bit, anywhere; and what it takes for that."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import functools
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pymunk
+import pytest
+from crowds import KINDS, crowd, digest, go_on, run, told, worth_restoring
+from engine_memory import biases, set_biases
+
+from physim.errors import PhysimError
+
+ONWARD = 200
+"""steps that a restored run is followed"""
+LAST = 160
+"""sample of the last state that is restored"""
+FALSE_LAST = 400
+"""the same where false contacts are rare"""
+
+
+@functools.cache
+def past(kind, seed):
+    return run(kind, seed, ONWARD + last(kind))
+
+
+def last(kind):
+    return FALSE_LAST if kind == "apart" else LAST
+
+
+@functools.cache
+def chosen(kind, seed):
+    rng = np.random.default_rng(seed)
+    return worth_restoring(past(kind, seed).states[: last(kind)], rng, 4)
+
+
+def follows(kind, seed, state):
+    """What the undisturbed run tells from a state on."""
+    return past(kind, seed).samples[int(state.step) : int(state.step) + ONWARD + 1]
+
+
+every_kind = pytest.mark.parametrize("kind", KINDS)
+
+
+@every_kind
+def test_restored_in_the_same_and_in_a_fresh_physics(kind):
+    scene = crowd(kind, 1)
+    used, fresh = scene.physics(), scene.physics()
+    go_on(scene, used, 100)
+    for state in chosen(kind, 1):
+        for physics in (used, fresh):
+            physics.restore(state)
+            assert physics.state == state
+            until = int(state.step) + ONWARD
+            assert go_on(scene, physics, until) == follows(kind, 1, state)
+            assert physics.state == past(kind, 1).states[until]
+
+
+def test_restored_in_another_process(tmp_path):
+    cases = [(kind, 1, state) for kind in KINDS for state in chosen(kind, 1)]
+    (tmp_path / "cases").write_bytes(pickle.dumps(cases))
+    script = (
+        "import pickle, sys\n"
+        "from crowds import crowd, digest, go_on\n"
+        "for kind, seed, state in pickle.load(open(sys.argv[1], 'rb')):\n"
+        "    scene = crowd(kind, seed)\n"
+        "    physics = scene.physics()\n"
+        "    physics.restore(state)\n"
+        f"    print(digest(go_on(scene, physics, int(state.step) + {ONWARD})))\n"
+    )
+    command = [sys.executable, "-c", script, str(tmp_path / "cases")]
+    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [digest(follows(*case)) for case in cases]
+
+
+def test_the_states_cover_what_can_be_under_way():
+    states = [state for kind in KINDS for state in chosen(kind, 1)]
+    assert sum(len(s.part) > 0 for s in states) > 10
+    assert sum(len(s.false_contacts) > 0 for s in states) > 2
+    assert any(len(s.false_contacts) and not len(s.touching) for s in states)
+    assert any((s.contacts["phase"] == 0).any() for s in states)
+    points = np.concatenate([s.impulse for s in states])
+    assert (points != 0.0).any(axis=0).all()  # along the normal, and by friction
+
+
+# What it takes: without any part of it runs go on differently
+
+
+def end_up_elsewhere(change):
+    """Of states in contact of a jam: how many, and how many lead elsewhere after a change."""
+    scene, states = crowd("jam", 1), past("jam", 1).states
+    picked = [states[k] for k in range(90, LAST, 12)]
+    differ = 0
+    for state in picked:
+        physics = change(scene.physics(), state)
+        until = int(state.step) + 60
+        while physics.step_number < until:
+            physics.step(scene.command(physics.step_number, physics.pose))
+        differ += physics.pose.tobytes() != states[until].pose.tobytes()
+    return len(picked), differ
+
+
+def restored(physics, state):
+    physics.restore(state)
+    return physics
+
+
+def without_impulses(physics, state):
+    return restored(physics, dataclasses.replace(state, impulse=np.zeros_like(state.impulse)))
+
+
+def without_tangents(physics, state):
+    return restored(physics, dataclasses.replace(state, impulse=state.impulse * (1.0, 0.0)))
+
+
+def without_touching(physics, state):
+    return restored(physics, dataclasses.replace(state, touching=state.touching[:0]))
+
+
+def without_biases(physics, state):
+    set_biases(restored(physics, state), 0.0)
+    return physics
+
+
+def poses_alone(physics, state):
+    physics.reset(state.pose)
+    physics.step_number = int(state.step)
+    return physics
+
+
+def test_nothing_left_out_nothing_changes():
+    assert end_up_elsewhere(restored) == (6, 0)
+
+
+@pytest.mark.parametrize(
+    "change", [without_impulses, without_tangents, without_touching, without_biases, poses_alone]
+)
+def test_anything_left_out_changes_the_run(change):
+    assert end_up_elsewhere(change) == (6, 6)
+
+
+def test_the_order_of_pairs_of_the_tree_depends_on_the_past(monkeypatch):
+    monkeypatch.setattr(pymunk.Space, "use_spatial_hash", lambda *arguments: None)
+    scene, by_tree = crowd("jam", 1), run("jam", 1, 300)
+    physics, differ = scene.physics(), 0
+    for k in (60, 80, 100):
+        try:
+            physics.restore(by_tree.states[k])
+        except PhysimError:
+            differ += 1
+            continue
+        differ += go_on(scene, physics, 300) != by_tree.samples[k:]
+    assert differ > 0
+
+
+def test_what_eases_overlaps_follows_from_the_poses():
+    scene = crowd("jam", 1)
+    physics = scene.physics()
+    go_on(scene, physics, 120)
+    before, state = biases(physics), physics.state
+    assert np.abs(before).max() > 1e-3
+    for other in (physics, scene.physics()):
+        other.restore(state)
+        assert biases(other).tobytes() == before.tobytes()
+
+
+# The value
+
+
+def test_a_state_never_changes():
+    scene = crowd("jam", 2)
+    physics = scene.physics()
+    go_on(scene, physics, 120)
+    state = physics.state
+    kept = pickle.dumps(state)
+    assert len(state.part)
+    for array in state.arrays().values():
+        assert not array.flags.writeable
+    go_on(scene, physics, 150)
+    physics.contacts["depth"] = 9.0
+    assert physics.state != state
+    physics.restore(state)
+    go_on(scene, physics, 125)
+    assert pickle.dumps(state) == kept
+
+
+def pickled(state):
+    return pickle.loads(pickle.dumps(state))
+
+
+@pytest.mark.parametrize("again", [copy.deepcopy, copy.copy, pickled])
+def test_copies_are_equal_and_read_only(again):
+    state = past("jam", 1).states[120]
+    other = again(state)
+    assert other == state
+    assert not any(array.flags.writeable for array in other.arrays().values())
+    scene = crowd("jam", 1)
+    physics = scene.physics()
+    physics.restore(other)
+    assert go_on(scene, physics, 160) == past("jam", 1).samples[120:161]
+
+
+def test_the_arrays_make_the_state():
+    state = past("jam", 1).states[120]
+    assert type(state)(**state.arrays()) == state
+
+
+@pytest.mark.parametrize("name", ["step", "pose", "touching", "impulse", "rejected", "contacts"])
+def test_a_bit_makes_another_state(name):
+    state = past("jam", 1).states[120]
+    array = np.array(state.arrays()[name])
+    flipped = bytes([array.tobytes()[0] ^ 1]) + array.tobytes()[1:]
+    other = np.frombuffer(flipped, array.dtype).reshape(array.shape)
+    assert dataclasses.replace(state, **{name: array}) == state
+    assert dataclasses.replace(state, **{name: other}) != state
+
+
+# Of another scene
+
+
+def test_another_number_of_robots_is_refused():
+    with pytest.raises(PhysimError, match=r"poses of shape \(8, 3\); allowed: \(16, 3\)"):
+        crowd("jam", 1).physics().restore(past("boxes", 1).states[0])
+
+
+def test_other_contacts_at_the_poses_are_told():
+    scene = crowd("jam", 1)
+    state = past("jam", 1).states[120]
+    physics = scene._replace(robots=[scene.robots[1]] * 16).physics()
+    with pytest.raises(PhysimError, match="of another scene: at its poses the engine finds other"):
+        physics.restore(state)
+    physics.reset(scene.start)
+    assert told(physics) == told(scene._replace(robots=[scene.robots[1]] * 16).physics())

@@ -5,7 +5,9 @@ The parts are the examples of docs/EXTENDING.md, installed for these tests alone
 
 from __future__ import annotations
 
+import copy
 import importlib
+import pickle
 import re
 import sys
 from collections.abc import Iterator
@@ -21,7 +23,7 @@ from physim.record import Record
 from physim.recording import record_run, simulate
 from physim.registry import CONTROLLER, make_part
 from physim.simulation import Simulation
-from physim.stages import for_each, observers
+from physim.stages import for_each, observers, with_poses
 from physim.world import World
 from physim.world_file import load_world
 from tests.extending import entry_points, install
@@ -175,7 +177,58 @@ def test_rows_may_be_left_out() -> None:
     assert len(simulation.last.decisions.considered) == 0
 
 
+class Drift:
+    """Every robot believes that it is 0.3 m further along the x axis than it is."""
+
+    def start(self, scene: Any) -> None:
+        return None
+
+    def sense(self, scene: Any, truth: Any, sensed: Sensed, state: Any) -> Any:
+        rows = for_each(sensed)
+        own = observers(rows) == rows.robot
+        return with_poses(scene, rows, rows.pose + np.outer(own, (0.3, 0.0, 0.0))), state
+
+
+def test_a_robot_that_errs_about_itself_errs_about_its_stations() -> None:
+    simulation = Simulation(world(name="straight"), sensing=[Drift()])
+    for _ in range(100):
+        simulation.step()
+    truth, one = simulation.now, simulation.observe(0)
+    assert one.pose[0] == pytest.approx(truth.pose[0, 0] + 0.3)
+    assert one.station == pytest.approx(truth.station[0] + 0.3)
+    assert one.reference_station == pytest.approx(truth.reference_station[0] + 0.3)
+    assert one.others[0].station == truth.reference_station[1]
+    assert (one.others[0].pose == truth.pose[1]).all()
+
+
 # Filter and disturbance
+
+
+class Line:
+    """Commands times a factor, and something more."""
+
+    def __init__(self, factor: float, more: float) -> None:
+        self.factor, self.more = factor, more
+
+    def start(self, scene: Any) -> None:
+        return None
+
+    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+        return nominal * self.factor + self.more, state
+
+    def disturb(self, scene: Any, truth: Any, filtered: Any, state: Any) -> Any:
+        return filtered * self.factor + self.more, state
+
+
+def test_filters_stand_in_their_order() -> None:
+    half, more = Line(0.5, 0.0), Line(1.0, 0.2)
+    for first, second, reached in ((half, more, 0.7), (more, half, 0.6)):
+        for kind in ("filters", "disturbances"):
+            given: dict[str, Any] = {kind: [first, second]}
+            simulation = Simulation(world(), **given)
+            simulation.step(np.array([[1.0, 0.0]] * 3))
+            assert simulation.last is not None
+            assert simulation.last.applied[:, 0] == pytest.approx([reached] * 3)
 
 
 def test_filters_see_what_is_sensed_and_remember() -> None:
@@ -218,6 +271,29 @@ def test_stages_go_one_after_the_other_and_stand_in_the_record() -> None:
     assert record.given == ()
     assert len(plain.commands) == 0
     assert len(record.commands) == (np.abs(applied - nominal).max(axis=2) > 0.0).sum()
+
+
+@pytest.mark.parametrize("way", ["deepcopy", "pickle", "restore"])
+def test_what_stages_remember_comes_along_with_a_state(way: str) -> None:
+    hazy = world(HAZE, RAMP, GAINS)
+    simulation = Simulation(hazy)
+    for _ in range(25):
+        simulation.step()
+    if way == "deepcopy":
+        other = copy.deepcopy(simulation)
+    elif way == "pickle":
+        other = pickle.loads(pickle.dumps(simulation))
+    else:
+        other = Simulation(hazy, state=simulation.state)
+    for _ in range(75):
+        simulation.step()
+        other.step()
+        assert simulation.last is not None
+        assert other.last is not None
+        for name in ("nominal", "filtered", "applied", "pose"):
+            assert np.array_equal(getattr(simulation.last, name), getattr(other.last, name))
+    assert (simulation.last.filtered != simulation.last.nominal).any()
+    assert (simulation.last.applied != simulation.last.filtered).any()
 
 
 def test_limits_bind_filters_but_not_disturbances() -> None:

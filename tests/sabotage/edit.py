@@ -44,6 +44,7 @@ ROOMS = MappingProxyType(
             "tests/test_perception.py",
             "tests/test_recording.py",
             "tests/test_grazes.py",
+            "tests/test_stages.py",
         ),
         "record": ("tests/record",),
         "metrics": ("tests/metrics",),

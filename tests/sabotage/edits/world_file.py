@@ -1,4 +1,4 @@
-"""Edits of `physim.world_file` and of the registry of controllers."""
+"""Edits of `physim.world_file` and of the registry of parts."""
 
 from __future__ import annotations
 
@@ -132,5 +132,59 @@ EDITS = (
         "strict=False",
         "text is no number in a controller's settings",
         "tests/world_file/test_registry.py::test_wrong_settings_have_their_place",
+    ),
+    Edit(
+        "world_file",
+        "physim/world_file/named_parts.py",
+        "judge_parts",
+        "trusted and is_controller",
+        "trusted",
+        "a world names registered stages only, whoever gave the controller",
+        "tests/world_file/test_named_parts.py::test_a_world_cannot_name_a_class",
+    ),
+    Edit(
+        "world_file",
+        "physim/world_file/named_parts.py",
+        "judge_parts",
+        "told = world_faults(made, world, named.where)",
+        "pass",
+        "what a part objects to is a fault of the world",
+        "tests/world_file/test_named_parts.py::test_each_mistake_is_one_clear_line",
+    ),
+    Edit(
+        "world_file",
+        "physim/world_file/named_parts.py",
+        "judge_parts",
+        "doubts += world_doubts(made, world, named.where)",
+        "pass",
+        "what a part doubts is told by a check",
+        "tests/world_file/test_named_parts.py::test_check_tells_what_parts_doubt",
+    ),
+    Edit(
+        "world_file",
+        "physim/world_file/named_parts.py",
+        "_named",
+        "for kind in STAGES:",
+        "for kind in STAGES[:1]:",
+        "stages of every kind are checked when a world is read",
+        "tests/world_file/test_named_parts.py::test_every_fault_of_every_part_comes_at_once_with_its_place",
+    ),
+    Edit(
+        "world_file",
+        "physim/registry.py",
+        "_registered",
+        "if others:",
+        "if False:",
+        "a name that two packages register is not guessed",
+        "tests/world_file/test_named_parts.py::test_a_name_that_two_packages_register_is_told_not_guessed",
+    ),
+    Edit(
+        "world_file",
+        "physim/world_file/schema.py",
+        "world_schema",
+        "for kind in (CONTROLLER, *STAGES):",
+        "for kind in (CONTROLLER,):",
+        "the schema shows registered stages with their settings",
+        "tests/world_file/test_named_parts.py::test_schema_shows_registered_parts_with_their_settings",
     ),
 )

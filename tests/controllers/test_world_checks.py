@@ -1,0 +1,166 @@
+"""What the paper's controller says of worlds: its speed, how far it sees, where it stops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physim
+from physim.checking import Findings, check_world
+from physim.errors import WorldError
+from physim.registry import CONTROLLER, make_part
+from physim.simulation import Simulation
+from physim.world_file import parse_world
+from physim.world_file.shipped import shipped_worlds
+
+ALONE = """\
+name: alone
+time: {step: 0.01, duration: 2.0}
+corridor: {centreline: [[0, 0], [40, 0]], width: 8.0}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [2, 0, 0], path: {offset: 1.5}}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [6, 0, 0], path: {offset: -1.5}}
+"""
+CORNER = 1.0295630  # [m] of either robot, from its reference point
+TOGETHER = ALONE + "formation: {}\n"
+
+
+def checked(tmp_path, text: str, *overrides: str, controller: str | None = None) -> Findings:
+    (tmp_path / "w.yaml").write_text(text)
+    return check_world(tmp_path / "w.yaml", overrides=overrides, controller=controller)
+
+
+def said(findings: Findings) -> dict[str, str]:
+    return {finding.key: finding.message for finding in findings.warnings}
+
+
+# Speed
+
+
+class Plain:
+    """A controller without its batch form."""
+
+    def __init__(self, inner) -> None:
+        self.inner, self.settings = inner, inner.settings
+        self.modes, self.rules, self.columns = inner.modes, inner.rules, inner.columns
+
+    def decide(self, observation, memory):
+        return self.inner.decide(observation, memory)
+
+
+@pytest.mark.parametrize("form", ["mode_switching", "plain", "path_following"])
+@pytest.mark.parametrize(("speed", "driven"), [(None, 1.0), (0.4, 0.4), (9.0, 1.5)])
+def test_robots_go_at_the_speed_that_is_set_where_there_is_no_formation(form, speed, driven):
+    """At most at their limits, 1.5 m/s."""
+    name = "path_following" if form == "path_following" else "mode_switching"
+    settings = {} if speed is None else {"speed": speed}
+    world = parse_world(ALONE).changed(controller={"type": name, **settings})
+    made = make_part(CONTROLLER, name, settings)
+    simulation = Simulation(world, controller=Plain(made) if form == "plain" else made)
+    for _ in range(20):
+        simulation.step()
+    assert simulation.command[:, 0] == pytest.approx([driven, driven])
+
+
+def test_a_formation_has_a_speed_of_its_own():
+    world = parse_world(TOGETHER + "controller: {type: mode_switching}\n")
+    again = world.changed(formation={"speed": 1.2, "gain": 0.0})
+    for one, driven in ((world, 1.0), (again, 1.2)):
+        simulation = Simulation(one)
+        simulation.step()
+        assert simulation.command[:, 0] == pytest.approx([driven, driven])
+
+
+@pytest.mark.parametrize("name", ["mode_switching", "path_following"])
+def test_a_speed_beside_a_formation_is_one_fault(name):
+    text = f"{TOGETHER}controller: {{type: {name}, speed: 0.5}}\n"
+    with pytest.raises(WorldError) as caught:
+        parse_world(text, "w")
+    place = f"w:8:{text.splitlines()[-1].index('0.5') + 1}"
+    assert str(caught.value).startswith(f"{place}: controller.speed: given beside formation")
+    assert len(caught.value.faults) == 1
+    world = parse_world(TOGETHER).changed(controller={"type": name, "speed": 0.5})
+    with pytest.raises(WorldError, match=r"controller\.speed: given beside formation"):
+        Simulation(world)
+
+
+def test_a_slow_speed_makes_a_run_too_short(tmp_path):
+    text = ALONE.replace("duration: 2.0", "duration: 60.0") + "expect: {finished: true}\n"
+    assert said(checked(tmp_path, text)) == {}
+    late = said(checked(tmp_path, text, "controller.speed=0.5"))
+    assert "76 s at 0.5 m/s" in late["time.duration"]
+
+
+# Arrival
+
+
+def test_stops_short_of_arrival_are_doubted_and_can_happen(tmp_path):
+    for text in (ALONE, TOGETHER):
+        for controller in (None, "path_following"):
+            usual = checked(tmp_path, text, controller=controller)
+            equal = checked(tmp_path, text, "arrival.tolerance=0.06", controller=controller)
+            assert said(usual) == said(equal) == {}
+            tight = checked(tmp_path, text, "arrival.tolerance=0.059", controller=controller)
+            assert tight.ok
+            assert "some may never arrive" in said(tight)["arrival.tolerance"]
+    wide = said(checked(tmp_path, ALONE, "controller.arrival_tolerance=0.2"))
+    assert list(wide) == ["controller.arrival_tolerance"]
+    run = ("time.duration=45.0", "controller.arrival_tolerance=0.2", "formation=null")
+    for overrides, ended in ((run, "duration"), ((*run, "arrival.tolerance=0.2"), "finished")):
+        record = physim.simulate(parse_world(ALONE, overrides=overrides))
+        assert record.ended == ended
+        still = np.ptp(record.pose[-50:], axis=0).max()
+        assert still == 0.0
+
+
+# Range
+
+
+@pytest.mark.parametrize(
+    ("overrides", "needed", "why"),
+    [
+        # 1.3 m/s at most in formation
+        ((), 2 * CORNER + 2 * 1.3 * 1.0, "less than controller.time_low before"),
+        (("controller.time_low=0.1",), 3.0, "controller.safe_distance of a wall"),
+        (
+            ("controller.time_low=0.1", "controller.safe_distance=0.4"),
+            2 * CORNER + 0.5,
+            "distance_low",
+        ),
+        (("formation=null", "controller.speed=3.0"), 2 * CORNER + 2 * 1.5, "time_low"),
+        (("formation=null", "robots.1.limits.v=0.2"), 2 * CORNER + 1.2, "time_low"),
+    ],
+)
+def test_a_range_is_doubted_where_thresholds_cannot_be_kept(tmp_path, overrides, needed, why):
+    enough = checked(tmp_path, TOGETHER, *overrides, f"sensing.range={needed + 0.001}")
+    assert said(enough) == {}
+    short = checked(tmp_path, TOGETHER, *overrides, f"sensing.range={needed - 0.001}")
+    assert short.ok
+    assert why in said(short)["sensing.range"]
+
+
+def test_the_range_of_a_formation_counts_where_there_is_no_other(tmp_path):
+    key = "formation.range"
+    assert "at least" in said(checked(tmp_path, TOGETHER, "formation.range=2.0"))[key]
+    both = checked(tmp_path, TOGETHER, "formation.range=2.0", "sensing.range=8.0")
+    assert said(both) == {}
+
+
+def test_a_head_on_meeting_at_the_needed_range_is_seen_in_time():
+    """What the doubt says, driven: the first collision time that is seen is about time_low."""
+    text = ALONE.replace("[6, 0, 0]", "[12, 0, 3.14159265]")
+    for reach, seen in ((4.2, True), (2.8, False)):
+        overrides = [f"sensing.range={reach}", "controller.safe_distance=0.5"]
+        world = parse_world(text, overrides=overrides)
+        drive = np.array([[1.0, 0.0], [1.0, 0.0]])
+        simulation = Simulation(world)
+        while not simulation.observe(0).others:
+            simulation.step(drive)
+        left = float(simulation.pose[1, 0] - simulation.pose[0, 0]) - 1.8
+        assert (left / 2.0 > 1.0) is seen
+
+
+@pytest.mark.parametrize("name", shipped_worlds())
+def test_no_shipped_world_is_doubted(name):
+    keys = {"sensing.range", "formation.range", "arrival.tolerance", "controller.arrival_tolerance"}
+    assert keys.isdisjoint(said(check_world(name)))

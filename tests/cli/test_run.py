@@ -138,7 +138,7 @@ def test_a_controller_of_ones_own_from_the_working_directory(here: Path) -> None
     )
     assert (done.code, done.err) == (0, "")
     with Record.load(here / "out/record.h5") as record:
-        assert set(record.updates["given_v"]) == {0.5}
+        assert set(record.updates["applied_v"]) == {0.5}
         assert "mine:Half" in record.world_text
         assert record.pose[-1, 0] == pytest.approx([7.0, 1.0, 0.0], abs=1e-12)
     told = shell("summary", "out/record.h5", folder=here)

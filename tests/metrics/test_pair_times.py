@@ -20,7 +20,7 @@ def row(*commands: tuple[int, int, float]) -> Record:
     """Three robots in a row; ``commands`` are (step, robot, v)."""
     pose = np.zeros((101, 3, 3))
     pose[:, :, 0] = AT
-    rows = [{"step": s, "robot": i, "given_v": v} for s, i, v in commands]
+    rows = [{"step": s, "robot": i, "nominal_v": v} for s, i, v in commands]
     return history(rows, robots=3, pose=pose)
 
 

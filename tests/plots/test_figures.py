@@ -298,7 +298,7 @@ def test_modes_tell_each_share(record: Record) -> None:
     assert safe is not None
     assert texts(figure, "share") == [f"{share:.0%}" for share in safe.robots if share is not None]
     assert 0.55 < safe.value < 1.0
-    told = f"share of safe mode: {safe.value:.1%} of all robots' time under way"
+    told = f"out of danger: {safe.value:.1%} of all robots' time under way"
     assert figure.axes[0].get_title("right") == told
     area = 0.0
     for bars in figure.axes[0].collections:

@@ -33,10 +33,10 @@ def test_starts_and_stops_are_those_of_the_run(name: str) -> None:
 def test_the_safe_area_is_that_of_the_run(name: str) -> None:
     """The accessible area without what is nearer than L to its edge, obstacles included."""
     loaded = load_world(name)
-    scene, seen = build_scene(loaded), shown(loaded.to_yaml())
+    scene, seen = build_scene(loaded), shown(loaded.to_yaml()).scene
     assert seen.safe_distance > 0.0
-    assert shapely.equals(seen.accessible, scene.area.polygon)
-    edge = seen.safe.boundary
+    assert shapely.equals(seen.accessible_area, scene.area.polygon)
+    edge = seen.safe_area.boundary
     gap = scene.area.polygon.boundary.distance(edge)
     assert gap == pytest.approx(seen.safe_distance, rel=0.01)
     rings = [shapely.LinearRing(ring) for ring in scene.area.safe_rings(seen.safe_distance)]

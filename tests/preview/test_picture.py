@@ -99,7 +99,7 @@ def test_danger_is_shown_where_the_corridor_is_narrow(style: None) -> None:
         if len(c.get_facecolor()) and np.allclose(c.get_facecolor()[0], colour)
     ]
     drawn = np.concatenate([path.vertices for path in area.get_paths()])
-    narrow = seen.widths.station[seen.widths.width < 2.0 * seen.safe_distance]
+    narrow = seen.widths.station[seen.widths.width < 2.0 * seen.scene.safe_distance]
     assert 0.0 < narrow.min() < narrow.max() < seen.length
     assert drawn[:, 0].min() == pytest.approx(narrow.min(), abs=0.2)
     assert drawn[:, 0].max() == pytest.approx(narrow.max(), abs=0.2)

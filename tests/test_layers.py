@@ -91,11 +91,17 @@ FROM_THE_RECORD_ALONE = (
 )
 OF_THEIR_OWN = (
     ("physim.validation.origin", "physim.scene_builder"),
+    ("physim.validation.origin", "physim.registry"),
+    ("physim.validation.recomputed", "physim.registry"),
+    ("physim.validation.replay", "physim.control_loop"),
+    ("physim.validation.rerun", "physim.simulation"),
+    ("physim.validation.rerun", "physim.recording"),
     ("physim.metrics.own", "physim.registry"),
     ("physim.plots.pictures", "physim.registry"),
 )
-"""Modules of these that may, and what they take: one holds a record against its own world, others
-find the metrics and plots that packages registered."""
+"""Modules of these that may, and what they take: those of the validation hold a record against its
+own world, make its decisions again and run it again; others find the metrics and plots that
+packages registered."""
 NOT_FROM_THE_RECORD = (
     "physim.physics", "physim.perception", "physim.grazes", "physim.control_loop",
     "physim.simulation", "physim.recorder", "physim.recording", "physim.warm_up",

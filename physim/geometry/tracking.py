@@ -11,7 +11,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.path import track
-from physim.geometry.shapes import FloatArray, Polylines
+from physim.geometry.shapes import FloatArray, Polylines, read_only
 
 SHORTEST_WINDOW = 1.0
 """[m] A projection may move at least this far along the path between two steps."""
@@ -29,7 +29,7 @@ class Tracking:
     ) -> None:
         self._paths, self._reference = paths, reference
         self._windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
-        nowhere, everywhere = np.zeros((3, len(start))), np.full(len(start), np.inf)
+        everywhere, nowhere = np.full(len(start), np.inf), read_only(np.zeros((3, len(start))))
         self.stations: FloatArray = self._projected(start, everywhere, nowhere)
         """(3, N) [m] station on the own path, deviation from it (left positive), station on s*"""
 
@@ -60,13 +60,13 @@ class Tracking:
         found = np.empty((len(poses), *self.stations.shape))
         track_course(self._paths, self._reference, poses, self._windows, self.stations, found)
         if len(found):
-            self.stations = found[-1].copy()
+            self.stations = read_only(found[-1].copy())
         return found.transpose(0, 2, 1)
 
     def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
         after = np.empty(before.shape)
         track_all(self._paths, self._reference, pose, windows, before, after)
-        return after
+        return read_only(after)
 
 
 @compiled

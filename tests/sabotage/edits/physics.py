@@ -111,7 +111,8 @@ EDITS = (
         "return LEFT, nx, ny",
         "return ACTS, nx, ny",
         "a robot slides along a wall of several segments",
-        "tests/physics/test_walls.py::test_sliding_along_collinear_segments_does_not_snag",
+        "tests/physics/test_verdict.py::"
+        "test_a_flat_robot_is_held_by_the_segments_below_not_by_the_end_ahead",
     ),
     Edit(
         "physics",

@@ -5,6 +5,7 @@ A line each; exit code 0 where all forgeries are found and no true record is dou
 
 from __future__ import annotations
 
+import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -14,6 +15,7 @@ from tests.forgeries.trial import null_arm, try_all
 
 def main() -> int:
     """Run both arms."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     with tempfile.TemporaryDirectory() as folder:
         missed = try_all(Path(folder)) + null_arm(Path(folder))
     return 1 if missed else 0

@@ -16,7 +16,7 @@ def table(edits: Iterable[Edit]) -> str:
     for edit in edits:
         rows.setdefault(edit.room, []).append(edit)
     lines = [
-        "| room | edits | rule that is broken | in | test that noticed |",
+        "| room | edits | rule that is broken | in | test that is to notice |",
         "|---|---|---|---|---|",
     ]
     for room, some in rows.items():

@@ -81,8 +81,8 @@ EDITS = (
         "physics",
         "physim/physics/host.py",
         "Physics._move",
-        "self._note_false(self._guard.take_rejected())",
-        "self._guard.take_rejected()",
+        "self._note_false(self._engine.rejected())",
+        "self._engine.rejected()",
         "a false contact that was kept out is told",
         "tests/physics/test_guard.py::test_each_false_contact_is_told_at_its_sample",
     ),
@@ -111,7 +111,8 @@ EDITS = (
         "return LEFT, nx, ny",
         "return ACTS, nx, ny",
         "a robot slides along a wall of several segments",
-        "tests/physics/test_walls.py::test_sliding_along_collinear_segments_does_not_snag",
+        "tests/physics/test_verdict.py::"
+        "test_a_flat_robot_is_held_by_the_segments_below_not_by_the_end_ahead",
     ),
     Edit(
         "physics",

@@ -21,7 +21,8 @@ RADIUS = 0.5 * (1.8**2 + 1.0) ** 0.5
 def touching(depth: float, a: int = 0, b: int = 1) -> Record:
     """Two robots with fast commands, and one contact of three samples, the second the deepest."""
     rows = [
-        {"robot": i, "nominal_v": v, "nominal_omega": omega} for i, (v, omega) in enumerate(COMMANDS)
+        {"robot": i, "nominal_v": v, "nominal_omega": omega}
+        for i, (v, omega) in enumerate(COMMANDS)
     ]
     contacts = [
         (40, a, b, Phase.BEGAN, 0.5 * depth),

@@ -45,32 +45,14 @@ EDITS = (
         "metrics",
         "physim/metrics/way.py",
         "under_way",
-<<<<<<< HEAD
         "rows = rows[~_there(record, rows)]",
         "pass",
         "a robot that has arrived is not under way",
-=======
-        "rows[~_there(record, rows)]",
-        "rows",
-        "a robot at its stop station is not under way",
->>>>>>> w-pictures
         "tests/metrics/test_figures.py::test_danger_share_by_decisions_and_by_time",
     ),
     Edit(
         "metrics",
         "physim/metrics/way.py",
-<<<<<<< HEAD
-=======
-        "finished",
-        "(arrival_steps(record) >= 0).all()",
-        "(arrival_steps(record) >= 0).any()",
-        "a run is finished when all have arrived",
-        "tests/metrics/test_figures.py::test_finished_means_that_all_have_arrived_by_their_motion",
-    ),
-    Edit(
-        "metrics",
-        "physim/metrics/way.py",
->>>>>>> w-pictures
         "time_to_finish",
         "arrival_steps(record).max()",
         "arrival_steps(record).min()",
@@ -116,19 +98,6 @@ EDITS = (
     Edit(
         "metrics",
         "physim/metrics/motion.py",
-<<<<<<< HEAD
-=======
-        "averaged_speeds",
-        "min(ends_of_way[i], end)",
-        "end",
-        "a window of averaged speeds lies wholly under way",
-        "tests/metrics/test_courses.py::"
-        "test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival",
-    ),
-    Edit(
-        "metrics",
-        "physim/metrics/motion.py",
->>>>>>> w-pictures
         "_forward",
         "chord / np.sinc(half / np.pi)",
         "chord",
@@ -157,15 +126,9 @@ EDITS = (
         "metrics",
         "physim/metrics/pair_times.py",
         "_commands",
-<<<<<<< HEAD
         'record.commands_over("applied", first, last)[steps[mine] - first]',
         'record.commands_over("applied", first + 1, last + 1)[steps[mine] - first]',
         "the pairs keep the commands given at that very step",
-=======
-        "steps[mine] - first",
-        "np.maximum(steps[mine] - first - 1, 0)",
-        "the pairs keep the commands applied at that very step",
->>>>>>> w-pictures
         "tests/metrics/test_pair_times.py::test_commands_are_those_given_at_that_step",
     ),
     Edit(

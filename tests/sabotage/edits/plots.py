@@ -20,11 +20,7 @@ EDITS = (
         "modes",
         'told = f"out of danger: {1.0 - share:.1%}',
         'told = f"out of danger: {share:.1%}',
-<<<<<<< HEAD
         "the share of all robots is that of safe mode",
-=======
-        "the share of all robots is that of time out of danger",
->>>>>>> w-pictures
         "tests/plots/test_figures.py::test_modes_tell_each_share",
     ),
     Edit(
@@ -85,13 +81,8 @@ EDITS = (
         "plots",
         "physim/plots/prediction.py",
         "predictions",
-<<<<<<< HEAD
         'row["next_step"] >= hits[k] and',
         "",
-=======
-        'int(row["next_step"] >= hits[k] and between[0] == between[1])',
-        "1",
->>>>>>> w-pictures
         "a command that was changed before the contact is told",
         "tests/plots/test_plots.py::test_a_prediction_counts_where_the_two_were_apart_and_tells_whether_it_was_kept",
     ),

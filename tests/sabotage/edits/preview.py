@@ -8,11 +8,7 @@ EDITS = (
     Edit(
         "preview",
         "physim/scene_model.py",
-<<<<<<< HEAD
         "stop_stations",
-=======
-        "_stop_stations",
->>>>>>> w-pictures
         "ends - (lead.max() - lead)",
         "ends",
         "stops are staggered as the formation is",
@@ -21,27 +17,6 @@ EDITS = (
     Edit(
         "preview",
         "physim/scene_model.py",
-<<<<<<< HEAD
-=======
-        "SceneModel.of_layout",
-        "area.safe_rings(safe_distance)",
-        "area.safe_rings(0.5 * safe_distance)",
-        "the safe area is L away from all boundaries",
-        "tests/preview/test_contents.py::test_the_safe_area_is_that_of_the_run",
-    ),
-    Edit(
-        "preview",
-        "physim/scene_model.py",
-        "split_at",
-        "_joined(whole.intersection(area)), _joined(whole.difference(area))",
-        "_joined(whole.difference(area)), _joined(whole.intersection(area))",
-        "a path is safe inside the safe area",
-        "tests/preview/test_contents.py::test_paths_are_parted_at_the_edge_of_the_safe_area",
-    ),
-    Edit(
-        "preview",
-        "physim/scene_model.py",
->>>>>>> w-pictures
         "SceneModel._nearly_safe",
         "self.safe_area.buffer(HAIR * self.safe_distance)",
         "self.safe_area.buffer(-HAIR * self.safe_distance)",

@@ -90,18 +90,6 @@ EDITS = (
     Edit(
         "video",
         "physim/video/robots.py",
-<<<<<<< HEAD
-=======
-        "draw_robot",
-        "cv2.fillPoly(view, rings, colour,",
-        "cv2.fillPoly(view, rings, theme.UNDECIDED,",
-        "robots have the colour of their mode",
-        "tests/video/test_frames.py::test_robots_have_the_colour_of_their_mode",
-    ),
-    Edit(
-        "video",
-        "physim/video/robots.py",
->>>>>>> w-pictures
         "Fleet.placed",
         "c * x - s * y, s * x + c * y",
         "c * x + s * y, c * y - s * x",

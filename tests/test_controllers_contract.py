@@ -341,7 +341,7 @@ def check_alike(scene: Scene, seconds: float) -> set[int]:
     settings = scene.world.controller.settings
     batch = Simulation(scene, controller=make_part(CONTROLLER, "mode_switching", settings))
     plain = Simulation(scene, controller=Plain(make_part(CONTROLLER, "mode_switching", settings)))
-    assert not isinstance(plain.controller, Batched)
+    assert not isinstance(plain.parts.controller, Batched)
     modes: set[int] = set()
     for a, b in zip(run(batch, seconds), run(plain, seconds), strict=True):
         assert same(a, b), (batch.time, a, b)

@@ -21,7 +21,7 @@ def changed(old: str, new: str) -> str:
 
 WORLD_KEYS = (
     "name, description, seed, time, corridor, boundaries, reference_path, start, robots, "
-    "formation, controller, obstacles, expect, physics"
+    "formation, controller, sensing, filters, disturbances, arrival, obstacles, expect, physics"
 )
 
 REGISTERED = ", ".join(controller_names())
@@ -98,7 +98,7 @@ WORLDS = {
     ),
     "unknown setting": (
         SMALL + "controller: {betta: 0.2}\n",
-        'w.yaml:16:14: controller.betta: unknown key; allowed: look_ahead',
+        'w.yaml:16:14: controller.betta: unknown key; allowed: speed, look_ahead',
     ),
     "wrong setting": (
         SMALL + "controller: {beta: 2.0}\n",

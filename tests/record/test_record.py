@@ -132,11 +132,20 @@ def change_wall_clock(file: h5py.File) -> None:
     file.attrs["versions"] = "{}"
 
 
-@pytest.mark.parametrize("path", DATASETS)
+REFUSED = ("/columns/name", "/columns/unit")
+"""Any other name or unit of these is no record at all: see `test_values`."""
+
+
+@pytest.mark.parametrize("path", [path for path in DATASETS if path not in REFUSED])
 def test_one_bit_changes_the_digest(made: Path, tmp_path: Path, path: str) -> None:
     def change(file: h5py.File) -> None:
+        if not file[path].size:
+            file[path].resize(1, axis=0)
+            return
         values = np.asarray(file[path][()])
-        if values.dtype.kind == "O":
+        if path == "/modes/colour":
+            values[0] = values[0][:-1] + b"0"
+        elif values.dtype.kind == "O":
             values[0] = values[0] + b"x"
         else:
             flat = np.frombuffer(bytearray(values.tobytes()), np.uint8)

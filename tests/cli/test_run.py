@@ -244,7 +244,8 @@ def test_list_names_every_world_and_controller(
     listed = json.loads(done.out)
     assert listed.pop("worlds") == shipped_worlds()
     assert listed.pop("controllers") == controller_names()
-    assert listed and not any(listed.values())  # physim ships no parts of the other kinds
+    assert listed
+    assert not any(listed.values())  # physim ships no parts of the other kinds
     shown = physim("list", capture=capsys).out
     for name, line in {**shipped_worlds(), **controller_names()}.items():
         assert any(name in row and line in row for row in shown.splitlines())

@@ -271,7 +271,8 @@ def broken_by(error: BaseException) -> str:
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    theirs = [f for f in frames if not f.filename.startswith(OWN)] or frames
+    ours = (OWN, importlib.__path__[0])  # what imports their module is not theirs
+    theirs = [f for f in frames if not f.filename.startswith(ours)] or frames
     inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
     place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
     return f"{type(error).__name__}: {text}{place}"

@@ -38,7 +38,9 @@ def differences(a: Any, b: Any, place: str = "scene") -> list[str]:
     if isinstance(a, np.ndarray):
         same = a.dtype == b.dtype and np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
         return [] if same else [place]
-    if isinstance(a, tuple) and len(a) == len(b):
+    if isinstance(a, dict) and a.keys() == b.keys():
+        return [d for key in a for d in differences(a[key], b[key], f"{place}.{key}")]
+    if isinstance(a, tuple | list) and len(a) == len(b):
         return [d for k in range(len(a)) for d in differences(a[k], b[k], f"{place}[{k}]")]
     if dataclasses.is_dataclass(a):
         return [

@@ -18,7 +18,7 @@ LINKS = {"physim/controllers": "../controllers", "physim/worlds": "../worlds"}
 
 WHERE = """\
 import json, physim, physim.cli, physim.compiled, physim.registry, physim.worlds
-name = physim.registry.find_controller("mode_switching").__module__
+name = physim.registry.find_part(physim.registry.CONTROLLER, "mode_switching").__module__
 import sys
 files = [sys.modules[one].__file__ for one in
          ("physim", "physim.cli", "physim.compiled", "physim.worlds", name)]

@@ -108,19 +108,24 @@ class Sabotage:
         begun = time.monotonic()
         copy = Path(tempfile.mkdtemp(prefix="edit-", dir=self._folder)) / "checkout"
         try:
-            copy_of(self.base, copy)
-            place = self.sources.place_of(edit)
-            for stale in (copy / place.file).parent.glob(f"__pycache__/{place.file.stem}.*.pyc"):
-                stale.unlink()
-            (copy / place.file).write_text(place.text, encoding="utf-8")
-            if edit.room not in JUDGES_COMPILING:
-                keep_compiled(copy, place.file, self.stamp)
+            with self._preparing:  # sources are parsed, which Python 3.11 does not bear in threads
+                self._prepare(copy, edit)
             noticed = self._tests(copy, [edit.notices]).failed
             if noticed is None:
                 noticed = self._tests(copy, ROOMS[edit.room]).failed
             return Outcome(edit, noticed, time.monotonic() - begun)
         finally:
             shutil.rmtree(copy.parent, ignore_errors=True)
+
+    def _prepare(self, copy: Path, edit: Edit) -> None:
+        """Make a copy of the checkout with the edit in it."""
+        copy_of(self.base, copy)
+        place = self.sources.place_of(edit)
+        for stale in (copy / place.file).parent.glob(f"__pycache__/{place.file.stem}.*.pyc"):
+            stale.unlink()
+        (copy / place.file).write_text(place.text, encoding="utf-8")
+        if edit.room not in JUDGES_COMPILING:
+            keep_compiled(copy, place.file, self.stamp)
 
     def _tests(self, copy: Path, paths: Sequence[str]) -> Tests:
         """Run tests in a copy until one fails."""

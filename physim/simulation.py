@@ -262,6 +262,8 @@ class Simulation:
         if state.scene != scene_digest(self.scene):
             raise PhysimError("the state is of another world or seed; restore it in its own")
         self.physics.restore(state.physics)
+        for array in (*state.now[1:], state.mode, state.next_decision, state.arrived):
+            read_only(array)  # which unpickled arrays are not
         self._tracking.stations = read_only(np.stack(state.now[3:]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self.memory = {name: array.copy() for name, array in state.memory.items()}

@@ -140,6 +140,8 @@ def test_contacts_under_way_memories_and_filters_come_along(step: int) -> None:
     wanted = trace(simulation, AHEAD)
     other = Simulation(crowd(), controller=Stubborn(), filters=[Slow()], state=state)
     assert same(other.state, state)
+    for array in (*other.now[1:], other.mode, other.next_decision, other.arrived):
+        assert not array.flags.writeable
     assert trace(other, AHEAD) == wanted
     lost = dataclasses.replace(state, stages=((), (np.zeros(5),), ()))  # without its memory
     if 0 < step < 60:

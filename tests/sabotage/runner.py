@@ -66,6 +66,7 @@ class Sabotage:
         self._stopped = Event()
         self._running: set[subprocess.Popen[str]] = set()
         self._lock = Lock()
+        self._preparing = Lock()
 
     def begin(self) -> None:
         """Make the unedited copy. Raises `RunError` unless it is what a process imports."""

@@ -293,4 +293,22 @@ EDITS = (
         "a robot that drives on has not arrived",
         "tests/test_arrival.py::test_one_that_moves_on_has_not_arrived",
     ),
+    Edit(
+        "loop",
+        "physim/simulation.py",
+        "Simulation.restore",
+        "read_only(array)",
+        "pass",
+        "what a restored simulation hands out cannot be written to",
+        "tests/test_state.py::test_contacts_under_way_memories_and_filters_come_along",
+    ),
+    Edit(
+        "loop",
+        "physim/simulation.py",
+        "Simulation.restore",
+        "self.physics.restore(state.physics)",
+        "self.physics.reset(state.now.pose)",
+        "the engine's memory of contacts comes along",
+        "tests/test_state.py::test_contacts_under_way_memories_and_filters_come_along",
+    ),
 )

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, read_only
+from physim.geometry.tracking import Tracking, track_all
 
 STILL_TIME = 0.5
 """[s]"""
@@ -28,23 +29,44 @@ def still_steps(dt: float) -> int:
 class Arrivals:
     """Judges the robots at every sample of a run, from sample 0 on.
 
-    ``least`` (N,) [m] are the stations from which on they may have arrived.
+    ``least`` (N,) [m] are the stations from which on they may have arrived, ``pose`` (N, 3) where
+    they stand at sample 0.
     """
 
-    def __init__(self, least: FloatArray, dt: float) -> None:
+    def __init__(self, least: FloatArray, dt: float, pose: FloatArray) -> None:
         self.least = least
-        self.nobody = read_only(np.zeros(len(least), dtype=np.bool_))
         self.trail = np.zeros((still_steps(dt) + 1, len(least), 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
+        self.trail[0] = pose[:, :2]
 
-    def note(self, step: int, pose: FloatArray, station: FloatArray) -> NDArray[np.bool_]:
-        """(N,) who has arrived at a sample, the one after the last that was noted."""
-        if (station >= self.least).any():
-            arrived = np.empty(len(station), dtype=np.bool_)
-            note_arrivals(step, pose, station, self.least, self.trail, arrived)
-            return read_only(arrived)
-        self.trail[step % len(self.trail)] = pose[:, :2]
-        return self.nobody
+    def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> NDArray[np.bool_]:
+        """(N,) who has arrived at the sample after the last one, to which ``tracking`` follows."""
+        stations = np.empty(tracking.stations.shape)
+        arrived = np.empty(len(pose), dtype=np.bool_)
+        follow_and_judge(
+            tracking.paths, tracking.reference, pose, tracking.windows, tracking.stations,
+            stations, step, self.least, self.trail, arrived,
+        )  # fmt: skip
+        tracking.stations = read_only(stations)
+        return read_only(arrived)
+
+
+@compiled
+def follow_and_judge(
+    paths: Polylines,
+    reference: Polylines,
+    pose: FloatArray,
+    windows: FloatArray,
+    before: FloatArray,
+    after: FloatArray,
+    step: int,
+    least: FloatArray,
+    trail: FloatArray,
+    arrived: NDArray[np.bool_],
+) -> None:
+    """`track_all` and `note_arrivals` in one call, since every step makes both."""
+    track_all(paths, reference, pose, windows, before, after)
+    note_arrivals(step, pose, after[0], least, trail, arrived)
 
 
 @compiled

@@ -223,11 +223,12 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        if step:
-            self._tracking.follow(pose)
+        self.arrived = self._arrivals.follow(self._tracking, step, pose)
+        self._take(step, pose, nominal)
+
+    def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
         stations = self._tracking.stations
         self.now = Snapshot(step, pose, nominal, stations[0], stations[1], stations[2])
-        self.arrived = self._arrivals.note(step, pose, stations[0])
         self._sensed = None
 
     # State
@@ -306,11 +307,13 @@ class Simulation:
         self._tracking = Tracking(
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
-        self._arrivals = Arrivals(scene.stop_station - scene.arrival_tolerance, scene.dt)
+        least, pose = scene.stop_station - scene.arrival_tolerance, read_only(self.physics.pose)
+        self._arrivals = Arrivals(least, scene.dt, pose)
+        self.arrived = read_only(np.zeros(robots, dtype=np.bool_))
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self.last = None
-        self._arrive(0, read_only(np.zeros((robots, 2))))
+        self._take(0, pose, read_only(np.zeros((robots, 2))))
 
     def __getstate__(self) -> dict[str, Any]:
         """Scene, parts and state: the engine itself is built anew from these."""

@@ -27,8 +27,8 @@ class Tracking:
     def __init__(
         self, paths: Polylines, reference: Polylines, radius: FloatArray, start: FloatArray
     ) -> None:
-        self._paths, self._reference = paths, reference
-        self._windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
+        self.paths, self.reference = paths, reference
+        self.windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
         everywhere, nowhere = np.full(len(start), np.inf), read_only(np.zeros((3, len(start))))
         self.stations: FloatArray = self._projected(start, everywhere, nowhere)
         """(3, N) [m] station on the own path, deviation from it (left positive), station on s*"""
@@ -50,7 +50,7 @@ class Tracking:
 
     def follow(self, pose: FloatArray) -> None:
         """Follow the robots to their poses (N, 3) one step later."""
-        self.stations = self._projected(pose, self._windows, self.stations)
+        self.stations = self._projected(pose, self.windows, self.stations)
 
     def course(self, poses: FloatArray) -> FloatArray:
         """Follow the robots over poses (K, N, 3) of consecutive steps.
@@ -58,14 +58,14 @@ class Tracking:
         Returns (K, N, 3): station, deviation and reference station [m] at each.
         """
         found = np.empty((len(poses), *self.stations.shape))
-        track_course(self._paths, self._reference, poses, self._windows, self.stations, found)
+        track_course(self.paths, self.reference, poses, self.windows, self.stations, found)
         if len(found):
             self.stations = read_only(found[-1].copy())
         return found.transpose(0, 2, 1)
 
     def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
         after = np.empty(before.shape)
-        track_all(self._paths, self._reference, pose, windows, before, after)
+        track_all(self.paths, self.reference, pose, windows, before, after)
         return read_only(after)
 
 

@@ -157,6 +157,14 @@ def test_one_bit_changes_the_digest(made: Path, tmp_path: Path, path: str) -> No
     assert before != after
 
 
+def test_footprints_are_inside_the_digest(made: Path, tmp_path: Path) -> None:
+    def change(file: h5py.File) -> None:
+        file["/robots/002/footprint/01"][0, 0] += 1e-9
+
+    before, after = digests(made, tmp_path, change)
+    assert before != after
+
+
 @pytest.mark.parametrize("name", ["world", "seed", "dt", "ended", "steps_run", "name"])
 def test_attributes_are_inside_the_digest(made: Path, tmp_path: Path, name: str) -> None:
     changed = {"world": "w", "name": "n", "ended": np.bytes_(b"error"), "dt": 0.02}
@@ -202,6 +210,9 @@ def test_extremes_do_not_depend_on_blocks(seed: int, cuts: list[int]) -> None:
         parts.note(np.arange(first, last), SimpleNamespace(**block))
     np.testing.assert_array_equal(whole.rows, parts.rows)
     np.testing.assert_array_equal(whole.farthest, parts.farthest)
+    first = int(np.argmax(found.farthest))
+    expected = (found.farthest.max(), first, found.farthest_a[first], 2)
+    assert whole.farthest.tolist() == expected
     for i in range(3):
         at = min(range(20), key=lambda k: (found.clearance[k, i], k))
         row = whole.rows[i]

@@ -131,8 +131,17 @@ def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
 
 
 def test_rows_out_of_order(made: Path, tmp_path: Path) -> None:
-    bad = tampered(made, tmp_path, "/updates", 0, 300, "step")
-    with pytest.raises(RecordError, match="/updates, row"):
+    """One contact is told later; all its other values are such as a run writes."""
+    bad = tampered(made, tmp_path, "/false_contacts", slice(None), 5, "step")
+    with h5py.File(bad, "r+") as file:
+        rows = file["/false_contacts"]
+        rows.resize(2, axis=0)
+        rows[1] = rows[0]
+        last = rows[1]
+        last["step"] = 4
+        rows[1] = last
+    told = r"/false_contacts, row 1: step 4 comes after step 5; rows must be in the order"
+    with pytest.raises(RecordError, match=told):
         Record.load(bad)
 
 

@@ -66,7 +66,7 @@ EDITS = (
         "for path in (*layout.DATASETS, *footprints):",
         "for path in layout.DATASETS:",
         "the digest covers the footprints",
-        "tests/record/test_record.py::test_one_bit_changes_the_digest",
+        "tests/record/test_record.py::test_footprints_are_inside_the_digest",
     ),
     Edit(
         "record",

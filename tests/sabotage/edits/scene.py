@@ -84,7 +84,7 @@ EDITS = (
         'stream(self.seed, "start", i) for i in self.members',
         'stream(0, "start", i) for i in self.members',
         "another seed gives other places",
-        "tests/test_start_poses.py::test_same_seed_same_start_and_another_seed_another",
+        "tests/test_start_poses.py::test_places_fill_the_region_and_headings_the_circle",
     ),
     Edit(
         "scene",

@@ -181,8 +181,14 @@ def limit() -> None:
 
 
 SCRIPT = """
-import json, resource, sys, time
+import json, sys, time
+from pathlib import Path
 from physim.checking import check_world
+
+def peak_bytes():  # getrusage would answer with the peak of the process that started this one
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").open())
+    return int(status["VmHWM"].split()[0]) * 1024
+
 check_world("good.yaml")
 for name in sys.argv[1:]:
     took = []
@@ -190,12 +196,13 @@ for name in sys.argv[1:]:
         before = time.process_time()
         found = check_world(name)
         took.append(time.process_time() - before)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    peak = peak_bytes()
     errors = [str(f) for f in found.errors][:3]
     print(json.dumps([name, min(took), peak, found.ok, errors]), flush=True)
 """
 
 
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the peak is read from /proc")
 def test_the_worst_worlds_are_judged_in_time_and_little_memory(tmp_path):
     """The only test that reads a clock (of the processor): the limit itself is the promise."""
     (tmp_path / "good.yaml").write_text(CORRIDOR)

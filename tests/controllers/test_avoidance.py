@@ -50,6 +50,22 @@ def test_choice_in_danger(seed: int, mode: str, given: dict[str, object]) -> Non
     assert tally.met[f"{mode} with others"] >= 20
 
 
+@pytest.mark.parametrize("judge_ahead", [0.0, 1.0])
+def test_where_no_distance_counts_the_choice_by_12_is_that_of_5(judge_ahead: float) -> None:
+    """In danger for a boundary, but no footprint within L of one, and nobody to consider."""
+    given = {**BY_DISTANCE, "distance_low": 0.0, "distance_high": 0.0, "boundary_low": 6.0}
+    settings = ModeSwitchingSettings.model_validate(
+        {**given, "safe_distance": 0.05, "judge_ahead": judge_ahead, "look_ahead": 0.6}
+    )
+    cases = []
+    for k in range(50):
+        history = random_history(np.random.default_rng([16, k]), moments=1)
+        cases.append((history, settings))
+    tally = hold_against_oracle(cases)
+    assert tally.faults == []
+    assert tally.met["(12) settled by (5)"] >= 20
+
+
 def crowd(rng: np.random.Generator) -> tuple[list[tuple[np.ndarray, ...]], np.ndarray, np.ndarray]:
     """Footprints, poses (4, 3) and commands (4, 2) of robots in a square of random size."""
     side = rng.choice([4.0, 8.0, 20.0])

@@ -27,6 +27,8 @@ R = TypeVar("R")
 
 LONGEST = 1800.0
 """[s] after which a run of tests is given up"""
+CRASHES = (-signal.SIGSEGV, -signal.SIGBUS, -signal.SIGFPE, -signal.SIGILL, -signal.SIGABRT)
+"""What a process returns that an edited kernel has led astray: nobody can overlook that."""
 NO_SUCH_TEST = 4
 """What pytest returns where a test is not there."""
 JUDGES_COMPILING = ("basics",)
@@ -142,6 +144,8 @@ class Sabotage:
         )  # fmt: skip
         if done.returncode == NO_SUCH_TEST and "::" in paths[0]:
             return Tests(None, 0)
+        if done.returncode in CRASHES:
+            return Tests(f"{paths[0]} (crashes)", 0)
         if done.returncode not in (0, 1, 2) or not report.is_file():
             said = " ".join(done.stdout.split())[-300:]
             raise RunError(f"{told} ends with {done.returncode}: {said}")

@@ -806,7 +806,7 @@ EDITS = (
         "ahead = judging_time(rules.judge_ahead, left, nu)",
         "ahead = rules.judge_ahead",
         "path following: cap of the judging time dropped",
-        WHOLE,
+        "tests/controllers/test_path_following_only.py::test_near_the_last_waypoint_it_looks_no_further",
     ),
     Edit(
         "controllers",
@@ -959,7 +959,7 @@ EDITS = (
         "short_time = collision_time <= time_threshold",
         "short_time = collision_time < time_threshold",
         "safe again at time_high itself",
-        WHOLE,
+        "tests/controllers/test_switching.py::test_modes_agree_with_the_oracle",
     ),
     Edit(
         "controllers",
@@ -995,7 +995,7 @@ EDITS = (
         "if 0.0 not in self.omegas:",
         "if False:",
         "a set without 0 is accepted",
-        WHOLE,
+        "tests/controllers/test_settings.py::test_settings_that_cannot_be",
     ),
     Edit(
         "controllers",
@@ -1013,7 +1013,7 @@ EDITS = (
         "using = {i: robot for i, robot in robots.items() if robot.omegas is None}",
         "using = dict(robots)",
         "robots with speeds of their own are refused, too",
-        WHOLE,
+        "tests/controllers/test_limits.py::test_where_faults_are_told",
     ),
     Edit(
         "controllers",
@@ -1031,7 +1031,7 @@ EDITS = (
         "if fastest > robot.limits.omega",
         "if fastest >= robot.limits.omega",
         "a limit that just allows the speeds is refused",
-        WHOLE,
+        "tests/controllers/test_limits.py::test_where_faults_are_told",
     ),
     Edit(
         "controllers",
@@ -1049,7 +1049,7 @@ EDITS = (
         "commands[observation.index] if observation.index < len(commands) else (0.0, 0.0)",
         "commands[0] if commands else (0.0, 0.0)",
         "constant: every robot takes the first command",
-        WHOLE,
+        "tests/controllers/test_constant.py::test_every_robot_holds_its_own_and_those_beyond_the_list_stand",
     ),
     Edit(
         "controllers",

@@ -172,8 +172,10 @@ def test_cells_that_meet_at_a_corner_are_no_passage(tmp_path: Path) -> None:
     free[5:40, 5:60] = True
     free[40:75, 60:115] = True
     free[40:70, 5:60] = False
-    world = import_world(write_map(tmp_path, free, (0.0, 0.0))).world
-    assert shapely.Polygon((world.boundaries or ())[0]).area == pytest.approx(5.5 * 3.5)
+    imported = import_world(write_map(tmp_path, free, (0.0, 0.0)))
+    boundaries = imported.world.boundaries or ()
+    assert shapely.Polygon(boundaries[0]).area == pytest.approx(5.5 * 3.5)
+    assert any("not connected, left out" in change for change in imported.changes)
 
 
 GREY = np.array([254, 205, 128, 100, 10, 0])

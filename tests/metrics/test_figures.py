@@ -24,7 +24,7 @@ def test_contact_episodes() -> None:
     """Rows of three pairs, interleaved; one pair touches twice; ended rows carry a gap."""
     record = history(contacts=[
         (5, 0, 1, BEGAN, 0.1, 2.0),
-        (6, 0, 1, STAYS, 0.3, 1.0),
+        (6, 0, 1, STAYS, 0.3, 5.0),
         (6, 1, 3, BEGAN, 0.5, 0.5),
         (7, 0, 1, ENDED, -0.2, 0.0),
         (7, 1, 3, ENDED, -0.2, 0.0),
@@ -37,7 +37,8 @@ def test_contact_episodes() -> None:
     ]  # fmt: skip
     assert [e.robots for e in found] == [True, False, True, False]
     assert [e.depth for e in found] == [0.3, 0.5, 0.2, 0.0]
-    assert [e.impulse for e in found] == [3.0, 0.5, 4.0, 0.0]
+    assert [e.impulse for e in found] == [7.0, 0.5, 4.0, 0.0]
+    assert [e.impact for e in found] == [2.0, 0.5, 4.0, 0.0]
     assert found[0].time == pytest.approx(0.05)
 
 

@@ -34,6 +34,12 @@ def test_commands_are_those_given_at_that_step() -> None:
     assert who.tolist() == [[0, 1]] * 3
 
 
+def test_commands_that_change_at_the_next_step_are_not_taken_before() -> None:
+    (time, least), _ = pair_collision_times(row((0, 0, 1.0), (1, 0, 2.0), (2, 0, 4.0)))
+    assert time == pytest.approx([0.0, DT, 2 * DT])
+    assert least == pytest.approx([(6.0 - LENGTH) / v for v in (1.0, 2.0, 4.0)])
+
+
 def test_least_over_all_pairs() -> None:
     """The third robot comes fast from far away; what parts never meets."""
     record = row((0, 0, 1.0), (0, 2, -8.0), (50, 0, -1.0), (50, 1, 0.0), (50, 2, 0.0))

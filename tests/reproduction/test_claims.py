@@ -180,6 +180,16 @@ def test_an_unknown_study_tells_the_nearest() -> None:
 
 
 def test_runs_that_several_need_are_done_once() -> None:
-    keys = [key for key, _ in make_plan(quick=True).jobs(Path("x"))]
-    assert len(keys) == len(set(keys))
+    plan = make_plan(quick=True)
+    jobs = dict(plan.jobs(Path("x")))
+    assert len(jobs) == len(list(plan.jobs(Path("x"))))
+    users = {
+        run_key(arm, 0): {study.name for study in plan.studies for one in study.arms
+                          if run_key(one, 0) == run_key(arm, 0)}
+        for study in plan.studies for arm in study.arms
+    }  # fmt: skip
+    shared = {key: names for key, names in users.items() if len(names) > 1}
+    assert shared
+    for key, names in shared.items():
+        assert names <= set(jobs[key].measure)
     assert run_key(Arm("a", "w"), 1) == run_key(Arm("b", "w"), 1) != run_key(Arm("a", "w"), 2)

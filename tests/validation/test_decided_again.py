@@ -9,6 +9,7 @@ from physim.validation import report, validate
 from tests.forgeries.parts import Heard, Ramp, Slip
 from tests.forgeries.runs import LANE
 from tests.forgeries.tools import column, decided, dropped, together, world
+from tests.validation.runs import REAR_END, lane
 from tests.validation.test_tampered import tampered
 
 
@@ -53,6 +54,13 @@ def test_limits_lowered_in_the_world(free, tmp_path):
     found = judged(free, tmp_path, world("v: 1.5", "v: 0.9"))
     wrong = {(one.column, one.robot) for one in found.recomputed.mismatches if one.exact == 0.9}
     assert {("nominal_v", i) for i in range(3)} <= wrong
+
+
+def test_limits_hold_for_a_controller_that_is_not_made_again(tmp_path):
+    """The slow one goes 0.5 m/s, the fast one 1.4 where the world inside allows 0.9."""
+    found = judged(lane(REAR_END), tmp_path, world("v: 1.5", "v: 0.9"))
+    wrong = {(one.column, one.robot, one.exact) for one in found.recomputed.mismatches}
+    assert wrong == {("nominal_v", 1, 0.9)}
 
 
 def test_plans_of_several_speeds_are_remembered():

@@ -77,6 +77,12 @@ def test_the_verdict_names_it(grazing):
     assert found.near_misses.distances == ()
 
 
+def test_it_is_a_contact_where_no_expectation_says_so():
+    found = validate(pass_by(DEPTH))
+    assert found.missed == ()
+    assert (len(found.contacts), len(found.grazes), found.code) == (0, 1, 1)
+
+
 def test_the_video_counts_and_marks_it_apart(grazing):
     seen = episodes(grazing)
     time = float(seen.began[0])

@@ -93,7 +93,7 @@ EDITS = (
         "if ends[1] <= ends[0]:",
         "if False:",
         "a range of seeds goes up",
-        "tests/cli/test_bad_input.py::test_faulty_argument",
+        "tests/cli/test_mistakes.py::test_a_mistake_is_told_in_one_line",
     ),
     Edit(
         "cli",

@@ -1211,7 +1211,7 @@ EDITS = (
         "dwell = single(period)",
         "dwell = single(0.0)",
         "ties of (12) judged at once where judge_ahead is 0",
-        WHOLE,
+        "tests/controllers/test_avoidance.py::test_where_no_distance_counts_the_choice_by_12_is_that_of_5",
     ),
     Edit(
         "controllers",
@@ -1220,7 +1220,7 @@ EDITS = (
         "value = judge(pose[me], pairs[c : c + 1], dwell, judge_ahead, tx, ty)",
         "value = judge(end, pairs[c : c + 1], dwell, judge_ahead, tx, ty)",
         "ties of (12) judged from the end of the period on",
-        WHOLE,
+        "tests/controllers/test_avoidance.py::test_where_no_distance_counts_the_choice_by_12_is_that_of_5",
     ),
     Edit(
         "controllers",
@@ -1229,7 +1229,7 @@ EDITS = (
         "pairs = speed_pairs(np.array([1.0]), nu, np.array(omegas))",
         "pairs = speed_pairs(np.array([-1.0, 0.0, 1.0]), nu, np.array(omegas))",
         "path following: may reverse and stand",
-        WHOLE,
+        "tests/controllers/test_path_following_only.py::test_decisions_agree_with_the_oracle",
     ),
     Edit(
         "controllers",
@@ -1238,7 +1238,7 @@ EDITS = (
         "x, y = observation.path.target(observation.station, rules.look_ahead)",
         "x, y = observation.path.target(observation.station, 0.0)",
         "path following: target at the projection",
-        WHOLE,
+        "tests/controllers/test_path_following_only.py::test_decisions_agree_with_the_oracle",
     ),
     Edit(
         "controllers",

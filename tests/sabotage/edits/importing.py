@@ -140,7 +140,7 @@ EDITS = (
         "tight = np.flatnonzero(best < room)",
         "tight = np.flatnonzero(best < 0.0)",
         "a lane without room goes over to the other side",
-        "tests/importing/test_repairs.py::test_a_lane_is_told_only_where_it_is_drawn_in",
+        "tests/importing/test_runs.py::test_lanes_keep_clear_of_an_obstacle_and_end_clear_of_the_wall",
     ),
     Edit(
         "importing",

@@ -129,7 +129,7 @@ EDITS = (
         'record.commands_over("applied", first, last)[steps[mine] - first]',
         'record.commands_over("applied", first + 1, last + 1)[steps[mine] - first]',
         "the pairs keep the commands given at that very step",
-        "tests/metrics/test_pair_times.py::test_commands_are_those_given_at_that_step",
+        "tests/metrics/test_pair_times.py::test_commands_that_change_at_the_next_step_are_not_taken_before",
     ),
     Edit(
         "metrics",

@@ -112,7 +112,7 @@ EDITS = (
         'side="right"',
         'side="left"',
         "the command held from a step on is the one decided at it",
-        "tests/validation/test_motion.py::test_runs_as_they_are_follow_their_commands",
+        "tests/validation/test_long_holds.py::test_a_contact_long_after_the_last_decision_is_foretold",
     ),
     Edit(
         "validation",
@@ -121,7 +121,7 @@ EDITS = (
         "if self.contacts or self.grazes",
         "if self.contacts",
         "a contact between samples is a contact",
-        "tests/validation/test_grazes.py::test_the_verdict_names_it",
+        "tests/validation/test_grazes.py::test_it_is_a_contact_where_no_expectation_says_so",
     ),
     Edit(
         "validation",
@@ -184,7 +184,7 @@ EDITS = (
         "wall_distance(shapes, i, poses[k, i], walls, parts)",
         "wall_distance(shapes, i, poses[k, i], walls, parts[:1])",
         "all segments of a boundary count",
-        "tests/validation/test_verdict.py::test_a_wall_is_never_to_blame",
+        "tests/validation/test_scan.py::test_the_distance_to_a_boundary_is_that_to_its_nearest_segment",
     ),
     Edit(
         "validation",
@@ -292,7 +292,7 @@ EDITS = (
         "found.add_rows(name, column, rows, 0, wrong, limit, by)",
         "pass",
         "commands keep within the limits of the world inside",
-        "tests/validation/test_decided_again.py::test_limits_lowered_in_the_world",
+        "tests/validation/test_decided_again.py::test_limits_hold_for_a_controller_that_is_not_made_again",
     ),
     Edit(
         "validation",

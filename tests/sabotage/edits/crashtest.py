@@ -49,7 +49,7 @@ EDITS = (
         "vx = v * math.cos(pose[2]) - omega * (y - pose[1])",
         "vx = v * math.cos(pose[2])",
         "a point of a turning robot moves with it",
-        "tests/crashtest/test_laboratory.py::test_swept_contacts_are_where_the_collision_time_says",
+        "tests/crashtest/test_foresight.py::test_the_speed_of_a_point_is_that_of_its_arc",
     ),
     Edit(
         "crashtest",

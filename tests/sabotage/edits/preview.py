@@ -8,7 +8,7 @@ EDITS = (
     Edit(
         "preview",
         "physim/scene_model.py",
-        "stop_stations",
+        "_stop_stations",
         "ends - (lead.max() - lead)",
         "ends",
         "stops are staggered as the formation is",

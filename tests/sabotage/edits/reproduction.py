@@ -107,10 +107,10 @@ EDITS = (
     Edit(
         "reproduction",
         "physim/reproduction/runner.py",
-        "do_all",
-        "if stop():",
-        "if False:",
-        "what is asked to stop stops with what is done",
-        "tests/reproduction/test_runner.py::test_stopped_with_what_is_done",
+        "_Worker.end",
+        "raise RuntimeError(result)",
+        "pass",
+        "a fault of the program ends the work",
+        "tests/reproduction/test_runner.py::test_a_fault_of_the_program_tells_where",
     ),
 )

@@ -18,9 +18,9 @@ EDITS = (
         "templates",
         "physim/templates/group.py",
         "places",
-        "apart * (robots - 1 - i)",
-        "apart * i",
-        "the first robot stands foremost",
+        "offsets[i % lanes],",
+        "offsets[0],",
+        "neighbours stand in lanes of their own",
         "tests/templates/test_templates.py::"
         "test_every_number_of_robots_stands_apart_on_a_sound_road",
     ),
@@ -40,7 +40,7 @@ EDITS = (
         "places(width, robots + 1)[0].x + FRONT <= LONGEST",
         "places(width, robots + 1)[0].x <= LONGEST",
         "as many robots as are offered fit",
-        "tests/templates/test_templates.py::test_one_more_than_fit_are_refused",
+        "tests/templates/test_templates.py::test_the_command_offers_what_there_is",
     ),
     Edit(
         "templates",

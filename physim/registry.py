@@ -197,8 +197,8 @@ def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:
     if faults:
         needed = ", ".join(dotted(fault.location) for fault in faults)
         raise ControllerError(
-            f"{kind.word} {shown(name)}: setting {needed}: needs a default, for no world names a "
-            f"{kind.word}; or give an object of it from Python{place_of(part)}"
+            f"{kind.word} {shown(name)}: setting {needed}: needs a default, for no world names "
+            f"{kind.word}s; from Python an object may be given{place_of(part)}"
         )
     return made_part(kind, part, made, name)
 
@@ -265,8 +265,9 @@ def _elsewhere(kind: Kind, name: str) -> str:
     kinds = (*KINDS, METRIC, PLOT)
     for other in kinds:
         if other is not kind and name in _entries(other):
+            article = "an" if other.word[0] in "aeiou" else "a"
             named = f", which a world names under {other.place}" if other.key else ""
-            return f"; {shown(name)} is a {other.word}{named}".replace(" a o", " an o")
+            return f"; {shown(name)} is {article} {other.word}{named}"
     groups = {other.group for other in kinds}
     for entry in entry_points(name=name):
         if entry.group.startswith("physim") and entry.group not in groups:

@@ -85,6 +85,14 @@ def test_what_no_world_names_needs_a_default_for_every_setting(kind: Kind, modul
     assert make_by_defaults(kind, "usual").settings.every == 3.0
 
 
+@pytest.mark.parametrize(
+    ("name", "told"), [("told", '"told" is an observer'), ("haze_of_none", '"physim.filters"')]
+)
+def test_a_name_of_another_kind_or_of_none(name: str, told: str, module: str) -> None:
+    with pytest.raises(ControllerError, match=told):
+        find_part(FILTER, name)
+
+
 def test_a_group_that_is_none_is_told(module: str) -> None:
     with pytest.raises(ControllerError, match=r'"physim\.filter".*no group.*"physim\.filters"'):
         find_part(FILTER, "forgotten")

@@ -7,10 +7,10 @@ from math import nan
 from operator import index
 from typing import NamedTuple
 
+from physim.author_code import broken_by
 from physim.control import Decision
 from physim.declared import NO_NUMBER, Declared, Mode, Rule
 from physim.errors import ControllerError, nearest
-from physim.registry import broken_by
 
 _NO_NUMBER = (TypeError, ValueError, OverflowError)
 """What Python raises where something cannot be made a number."""

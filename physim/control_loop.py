@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from physim.author_code import asked
 from physim.control import LONGEST_HOLD, BatchController, Controller, Decision, Decisions, Sensed
 from physim.control_decisions import Row, broken, decision_row
 from physim.declared import NO_NUMBER, Declared
@@ -16,6 +17,8 @@ from physim.perception import observe
 from physim.scene import Scene
 from physim.tolerances import SHARE
 
+COMMAND = (("v", "m/s"), ("omega", "rad/s"))
+"""Quantity and unit of either part of a command."""
 NOBODY = read_only(np.zeros(0, dtype=np.int64))
 
 
@@ -42,14 +45,19 @@ def decide(
     """
     time = sensed.step * scene.dt
     decisions = batch.decide_due(sensed, due, memory)
-    check_commands(scene, time, due, decisions.command)
-    check_told(scene, time, decisions, declared)
-    next_step = sensed.step + hold_steps(scene, time, due, decisions.hold)
+    try:
+        check_commands(scene, time, due, decisions.command)
+        check_told(scene, time, decisions, declared)
+        next_step = sensed.step + hold_steps(scene, time, due, decisions.hold)
+    except ControllerError as error:
+        name = type(getattr(batch, "controller", batch)).__name__
+        raise ControllerError(f"controller {name}: {error}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
     return Decided(read_only(nominal), decisions, next_step), decisions
 
 
+DECIDE = "decide(observation, memory)"
 MEMORY = "memory"
 """Name of the one array of a plain controller's memories: (N,) of Python values."""
 
@@ -94,7 +102,8 @@ class PlainBatch:
         name, time = type(self.controller).__name__, sensed.step * self.scene.dt
         where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
         try:
-            decision = self.controller.decide(observe(self.scene, sensed, i), memory)
+            observation = observe(self.scene, sensed, i)
+            decision = asked(self.controller.decide, DECIDE, observation, memory)
         except PhysimError:
             raise
         except (Exception, SystemExit) as error:
@@ -123,7 +132,7 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
     if fine.all():
         return
     row, column = np.argwhere(~fine)[0]
-    quantity, unit = (("v", "m/s"), ("omega", "rad/s"))[column]
+    quantity, unit = COMMAND[column]
     raise ControllerError(
         f"{scene.names[robots[row]]} at {time:g} s: command {quantity} = "
         f"{command[row, column]:g} {unit}; it must be finite and within "
@@ -133,11 +142,18 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
 
 def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:
     """Refuse applied commands that are no finite (N, 2)."""
-    name = type(part).__name__
-    if np.shape(applied) != (scene.robots, 2) or not np.isfinite(applied).all():
+    name, shape = type(part).__name__, (scene.robots, 2)
+    if np.shape(applied) != shape:
         raise ControllerError(
-            f"disturbance {name} at {time:g} s: applied commands must be finite, "
-            f"({scene.robots}, 2); the shape is {np.shape(applied)}"
+            f"disturbance {name}: commands at {time:g} s have the shape {np.shape(applied)}; it "
+            f"must be {shape}"
+        )
+    if not np.isfinite(applied).all():
+        row, column = np.argwhere(~np.isfinite(applied))[0]
+        quantity, unit = COMMAND[column]
+        raise ControllerError(
+            f"disturbance {name}: {scene.names[row]} at {time:g} s: command {quantity} = "
+            f"{applied[row, column]:g} {unit}; it must be finite"
         )
 
 

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from physim.author_code import MistakenError, asked, broken_by, kind_of, place_of
 from physim.control import ChecksRobots
 from physim.errors import ControllerError, Fault, Location, PhysimError
-from physim.registry import Kind, broken_by
+from physim.registry import Kind
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
@@ -47,7 +48,7 @@ def robot_faults(controller: object, robots: Mapping[int, Robot]) -> list[Fault]
     """
     if not isinstance(controller, ChecksRobots):
         return []
-    return _told(controller.robot_faults, robots)
+    return _told(controller.robot_faults, "robot_faults(robots)", robots)
 
 
 def world_faults(part: object, world: World, where: Location) -> list[Fault]:
@@ -55,23 +56,61 @@ def world_faults(part: object, world: World, where: Location) -> list[Fault]:
 
     Raises `ControllerError` where its ``world_faults`` fails.
     """
-    return _told(part.world_faults, world, where) if isinstance(part, ChecksWorld) else []
+    if not isinstance(part, ChecksWorld):
+        return []
+    return _told(part.world_faults, "world_faults(world, where)", world, where)
 
 
 def world_doubts(part: object, world: World, where: Location) -> list[Fault]:
     """What a controller or stage at ``where`` warns of; as `world_faults`."""
-    return _told(part.world_doubts, world, where) if isinstance(part, DoubtsWorld) else []
+    if not isinstance(part, DoubtsWorld):
+        return []
+    return _told(part.world_doubts, "world_doubts(world, where)", world, where)
 
 
-def _told(say: Callable[..., Iterable[Fault]], *given: Any) -> list[Fault]:
+def _told(say: Callable[..., Iterable[Fault]], usage: str, *given: Any) -> list[Fault]:
     name = getattr(say, "__qualname__", "")
     try:
-        faults = list(say(*given))
+        answer = asked(say, usage, *given)
+        faults = list(answer) if isinstance(answer, Iterable) else []
     except Exception as error:
         raise ControllerError(f"{name} fails: {broken_by(error)}") from error
-    if not all(isinstance(fault, Fault) for fault in faults):
-        raise ControllerError(f"{name} must return faults, Fault(location, message)")
+    wrong = [fault for fault in faults if not isinstance(fault, Fault)]
+    if wrong or not isinstance(answer, Iterable) or isinstance(answer, str):
+        text = isinstance(answer, str) or not wrong
+        returned = kind_of(answer) if text else f"{kind_of(wrong[0])} among them"
+        raise ControllerError(
+            f"{name} returned {returned}; it must return a list of faults, "
+            f"physim.Fault(location, message), empty where there are none{place_of(say)}"
+        )
     return faults
+
+
+def listed(key: str, given: Any) -> tuple[Any, ...]:
+    """Parts of a kind that were given from Python. Raises `ControllerError` where they are one."""
+    if isinstance(given, Iterable) and not isinstance(given, str):
+        return tuple(given)
+    name = given if isinstance(given, str) else type(given).__name__
+    raise ControllerError(
+        f"{key} must be a list of objects; {kind_of(given)} given; write {key}=[{name}(…)]"
+    )
+
+
+def call(kind: Kind, part: object, method: str, *given: Any) -> Any:
+    """Call a method of a part within `naming`; what it does not take is told as such."""
+    return asked(getattr(part, method), kind.usage(method), *given)
+
+
+def two(part: object, method: str, answer: Any, what: str) -> tuple[Any, Any]:
+    """Both of what a method of a stage returned: ``what`` and its next state."""
+    if type(answer) is not tuple or len(answer) != 2:
+        raise returned(part, method, f"{kind_of(answer)}; it must return ({what}, state)")
+    return answer
+
+
+def returned(part: object, method: str, told: str) -> MistakenError:
+    """Error of a method that returned what it may not, with the line at which it is written."""
+    return MistakenError(f"{method} returned {told}{place_of(getattr(part, method))}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any
 
 from physim.control import Controller
 from physim.errors import ControllerError, Fault
-from physim.part_checks import naming, robot_faults, world_faults
+from physim.part_checks import call, listed, naming, robot_faults, world_faults
 from physim.registry import CONTROLLER, STAGES, Kind, check_part, make_part
 from physim.scene import Scene
 from physim.stages import Disturbance, Filter, SenseStage
@@ -35,7 +35,7 @@ class Parts:
             begun = []
             for part in parts:
                 with naming(kind, part, 0.0):
-                    begun.append(part.start(scene))
+                    begun.append(call(kind, part, "start", scene))
             states.append(tuple(begun))
         return tuple(states)
 
@@ -62,8 +62,10 @@ def parts_of(
     given = [("controller", name)] if name else []
     names = [name or world.controller.type]
     found: list[tuple[Any, ...]] = []
-    listed = (world.sensing.stages, world.filters, world.disturbances)
-    for kind, choices, extra in zip(STAGES, listed, (sensing, filters, disturbances), strict=True):
+    in_world = (world.sensing.stages, world.filters, world.disturbances)
+    given_ones = (sensing, filters, disturbances)
+    beside = [listed(str(k.key[0]), them) for k, them in zip(STAGES, given_ones, strict=True)]
+    for kind, choices, extra in zip(STAGES, in_world, beside, strict=True):
         for part in extra:
             check_part(kind, part)
             given.append((kind.word, class_name(part)))

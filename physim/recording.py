@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 
 from physim.control import Controller
-from physim.errors import RecordError
-from physim.part_checks import naming
+from physim.errors import ControllerError, PhysimError, RecordError
+from physim.part_checks import call, listed, naming
 from physim.record import Record, RecordWriter
 from physim.recorder import Recorder, SaveAt
 from physim.registry import OBSERVER, check_part
@@ -81,14 +81,12 @@ def record_run(
     try:
         looking_on.append(recorder)
         simulation.look_on(recorder)
-        others: list[Observer] = [Named(observer) for observer in observers]
+        others: list[Observer] = [Named(one) for one in listed("observers", observers)]
         for observer in [*others, *([] if progress is None else [Progress(progress)])]:
-            looking_on.append(observer)
             simulation.look_on(observer)
+            looking_on.append(observer)  # one whose start failed is not told the end
         ended = _loop(simulation, stop)
-        with ExitStack() as last:  # each is closed, whatever becomes of the others
-            for observer in reversed(looking_on):
-                last.callback(observer.close, ended)
+        late = _close(looking_on, ended)
     finally:
         simulation.observers = []
         elapsed = time.perf_counter() - started
@@ -103,7 +101,31 @@ def record_run(
             rejected=recorder.rejected,
             wall_clock={"seconds": elapsed, "factor": simulation.time / max(elapsed, 1e-9)},
         )
+    if late is not None:
+        raise LateError(str(late), writer.record()) from late
     return writer.record()
+
+
+class LateError(ControllerError):
+    """An observer failed after the last step, in ``close``: the run and its record are whole."""
+
+    def __init__(self, message: str, record: Record) -> None:
+        self.record = record
+        super().__init__(message)
+
+
+def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
+    """Tell every observer the end, whatever becomes of the others; the first error of one."""
+    late = None
+    try:
+        looking_on[0].close(ended)  # the recorder
+    finally:
+        for observer in looking_on[1:]:
+            try:
+                observer.close(ended)
+            except PhysimError as error:
+                late = late or error
+    return late
 
 
 def _loop(simulation: Simulation, stop: Callable[[], bool] | None) -> str:
@@ -128,18 +150,18 @@ class Named:
         """Let it look at sample 0."""
         self.dt, self.time = simulation.scene.dt, simulation.time
         with naming(OBSERVER, self.observer, self.time):
-            self.observer.start(simulation)
+            call(OBSERVER, self.observer, "start", simulation)
 
     def after_step(self, step: Step) -> None:
         """Let it look at a step."""
         self.time = (step.truth.step + 1) * self.dt
         with naming(OBSERVER, self.observer, self.time):
-            self.observer.after_step(step)
+            call(OBSERVER, self.observer, "after_step", step)
 
     def close(self, ended: str) -> None:
         """Tell it the end."""
         with naming(OBSERVER, self.observer, self.time):
-            self.observer.close(ended)
+            call(OBSERVER, self.observer, "close", ended)
 
 
 class Progress:

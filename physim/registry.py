@@ -6,16 +6,14 @@ imports a module, so it is taken from the command line or Python alone, never fr
 
 from __future__ import annotations
 
-import importlib
 import json
-import os
-import sys
-import traceback
 from collections.abc import Mapping
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from physim.errors import ControllerError, Fault, Location, WorldError, nearest
+from physim.author_code import broken_by, place_of, takes
+from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
+from physim.part_import import load_class, make_folder_importable
 from physim.world.faults import faults_of, shown, unknown_key
 from physim.world.frozen import thawed
 
@@ -30,30 +28,54 @@ class Kind(NamedTuple):
     """what it is called in messages"""
     group: str
     """of entry points"""
-    methods: tuple[str, ...]
-    """that its classes must have"""
+    calls: tuple[str, ...]
+    """of the methods that its classes must have, each with its arguments"""
     key: Location
     """where a world names it, one or a list; empty where no world does"""
     option: str
     """of the command line that takes a class too; empty where none does"""
 
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Names of the methods that its classes must have."""
+        return tuple(call.partition("(")[0] for call in self.calls)
 
-CONTROLLER = Kind("controller", "physim.controllers", ("decide",), ("controller",), "--controller")
-SENSING = Kind("sensing stage", "physim.sensing", ("start", "sense"), ("sensing", "stages"), "")
-FILTER = Kind("filter", "physim.filters", ("start", "filter"), ("filters",), "")
+    def usage(self, method: str) -> str:
+        """How a method is called: ``sense(scene, truth, sensed, state)``."""
+        return self.calls[self.methods.index(method)]
+
+    @property
+    def place(self) -> str:
+        """Where a world names it, as ``sensing.stages``; empty where no world does."""
+        return dotted(self.key)
+
+
+CONTROLLER = Kind(
+    "controller", "physim.controllers", ("decide(observation, memory)",), ("controller",),
+    "--controller",
+)  # fmt: skip
+SENSING = Kind(
+    "sensing stage", "physim.sensing", ("start(scene)", "sense(scene, truth, sensed, state)"),
+    ("sensing", "stages"), "",
+)  # fmt: skip
+FILTER = Kind(
+    "filter", "physim.filters", ("start(scene)", "filter(scene, sensed, nominal, state)"),
+    ("filters",), "",
+)  # fmt: skip
 DISTURBANCE = Kind(
-    "disturbance", "physim.disturbances", ("start", "disturb"), ("disturbances",), ""
-)
-OBSERVER = Kind("observer", "physim.observers", ("start", "after_step", "close"), (), "--observer")
-METRIC = Kind("metric", "physim.metrics", ("measure",), (), "")
-PLOT = Kind("plot", "physim.plots", ("draw",), (), "")
+    "disturbance", "physim.disturbances",
+    ("start(scene)", "disturb(scene, truth, filtered, state)"), ("disturbances",), "",
+)  # fmt: skip
+OBSERVER = Kind(
+    "observer", "physim.observers", ("start(simulation)", "after_step(step)", "close(ended)"), (),
+    "--observer",
+)  # fmt: skip
+METRIC = Kind("metric", "physim.metrics", ("measure(record)",), (), "")
+PLOT = Kind("plot", "physim.plots", ("draw(record)",), (), "")
 STAGES = (SENSING, FILTER, DISTURBANCE)
 """Kinds of which a world lists any number, in the order of a step."""
 KINDS = (CONTROLLER, *STAGES, OBSERVER)
 """Kinds that take part in a run; metrics and plots look at its record."""
-
-OWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
-"""Where the code of physim is, which no message about somebody else's code points into."""
 
 
 def part_names(kind: Kind) -> dict[str, str]:
@@ -98,11 +120,12 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
                 f"{shown(name)} names a class; a world may name registered {kind.word}s only: "
                 f"{', '.join(sorted(entries)) or 'none'}{advice}"
             )
-        _make_folder_importable()
-        return _load(kind, name, name)
+        make_folder_importable()
+        return load_class(kind, name, name)
+    known = sorted(entries)
     raise ControllerError(
-        f"no {kind.word} is called {shown(name)}; registered: "
-        f"{', '.join(sorted(entries)) or 'none'}{nearest(name[:100], sorted(entries))}"
+        f"no {kind.word} is called {shown(name)}; registered: {', '.join(known) or 'none'}"
+        f"{_elsewhere(kind, name) or nearest(name[:100], known) or _registering(kind)}"
     )
 
 
@@ -154,12 +177,30 @@ def make_part(
 
 def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:
     """Make a part from its checked settings. Raises `ControllerError` where it fails."""
+    given = () if settings is None else (settings,)
     try:
-        return part() if settings is None else part(settings)
+        return part(*given)
     except Exception as error:
+        told = broken_by(error)
+        if isinstance(error, TypeError) and not takes(part, *given):
+            told = _unmade(part, bool(given))
+        raise ControllerError(f"{kind.word} {shown(name)} cannot be made: {told}") from error
+
+
+def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:
+    """Make a part that no world names: its settings are their defaults.
+
+    Raises `ControllerError` as `find_part` and `made_part` do, and for a setting without default.
+    """
+    part = find_part(kind, name, trusted)
+    made, faults = checked_settings(part, {}, ())
+    if faults:
+        needed = ", ".join(dotted(fault.location) for fault in faults)
         raise ControllerError(
-            f"{kind.word} {shown(name)} cannot be made: {broken_by(error)}"
-        ) from error
+            f"{kind.word} {shown(name)}: setting {needed}: needs a default, for no world names "
+            f"{kind.word}s; from Python an object may be given{place_of(part)}"
+        )
+    return made_part(kind, part, made, name)
 
 
 def checked_settings(
@@ -205,74 +246,43 @@ def _registered(kind: Kind, entries: Mapping[str, tuple[str, ...]], name: str) -
             f"{kind.word} {shown(name)} is registered by several packages, as "
             f"{', '.join(entries[name])}; give all but one another name"
         )
-    return _load(kind, target, name)
+    return load_class(kind, target, name)
+
+
+def _unmade(part: type[Any], settings: bool) -> str:
+    """Why a class cannot be made of what its ``Settings`` say that it is made of."""
+    name = part.__name__
+    has, made = ("has", f"{name}(settings)") if settings else ("has no", f"{name}()")
+    init = part.__init__
+    return (
+        f"class {name} {has} Settings, so it is made as {made}, which its __init__ does not take"
+        f"{place_of(init if hasattr(init, '__code__') else part)}"
+    )
+
+
+def _elsewhere(kind: Kind, name: str) -> str:
+    """What else is registered by a name: another kind of part, or in a group that is none."""
+    kinds = (*KINDS, METRIC, PLOT)
+    for other in kinds:
+        if other is not kind and name in _entries(other):
+            article = "an" if other.word[0] in "aeiou" else "a"
+            named = f", which a world names under {other.place}" if other.key else ""
+            return f"; {shown(name)} is {article} {other.word}{named}"
+    groups = {other.group for other in kinds}
+    for entry in entry_points(name=name):
+        if entry.group.startswith("physim") and entry.group not in groups:
+            return (
+                f"; {shown(name)} is registered in {shown(entry.group)}, which is no group of "
+                f"parts; write {shown(kind.group)}, then pip install again"
+            )
+    return ""
+
+
+def _registering(kind: Kind) -> str:
+    group = shown(kind.group)
+    return f"; register one by an entry point in the group {group}, then pip install again"
 
 
 def _first_line(part: type[Any]) -> str:
     lines = (part.__doc__ or "").strip().splitlines()
     return lines[0] if lines else "no description"
-
-
-def _load(kind: Kind, target: str, name: str) -> type[Any]:
-    """Import ``module:Class``; every failure is a `ControllerError` on one line."""
-    module_name, _, class_name = target.partition(":")
-    if "/" in module_name or module_name.endswith(".py"):
-        stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
-        raise ControllerError(
-            f"{kind.word} {shown(name)} names a file; write the module: {stem}:{class_name}, and "
-            "run in its folder or put that on PYTHONPATH"
-        )
-    try:
-        module = importlib.import_module(module_name)
-    except ModuleNotFoundError as error:
-        if error.name != module_name:
-            raise ControllerError(
-                f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
-                f"{broken_by(error)}"
-            ) from error
-        raise ControllerError(
-            f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
-            "on the Python path"
-        ) from error
-    except (Exception, SystemExit) as error:
-        raise ControllerError(
-            f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
-            f"{broken_by(error)}"
-        ) from error
-    found: Any = module
-    for part in class_name.split("."):
-        found = getattr(found, part, None)
-    if not isinstance(found, type):
-        classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
-        raise ControllerError(
-            f"{kind.word} {shown(name)}: module {shown(module_name)} has no class "
-            f"{shown(class_name)}{nearest(class_name[:100], classes)}"
-        )
-    for method in kind.methods:
-        if not callable(getattr(found, method, None)):
-            arguments = "(observation, memory)" if kind is CONTROLLER else ""
-            raise ControllerError(
-                f"{kind.word} {shown(name)}: class {class_name} has no method {method}{arguments}"
-            )
-    return found
-
-
-def _make_folder_importable() -> None:
-    """Let ``module:Class`` name a file of the current folder, as ``python -m`` does."""
-    folder = os.getcwd()
-    if folder not in sys.path and "" not in sys.path:
-        sys.path.insert(0, folder)
-        importlib.invalidate_caches()
-
-
-def broken_by(error: BaseException) -> str:
-    """Type, text and place of an error in somebody else's code, on one line."""
-    text = " ".join(str(error).split())[:200]
-    if isinstance(error, SyntaxError):  # its text names file and line
-        return f"{type(error).__name__}: {text}"
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    ours = (OWN, importlib.__path__[0])  # what imports their module is not theirs
-    theirs = [f for f in frames if not f.filename.startswith(ours)] or frames
-    inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
-    place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
-    return f"{type(error).__name__}: {text}{place}"

@@ -22,6 +22,7 @@ from physim.declared import NO_NUMBER, Declared
 from physim.errors import PhysimError, WorldError
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.tracking import Tracking
+from physim.part_checks import listed
 from physim.parts import part_faults, parts_of
 from physim.perception import observe
 from physim.physics import Physics
@@ -102,7 +103,7 @@ class Simulation:
         self._begin()
         if state is not None:
             self.restore(state)
-        for observer in observers:
+        for observer in listed("observers", observers):
             self.look_on(observer)
 
     # How things stand

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from physim.author_code import kind_of
 from physim.control import Sensed, Snapshot
 from physim.control_loop import check_applied, check_commands
 from physim.errors import ControllerError
 from physim.geometry.shapes import FloatArray, read_only
-from physim.part_checks import naming
+from physim.part_checks import call, naming, returned, two
 from physim.registry import DISTURBANCE, FILTER, SENSING
 from physim.scene import Scene
 from physim.stages import Disturbance, Filter, SenseStage, check_sensed
@@ -21,9 +22,10 @@ def ask_sense(
 ) -> tuple[Sensed, Any]:
     """What robots know after a sensing stage, and its next state."""
     with naming(SENSING, part, truth.step * scene.dt):
-        found, state = _two(part.sense(scene, truth, sensed, state), "what is sensed")
+        answer = call(SENSING, part, "sense", scene, truth, sensed, state)
+        found, state = two(part, "sense", answer, "sensed")
         if not isinstance(found, Sensed):
-            raise TypeError(f"what is sensed must be a Sensed, not a {type(found).__name__}")
+            raise returned(part, "sense", f"{kind_of(found)} first; that must be a Sensed")
         check_sensed(found, scene, part)
     return found, state
 
@@ -34,8 +36,9 @@ def ask_filter(
     """Commands (N, 2) after a filter, within the robots' limits, and its next state."""
     time = sensed.step * scene.dt
     with naming(FILTER, part, time):
-        found, state = _two(part.filter(scene, sensed, nominal, state), "commands")
-        commands = _commands(found)
+        answer = call(FILTER, part, "filter", scene, sensed, nominal, state)
+        found, state = two(part, "filter", answer, "commands")
+        commands = _commands(scene, part, "filter", found)
     try:
         check_commands(scene, time, np.arange(scene.robots), commands)
     except ControllerError as error:
@@ -49,20 +52,19 @@ def ask_disturbance(
     """Commands (N, 2) after a disturbance, and its next state."""
     time = truth.step * scene.dt
     with naming(DISTURBANCE, part, time):
-        found, state = _two(part.disturb(scene, truth, filtered, state), "commands")
-        commands = _commands(found)
+        answer = call(DISTURBANCE, part, "disturb", scene, truth, filtered, state)
+        found, state = two(part, "disturb", answer, "commands")
+        commands = _commands(scene, part, "disturb", found)
     check_applied(scene, time, commands, part)
     return commands, state
 
 
-def _two(answer: Any, what: str) -> tuple[Any, Any]:
-    if not isinstance(answer, tuple) or len(answer) != 2:
-        raise TypeError(f"it must return two things, {what} and the next state")
-    return answer
-
-
-def _commands(found: Any) -> FloatArray:
+def _commands(scene: Scene, part: object, method: str, found: Any) -> FloatArray:
     """Commands as an array of our own, unless they are what was given."""
     if isinstance(found, np.ndarray) and not found.flags.writeable:
         return found
-    return read_only(np.array(found, dtype=np.float64))
+    try:
+        return read_only(np.array(found, dtype=np.float64))
+    except (TypeError, ValueError):
+        must = f"those must be an array of numbers, shape ({scene.robots}, 2)"
+        raise returned(part, method, f"{kind_of(found)} as commands; {must}") from None

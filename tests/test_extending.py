@@ -74,8 +74,8 @@ def test_list_shows_each_with_its_first_line(folder: Path) -> None:
         line.split(maxsplit=1)[0]: line for line in done.stdout.splitlines() if line[:1] == " "
     }
     for kind in EVERY_KIND:
-        (name,) = entry_points()[kind.group]
-        assert found[name].rstrip().endswith(".")
+        for name in entry_points()[kind.group]:
+            assert found[name].rstrip().endswith(".")
     again = json.loads(run("physim list --json", folder).stdout)
     assert list(again["filters"]) == ["ramp"]
     assert list(again["observers"]) == ["nearest"]
@@ -136,6 +136,53 @@ def test_sense_stage_misleads_each_observer_differently(folder: Path, plain: Rec
         assert 1e-3 < apart < 0.5
         names = (record.world.sensing.stages[0].type, len(record.commands))
         assert names == ("haze", 0)
+
+
+def test_sense_stage_overlooks_a_share_of_rows_but_never_oneself(folder: Path) -> None:
+    """The second stage of the page: rows are left out, another purpose draws other ones."""
+    text = """
+import json
+from loss import Loss, LossSettings
+from physim import load_world
+from physim.simulation import Simulation
+for purpose in ("loss", "other"):
+    stage = Loss(LossSettings(share=0.3, purpose=purpose))
+    simulation = Simulation(load_world("straight"), sensing=[stage])
+    seen = []
+    for _ in range(200):
+        simulation.step()
+        sensed = simulation.last.sensed
+        seen.append([sensed.robot[sensed.rows(i)].tolist() for i in range(2)])
+    print(json.dumps(seen))
+"""
+    (folder / "look.py").write_text(text)
+    done = run(f"{sys.executable} look.py", folder)
+    assert done.returncode == 0, done.stderr
+    first, second = (json.loads(line) for line in done.stdout.splitlines())
+    for seen in (first, second):
+        assert all(i in row for pair in seen for i, row in enumerate(pair))
+        missed = sum(len(row) == 1 for pair in seen for row in pair)
+        assert 0.2 < missed / 400 < 0.4
+    assert first != second
+
+
+def test_plot_goes_over_all_steps_of_a_coarse_record(folder: Path) -> None:
+    text = "physim run straight --set time.record_every=10 --quiet "
+    done = run(text + "--no-video -o coarse; physim plot coarse/record.h5 --only speed_gap", folder)
+    assert (folder / "coarse" / "speed_gap.png").exists(), done.stderr
+    script = """
+import numpy as np
+from speed_gap import SpeedGap
+from physim import Record
+with Record.load("coarse/record.h5") as record:
+    axis = SpeedGap().draw(record).axes[0]
+    print(axis.lines[0].get_xdata()[-1] + record.dt, record.steps[-1] * record.dt, record.samples)
+"""
+    (folder / "coarse.py").write_text(script)
+    last, end, samples = run(f"{sys.executable} coarse.py", folder).stdout.split()
+    assert float(last) == pytest.approx(float(end))
+    assert float(end) > 20.0
+    assert int(samples) < float(end) / 0.05
 
 
 def test_filter_bounds_every_change_of_speed(folder: Path, plain: Record) -> None:

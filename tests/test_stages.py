@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.control import Batched, Sensed
+from physim.control import Batched, Decision, Sensed
 from physim.errors import ControllerError
 from physim.record import Record
 from physim.recording import record_run, simulate
@@ -363,9 +363,17 @@ def writes(given: Any) -> Any:
         (in_a_step, r"at 0 s: KeyError: 'lost' \(.*test_stages\.py:\d+\)"),
         (leaves, "at 0 s: SystemExit: 3"),
         (writes, "at 0 s: ValueError: assignment destination is read-only"),
-        (lambda given: given, "at 0 s: TypeError: it must return two things"),
-        (lambda given: None, "at 0 s: TypeError: it must return two things"),
-        (lambda given: ("x", None), "(must be a Sensed|could not convert string)"),
+        (
+            lambda given: given,
+            r"returned (a Sensed|an array).* must return \(.*, state",
+        ),
+        (
+            lambda given: None,
+            r" \w+ returned None; it must return \(.*, state\)",
+        ),
+        (lambda given: (given, 1, 2), "returned a tuple of 3; it must return"),
+        (lambda given: ("x", None), "returned a str .*(must be a Sensed|numbers, shape \\(3, 2)"),
+        (lambda given: ([[1.0], [1.0, 2.0]], None), "returned a list .*must be"),
     ],
 )
 @pytest.mark.parametrize("kind", ["sensing", "filters", "disturbances"])
@@ -377,6 +385,120 @@ def test_errors_in_a_stage_are_one_line_that_names_it(kind: str, answer: Any, to
     assert re.match(f"{words[kind]} Fails at 0 s: ", message), message
     assert re.search(told, message), message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize("kind", ["sensing", "filters", "disturbances"])
+def test_what_is_returned_wrongly_is_told_with_the_line_of_the_method(kind: str) -> None:
+    method = {"sensing": Fails.sense, "filters": Fails.filter, "disturbances": Fails.disturb}[kind]
+    here = re.escape(f"({__file__}:{method.__code__.co_firstlineno})")
+    with pytest.raises(ControllerError, match=f"{here}$"):
+        Simulation(world(), **{kind: [Fails(lambda given: None)]}).step()  # type: ignore[arg-type]
+
+
+class Short:
+    """Its methods take other arguments than they are given."""
+
+    def start(self, scene: Any) -> None:
+        return None
+
+    def sense(self, scene: Any, sensed: Any, state: Any) -> Any:
+        return sensed, state
+
+    filter = disturb = sense
+
+
+@pytest.mark.parametrize(
+    ("kind", "called"),
+    [
+        ("sensing", "sense(scene, truth, sensed, state)"),
+        ("filters", "filter(scene, sensed, nominal, state)"),
+        ("disturbances", "disturb(scene, truth, filtered, state)"),
+    ],
+)
+def test_a_method_with_other_arguments_is_told_what_it_is_given(kind: str, called: str) -> None:
+    part: Any = Short()
+    with pytest.raises(ControllerError) as caught:
+        Simulation(world(), **{kind: [part]}).step()  # type: ignore[arg-type]
+    message = str(caught.value)
+    assert called in message
+    assert message.endswith(f"({__file__}:{Short.sense.__code__.co_firstlineno})")
+
+
+def test_start_and_decide_with_other_arguments_are_told_too() -> None:
+    class NoStart(Short):
+        def start(self) -> None:  # type: ignore[override]
+            return None
+
+    class Odd:
+        def decide(self, observation: Any) -> Any:
+            return None
+
+    part: Any = NoStart()
+    with pytest.raises(ControllerError, match=r"start\(scene\).*test_stages.py:\d+\)$"):
+        Simulation(world(), filters=[part])
+    odd: Any = Odd()
+    with pytest.raises(
+        ControllerError, match=r"^controller Odd, r1 at 0 s: .*decide\(observation, memory\).*py:\d"
+    ):
+        Simulation(world(), controller=odd).step()
+
+
+def test_a_type_error_within_a_method_points_at_its_own_line() -> None:
+    def adds(given: Any) -> Any:
+        return 1 + "x"  # type: ignore[operator]
+
+    line = adds.__code__.co_firstlineno + 1
+    with pytest.raises(ControllerError, match=rf"TypeError: .*test_stages.py:{line}\)$"):
+        Simulation(world(), filters=[Fails(adds)]).step()
+
+
+@pytest.mark.parametrize(
+    ("answer", "given"), [(None, "None"), (5, "an int"), ("no", "a str"), (["no"], "a str among")]
+)
+def test_what_is_no_list_of_faults_is_told(answer: Any, given: str) -> None:
+    class Picky(Blind):
+        def world_faults(self, world: World, where: Any) -> Any:
+            return answer
+
+    line = Picky.world_faults.__code__.co_firstlineno
+    with pytest.raises(ControllerError) as caught:
+        Simulation(world(), sensing=[Picky()])
+    message = str(caught.value)
+    assert f"world_faults returned {given}" in message
+    assert "Fault(location, message)" in message
+    assert message.endswith(f"({__file__}:{line})")
+
+
+def test_one_stage_without_a_list_is_told() -> None:
+    one: Any = Line(1.0, 0.0)
+    for kind in ("sensing", "filters", "disturbances", "observers"):
+        with pytest.raises(ControllerError, match=rf"^{kind} must be a list.*Line.*{kind}=\["):
+            simulate(world(), **{kind: one})  # type: ignore[arg-type]
+    with pytest.raises(ControllerError, match=r"^observers must be a list.*Line"):
+        Simulation(world(), observers=one)
+    assert Simulation(world(), filters=(f for f in [one])).parts.filters == (one,)  # type: ignore[arg-type]
+
+
+def test_a_disturbance_that_is_not_finite_names_robot_and_value() -> None:
+    bad = np.zeros((3, 2))
+    bad[1, 1] = np.inf
+    part: Any = Fails(lambda given: (bad, None))
+    told = r"^disturbance Fails: r2 at 0 s: command omega = inf rad/s.*finite"
+    with pytest.raises(ControllerError, match=told):
+        Simulation(world(), disturbances=[part]).step()
+
+
+def test_commands_and_holds_that_cannot_be_name_the_controller() -> None:
+    class Fast:
+        def __init__(self, v: float, hold: float) -> None:
+            self.v, self.hold = v, hold
+
+        def decide(self, observation: Any, memory: Any) -> Any:
+            return Decision(self.v, 0.0, self.hold)
+
+    for v, hold, told in ((9.0, 0.1, "command v = 9 m/s"), (0.0, -1.0, "hold = -1 s")):
+        with pytest.raises(ControllerError, match=f"^controller Fast: r1 at 0 s: {told}"):
+            Simulation(world(), controller=Fast(v, hold)).step()
 
 
 @pytest.mark.parametrize("nonsense", [[[1.0, 2.0]], np.full((3, 2), np.nan)])
@@ -450,6 +572,7 @@ def test_an_observer_that_fails_ends_the_run_and_the_record_is_kept(
         record_run(simulation, observers=[first, bad, last], path=tmp_path / "record.h5")
     with Record.load(tmp_path / "record.h5") as record:
         assert (record.ended, len(record.pose)) == (ended, steps + 1)
+    assert (bad.told == ["start"]) is (fails == "start")
     assert first.told[-1] == f"close {ended}"
     assert first.told.count("start") == 1
     assert last.told[-1:] == ([] if fails == "start" else [f"close {ended}"])

@@ -5,6 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 
+from physim.metrics import DEFINITIONS
+from physim.metrics.own import taken_name
+from physim.plots import NAMES
 from physim.registry import KINDS, METRIC, PLOT, part_names
 from physim.world_file.shipped import shipped_worlds
 
@@ -15,6 +18,9 @@ def listing(options: argparse.Namespace) -> int:
     """Print the shipped worlds and the registered parts of every kind, a line each."""
     found = {"worlds": shipped_worlds()}
     found |= {f"{kind.word}s": part_names(kind) for kind in LISTED}
+    for kind, own in ((METRIC, DEFINITIONS), (PLOT, NAMES)):
+        entries = found[f"{kind.word}s"]
+        entries |= {name: taken_name(kind, name) for name in entries if name in own}
     if options.json:
         keys = ["worlds", *(kind.group.removeprefix("physim.") for kind in LISTED)]
         print(json.dumps(dict(zip(keys, found.values(), strict=True)), indent=2))

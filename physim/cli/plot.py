@@ -9,7 +9,7 @@ from physim.cli.mistakes import shown
 from physim.cli.output import a_folder, new_file
 from physim.cli.progress import interrupts
 from physim.errors import PhysimError, nearest, plural
-from physim.plots import draw, names
+from physim.plots import draw, names, not_replaced
 from physim.plots.quick_matplotlib import import_matplotlib
 from physim.record import Record
 
@@ -30,6 +30,8 @@ def plot(options: argparse.Namespace) -> int:
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,
                  another="folder")  # fmt: skip
+    for fault in not_replaced(only):
+        print(f"WARNING  {fault}", file=sys.stderr)
     import_matplotlib()
     with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(

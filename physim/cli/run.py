@@ -15,8 +15,8 @@ from physim.cli.video import write_video
 from physim.control import Controller
 from physim.errors import PhysimError, WorldError
 from physim.record import Record
-from physim.recording import record_run
-from physim.registry import CONTROLLER, OBSERVER, make_part
+from physim.recording import LateError, record_run
+from physim.registry import CONTROLLER, OBSERVER, make_by_defaults, make_part
 from physim.scene import Scene
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
     folder = output_folder(folder, options.force, *inputs(options.world))
     with interrupts() as interrupt:
-        record = _simulate(simulation, folder, observers, options.quiet, interrupt)
+        record, late = _simulate(simulation, folder, observers, options.quiet, interrupt)
         summary = summarise(record)
         write_text(folder / "summary.json", summary.to_json())
         stopped = bool(interrupt.count)
@@ -61,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(table(summary), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
+    if late is not None:
+        raise late
     return _code(summary, stopped)
 
 
@@ -75,7 +77,7 @@ def _set_up(options: argparse.Namespace) -> Simulation:
 def _observer(name: str) -> Observer:
     """An observer by name, or of a class of one's own."""
     try:
-        made: Observer = make_part(OBSERVER, name, {}, trusted=True)
+        made: Observer = make_by_defaults(OBSERVER, name, trusted=True)
     except PhysimError as error:
         raise PhysimError(f"--observer: {error}") from None
     return made
@@ -116,7 +118,8 @@ def _simulate(
     observers: Sequence[Observer],
     quiet: bool,
     interrupt: Interrupt,
-) -> Record:
+) -> tuple[Record, LateError | None]:
+    """Record of the run; with it what failed in an observer after the last step."""
     scene = simulation.scene
     bar = Bar(scene.world.name, scene.steps * scene.dt, "s", quiet)
 
@@ -124,10 +127,13 @@ def _simulate(
         bar.update(now.time, lambda: f"{factor:.0f} x real time")
 
     try:
-        return record_run(
+        record = record_run(
             simulation, observers=observers, path=folder / "record.h5", progress=progress,
             stop=interrupt,
         )  # fmt: skip
+        return record, None
+    except LateError as error:
+        return error.record, error
     finally:
         bar.close()
 

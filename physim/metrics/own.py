@@ -20,11 +20,10 @@ from collections.abc import Collection
 from importlib.metadata import entry_points
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from physim.author_code import asked, broken_by
 from physim.errors import PhysimError
+from physim.metrics.answers import answer
 from physim.metrics.definition import Definition, Found, Run
-from physim.metrics.values import Each, Moment, Place
 
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
@@ -58,7 +57,7 @@ def own_part(kind: Any, name: str, taken: Collection[str]) -> Any:
 
     ``kind`` is `physim.registry.METRIC` or ``PLOT``; ``taken`` are names that physim has itself.
     """
-    from physim.registry import find_part, made_part
+    from physim.registry import make_by_defaults
 
     if not NAME.fullmatch(name):
         raise PhysimError(
@@ -66,8 +65,13 @@ def own_part(kind: Any, name: str, taken: Collection[str]) -> Any:
             "letter first"
         )
     if name in taken:
-        raise PhysimError(f'{kind.word} "{name}": physim has one of that name; take another')
-    return made_part(kind, find_part(kind, name), None, name)
+        raise PhysimError(taken_name(kind, name))
+    return make_by_defaults(kind, name)
+
+
+def taken_name(kind: Any, name: str) -> str:
+    """What is said of a registered part with a name of physim's own, which is not replaced."""
+    return f'{kind.word} "{name}": physim has one of that name; take another'
 
 
 def _definition(name: str, part: Any) -> Definition:
@@ -89,17 +93,11 @@ def _definition(name: str, part: Any) -> Definition:
 
 def _found(name: str, part: Any, run: Run) -> Found:
     """What the metric says of a run, in plain types."""
-    from physim.registry import broken_by
-
     try:
-        value = part.measure(run.record)
+        value = asked(part.measure, "measure(record)", run.record)
     except (Exception, SystemExit) as error:
         raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
-    if isinstance(value, np.generic):
-        value = value.item()
-    if value is None or isinstance(value, bool | int | float | Moment | Place | Each):
-        return value
-    raise PhysimError(
-        f'metric "{name}" gives a {type(value).__name__}; allowed: a number, true or false, '
-        "Moment, Place, Each, or None"
-    )
+    try:
+        return answer(value, run.record)
+    except ValueError as error:
+        raise PhysimError(f'metric "{name}" gives {error}') from None

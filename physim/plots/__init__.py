@@ -9,9 +9,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physim.plots.pictures import FORMATS, NAMES, draw, names
+    from physim.plots.pictures import FORMATS, NAMES, draw, names, not_replaced
 
-__all__ = ["FORMATS", "NAMES", "draw", "names"]
+__all__ = ["FORMATS", "NAMES", "draw", "names", "not_replaced"]
 
 
 def __getattr__(name: str) -> Any:

@@ -21,8 +21,10 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from physim.author_code import asked, broken_by
 from physim.errors import PhysimError, nearest
 from physim.metrics import own_part
+from physim.metrics.own import taken_name
 from physim.plots.collision_times import collision_times
 from physim.plots.deviation import deviation
 from physim.plots.distances import distances
@@ -53,8 +55,17 @@ NAMES = tuple(PICTURES)
 
 def names() -> tuple[str, ...]:
     """All pictures: physim's own, then those that packages registered."""
-    own = sorted({entry.name for entry in entry_points(group="physim.plots")})
-    return (*NAMES, *(name for name in own if name not in PICTURES))
+    return (*NAMES, *(name for name in _registered() if name not in PICTURES))
+
+
+def not_replaced(only: Sequence[str]) -> tuple[str, ...]:
+    """A line for each registered picture of ``only`` that has a name of physim's own."""
+    found = (name for name in _registered() if name in PICTURES and name in only)
+    return tuple(taken_name(_plot(), name) for name in found)
+
+
+def _registered() -> list[str]:
+    return sorted({entry.name for entry in entry_points(group="physim.plots")})
 
 
 def draw(
@@ -111,10 +122,8 @@ def _plot() -> Any:
 
 def _own_figure(name: str, part: Any, record: Record) -> Any:
     """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
-    from physim.registry import broken_by
-
     try:
-        figure = part.draw(record)
+        figure = asked(part.draw, "draw(record)", record)
     except (Exception, SystemExit) as error:
         raise PhysimError(f'plot "{name}" fails: {broken_by(error)}') from None
     if not callable(getattr(figure, "savefig", None)):

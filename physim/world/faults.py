@@ -75,7 +75,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
             faults.append(unknown_key(location, allowed))
             mended |= {(*location[:-1], key) for key in allowed if _meant(location[-1], key)}
         elif details["type"] == "missing" and not isinstance(location[-1], int):
-            missing.append(Fault(location, _missing(model, raw)))
+            missing.append(Fault(location, _missing(model, raw) + _misspelt_type(details)))
         else:
             choice = _choice(model, raw)
             told = message(cast(Mapping[str, Any], details), choice)
@@ -114,6 +114,14 @@ def _missing(model: type[BaseModel], location: Location) -> str:
     return f"missing; needed: {field.description}" if field is not None else "missing"
 
 
+def _misspelt_type(details: Mapping[str, Any]) -> str:
+    """Hint where a part is named by a key that is nearly ``type``: it went among its settings."""
+    given = details["input"] if details["loc"][-1] == "type" else None
+    settings = given.get("settings", {}) if isinstance(given, Mapping) else {}
+    near = [key for key in settings if isinstance(key, str) and _meant(key[:100], "type")]
+    return f'; {shown(near[0])} given; did you mean "type"?' if near else ""
+
+
 def _in_millimetres(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
     """Hint where a length is too large, as it would be in millimetres."""
     while location and isinstance(location[-1], int):
@@ -142,7 +150,7 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", context["expected"])
         near = nearest(str(given)[:100].lower(), words)
-        return f"{needed or _words(words)}; given {shown(given)}{near}"
+        return f"{needed or _words(words, details)}; given {shown(given)}{near}"
     if kind in _BOUNDS:
         sign, key = _BOUNDS[kind]
         return f"must be {sign} {context[key]:.15g}; given {shown(given)}"
@@ -153,8 +161,11 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     return f"{details['msg']}; given {shown(given)}"
 
 
-def _words(words: list[str]) -> str:
-    return f"must be a number or the word {' or '.join(words)}"
+def _words(words: list[str], details: Mapping[str, Any]) -> str:
+    """What may be given where one of some words may; beside a number if there are tags."""
+    if details["loc"] and details["loc"][-1] in TAGS:
+        return f"must be a number or the word {' or '.join(words)}"
+    return f"must be {details['ctx']['expected'].replace(chr(39), '')}"
 
 
 def _hint(kind: str, given: Any) -> str:

@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from physim.errors import Fault, Location, Position, WorldError
+from physim.errors import Fault, Location, Position, WorldError, dotted
+from physim.registry import STAGES
 from physim.world import World
 from physim.world.describe import field_at
 from physim.world.faults import shown
@@ -15,6 +16,9 @@ from physim.world_file.reading import read_document
 
 NULL = ("null", "Null", "NULL")
 """Values that leave a key out (not ~, which shells replace). A file leaves the key itself out."""
+
+PARTS = tuple(kind.key for kind in STAGES)
+"""Where a world lists parts."""
 
 _KEY = re.compile(r"[^.\[\]=]+(?:\.[^.\[\]=]+|\[[0-9]+\])*")
 
@@ -113,6 +117,10 @@ def _placed(
     if depth == len(location):
         return value
     part = location[depth]
+    if node is None and location[:depth] in PARTS and isinstance(part, int):
+        key = dotted(location[:depth])
+        message = f"the world has no {key}; give it some, as {key}=[{{type: NAME, KEY: VALUE}}]"
+        raise WorldError([Fault(location[:depth], message)], [place])
     if node is None:
         node = replace(value, value=None, items=None, members={})
     if node.members is not None:

@@ -5,6 +5,7 @@ The messages are told in full, so that a change of any is seen.
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -299,8 +300,33 @@ def test_controller_that_fails_in_the_middle(
     done = shell(
         "run", "small.yaml", "--controller", "failing_controller:Fails", "-o", "out", folder=here
     )
-    told = "a at 0.5 s: command v = 9 m/s; it must be finite and within 1.5 m/s either way\n"
+    told = "controller Fails: a at 0.5 s: command v = 9 m/s; it must be finite and within 1.5 m/s"
+    told += " either way\n"
     check(done.code, done.out, done.err, told)
+    assert physim("summary", "out/record.h5", capture=capsys).code == 0
+
+
+def test_observer_that_fails_at_the_very_end(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The run is over and whole: so are record, summary and video; the error comes last."""
+    (here / "late_observer.py").write_text(
+        "class Late:\n"
+        "    def start(self, simulation): ...\n"
+        "    def after_step(self, step): ...\n"
+        "    def close(self, ended):\n"
+        "        1 / 0\n"
+    )
+    done = shell(
+        "run", "small.yaml", "--observer", "late_observer:Late", "-o", "out", "--no-video",
+        "--quiet", folder=here,
+    )  # fmt: skip
+    assert (done.code, done.out) == (2, "")
+    assert done.err.startswith("observer Late at 2 s: ZeroDivisionError: division by zero (")
+    assert "late_observer.py:5)" in done.err
+    assert done.err.count("\n") == 1
+    told = json.loads((here / "out" / "summary.json").read_text())
+    assert told["ended"] == "duration"
     assert physim("summary", "out/record.h5", capture=capsys).code == 0
 
 

@@ -71,6 +71,18 @@ class Unmade:
     def measure(self, record):
         return 1
 
+class Given:
+    """Whatever is written into the file beside."""
+    unit = "m"
+
+    def measure(self, record):
+        from physim.metrics.values import Each, Moment, Place
+        from math import inf, nan
+        from pathlib import Path
+        text = Path(__file__).with_name("answer.txt").read_text()
+        return eval(text, {"Each": Each, "Moment": Moment, "Place": Place, "np": np,
+                           "inf": inf, "nan": nan})
+
 class Mute:
     unit = "m"
 '''
@@ -162,3 +174,65 @@ def test_what_fails_is_told_in_one_line_and_the_rest_is_had(
     if name not in DEFINITIONS:
         with pytest.raises(PhysimError):
             measure(record, [name])
+
+
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        ("Moment(3.0, 100, 1.0, 99)", ["body 99", "allowed: 0 to "]),
+        ("Moment(3.0, 100, 1.0, 0, -1)", ["body -1", "allowed: 0 to "]),
+        ("Moment(3.0, 100, 1.0, 'r1')", ["body 'r1'", "allowed: 0 to "]),
+        ("Moment(nan, 100, 1.0, 0)", ["value nan", "finite"]),
+        ("Moment(3.0, 100, inf, 0)", ["time inf", "finite"]),
+        ("Moment(3.0, 10**6, 1.0, 0)", ["step 1000000", "allowed: 0 to "]),
+        ("Place(3.0, 1.0, 3)", ["robot 3", "allowed: 0 to 2"]),
+        ("Place(3.0, nan, 0)", ["station nan", "finite"]),
+        ("Place('far', 1.0, 0)", ["value 'far'", "finite"]),
+        ("Each(1.0, (1.0, 2.0))", ["2 robots", "the record has 3"]),
+        ("Each(1.0, (1.0, 2.0, inf))", ["robots[2]", "inf", "finite", "None"]),
+        ("Each(1.0, 2.0)", ["robots", "float", "tuple"]),
+        ("nan", ["nan", "finite"]),
+        ("np.float64('inf')", ["inf", "finite"]),
+    ],
+)
+def test_answers_that_mean_nothing_are_told_and_the_summary_is_whole(
+    answer: str, told: list[str], record: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "answer.txt").write_text(answer)
+    registered(tmp_path, monkeypatch, given="Given")
+    summary = summarise(record)
+    (fault,) = summary.metric_faults
+    assert fault.startswith('metric "given" gives ')
+    assert [word for word in told if word not in fault] == []
+    assert "given" not in summary.metrics
+    assert json.loads(summary.to_json())["metric_faults"] == [fault]
+    assert table(summary).count("WARNING") == 1
+
+
+@pytest.mark.parametrize(
+    ("answer", "value"),
+    [
+        ("Moment(np.float64(3.0), np.int64(2), np.float32(1.0), np.int64(2), 0)", 3.0),
+        ("Place(np.float64(3.0), 1, np.int64(2))", 3.0),
+        ("Each(np.float64(3.0), np.array([1.0, 2.0, 3.0]))", 3.0),
+        ("Each(3, [1.0, None, 3])", 3),
+    ],
+)
+def test_numbers_of_numpy_become_plain_ones(
+    answer: str, value: float, record: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "answer.txt").write_text(answer)
+    registered(tmp_path, monkeypatch, given="Given")
+    summary = summarise(record)
+    assert summary.metric_faults == ()
+    assert json.loads(summary.to_json())["metrics"]["given"]["value"] == value
+
+
+def test_one_of_a_shipped_name_is_told_in_the_list(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    registered(tmp_path, monkeypatch, contacts="Still", still="Still")
+    lines = [line.split(maxsplit=1) for line in physim("list", capture=capsys).out.splitlines()]
+    told = {line[0]: line[1] for line in lines if len(line) == 2}
+    assert told["contacts"] == 'metric "contacts": physim has one of that name; take another'
+    assert told["still"] == "Decisions to stand still. More lines follow."

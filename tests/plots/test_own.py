@@ -93,3 +93,16 @@ def test_what_fails_is_one_line_and_leaves_no_file(
 
 def test_physim_s_own_are_not_replaced(record: Record, tmp_path: Path) -> None:
     assert draw(record, tmp_path / "out", only=("modes",))[0].stat().st_size > 5000
+
+
+def test_one_of_a_shipped_name_is_told_in_the_list_and_on_use(
+    record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = 'plot "modes": physim has one of that name; take another'
+    done = physim("list", capture=capsys)
+    assert [line.split(maxsplit=1)[1] for line in done.out.splitlines() if told in line] == [told]
+    done = physim("plot", record.path, "--only", "modes", capture=capsys)
+    assert (done.code, done.out) == (0, f"{tmp_path / 'modes.png'}\n")
+    assert done.err == f"WARNING  {told}\n"
+    done = physim("plot", record.path, "--only", "speeds", capture=capsys)
+    assert (done.code, done.err) == (0, "")

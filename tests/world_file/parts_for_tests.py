@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim.errors import Fault
@@ -74,6 +76,8 @@ class Gains:
 
     class Settings(BaseModel):
         gains: list[float] = Field(default=[1.0, 1.0], description="[-] one a robot")
+        side: Literal["left", "right"] = "left"
+        gear: Literal[1, 2] = 1
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings

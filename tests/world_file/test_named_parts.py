@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 
 import pytest
@@ -64,6 +65,51 @@ def test_every_fault_of_every_part_comes_at_once_with_its_place() -> None:
         'mean "gains"?',
         "9:11: arrival.gian: unknown key; allowed: tolerance",
     ]
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("side=up", 'must be left or right; given "up"'),
+        ("side=rigth", 'must be left or right; given "rigth"; did you mean "right"?'),
+        ("gear=3", "must be 1 or 2; given 3"),
+    ],
+)
+def test_a_setting_of_a_few_words_names_those_alone(change: str, told: str) -> None:
+    (line,) = faults(STAGES, overrides=[f"disturbances.0.{change}"])
+    assert line.endswith(told)
+
+
+def test_a_filter_that_no_world_has_is_told_how_to_be_given() -> None:
+    for key, whole in (("filters", "filters"), ("sensing.stages", "sensing.stages")):
+        with pytest.raises(WorldError) as caught:
+            parse_world(STRAIGHT, "w", overrides=[f"{key}.0.margin=3"])
+        line = str(caught.value)
+        assert f"the world has no {whole}" in line
+        assert f"{whole}=[{{type: NAME" in line
+        assert f"--set {key}.0.margin" in line
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("filters: [{typ: slow}]", 'did you mean "type"'),
+        ("disturbances: [{margin: 1, Type: gains}]", 'did you mean "type"'),
+    ],
+)
+def test_a_misspelt_type_is_told(text: str, said: str) -> None:
+    (line,) = faults(text + "\n")
+    assert ".type: missing" in line
+    assert said in line
+
+
+def test_an_unknown_name_says_how_one_is_registered_or_what_else_it_is() -> None:
+    (line,) = faults("filters: [{type: xyz}]\n")
+    assert '"physim.filters"' in line
+    assert "pip install" in line
+    (line,) = faults("filters: [{type: haze}]\n")
+    assert '"haze" is a sensing stage' in line
+    assert "sensing.stages" in line
 
 
 @pytest.mark.parametrize(
@@ -146,7 +192,7 @@ def test_nothing_is_imported_for_a_world_that_is_only_to_be_read(monkeypatch) ->
     def imported(name: str) -> None:
         raise AssertionError(f"imports {name}")
 
-    monkeypatch.setattr(registry.importlib, "import_module", imported)
+    monkeypatch.setattr(importlib, "import_module", imported)
     assert parse_world(STRAIGHT + STAGES, check_controller=False).filters[0].type == "slow"
     with pytest.raises(WorldError, match="imports tests") as caught:
         parse_world(STRAIGHT + STAGES)

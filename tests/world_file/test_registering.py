@@ -1,0 +1,110 @@
+"""What is said of packages that register parts wrongly: class, settings, module, group, name."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import pytest
+
+from physim.errors import ControllerError, PhysimError
+from physim.registry import FILTER, OBSERVER, PLOT, Kind, find_part, make_by_defaults, make_part
+from tests.packages import install
+
+TEXT = """
+from pydantic import BaseModel
+
+class Needs:
+    def __init__(self, settings):
+        self.settings = settings
+    def start(self, scene): ...
+    def filter(self, scene, sensed, nominal, state): ...
+
+class Bare:
+    class Settings(BaseModel):
+        gain: float = 1.0
+    def start(self, scene): ...
+    def filter(self, scene, sensed, nominal, state): ...
+
+class Told:
+    class Settings(BaseModel):
+        every: float
+    def __init__(self, settings):
+        self.settings = settings
+    def start(self, simulation): ...
+    def after_step(self, step): ...
+    def close(self, ended): ...
+    def draw(self, record): ...
+
+class Usual(Told):
+    class Settings(BaseModel):
+        every: float = 3.0
+"""
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A package that registers much; the name of its module."""
+    name = f"registers_{tmp_path.name.replace('-', '_')}"
+    install(tmp_path, monkeypatch, name, TEXT, {
+        "physim.filters": {"needs": "Needs", "bare": "Bare"},
+        "physim.observers": {"told": "Told", "usual": "Usual"},
+        "physim.plots": {"told": "Told", "usual": "Usual"},
+        "physim.filter": {"forgotten": "Needs"},
+    })  # fmt: skip
+    return name
+
+
+@pytest.fixture(autouse=True)
+def _registered() -> None:
+    """In place of the names that the other tests of this folder see: those that are installed."""
+
+
+@pytest.mark.parametrize(
+    ("name", "told", "line"),
+    [
+        ("needs", "class Needs has no Settings, so it is made as Needs()", 5),
+        ("bare", "class Bare has Settings, so it is made as Bare(settings)", 10),
+    ],
+)
+def test_a_class_that_does_not_go_with_its_settings(
+    name: str, told: str, line: int, module: str
+) -> None:
+    with pytest.raises(ControllerError) as caught:
+        make_part(FILTER, name, {})
+    assert f'filter "{name}" cannot be made: {told}' in str(caught.value)
+    assert str(caught.value).endswith(f"{module}.py:{line})")
+
+
+@pytest.mark.parametrize("kind", [OBSERVER, PLOT])
+def test_what_no_world_names_needs_a_default_for_every_setting(kind: Kind, module: str) -> None:
+    with pytest.raises(PhysimError) as caught:
+        make_by_defaults(kind, "told", trusted=True)
+    assert "every: needs a default" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert make_by_defaults(kind, "usual").settings.every == 3.0
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("told", '"told" is an observer'), ("haze_of_none", '"physim.filters"')]
+)
+def test_a_name_of_another_kind_or_of_none(name: str, told: str, module: str) -> None:
+    with pytest.raises(ControllerError, match=told):
+        find_part(FILTER, name)
+
+
+def test_a_group_that_is_none_is_told(module: str) -> None:
+    with pytest.raises(ControllerError, match=r'"physim\.filter".*no group.*"physim\.filters"'):
+        find_part(FILTER, "forgotten")
+
+
+def test_a_module_that_was_not_installed_names_its_package(
+    module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / f"{module}.py").unlink()
+    importlib.invalidate_caches()
+    with pytest.raises(ControllerError) as caught:
+        find_part(FILTER, "needs")
+    assert f'no module "{module[:30]}' in str(caught.value)
+    assert f"package {module}" in str(caught.value)
+    assert "py-modules" in str(caught.value)

@@ -41,7 +41,7 @@ class Arrivals:
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> NDArray[np.bool_]:
         """(N,) who has arrived at the sample after the last one, to which ``tracking`` follows."""
-        stations = np.empty(tracking.stations.shape)
+        stations = np.empty_like(tracking.stations)
         arrived = np.empty(len(pose), dtype=np.bool_)
         follow_and_judge(
             tracking.paths, tracking.reference, pose, tracking.windows, tracking.stations,

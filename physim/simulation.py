@@ -60,6 +60,7 @@ class Simulation:
     next_decision: NDArray[np.int64]
     last: Step | None
     memory: dict[str, NDArray[Any]]
+    _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
     _stages: tuple[tuple[Any, ...], ...]
 
@@ -186,15 +187,16 @@ class Simulation:
         return self._sensed
 
     def _decide(self, sensed: Sensed) -> Decided:
-        """Ask the robots that are due; nominal commands of all robots from now on."""
-        due = (self.next_decision <= sensed.step).nonzero()[0]
-        if not len(due):
+        """Nominal commands of all robots from now on; those that are due are asked."""
+        if sensed.step < self._next_due:
             return Decided(self.now.command)
+        due = (self.next_decision <= sensed.step).nonzero()[0]
         decided, decisions = decide(
             self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
         )
         self.mode = replaced(self.mode, due, decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)
+        self._next_due = int(self.next_decision.min())
         return decided
 
     def _outside(self, commands: FloatArray) -> Decided:
@@ -228,8 +230,7 @@ class Simulation:
         self._take(step, pose, nominal)
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
-        stations = self._tracking.stations
-        self.now = Snapshot(step, pose, nominal, stations[0], stations[1], stations[2])
+        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
         self._sensed = None
 
     # State
@@ -268,6 +269,7 @@ class Simulation:
             read_only(array)  # which unpickled arrays are not
         self._tracking.stations = read_only(np.stack(state.now[3:]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
+        self._next_due = int(state.next_decision.min())
         self.memory = {name: array.copy() for name, array in state.memory.items()}
         self._stages = state.stages
         self._arrivals.trail, self.arrived = state.trail.copy(), state.arrived
@@ -313,7 +315,7 @@ class Simulation:
         self.arrived = read_only(np.zeros(robots, dtype=np.bool_))
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
-        self.last = None
+        self._next_due, self.last = 0, None
         self._take(0, pose, read_only(np.zeros((robots, 2))))
 
     def __getstate__(self) -> dict[str, Any]:

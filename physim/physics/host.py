@@ -112,13 +112,15 @@ class Physics:
 
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
-        chord_velocities(self._arrays.pose, command, self.dt, self._wanted)
+        arrays = self._arrays
+        chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
         pushes = self._no_pairs
         self.false_contacts = self._no_false
         if len(self._pairs.key):
+            self._wanted[:] = arrays.velocity
             pushes = self._hold_back()
-        self._arrays.velocity[:] = self._wanted
-        self._arrays.write_velocity()
+            arrays.velocity[:] = self._wanted
+        arrays.write_velocity()
         self.step_number += 1
         self._move(pushes)
         if self._journal is not None:

@@ -17,7 +17,10 @@ def main() -> int:
     """Run both arms."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        missed = try_all(Path(folder)) + null_arm(Path(folder))
+        forged, plain = Path(folder) / "forged", Path(folder) / "plain"
+        forged.mkdir()
+        plain.mkdir()
+        missed = try_all(forged) + null_arm(plain)
     return 1 if missed else 0
 
 

@@ -114,18 +114,18 @@ def longer(values: IntArray, length: int) -> IntArray:
 @compiled
 def decide_all(
     due: IntArray,
-    cluster: Cluster,
+    unchanging: list[tuple[Cluster, Rules]],
     sensed: Sensed,
-    rules: Rules,
     mode: IntArray,
     plan: FloatArray,
     dwell: IntArray,
 ) -> Decided:
     """Decide for every robot of ``due``.
 
-    Writes the robots' memories ``mode`` (N,), ``plan`` (N, m, 2), ``dwell`` (N,). All decide from
-    the same state, so their order does not matter.
+    ``unchanging`` is kept (`physim.kept`). Writes the robots' memories ``mode`` (N,), ``plan``
+    (N, m, 2), ``dwell`` (N,). All decide from the same state, so their order does not matter.
     """
+    cluster, rules = unchanging[0]
     rows = np.empty((len(due), 5))
     reports = np.empty((len(due), 6))
     start = np.zeros(len(due) + 1, dtype=np.int64)
@@ -176,6 +176,8 @@ class ModeSwitchingBatch:
     """Batch form of `ModeSwitching` for one run."""
 
     def __init__(self, settings: ModeSwitchingSettings, scene: Scene) -> None:
+        from physim.kept import kept  # which imports numba: not before a run
+
         plan = scene.formation
         self.rules = settings.rules()
         stretches = [np.reshape(s, (-1, 2)) for s in scene.outside]
@@ -201,6 +203,7 @@ class ModeSwitchingBatch:
             formation_range=plan.range,
             reach=scene.sensing_range,
         )
+        self._kept = kept((self.cluster, self.rules))
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Mode, plan and next dwell number of every robot, before its first decision."""
@@ -216,7 +219,7 @@ class ModeSwitchingBatch:
     ) -> Decisions:
         """Decide for robots ``due`` from what each of them senses."""
         rows, report, considered, start = decide_all(
-            due, self.cluster, sensed, self.rules, memory["mode"], memory["plan"], memory["dwell"]
+            due, self._kept, sensed, memory["mode"], memory["plan"], memory["dwell"]
         )
         mode, rule = rows[:, 3].astype(np.int64), rows[:, 4].astype(np.int64)
         return Decisions(due, rows[:, :2], rows[:, 2], mode, rule, report, considered, start)

@@ -30,7 +30,7 @@ class Arrivals:
     """Judges the robots at every sample of a run, from sample 0 on.
 
     ``least`` (N,) [m] are the stations from which on they may have arrived, ``pose`` (N, 3) where
-    they stand at sample 0.
+    they stand at sample 0. Values handed out never change.
     """
 
     def __init__(self, least: FloatArray, dt: float, pose: FloatArray) -> None:
@@ -38,23 +38,32 @@ class Arrivals:
         self.trail = np.zeros((still_steps(dt) + 1, len(least), 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
         self.trail[0] = pose[:, :2]
+        self.arrived: NDArray[np.bool_] = read_only(np.zeros(len(least), dtype=np.bool_))
+        """(N,) who has arrived at the present sample"""
+        self.all = False
+        """whether all have"""
 
-    def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> NDArray[np.bool_]:
-        """(N,) who has arrived at the sample after the last one, to which ``tracking`` follows."""
+    def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
+        """Judge the sample after the last one, to which ``tracking`` follows."""
         stations = np.empty_like(tracking.stations)
         arrived = np.empty(len(pose), dtype=np.bool_)
-        follow_and_judge(
-            tracking.paths, tracking.reference, pose, tracking.windows, tracking.stations,
-            stations, step, self.least, self.trail, arrived,
+        self.all = follow_and_judge(
+            *tracking.ways, pose, tracking.windows, tracking.stations, stations, step, self.least,
+            self.trail, arrived,
         )  # fmt: skip
-        tracking.stations = read_only(stations)
-        return read_only(arrived)
+        tracking.stations, self.arrived = read_only(stations), read_only(arrived)
+
+    def restore(self, trail: FloatArray, arrived: NDArray[np.bool_]) -> None:
+        """Go to a sample whose ``trail`` and ``arrived`` are known; the trail is copied."""
+        self.trail, self.arrived = trail.copy(), read_only(arrived)
+        self.all = bool(arrived.all())
 
 
 @compiled
 def follow_and_judge(
-    paths: Polylines,
-    reference: Polylines,
+    points: FloatArray,
+    start: IntArray,
+    station: FloatArray,
     pose: FloatArray,
     windows: FloatArray,
     before: FloatArray,
@@ -63,10 +72,14 @@ def follow_and_judge(
     least: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
-) -> None:
-    """`track_all` and `note_arrivals` in one call, since every step makes both."""
-    track_all(paths, reference, pose, windows, before, after)
-    note_arrivals(step, pose, after[0], least, trail, arrived)
+) -> bool:
+    """`track_all` and `note_arrivals` in one call, since every step makes both.
+
+    ``points``, ``start``, ``station`` are those of the ways: one by one they are handed over in a
+    third of the time.
+    """
+    track_all(Polylines(points, start, station), pose, windows, before, after)
+    return note_arrivals(step, pose, after[0], least, trail, arrived)
 
 
 @compiled
@@ -77,14 +90,15 @@ def note_arrivals(
     least: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
-) -> None:
-    """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,).
+) -> bool:
+    """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,): are all there?
 
     ``least`` (N,) [m] are the stations from which on they may have arrived. ``trail`` (W + 1, N, 2)
     holds the places of the last W + 1 samples, sample k in row k % (W + 1); this one is added.
     """
     length = len(trail)
     row = step % length
+    everybody = True
     for i in range(len(pose)):
         x, y = pose[i, 0], pose[i, 1]
         trail[row, i, 0], trail[row, i, 1] = x, y
@@ -95,6 +109,8 @@ def note_arrivals(
             still = dx * dx + dy * dy <= STILL_DISTANCE * STILL_DISTANCE
             k += 1
         arrived[i] = still
+        everybody = everybody and still
+    return everybody
 
 
 def arrivals(

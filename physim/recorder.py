@@ -1,6 +1,6 @@
 """Record a run: the observer that writes what happened into a `RecordWriter`.
 
-Poses are gathered in blocks; at the end of a block the clearances of all its samples are worked
+Steps are gathered in blocks; at the end of a block the clearances of all its samples are worked
 out in one call and everything goes to the record, so memory stays flat however long the run.
 """
 
@@ -32,6 +32,7 @@ BLOCK_STEPS = 256
 """Samples gathered before they are worked on; less when the wall clock is first."""
 BLOCK_SECONDS = 0.3
 """[s] of computing after which a block goes to the record, however short."""
+NO_COMMANDS = np.zeros(0, dtype=COMMAND)
 
 
 @dataclass(frozen=True)
@@ -62,12 +63,11 @@ class Recorder:
         self.writer = writer
         self.every = every
         self.tables = tuple(tables)
-        self.count = self.first = self.rejected = 0
-        self.decided: list[Step] = []
-        self.commands: list[NDArray[np.void]] = []
-        self.contacts: list[NDArray[np.void]] = []
-        self.false_contacts: list[NDArray[np.void]] = []
-        self.from_outside = False
+        self.size = max(every, BLOCK_STEPS - BLOCK_STEPS % every)
+        self.steps: list[Step] = []
+        self.first = self.rejected = 0
+        self.told: FloatArray | None = None
+        """(N, 2) what each was last told by its controller, once commands came from outside"""
 
     def start(self, simulation: Simulation) -> None:
         """Take down sample 0. Raises ValueError where the simulation has made steps already."""
@@ -76,107 +76,99 @@ class Recorder:
                 f"the simulation is at step {simulation.step_number}; a record begins at step 0"
             )
         self.scene: Scene = simulation.scene
-        robots = self.scene.robots
-        size = max(self.every, BLOCK_STEPS - BLOCK_STEPS % self.every)
-        self.poses = np.empty((size, robots, 3))
-        self.arrived = np.empty((size, robots), dtype=np.bool_)
-        self.since = np.full(robots, -1, dtype=np.int64)
-        self.told = np.zeros((robots, 2))
+        self.since = np.full(self.scene.robots, -1, dtype=np.int64)
         self.grazes = GrazeFinder(self.scene)
-        self.poses[0], self.arrived[0], self.count = simulation.pose, simulation.arrived, 1
-        self.contacts.append(simulation.contacts)
-        self.false_contacts.append(simulation.physics.false_contacts)
+        # sample 0 is a row of its own, so that later windows end on recorded steps
+        self._write_false_contacts([simulation.physics.false_contacts])
+        self._write_samples(simulation.pose[None], simulation.arrived[None], [simulation.contacts])
         self.last_write = time.monotonic()
-        self._write()  # sample 0 is a row of its own, so that later windows end on recorded steps
 
     def after_step(self, step: Step) -> None:
         """Take down a step and the sample to which it led."""
-        count = self.count
-        self.poses[count], self.arrived[count] = step.pose, step.arrived
-        self.count = count + 1
-        if len(step.contacts):
-            self.contacts.append(step.contacts)
-        if len(step.false_contacts):
-            self.false_contacts.append(step.false_contacts)
-        decisions = step.decisions
-        if decisions is not None:
-            self.decided.append(step)
-            self.told[decisions.robot] = decisions.command
-        elif step.nominal is not step.truth.command:
-            self.from_outside = True
-        if (
-            self.from_outside
-            or step.filtered is not step.nominal
-            or step.applied is not step.filtered
-        ):
-            self._take_commands(step)
-        full = self.count == len(self.poses)
+        self.steps.append(step)
+        count = len(self.steps)
         late = time.monotonic() - self.last_write > BLOCK_SECONDS
-        if full or (late and self.count % self.every == 0):
+        if count == self.size or (late and count % self.every == 0):
             self._write()
 
     def close(self, ended: str) -> None:
         """Write what is left; the record itself is closed by who opened it."""
         self._write()
 
-    def _take_commands(self, step: Step) -> None:
-        """Keep the commands of robots whose stages differ, or who were told from outside."""
-        stages = np.stack((self.told, step.nominal, step.filtered, step.applied))
-        differ = (stages[1:] != stages[:-1]).any(axis=(0, 2))
-        if differ.any():
-            rows = np.zeros(int(differ.sum()), dtype=COMMAND)
-            rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
-            for name, values in zip(
-                (COMMAND.names or ())[2:], stages[1:, differ].transpose(0, 2, 1).reshape(6, -1),
-                strict=True,
-            ):  # fmt: skip
-                rows[name] = values
-            self.commands.append(rows)
-
     def _write(self) -> None:
         """Write the block; the samples last, since they are what makes the record flush."""
-        self._write_decisions()
-        if self.commands:
-            self.writer.append("commands", np.concatenate(self.commands))
-            self.commands = []
-        if self.false_contacts:
-            rows = np.concatenate(self.false_contacts, dtype=FALSE_CONTACT)
-            self.rejected += len(rows)
-            if "false_contacts" in self.tables:
-                self.writer.append("false_contacts", rows)
-            self.false_contacts = []
-        if self.count:
-            self._write_samples()
-        self.first += self.count
-        self.count = 0
+        steps, self.steps = self.steps, []
+        self._write_decisions([step for step in steps if step.decisions is not None])
+        if commands := [rows for step in steps if len(rows := self._commands(step))]:
+            self.writer.append("commands", np.concatenate(commands))
+        self._write_false_contacts([step.false_contacts for step in steps])
+        if steps:
+            self._write_samples(
+                np.array([step.pose for step in steps]),
+                np.array([step.arrived for step in steps]),
+                [step.contacts for step in steps if len(step.contacts)],
+            )
         self.last_write = time.monotonic()
 
-    def _write_decisions(self) -> None:
-        steps, self.decided = self.decided, []
-        if steps and "updates" in self.tables:
-            rows = update_rows(self.scene, steps, self.writer.types["/updates"])
-            self.writer.append("updates", rows)
-        if steps and "considered" in self.tables:
-            self.writer.append("considered", considered_rows(steps))
+    def _commands(self, step: Step) -> NDArray[np.void]:
+        """Rows of the robots whose stages differ, or who were told from outside."""
+        decisions = step.decisions
+        if self.told is not None and decisions is not None:
+            self.told[decisions.robot] = decisions.command
+        elif self.told is None and decisions is None and step.nominal is not step.truth.command:
+            self.told = step.truth.command.copy()
+        if self.told is None and step.applied is step.filtered is step.nominal:
+            return NO_COMMANDS
+        told = step.nominal if self.told is None else self.told
+        stages = np.stack((told, step.nominal, step.filtered, step.applied))
+        differ = (stages[1:] != stages[:-1]).any(axis=(0, 2))
+        rows = np.zeros(int(differ.sum()), dtype=COMMAND)
+        rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
+        for name, values in zip(
+            (COMMAND.names or ())[2:], stages[1:, differ].transpose(0, 2, 1).reshape(6, -1),
+            strict=True,
+        ):  # fmt: skip
+            rows[name] = values
+        return rows
 
-    def _write_samples(self) -> None:
-        """Clearances, contacts at samples and between them in the order of steps, poses."""
-        scene, poses = self.scene, self.poses[: self.count]
-        self.since = later_since(self.since, self.first, self.arrived[: self.count])
+    def _write_decisions(self, steps: Sequence[Step]) -> None:
+        if not steps:
+            return
+        rows = update_rows(self.scene, steps, self.writer.types["/updates"])
+        if "updates" in self.tables:
+            self.writer.append("updates", rows)
+        if "considered" in self.tables:
+            self.writer.append("considered", considered_rows(steps, rows))
+
+    def _write_false_contacts(self, found: Sequence[NDArray[np.void]]) -> None:
+        rows = [one for one in found if len(one)]
+        self.rejected += sum(map(len, rows))
+        if rows and "false_contacts" in self.tables:
+            self.writer.append("false_contacts", np.concatenate(rows, dtype=FALSE_CONTACT))
+
+    def _write_samples(
+        self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
+    ) -> None:
+        """Clearances, contacts at samples and between them in the order of steps, poses (B, N, 3).
+
+        ``arrived`` (B, N); ``contacts`` are those of samples that have some.
+        """
+        self.since = later_since(self.since, self.first, arrived)
         self.writer.note_arrived(self.since)
-        found = clearances(poses, scene.shapes, scene.walls, scene.nearby)
+        found = clearances(poses, self.scene.shapes, self.scene.walls, self.scene.nearby)
         rows = np.concatenate(
-            [*self.contacts, self.grazes.rows(self.first, poses, found)], dtype=CONTACT
+            [*contacts, self.grazes.rows(self.first, poses, found)], dtype=CONTACT
         )
         if len(rows) and "contacts" in self.tables:
             self.writer.append("contacts", rows[np.argsort(rows["step"], kind="stable")])
-        self.contacts = []
         self._write_poses(poses, found)
+        self.first += len(poses)
 
     def _write_poses(self, poses: FloatArray, found: Clearances) -> None:
-        step = self.first + np.arange(self.count)
+        count = len(poses)
+        step = self.first + np.arange(count)
         self.writer.note_extremes(step, found)
-        ends = np.append(np.arange(self.every, self.count + 1, self.every), self.count)
+        ends = np.append(np.arange(self.every, count + 1, self.every), count)
         ends = np.unique(ends) if self.first else np.array([1])
         starts = np.concatenate(([0], ends[:-1]))
         self.writer.append_steps(
@@ -201,23 +193,30 @@ def update_rows(
 ) -> NDArray[np.void]:
     """Rows of the update table, in the order of steps."""
     told = [(step, step.decisions) for step in steps if step.decisions is not None]
-    rows = np.zeros(sum(len(d.robot) for _, d in told), dtype=row_type)
 
     def column(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         return np.concatenate(values)
 
-    rows["step"] = np.repeat([s.truth.step for s, _ in told], [len(d.robot) for _, d in told])
-    for name in ("robot", "mode", "rule"):
-        rows[name] = column([getattr(d, name) for _, d in told])
-    rows["nominal_v"], rows["nominal_omega"] = column([d.command for _, d in told]).T
-    applied = column([s.applied[d.robot] for s, d in told])
-    rows["applied_v"], rows["applied_omega"] = applied.T
-    for name in ("station", "reference_station", "deviation"):
-        rows[name] = column([getattr(s.truth, name)[d.robot] for s, d in told])
-    errors = formation_errors(scene, np.array([s.truth.reference_station for s, _ in told]))
+    robot = column([d.robot for _, d in told])
     which = np.repeat(np.arange(len(told)), [len(d.robot) for _, d in told])
-    rows["formation_error"] = errors[which, rows["robot"]]
-    rows["considered"] = column([np.diff(d.considered_start) for _, d in told])
+    rows = np.zeros(len(robot), dtype=row_type)
+    rows["step"] = np.array([s.truth.step for s, _ in told])[which]
+    rows["robot"] = robot
+    rows["mode"], rows["rule"] = (
+        column([d.mode for _, d in told]),
+        column([d.rule for _, d in told]),
+    )
+    rows["nominal_v"], rows["nominal_omega"] = column([d.command for _, d in told]).T
+    applied = np.array([s.applied for s, _ in told])[which, robot]
+    rows["applied_v"], rows["applied_omega"] = applied.T
+    station, reference, deviation = (
+        np.array([getattr(s.truth, name) for s, _ in told])
+        for name in ("station", "reference_station", "deviation")
+    )
+    rows["station"], rows["reference_station"] = station[which, robot], reference[which, robot]
+    rows["deviation"] = deviation[which, robot]
+    rows["formation_error"] = formation_errors(scene, reference)[which, robot]
+    rows["considered"] = column([d.considered_start[1:] - d.considered_start[:-1] for _, d in told])
     rows["next_step"] = column([s.next_step for s, _ in told])
     report = column([d.report for _, d in told])
     fixed = len(row_type.names or ()) - report.shape[1]
@@ -226,13 +225,11 @@ def update_rows(
     return rows
 
 
-def considered_rows(steps: Sequence[Step]) -> NDArray[np.void]:
-    """Rows of the table of considered robots, in the order of the decisions."""
-    told = [(step.truth.step, step.decisions) for step in steps if step.decisions is not None]
-    rows = np.zeros(sum(len(d.considered) for _, d in told), dtype=CONSIDERED)
-    counts = [np.diff(d.considered_start) for _, d in told]
-    robots = [np.repeat(d.robot, count) for (_, d), count in zip(told, counts, strict=True)]
-    rows["step"] = np.repeat([step for step, _ in told], [len(d.considered) for _, d in told])
-    rows["robot"] = np.concatenate(robots)
-    rows["other"] = np.concatenate([d.considered for _, d in told])
+def considered_rows(steps: Sequence[Step], updates: NDArray[np.void]) -> NDArray[np.void]:
+    """Rows of the table of considered robots, in the order of the decisions in ``updates``."""
+    told = [step.decisions for step in steps if step.decisions is not None]
+    rows = np.zeros(int(updates["considered"].sum()), dtype=CONSIDERED)
+    for name in ("step", "robot"):
+        rows[name] = np.repeat(updates[name], updates["considered"])
+    rows["other"] = np.concatenate([d.considered for d in told])
     return rows

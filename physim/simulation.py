@@ -8,7 +8,6 @@ allow. What each stage is for: `physim.stages`.
 from __future__ import annotations
 
 import copy
-import hashlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -38,7 +37,7 @@ from physim.stages import (
     everybody,
     shared,
 )
-from physim.state import SimulationState
+from physim.state import SimulationState, scene_digest
 from physim.world import World
 
 
@@ -46,16 +45,14 @@ class Simulation:
     """A world in motion, step by step.
 
     How things stand at the present sample: ``now``, a `Snapshot` (poses, nominal commands,
-    stations); ``mode`` (N,), the number of each robot's declared mode; ``arrived`` (N,);
-    ``contacts``, rows of `physim.contacts.CONTACT`; ``step_number``; ``time`` [s]. ``declared``
-    are the modes, rules and columns of the controller, ``last`` is what happened in the last step.
+    stations); ``mode`` (N,), the number of each robot's declared mode; ``last``, what happened in
+    the last step. ``declared`` are the modes, rules and columns of the controller.
     Nothing that was handed out changes later. Stepping may go on beyond the world's duration;
     `simulate` stops there. A copy (`copy.deepcopy`, pickle) goes on like the original; it has no
     observers, and shares the controller and the stages, which are settings only.
     """
 
     now: Snapshot
-    arrived: NDArray[np.bool_]
     mode: NDArray[np.int64]
     next_decision: NDArray[np.int64]
     last: Step | None
@@ -130,14 +127,19 @@ class Simulation:
         return self.now.command
 
     @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """(N,) who has arrived, by `physim.arrival`; read-only."""
+        return self._arrivals.arrived
+
+    @property
     def contacts(self) -> NDArray[np.void]:
-        """Contact rows of the present sample."""
+        """Rows of `physim.contacts.CONTACT` of the present sample."""
         return self.physics.contacts
 
     @property
     def finished(self) -> bool:
-        """Whether every robot has arrived, by `physim.arrival`."""
-        return bool(self.arrived.all())
+        """Whether every robot has arrived."""
+        return self._arrivals.all
 
     def observe(self, i: int) -> Observation:
         """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
@@ -160,7 +162,10 @@ class Simulation:
         """
         truth = self.now
         sensed, sensing = self._sense()
-        decided = self._decide(sensed) if commands is None else self._outside(commands)
+        if commands is None:
+            decided = self._decide(sensed)
+        else:
+            decided = Decided(outside(self.scene, self.time, commands))
         filtered, filters = self._filter(sensed, decided.nominal)
         applied, disturbances = self._disturb(truth, filtered)
         self.physics.step(applied)
@@ -169,7 +174,7 @@ class Simulation:
         self.last = Step(
             truth, sensed, decided.decisions, decided.next_step, decided.nominal, filtered,
             applied, self.now.pose, self.physics.contacts, self.physics.false_contacts,
-            self.arrived,
+            self._arrivals.arrived,
         )  # fmt: skip
         for observer in self.observers:
             observer.after_step(self.last)
@@ -199,10 +204,6 @@ class Simulation:
         self._next_due = int(self.next_decision.min())
         return decided
 
-    def _outside(self, commands: FloatArray) -> Decided:
-        """Nominal commands that somebody else gives."""
-        return Decided(outside(self.scene, self.time, commands))
-
     def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Filtered commands (N, 2): the nominal ones through every filter in turn."""
         if not self.parts.filters:
@@ -226,7 +227,7 @@ class Simulation:
     def _arrive(self, step: int, nominal: FloatArray) -> None:
         """Take up the sample to which the physics brought the robots."""
         pose = read_only(self.physics.pose)
-        self.arrived = self._arrivals.follow(self._tracking, step, pose)
+        self._arrivals.follow(self._tracking, step, pose)
         self._take(step, pose, nominal)
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
@@ -265,14 +266,14 @@ class Simulation:
         if state.scene != scene_digest(self.scene):
             raise PhysimError("the state is of another world or seed; restore it in its own")
         self.physics.restore(state.physics)
-        for array in (*state.now[1:], state.mode, state.next_decision, state.arrived):
+        for array in (*state.now[1:], state.mode, state.next_decision):
             read_only(array)  # which unpickled arrays are not
         self._tracking.stations = read_only(np.stack(state.now[3:]))
         self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
         self._next_due = int(state.next_decision.min())
         self.memory = {name: array.copy() for name, array in state.memory.items()}
         self._stages = state.stages
-        self._arrivals.trail, self.arrived = state.trail.copy(), state.arrived
+        self._arrivals.restore(state.trail, state.arrived)
         self._sensed, self.last = None, None
 
     def reset(self, seed: int | None = None) -> None:
@@ -312,7 +313,6 @@ class Simulation:
         )
         least, pose = scene.stop_station - scene.arrival_tolerance, read_only(self.physics.pose)
         self._arrivals = Arrivals(least, scene.dt, pose)
-        self.arrived = read_only(np.zeros(robots, dtype=np.bool_))
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self.last = 0, None
@@ -336,11 +336,6 @@ class Simulation:
         other = copy.copy(self)  # by __getstate__
         memo[id(self)] = other
         return other
-
-
-def scene_digest(scene: Scene) -> str:
-    """SHA-256 of the effective world, its seed in it."""
-    return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()
 
 
 def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from physim.control import Snapshot
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.physics import PhysicsState
+from physim.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -41,3 +43,8 @@ class SimulationState:
     """(N,)"""
     physics: PhysicsState
     """of the engine"""
+
+
+def scene_digest(scene: Scene) -> str:
+    """SHA-256 of the effective world, its seed in it."""
+    return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()

@@ -30,7 +30,8 @@ def stepwise(pose, station, least, dt):
     trail = np.zeros((still_steps(dt) + 1, pose.shape[1], 2))
     found = np.zeros(station.shape, dtype=bool)
     for k in range(len(pose)):
-        note_arrivals(k, pose[k], station[k], least, trail, found[k])
+        everybody = note_arrivals(k, pose[k], station[k], least, trail, found[k])
+        assert everybody == found[k].all()
     return found
 
 

@@ -28,6 +28,7 @@ LAYERS = {
     "physim.tolerances": (0, 0),
     "physim.linking": (0, 0),
     "physim.compiled": (0, 1),
+    "physim.kept": (0, 2),
     "physim.randomness": (0, 3),
     "physim.palette": (0, 0),
     "physim._version": (0, 0),
@@ -218,7 +219,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "matplotlib": ("physim.plots", "physim.preview", "physim.reproduction"),
         "imageio": ("physim.video",),
         "rich": ("physim.cli",),
-        "numba": ("physim.compiled", "physim.linking"),
+        "numba": ("physim.compiled", "physim.linking", "physim.kept"),
         "argparse": ("physim.cli",),
     }
     for line, name in imports(module):

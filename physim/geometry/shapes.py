@@ -76,5 +76,14 @@ def pack_polylines(lines: Sequence[ArrayLike]) -> Polylines:
     )
 
 
+def joined_polylines(lines: Polylines, more: Polylines) -> Polylines:
+    """Those of ``more`` behind those of ``lines``."""
+    return Polylines(
+        np.concatenate((lines.points, more.points)),
+        np.concatenate((lines.start, more.start[1:] + lines.start[-1])),
+        np.concatenate((lines.station, more.station)),
+    )
+
+
 def _offsets(lengths: Sequence[int]) -> IntArray:
     return np.concatenate(([0], np.cumsum(lengths))).astype(np.int64)

@@ -11,7 +11,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.path import track
-from physim.geometry.shapes import FloatArray, Polylines, read_only
+from physim.geometry.shapes import FloatArray, Polylines, joined_polylines, read_only
 
 SHORTEST_WINDOW = 1.0
 """[m] A projection may move at least this far along the path between two steps."""
@@ -27,7 +27,8 @@ class Tracking:
     def __init__(
         self, paths: Polylines, reference: Polylines, radius: FloatArray, start: FloatArray
     ) -> None:
-        self.paths, self.reference = paths, reference
+        self.ways = joined_polylines(paths, reference)
+        """the N own paths, s* behind them"""
         self.windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
         everywhere, nowhere = np.full(len(start), np.inf), read_only(np.zeros((3, len(start))))
         self.stations: FloatArray = self._projected(start, everywhere, nowhere)
@@ -58,51 +59,43 @@ class Tracking:
         Returns (K, N, 3): station, deviation and reference station [m] at each.
         """
         found = np.empty((len(poses), *self.stations.shape))
-        track_course(self.paths, self.reference, poses, self.windows, self.stations, found)
+        track_course(self.ways, poses, self.windows, self.stations, found)
         if len(found):
             self.stations = read_only(found[-1].copy())
         return found.transpose(0, 2, 1)
 
     def _projected(self, pose: FloatArray, windows: FloatArray, before: FloatArray) -> FloatArray:
         after = np.empty(before.shape)
-        track_all(self.paths, self.reference, pose, windows, before, after)
+        track_all(self.ways, pose, windows, before, after)
         return read_only(after)
 
 
 @compiled
 def track_all(
-    paths: Polylines,
-    reference: Polylines,
-    pose: FloatArray,
-    windows: FloatArray,
-    before: FloatArray,
-    after: FloatArray,
+    ways: Polylines, pose: FloatArray, windows: FloatArray, before: FloatArray, after: FloatArray
 ) -> None:
     """Move every robot's projections on its own path and on s* along with its pose.
 
-    ``before`` and ``after`` (3, N): station, deviation, reference station.
+    ``ways`` are the N own paths and s*; ``before`` and ``after`` (3, N): station, deviation,
+    reference station.
     """
-    for i in range(len(pose)):
+    robots = len(pose)
+    for i in range(robots):
         x, y = pose[i, 0], pose[i, 1]
-        after[0, i], after[1, i] = track(paths, i, x, y, before[0, i], windows[i])
-        after[2, i], _ = track(reference, 0, x, y, before[2, i], windows[i])
+        after[0, i], after[1, i] = track(ways, i, x, y, before[0, i], windows[i])
+        after[2, i], _ = track(ways, robots, x, y, before[2, i], windows[i])
 
 
 @compiled
 def track_course(
-    paths: Polylines,
-    reference: Polylines,
-    poses: FloatArray,
-    windows: FloatArray,
-    before: FloatArray,
-    out: FloatArray,
+    ways: Polylines, poses: FloatArray, windows: FloatArray, before: FloatArray, out: FloatArray
 ) -> None:
     """Run `track_all` over poses (K, N, 3), one after the other; ``out`` (K, 3, N) takes all."""
     for k in range(len(poses)):
         if k == 0:
-            track_all(paths, reference, poses[k], windows, before, out[k])
+            track_all(ways, poses[k], windows, before, out[k])
         else:
-            track_all(paths, reference, poses[k], windows, out[k - 1], out[k])
+            track_all(ways, poses[k], windows, out[k - 1], out[k])
 
 
 def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:

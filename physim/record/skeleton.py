@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
@@ -125,7 +126,9 @@ def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
     return tuple(tuple(vertices[first:last]) for first, last in pairwise(starts))
 
 
+@functools.cache
 def _versions() -> dict[str, str]:
+    """Versions of the libraries that made a record; looked up once, for it takes 2 ms."""
     found = {}
     for library in LIBRARIES:
         try:

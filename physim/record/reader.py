@@ -41,11 +41,10 @@ class Record(RecordedScene):
     """
 
     def __init__(self, file: h5py.File, path: Path | None = None) -> None:
-        """Read an open file; `load` opens one. Raises RecordError when it is no record."""
+        """Read an open file that is a record; `load` opens one and checks that first."""
         self.path = path
         self._where = str(path) if path is not None else "record in memory"
         self._file = file
-        check_layout(file, self._where)
         attributes = file.attrs
         self.name = str(attributes["name"])
         self.world_text = str(attributes["world"])
@@ -87,6 +86,7 @@ class Record(RecordedScene):
         """Open a record file. Raises RecordError with one line that says what is wrong with it."""
         file = open_record(Path(path))
         try:
+            check_layout(file, str(path))
             record = cls(file, Path(path))
             record.check_values()
             return record

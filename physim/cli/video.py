@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 from physim.cli.output import CUT_SHORT, new_file, regular
@@ -17,10 +18,15 @@ INTERRUPTED = 130
 
 def video(options: argparse.Namespace) -> int:
     """Make the video of a record; returns the exit code."""
-    output = options.output or options.record.parent / "video.mp4"
-    new_file(output, options.force, options.record)
-    with interrupts() as interrupt, Record.load(options.record) as record:
-        made = write_video(record, output, options.quiet, interrupt, options.fps, options.speed)
+    inputs = [options.record] if options.beside is None else [options.record, options.beside]
+    name = "video.mp4" if options.beside is None else "beside.mp4"
+    output = options.output or options.record.parent / name
+    new_file(output, options.force, *inputs)
+    with interrupts() as interrupt, ExitStack() as opened:
+        records = [opened.enter_context(Record.load(path)) for path in inputs]
+        made = write_video(
+            records[0], output, options.quiet, interrupt, options.fps, options.speed, *records[1:]
+        )
     if made != output:
         print(f"interrupted; the film so far is {made}", file=sys.stderr)
         return INTERRUPTED
@@ -36,8 +42,9 @@ def write_video(
     stop: Callable[[], bool],
     fps: float = 25.0,
     speed: float | None = None,
+    beside: Record | None = None,
 ) -> Path:
-    """Render with a progress bar; returns the file.
+    """Render with a progress bar, with another record ``beside`` it if given; returns the file.
 
     ``stop`` ends it early: then a film that plays, under another name that says that it is cut
     short, and ``path`` stays as it was.
@@ -54,7 +61,10 @@ def write_video(
         bar.update(now)
 
     try:
-        render(record, path, fps=fps, speed=speed, progress=progress, stop=stop, cut_short=short)
+        render(
+            record, path, beside=beside, fps=fps, speed=speed, progress=progress, stop=stop,
+            cut_short=short,
+        )  # fmt: skip
     finally:
         bar.close()
     return path if done == of else short

@@ -92,6 +92,12 @@ class Camera:
         """Return the centre of the view [m] at ``time`` [s]."""
         return np.array([np.interp(time, self._times, self._centre[:, k]) for k in (0, 1)])
 
+    def corners(self, time: float) -> FloatArray:
+        """Return the lower left and upper right corner (2, 2) [m] of what is seen."""
+        half = np.array([self.box.width, self.box.height]) / 2.0 / self.scale
+        centre = self.centre(time)
+        return np.stack((centre - half, centre + half))
+
     def lens(self, time: float) -> Lens:
         """Return the map to pixels of the view; the world's origin falls on a whole pixel.
 

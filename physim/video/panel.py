@@ -14,7 +14,7 @@ from physim.video.closest import Pair
 from physim.video.layout import Box
 from physim.video.story import Story
 from physim.video.text import BOLD, Image, shorten, write
-from physim.video.ticks import number, round_step
+from physim.video.ticks import metres, number, round_step
 
 PAD = 18
 CLOCK, FIGURES, MODES = 70, 142, 228
@@ -176,11 +176,3 @@ class Panel:
                 weight=BOLD,
                 anchor="right",
             )
-
-
-def metres(length: float) -> str:
-    """Write a distance with two decimals, three below 0.1 m; an overlap has a true minus sign."""
-    text = f"{length:.3f}" if abs(length) < 0.0995 else f"{length:.2f}"
-    if float(text) == 0.0:
-        text = "0.000"
-    return text.replace("-", "−") + " m"

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from physim.errors import PhysimError
+from physim.video.beside import Beside
 from physim.video.encoder import VideoFile, check_path
 from physim.video.painter import Painter
 from physim.video.story import Story, frame_times, playback_speed
@@ -23,6 +24,7 @@ def render(
     record: Record,
     path: Path | str,
     *,
+    beside: Record | None = None,
     fps: float = FPS,
     speed: float | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -30,6 +32,9 @@ def render(
     cut_short: Path | str | None = None,
 ) -> int:
     """Write the video of a record and return the number of frames in it.
+
+    With ``beside`` the two runs go on side by side, the second on the right, until both are over;
+    titles say in what their worlds differ.
 
     H.264 in MP4, 1280 x 720, yuv420p, ``fps`` frames per second of video. ``speed`` is simulated
     seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
@@ -42,9 +47,9 @@ def render(
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
     """
     check_path(Path(path))
-    chosen = _checked(record, fps, speed)
-    painter = Painter(record, chosen, fps)
-    times = frame_times(painter.story.duration, fps, chosen)
+    duration = max(Story(one).duration for one in (record, beside) if one is not None)
+    painter, chosen = _painter(record, beside, fps, speed, duration)
+    times = frame_times(duration, fps, chosen)
     done = 0
     with VideoFile(path, fps) as video:
         shown, picture = math.nan, None
@@ -62,24 +67,36 @@ def render(
     return done
 
 
-def frame_at(record: Record, time: float, *, fps: float = FPS, speed: float | None = None) -> Image:
+def frame_at(
+    record: Record,
+    time: float,
+    *,
+    beside: Record | None = None,
+    fps: float = FPS,
+    speed: float | None = None,
+) -> Image:
     """Return the picture (720, 1280, 3) uint8 RGB of a record at ``time`` [s].
 
-    It equals the video's frame of that time but for the places of names, which glide in a video.
-    A time outside the record is taken to its nearer end. Raises `physim.errors.PhysimError`.
+    It equals the video's frame of that time but for the places of names, which glide in a video;
+    ``beside`` as for `render`. A time outside the record is taken to its nearer end. Raises
+    `physim.errors.PhysimError`.
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
-    painter = Painter(record, _checked(record, fps, speed), fps)
-    return painter.frame(min(max(float(time), 0.0), painter.story.duration))
+    duration = max(Story(one).duration for one in (record, beside) if one is not None)
+    painter, _ = _painter(record, beside, fps, speed, duration)
+    return painter.frame(min(max(float(time), 0.0), duration))
 
 
-def _checked(record: Record, fps: float, speed: float | None) -> float:
-    """Return the playback speed to use, or refuse what was given."""
+def _painter(
+    record: Record, beside: Record | None, fps: float, speed: float | None, duration: float
+) -> tuple[Painter | Beside, float]:
+    """What draws the frames, and the playback speed; refuses what was given."""
     if not (math.isfinite(fps) and 1.0 <= fps <= 240.0):
         raise PhysimError(f"fps: {fps} given; allowed: 1 to 240 frames per second")
-    if speed is None:
-        return playback_speed(Story(record).duration)
-    if not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):
+    if speed is not None and not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):
         raise PhysimError(f"playback speed: {speed} given; allowed: 0.001 to 1000000")
-    return float(speed)
+    chosen = playback_speed(duration) if speed is None else float(speed)
+    if beside is None:
+        return Painter(record, chosen, fps), chosen
+    return Beside(record, beside, chosen, fps), chosen

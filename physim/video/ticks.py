@@ -30,3 +30,11 @@ def number(value: float, step: float) -> str:
     if float(text) == 0.0:
         text = text.lstrip("-")
     return text.replace("-", "−")
+
+
+def metres(length: float) -> str:
+    """Write a distance with two decimals, three below 0.1 m; an overlap has a true minus sign."""
+    text = f"{length:.3f}" if abs(length) < 0.0995 else f"{length:.2f}"
+    if float(text) == 0.0:
+        text = "0.000"
+    return text.replace("-", "−") + " m"

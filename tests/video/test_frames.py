@@ -72,7 +72,7 @@ def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
     painter = Painter(changed(record, contacts=contacts), 1.0, 25.0)
     for time, marked in ((0.3, False), (0.4, True), (1.6, True), (2.9, True), (3.1, False)):
         x = np.interp(time, [0.4, 3.0], [4.0, 12.0])
-        at = painter._camera.lens(time).pixels(np.array([x, 2.5]))
+        at = painter._view.camera.lens(time).pixels(np.array([x, 2.5]))
         column, row = np.rint(at).astype(int).tolist()
         around = (slice(row - 8, row + 9), slice(column - 8, column + 9))
         found = pixels(painter.frame(time), theme.CONTACT, around)
@@ -99,7 +99,7 @@ def test_the_closest_pair_is_joined_by_a_line(made: Callable[..., Any]) -> None:
     fleet = Fleet(made(3).footprints)
     pair = closest_pair(fleet.split(fleet.placed(pose)), pose, fleet.reach)
     assert pair is not None
-    x, y = np.rint(painter._camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
+    x, y = np.rint(painter._view.camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
     assert picture[y - 1 : y + 2, x - 1 : x + 2].min() < 60
 
 

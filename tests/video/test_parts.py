@@ -19,12 +19,11 @@ from physim.video.labels import Labels, Tag, leader
 from physim.video.layout import arrange
 from physim.video.legend import signs
 from physim.video.marks import draw_reference_point
-from physim.video.panel import metres
 from physim.video.robots import Fleet
 from physim.video.story import Story
 from physim.video.strip import spread
 from physim.video.text import clean, shorten, sprite, stamp, width
-from physim.video.ticks import number, ticks
+from physim.video.ticks import metres, number, ticks
 from tests.records import BOX, ELL
 
 numbers = st.floats(-300.0, 300.0, allow_nan=False)

@@ -16,6 +16,7 @@ exit codes:
 examples:
   physim video runs/ten_robots-21/record.h5 --force
   physim video out/record.h5 --speed 1 -o slow.mp4
+  physim video with/record.h5 --beside without/record.h5    # with/beside.mp4
 """
 
 
@@ -31,7 +32,11 @@ def add(commands: Commands) -> None:
     video.add_argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
     video.add_argument(
         "-o", "--output", type=Path, metavar="FILE",
-        help="film, ending in .mp4 (default: video.mp4 beside the record)",
+        help="film, ending in .mp4 (default: video.mp4 beside the record, or beside.mp4)",
+    )  # fmt: skip
+    video.add_argument(
+        "--beside", type=Path, metavar="RECORD",
+        help="another run, shown on the right; titles say in what the two worlds differ",
     )  # fmt: skip
     video.add_argument("--force", action="store_true", help="write over an existing file")
     video.add_argument(

@@ -1,0 +1,121 @@
+"""Two runs side by side."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import physim
+from physim.record import Record
+from physim.video import frame_at, render, theme
+from physim.video.beside import FOOTER, HEADER, Beside, differences
+from physim.video.ground import ground
+from physim.video.layout import Box
+from physim.video.story import Story
+from physim.video.view import View
+from physim.world_file import parse_world
+from tests.cli.commands import SMALL
+from tests.cli.commands import physim as command
+from tests.video.test_frames import pixels
+
+LEFT = (slice(0, HEADER), slice(0, theme.WIDTH // 2 - 2))
+RIGHT = (slice(0, HEADER), slice(theme.WIDTH // 2 + 2, theme.WIDTH))
+BLOCKED = SMALL + "obstacles: [[[8.0, 0.0], [8.5, 0.0], [8.5, 2.0], [8.0, 2.0]]]\n"
+
+
+@pytest.fixture(scope="module")
+def free() -> Record:
+    return physim.simulate(parse_world(SMALL))
+
+
+@pytest.fixture(scope="module")
+def blocked() -> Record:
+    """A run half as long that drives against an obstacle from the start on."""
+    world = parse_world(BLOCKED).changed(
+        time={"step": 0.02, "duration": 1.4}, controller={"type": "path_following"}
+    )
+    record = physim.simulate(world)
+    assert len(record.contacts)
+    return record
+
+
+def test_either_half_is_the_view_of_its_own_run(free: Record, blocked: Record) -> None:
+    image = frame_at(free, 0.8, beside=blocked, speed=1.0)
+    assert image.shape == (theme.HEIGHT, theme.WIDTH, 3)
+    half, high = (theme.WIDTH - 3) // 2, theme.HEIGHT - HEADER - FOOTER
+    for record, left in ((free, 0), (blocked, theme.WIDTH - half)):
+        box, alone = Box(left, HEADER, half, high), np.zeros_like(image)
+        story = Story(record)
+        View(story, ground(story), box, 1.0, 25.0).paint(alone, 0.8)
+        assert np.array_equal(box.of(image), box.of(alone))
+
+
+def test_the_header_tells_the_contacts_of_its_run(free: Record, blocked: Record) -> None:
+    end = frame_at(free, 2.0, beside=blocked, speed=1.0)
+    assert pixels(end, theme.CONTACT, LEFT) == 0
+    assert pixels(end, theme.CONTACT, RIGHT) > 100
+    turned = frame_at(blocked, 2.0, beside=free, speed=1.0)
+    assert pixels(turned, theme.CONTACT, LEFT) > 100
+    assert pixels(turned, theme.CONTACT, RIGHT) == 0
+    assert pixels(frame_at(free, 0.0, beside=blocked, speed=1.0), theme.CONTACT, RIGHT) == 0
+
+
+def test_a_run_that_is_over_stays_as_it_ended(free: Record, blocked: Record) -> None:
+    painter = Beside(free, blocked, 1.0, 25.0)
+    assert painter.duration == pytest.approx(2.0)
+    at_its_end = Beside(blocked, blocked, 1.0, 25.0).frame(1.4)
+    below = slice(HEADER, theme.HEIGHT - FOOTER), slice(theme.WIDTH // 2 + 2, theme.WIDTH)
+    assert np.array_equal(painter.frame(2.0)[below], at_its_end[below])
+
+
+def test_the_video_lasts_as_long_as_the_longer_run(
+    free: Record, blocked: Record, tmp_path: Path
+) -> None:
+    alone = render(free, tmp_path / "one.mp4", fps=10.0, speed=1.0)
+    assert render(blocked, tmp_path / "two.mp4", beside=free, fps=10.0, speed=1.0) == alone
+
+
+CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "titles"),
+    [
+        (SMALL, SMALL, ("", "")),
+        (SMALL, SMALL.replace("seed: 1", "seed: 2"), ("seed: 1", "seed: 2")),
+        (SMALL, CONTROLLED, ("controller: not set", "controller: mode_switching")),
+        (CONTROLLED, CONTROLLED.replace("0.2", "0.3"), ("beta: 0.2", "beta: 0.3")),
+        (CONTROLLED, SMALL + "controller: {type: path_following, speed: 1}\n",
+         ("controller: mode_switching", "controller: path_following")),
+        (SMALL, BLOCKED, ("8 values differ", "8 values differ")),
+    ],
+)  # fmt: skip
+def test_titles_say_in_what_worlds_differ(one: str, other: str, titles: tuple[str, str]) -> None:
+    assert differences(one, other) == titles
+
+
+def test_the_command_writes_beside_the_first_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SMALL)
+    for name in ("a", "b"):
+        run = command("run", "small.yaml", "-o", name, "--no-video", "--quiet", capture=capsys)
+        assert run.code == 0
+    done = command("video", "a/record.h5", "--beside", "b/record.h5", capture=capsys)
+    assert (done.code, done.out.split()) == (0, [str(Path("a/beside.mp4"))])
+    again = command("video", "a/record.h5", "--beside", "b/record.h5", capture=capsys)
+    assert again.code == 2
+    assert "--force" in again.err
+    onto = command(
+        "video", "a/record.h5", "--beside", "b/record.h5", "-o", "b/record.h5", "--force",
+        capture=capsys,
+    )  # fmt: skip
+    assert onto.code == 2
+    (tmp_path / "no.h5").write_text("no record")
+    bad = command("video", "a/record.h5", "--beside", "no.h5", "-o", "x.mp4", capture=capsys)
+    assert bad.code == 2
+    assert "no.h5" in bad.err
+    assert not (tmp_path / "x.mp4").exists()

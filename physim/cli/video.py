@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 from physim.cli.output import CUT_SHORT, new_file, regular
@@ -24,9 +25,11 @@ def video(options: argparse.Namespace) -> int:
     new_file(output, options.force, *inputs)
     with interrupts() as interrupt, ExitStack() as opened:
         records = [opened.enter_context(Record.load(path)) for path in inputs]
-        made = write_video(
-            records[0], output, options.quiet, interrupt, options.fps, options.speed, *records[1:]
-        )
+        film = partial(
+            render, fps=options.fps, speed=options.speed, start=options.start, end=options.end,
+            beside=records[1] if len(records) > 1 else None,
+        )  # fmt: skip
+        made = write_video(records[0], output, options.quiet, interrupt, film)
     if made != output:
         print(f"interrupted; the film so far is {made}", file=sys.stderr)
         return INTERRUPTED
@@ -40,11 +43,9 @@ def write_video(
     path: Path,
     quiet: bool,
     stop: Callable[[], bool],
-    fps: float = 25.0,
-    speed: float | None = None,
-    beside: Record | None = None,
+    film: Callable[..., int] = render,
 ) -> Path:
-    """Render with a progress bar, with another record ``beside`` it if given; returns the file.
+    """Render with a progress bar; returns the file. ``film`` is `render`, or a partial of it.
 
     ``stop`` ends it early: then a film that plays, under another name that says that it is cut
     short, and ``path`` stays as it was.
@@ -61,10 +62,7 @@ def write_video(
         bar.update(now)
 
     try:
-        render(
-            record, path, beside=beside, fps=fps, speed=speed, progress=progress, stop=stop,
-            cut_short=short,
-        )  # fmt: skip
+        film(record, path, progress=progress, stop=stop, cut_short=short)
     finally:
         bar.close()
     return path if done == of else short

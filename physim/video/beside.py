@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
 PAD, GAP = 16, 3
-ABSENT = "not set"
+ABSENT = "default"
 MOST_NAMED = 2
 """Differing values of the two worlds that the titles name; of more the number."""
 

@@ -25,6 +25,8 @@ def render(
     path: Path | str,
     *,
     beside: Record | None = None,
+    start: float = 0.0,
+    end: float = math.inf,
     fps: float = FPS,
     speed: float | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -34,11 +36,12 @@ def render(
     """Write the video of a record and return the number of frames in it.
 
     With ``beside`` the two runs go on side by side, the second on the right, until both are over;
-    titles say in what their worlds differ.
+    titles say in what their worlds differ. ``start`` and ``end`` [s of simulated time] are those
+    of the film; an end after that of the run is the run's.
 
     H.264 in MP4, 1280 x 720, yuv420p, ``fps`` frames per second of video. ``speed`` is simulated
     seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
-    run lasts at most 80 s; then the last picture stays for 1.5 s, and so many more frames are
+    film lasts at most 80 s; then the last picture stays for 1.5 s, and so many more frames are
     counted. ``progress(done, total)`` is called after each frame. ``stop()`` is
     asked after each frame; once True, the file is completed with the frames so far, and named
     ``cut_short`` if that is given.
@@ -47,9 +50,14 @@ def render(
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
     """
     check_path(Path(path))
-    duration = max(Story(one).duration for one in (record, beside) if one is not None)
-    painter, chosen = _painter(record, beside, fps, speed, duration)
-    times = frame_times(duration, fps, chosen)
+    end = min(end, _duration(record, beside))
+    if not 0.0 <= start < end and (start, end) != (0.0, 0.0):
+        raise PhysimError(
+            f"from {start:g} s to {end:g} s: nothing to show; allowed: a start from 0 s to before "
+            "the end, which is that of the run at most"
+        )
+    painter, chosen = _painter(record, beside, fps, speed, end - start)
+    times = frame_times(start, end, fps, chosen)
     done = 0
     with VideoFile(path, fps) as video:
         shown, picture = math.nan, None
@@ -83,15 +91,23 @@ def frame_at(
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
-    duration = max(Story(one).duration for one in (record, beside) if one is not None)
+    duration = _duration(record, beside)
     painter, _ = _painter(record, beside, fps, speed, duration)
     return painter.frame(min(max(float(time), 0.0), duration))
+
+
+def _duration(record: Record, beside: Record | None) -> float:
+    """[s] of the longer run."""
+    return max(Story(one).duration for one in (record, beside) if one is not None)
 
 
 def _painter(
     record: Record, beside: Record | None, fps: float, speed: float | None, duration: float
 ) -> tuple[Painter | Beside, float]:
-    """What draws the frames, and the playback speed; refuses what was given."""
+    """What draws the frames, and the playback speed; refuses what was given.
+
+    ``duration`` [s] is what is shown.
+    """
     if not (math.isfinite(fps) and 1.0 <= fps <= 240.0):
         raise PhysimError(f"fps: {fps} given; allowed: 1 to 240 frames per second")
     if speed is not None and not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):

@@ -42,14 +42,14 @@ def playback_speed(duration: float) -> float:
         decade *= 10.0
 
 
-def frame_times(duration: float, fps: float, speed: float) -> FloatArray:
+def frame_times(start: float, end: float, fps: float, speed: float) -> FloatArray:
     """Return the simulated times of all frames (F,) [s].
 
-    From 0 to the end inclusive; then the end again for `HOLD` seconds of video.
+    From ``start`` to ``end`` [s] inclusive; then the end again for `HOLD` seconds of video.
     """
-    last = int(np.ceil(duration * fps / speed - 1e-6))
+    last = int(np.ceil((end - start) * fps / speed - 1e-6))
     shown = last + 1 + round(HOLD * fps)
-    times: FloatArray = np.minimum(np.arange(shown) * (speed / fps), duration)
+    times: FloatArray = np.minimum(start + np.arange(shown) * (speed / fps), end)
     return times
 
 

@@ -85,7 +85,7 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
     [
         (SMALL, SMALL, ("", "")),
         (SMALL, SMALL.replace("seed: 1", "seed: 2"), ("seed: 1", "seed: 2")),
-        (SMALL, CONTROLLED, ("controller: not set", "controller: mode_switching")),
+        (SMALL, CONTROLLED, ("controller: default", "controller: mode_switching")),
         (CONTROLLED, CONTROLLED.replace("0.2", "0.3"), ("beta: 0.2", "beta: 0.3")),
         (CONTROLLED, SMALL + "controller: {type: path_following, speed: 1}\n",
          ("controller: mode_switching", "controller: path_following")),
@@ -94,6 +94,17 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
 )  # fmt: skip
 def test_titles_say_in_what_worlds_differ(one: str, other: str, titles: tuple[str, str]) -> None:
     assert differences(one, other) == titles
+
+
+def test_a_film_may_show_a_part_of_the_run(free: Record, tmp_path: Path) -> None:
+    film = tmp_path / "part.mp4"
+    whole = render(free, tmp_path / "whole.mp4", fps=10.0, speed=1.0)
+    assert render(free, film, start=0.5, end=1.5, fps=10.0, speed=1.0) == whole - 10
+    assert render(free, film, start=1.5, fps=10.0, speed=1.0) == whole - 15
+    for start, end in ((2.0, 9.0), (1.0, 1.0), (-1.0, 1.0), (float("nan"), 1.0)):
+        with pytest.raises(physim.PhysimError, match="nothing to show"):
+            render(free, tmp_path / "no.mp4", start=start, end=end)
+    assert not (tmp_path / "no.mp4").exists()
 
 
 def test_the_command_writes_beside_the_first_record(

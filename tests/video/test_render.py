@@ -44,7 +44,7 @@ def test_the_file_decodes_with_the_right_size_and_number_of_frames(
     seen: list[tuple[int, int]] = []
     frames = render(record, path, fps=10.0, speed=2.0, progress=lambda *n: seen.append(n))
     held = 15  # 1.5 s
-    assert frames == 21 + held == len(frame_times(4.0, 10.0, 2.0))
+    assert frames == 21 + held == len(frame_times(0.0, 4.0, 10.0, 2.0))
     assert seen == [(k, 36) for k in range(1, 37)]
     pictures = decoded(path)
     assert len(pictures) == frames

@@ -33,10 +33,11 @@ def test_the_last_decision_at_or_before_holds(
 
 
 def test_frames_go_from_the_start_to_the_end_and_stay_there() -> None:
-    assert frame_times(0.0, 2.0, 1.0).tolist() == [0.0] * 4
-    assert frame_times(1.0, 4.0, 1.0).tolist() == [0.0, 0.25, 0.5, 0.75] + 7 * [1.0]
-    assert frame_times(1.1, 2.0, 1.0).tolist() == [0.0, 0.5, 1.0, 1.1, 1.1, 1.1, 1.1]
-    assert (frame_times(100.0, 25.0, 8.0) == 100.0).sum() == 1 + round(1.5 * 25.0)
+    assert frame_times(0.0, 0.0, 2.0, 1.0).tolist() == [0.0] * 4
+    assert frame_times(0.0, 1.0, 4.0, 1.0).tolist() == [0.0, 0.25, 0.5, 0.75] + 7 * [1.0]
+    assert frame_times(0.0, 1.1, 2.0, 1.0).tolist() == [0.0, 0.5, 1.0, 1.1, 1.1, 1.1, 1.1]
+    assert frame_times(2.0, 3.0, 2.0, 1.0).tolist() == [2.0, 2.5] + 4 * [3.0]
+    assert (frame_times(0.0, 100.0, 25.0, 8.0) == 100.0).sum() == 1 + round(1.5 * 25.0)
 
 
 def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[..., Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from physim.cli.arguments.commands import Commands, Wrapped, lazy
@@ -17,6 +18,7 @@ examples:
   physim video runs/ten_robots-21/record.h5 --force
   physim video out/record.h5 --speed 1 -o slow.mp4
   physim video with/record.h5 --beside without/record.h5    # with/beside.mp4
+  physim video out/record.h5 --from 40 --to 75 -o part.mp4
 """
 
 
@@ -37,6 +39,14 @@ def add(commands: Commands) -> None:
     video.add_argument(
         "--beside", type=Path, metavar="RECORD",
         help="another run, shown on the right; titles say in what the two worlds differ",
+    )  # fmt: skip
+    video.add_argument(
+        "--from", dest="start", type=number_from(0.0, 1e9), default=0.0, metavar="T",
+        help="simulated time at which the film begins [s] (0)",
+    )  # fmt: skip
+    video.add_argument(
+        "--to", dest="end", type=number_from(0.0, 1e9), default=math.inf, metavar="T",
+        help="simulated time at which it ends [s] (default: the end of the run)",
     )  # fmt: skip
     video.add_argument("--force", action="store_true", help="write over an existing file")
     video.add_argument(

@@ -120,7 +120,7 @@ def decide_one(
     if own.station >= own.stop_station - rules.arrival_tolerance:
         report[0], report[1] = x, y
         nobody = np.empty(0, dtype=np.int64)
-        return 0.0, 0.0, rules.update_period, ARRIVED, STOP, memory.plan, 0, report, nobody
+        return 0.0, 0.0, rules.longest_interval, ARRIVED, STOP, memory.plan, 0, report, nobody
     length = path_length(paths, own.path)
     outside = is_outside(own.outside, min(own.station + rules.look_ahead, length))
     position = (pose[me, 0], pose[me, 1])
@@ -146,9 +146,10 @@ def decide_one(
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
     rule = FOLLOW if dwell == 0 else PLAN
-    interval = rules.dwell[dwell]
-    if mode != SAFE:
-        interval = rules.update_period
+    interval = rules.longest_interval
+    if mode == SAFE:
+        interval *= rules.dwell[dwell] / rules.update_period
+    else:
         if mode == DISTANCE:
             near = own.parts if boundary < rules.safe_distance else own.parts[:0]
             rule = WIDEST
@@ -170,6 +171,8 @@ def decide_one(
     hold = interval
     if rules.event_triggered:
         hold = update_interval(interval, rules.beta, xi)  # (14)
+    if pair[0] > 0.0:
+        hold = min(hold, (own.stop_station - own.station) / pair[0])
     goes_on = mode == SAFE and hold == interval and dwell + 1 < len(rules.dwell)
     report[0], report[1] = tx, ty
     report[2], report[3], report[4] = distance, boundary, xi

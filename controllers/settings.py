@@ -21,6 +21,10 @@ Speed = Annotated[
     Positive, Field(description="[m/s] nu in a world without formation; formation.speed in others")
 ]
 
+AVOIDANCE = ("distance_first", "time_first", "distance", "time", "none")
+"""Which of (12) and (13) serves in danger mode; the kernels take the place in this list."""
+DISTANCE_FIRST, TIME_FIRST, DISTANCE_ALONE, TIME_ALONE, NO_AVOIDANCE = range(5)
+
 LONGEST_PLAN = 3
 """Dwell times at most: 15 speed pairs make 15^3 = 3375 plans."""
 
@@ -40,6 +44,8 @@ class Rules(NamedTuple):
     boundary_low: float
     beta: float
     event_triggered: bool
+    longest_interval: float
+    avoidance: int
     horizon: float
     dwell: FloatArray
     reverse_in_safe_mode: bool
@@ -60,7 +66,8 @@ class ModeSwitchingSettings(BaseModel):
         default=1.0, description="[m] L: width of the danger area along the boundaries"
     )
     update_period: Positive = Field(
-        default=0.1, description="[s] longest time between two decisions (paper: 0.1)"
+        default=0.1,
+        description="[s] what a plan of (5) takes, and how far ahead (12) looks (paper: 0.1)",
     )
     dwell_times: Annotated[list[Positive], Field(min_length=1, max_length=LONGEST_PLAN)] = Field(
         default=[0.1],
@@ -104,6 +111,12 @@ class ModeSwitchingSettings(BaseModel):
     boundary_low: NotNegative = Field(
         default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )
+    avoidance: Literal["distance_first", "time_first", "distance", "time", "none"] = Field(
+        default="time_first",
+        description="what serves in danger mode: (12) below distance_low or boundary_low, else "
+        "(13); (13) while a collision time is short, else (12); (12) alone; (13) alone; or none: "
+        "no danger mode, to compare with",
+    )
     beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
         default=0.5,
         description="[-] the update interval is at most beta times the collision time, (14)",
@@ -111,7 +124,13 @@ class ModeSwitchingSettings(BaseModel):
     event_triggered: bool = Field(
         default=True,
         description="whether a short collision time brings the next decision forward, (14); "
-        "otherwise every decision holds for update_period, whatever beta",
+        "otherwise every decision holds for longest_interval, whatever beta",
+    )
+    longest_interval: Positive | None = Field(
+        default=None,
+        description="[s] longest time between two decisions, to which a plan is stretched: "
+        "update_period, so that (14) can only shorten it, or longer, so that it adapts; "
+        "none: update_period",
     )
     horizon: Positive = Field(
         default=10.0, description="[s] collision times beyond this count as none (inf)"
@@ -136,6 +155,12 @@ class ModeSwitchingSettings(BaseModel):
                     f"{name}_high is {high:g}, below {name}_low {low:g}; hysteresis needs "
                     f"{name}_high >= {name}_low"
                 )
+        if self.horizon < self.time_high:
+            raise ValueError(
+                f"horizon is {self.horizon:g} s, below time_high {self.time_high:g} s: no "
+                "collision time would ever be long enough to leave danger mode; make horizon at "
+                "least time_high"
+            )
         if 0.0 not in self.omegas:
             raise ValueError("omegas has no 0: the robot could never go straight")
         return self
@@ -155,6 +180,8 @@ class ModeSwitchingSettings(BaseModel):
             boundary_low=self.boundary_low,
             beta=self.beta,
             event_triggered=self.event_triggered,
+            longest_interval=self.longest_interval or self.update_period,
+            avoidance=AVOIDANCE.index(self.avoidance),
             horizon=self.horizon,
             dwell=np.array(self.dwell_times),
             reverse_in_safe_mode=self.reverse_in_safe_mode,

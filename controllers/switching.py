@@ -5,15 +5,15 @@ threshold, and ends only when distance and collision time are above their upper 
 boundary distance is above its own: five thresholds.
 
 Departures from the paper: its five symbols are lost; these are our reading. Which of (12) and (13)
-serves in danger mode follows `conventions`: (12) once shapes touch, (13) while a collision time is
-short, (12) otherwise.
+serves in danger mode is a setting, ``avoidance``; (12) whenever shapes touch, unless there is (13)
+alone.
 """
 
 from __future__ import annotations
 
 from physim.compiled import compiled
 
-from .settings import Rules
+from .settings import DISTANCE_ALONE, DISTANCE_FIRST, NO_AVOIDANCE, TIME_ALONE, Rules
 
 SAFE, DISTANCE, TIME = 0, 1, 2
 """Numbers of the modes in `physim.declared.PAPER_MODES`"""
@@ -39,7 +39,14 @@ def next_mode(
         short_distance = distance < distance_threshold
         short_time = collision_time < time_threshold
         short_boundary = boundary_distance < rules.boundary_low
-    if not (short_distance or short_time or short_boundary):
+    if not (short_distance or short_time or short_boundary) or rules.avoidance == NO_AVOIDANCE:
         return SAFE
     touching = collision_time <= 0.0 or distance <= 0.0 or boundary_distance <= 0.0
-    return TIME if short_time and not touching else DISTANCE
+    if rules.avoidance == TIME_ALONE:
+        return TIME
+    if rules.avoidance == DISTANCE_ALONE or touching:
+        return DISTANCE
+    if rules.avoidance == DISTANCE_FIRST:
+        is_near = distance < rules.distance_low or boundary_distance < rules.boundary_low
+        return DISTANCE if is_near else TIME
+    return TIME if short_time else DISTANCE

@@ -1,8 +1,10 @@
 """When a robot decides again: event-triggered updates (14).
 
-Departures from the paper: (14) is lost; in this reading a short collision time can only bring a
-decision forward. It cuts short each dwell time of a plan alike, and what is left of the plan is
-dropped then.
+Departures from the paper: (14) is lost. The text says what it is for, to save messages and work,
+and that can only come from intervals longer than the 0.1 s of a plan; so the plan may be stretched
+to a longest interval of its own. Where that is the plan's own length (14) can only shorten it.
+An interval is cut short where the robot would come to its stop station, so that where it stands
+does not depend on when it decides. What is left of a plan is dropped when an interval is cut short.
 """
 
 from __future__ import annotations
@@ -11,9 +13,9 @@ from physim.compiled import compiled
 
 
 @compiled
-def update_interval(period: float, beta: float, collision_time: float) -> float:
-    """tau_i [s] by (14): the period, or ``beta`` times the smallest collision time if shorter.
+def update_interval(longest: float, beta: float, collision_time: float) -> float:
+    """tau_i [s] by (14): the longest, or ``beta`` times the smallest collision time if shorter.
 
     The simulation rounds it down to physics steps, one at least.
     """
-    return min(period, beta * collision_time)  # (14)
+    return min(longest, beta * collision_time)  # (14)

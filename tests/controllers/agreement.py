@@ -15,7 +15,7 @@ from tests.controllers.scenes import History, decisions
 from tests.oracles import decision as oracle
 from tests.oracles import paths, safe_area, switching, timing
 from tests.oracles.decision import Expected, Memory, UnsureError
-from tests.oracles.tolerances import ROUNDING, TIME, TOUCH
+from tests.oracles.tolerances import ROUNDING, TIME
 from tests.oracles.view import View, view
 
 Case = tuple[History, ModeSwitchingSettings]
@@ -89,7 +89,7 @@ def _compare(
         tally.met["decided"] += 1
         tally.met += met_by(a, expected)
         for name, made in zip(FORMS, forms, strict=True):
-            found = faults_of(a.settings, expected, made, a.view.index)
+            found = faults_of(a.settings, expected, made, a.view)
             found += faults_of_names(a, expected, made)
             tally.faults += [f"{a}, {name}: {fault}" for fault in found]
         kept[key] = _remembered(a, expected, forms[0], tally)
@@ -112,7 +112,7 @@ def _faults_of_arrived(a: Asked, made: Decisions, i: int) -> list[str]:
     faults = []
     if made.mode[i] != switching.ARRIVED or made.command[i].any():
         faults.append(f"mode {made.mode[i]}, command {made.command[i]}; it has arrived")
-    if made.hold[i] != a.settings.update_period:
+    if made.hold[i] != (a.settings.longest_interval or a.settings.update_period):
         faults.append(f"hold {made.hold[i]}")
     target, _ = paths.target(a.view.me.path, a.view.me.station, a.settings.look_ahead)
     if not np.allclose(made.report[i, :2], target, rtol=0.0, atol=ROUNDING):
@@ -138,9 +138,10 @@ def right_command(expected: Expected, command: np.ndarray) -> tuple[float, float
 
 
 def faults_of(
-    settings: ModeSwitchingSettings, expected: Expected, made: Decisions, i: int
+    settings: ModeSwitchingSettings, expected: Expected, made: Decisions, seen: View
 ) -> list[str]:
-    """What is wrong with the decision of robot i."""
+    """What is wrong with the decision of a robot."""
+    i = seen.index
     if made.mode[i] != expected.mode:
         return [f"mode {made.mode[i]}, not {expected.mode}"]
     command = right_command(expected, made.command[i])
@@ -157,12 +158,23 @@ def faults_of(
     answer = expected.answers[command]
     if not answer.sure:
         return faults
-    if not (time == answer.time or -TOUCH <= time - answer.time <= TIME):
+    if not (time == answer.time or abs(time - answer.time) <= TIME):
         faults.append(f"collision time {time}, not {answer.time}")
-    hold = timing.interval(expected.period, settings.beta, answer.time, settings.event_triggered)
+    hold = expected_hold(seen, settings, expected, command)
     if not abs(made.hold[i] - hold) <= TIME:
         faults.append(f"hold {made.hold[i]}, not {hold}")
     return faults
+
+
+def expected_hold(
+    seen: View, s: ModeSwitchingSettings, expected: Expected, command: tuple[float, float]
+) -> float:
+    """How long a right command holds [s]."""
+    left = seen.me.stop_station - seen.me.station
+    tau = timing.interval(
+        expected.period, s.beta, expected.answers[command].time, s.event_triggered
+    )
+    return min(tau, timing.until_stop(left, command[0]))
 
 
 RULES = {switching.BY_DISTANCE: "distance", switching.BY_TIME: "time"}
@@ -188,12 +200,21 @@ def _remembered(a: Asked, expected: Expected, made: Decisions, tally: Tally) -> 
     if command is None or not expected.answers[command].sure:
         return None
     time, s = expected.answers[command].time, a.settings
-    hold = timing.interval(expected.period, s.beta, time, s.event_triggered)
+    hold = expected_hold(a.view, s, expected, command)
     is_short = hold < expected.period
-    tally.met["shortened by (14)"] += is_short
+    by_time = timing.interval(expected.period, s.beta, time, s.event_triggered)
+    tally.met["shortened by (14)"] += by_time < expected.period
+    tally.met["shortened by the stop"] += hold < by_time
     if expected.mode != switching.SAFE or is_short:
         return Memory(expected.mode)  # what is left of a plan is dropped
     return Memory(expected.mode, expected.rest[command])
+
+
+def fresh_mode(expected: Expected, time: float, s: ModeSwitchingSettings) -> int:
+    """Mode of a robot that came from safe mode, with avoidance on."""
+    on = s if s.avoidance != "none" else s.model_copy(update={"avoidance": "time_first"})
+    seen = (expected.distance, time, expected.boundary_distance)
+    return switching.next_mode(switching.SAFE, *seen, on)
 
 
 def met_by(a: Asked, expected: Expected) -> Counter[str]:
@@ -206,9 +227,7 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
     nu = oracle.forward_speed(seen)
     time = answer.time
     others = [other for _, other in seen.others]
-    fresh = switching.next_mode(
-        switching.SAFE, expected.distance, time, expected.boundary_distance, s
-    )
+    fresh = fresh_mode(expected, time, s)
     within = expected.boundary_distance < s.safe_distance
     met = {
         f"mode {mode}": True,
@@ -247,6 +266,14 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
         "translation": s.collision_motion == "translation" and time < math.inf,
         "nonconvex": len(me.parts) > 1,
         "no collision within the horizon": time == math.inf,
+        "avoidance off": s.avoidance == "none" and fresh_mode(expected, time, s) != 0,
+        "(12) before a short time": s.avoidance == "distance_first"
+        and mode == "(12)"
+        and 0.0 < time < s.time_low,
+        "(13) behind no short time": s.avoidance in ("distance_first", "time")
+        and mode == "(13)"
+        and time > s.time_high,
+        "stretched": s.longest_interval is not None and s.longest_interval > s.update_period,
         "without events": not s.event_triggered and s.beta * time < expected.period,
     }
     return Counter(name for name, is_so in met.items() if is_so)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import shapely
 
-from physim.controllers.settings import ModeSwitchingSettings
+from physim.controllers.settings import AVOIDANCE, ModeSwitchingSettings
 from tests.controllers.scenes import History
 from tests.oracles import paths
 from tests.oracles.motion import arc, placed
@@ -214,23 +215,27 @@ def random_settings(rng: np.random.Generator) -> ModeSwitchingSettings:
     turn = float(rng.uniform(0.3, 1.6))
     sets = [[-turn, 0.0, turn], [0.0, turn, -0.5 * turn], [-turn, -turn / 2, 0.0, turn / 2, turn]]
     speeds = [[-1.0, 0.0, 1.0], [0.0, 1.0], [1.0, -0.5, 0.5]]
-    return ModeSwitchingSettings(
-        look_ahead=float(rng.uniform(0.5, 3.0)),
-        safe_distance=float(rng.uniform(0.3, 1.5)),
-        update_period=period,
-        dwell_times=dwell,
-        judge_ahead=float(rng.choice([0.0, 0.06, 0.5, 1.0])),
-        speeds=speeds[rng.integers(3)],
-        omegas=sets[rng.integers(3 if len(dwell) < 3 else 2)],
-        reverse_in_safe_mode=bool(rng.random() < 0.3),
-        arrival_tolerance=float(rng.choice([0.0, 0.06, 0.2])),
-        distance_low=float(distance_low),
-        distance_high=float(distance_low + rng.choice([0.0, 0.3, 1.0])),
-        time_low=float(time_low),
-        time_high=float(time_low + rng.choice([0.0, 1.0, 2.0])),
-        boundary_low=float(rng.choice([0.0, 0.15, 0.4])),
-        beta=float(rng.choice([0.05, 0.5, 0.9])),
-        event_triggered=bool(rng.random() < 0.85),
-        horizon=float(rng.choice([1.0, 4.0, 10.0])),
-        collision_motion="arc" if rng.random() < 0.75 else "translation",
-    )
+    drawn: dict[str, Any] = {
+        "look_ahead": float(rng.uniform(0.5, 3.0)),
+        "safe_distance": float(rng.uniform(0.3, 1.5)),
+        "update_period": period,
+        "dwell_times": dwell,
+        "judge_ahead": float(rng.choice([0.0, 0.06, 0.5, 1.0])),
+        "speeds": speeds[rng.integers(3)],
+        "omegas": sets[rng.integers(3 if len(dwell) < 3 else 2)],
+        "reverse_in_safe_mode": bool(rng.random() < 0.3),
+        "arrival_tolerance": float(rng.choice([0.0, 0.06, 0.2])),
+        "distance_low": float(distance_low),
+        "distance_high": float(distance_low + rng.choice([0.0, 0.3, 1.0])),
+        "time_low": float(time_low),
+        "time_high": float(time_low + rng.choice([0.0, 1.0, 2.0])),
+        "boundary_low": float(rng.choice([0.0, 0.15, 0.4])),
+        "beta": float(rng.choice([0.05, 0.5, 0.9])),
+        "event_triggered": bool(rng.random() < 0.85),
+        "horizon": float(rng.choice([1.0, 4.0, 10.0])),
+        "collision_motion": "arc" if rng.random() < 0.75 else "translation",
+        "avoidance": str(rng.choice(AVOIDANCE, p=[0.35, 0.35, 0.1, 0.1, 0.1])),
+        "longest_interval": [None, period, 2.0 * period, 0.4 * period][rng.integers(4)],
+    }
+    drawn["horizon"] = max(drawn["horizon"], drawn["time_high"])
+    return ModeSwitchingSettings.model_validate(drawn)

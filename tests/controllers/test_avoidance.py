@@ -24,7 +24,7 @@ BY_DISTANCE = {
     "distance_low": 50.0, "distance_high": 50.0, "time_low": 0.0, "time_high": 0.0,
     "update_period": 0.4, "dwell_times": [0.4],
 }  # fmt: skip
-BY_TIME = {"time_low": 20.0, "time_high": 20.0, "distance_low": 0.0, "distance_high": 0.0}
+BY_TIME = {**BY_DISTANCE, "avoidance": "time", "update_period": 0.1, "dwell_times": [0.1]}
 
 
 @pytest.mark.parametrize(

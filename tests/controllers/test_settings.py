@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from physim.controllers.settings import ModeSwitchingSettings
+from physim.controllers.settings import (
+    AVOIDANCE,
+    DISTANCE_ALONE,
+    DISTANCE_FIRST,
+    NO_AVOIDANCE,
+    TIME_ALONE,
+    TIME_FIRST,
+    ModeSwitchingSettings,
+)
 
 
 @pytest.mark.parametrize(
@@ -15,6 +23,7 @@ from physim.controllers.settings import ModeSwitchingSettings
         ({"dwell_times": [0.05, 0.04]}, "add up to 0.09"),
         ({"distance_low": 1.0}, "distance_high is 0.8, below distance_low 1"),
         ({"time_high": 0.1}, "time_high is 0.1, below time_low 1"),
+        ({"horizon": 1.9}, "horizon is 1.9 s, below time_high 2 s"),
         ({"omegas": [1.0]}, "no 0"),
         ({"beta": 1.0}, "less than 1"),
         ({"look_ahaed": 1.0}, "look_ahaed"),
@@ -31,7 +40,7 @@ def test_the_rules_get_every_setting_of_the_same_name() -> None:
         "look_ahead": 2.5, "safe_distance": 0.9, "update_period": 0.2, "judge_ahead": 0.7,
         "arrival_tolerance": 0.03, "distance_low": 0.31, "distance_high": 0.32, "time_low": 0.33,
         "time_high": 0.34, "boundary_low": 0.35, "beta": 0.36, "event_triggered": False,
-        "horizon": 3.7, "reverse_in_safe_mode": True,
+        "longest_interval": 0.37, "horizon": 3.7, "reverse_in_safe_mode": True,
     }  # fmt: skip
     settings = ModeSwitchingSettings.model_validate(
         {**given, "dwell_times": [0.05, 0.15], "collision_motion": "translation"}
@@ -41,7 +50,30 @@ def test_the_rules_get_every_setting_of_the_same_name() -> None:
     assert rules.dwell.tolist() == [0.05, 0.15]
     assert rules.translation_only
     assert not ModeSwitchingSettings().rules().translation_only
-    assert set(rules._fields) == {*given, "dwell", "translation_only"}
+    assert set(rules._fields) == {*given, "dwell", "translation_only", "avoidance"}
+
+
+def test_the_rules_number_the_kinds_of_avoidance() -> None:
+    numbers = {
+        name: ModeSwitchingSettings.model_validate({"avoidance": name}).rules().avoidance
+        for name in AVOIDANCE
+    }
+    assert numbers == {
+        "distance_first": DISTANCE_FIRST,
+        "time_first": TIME_FIRST,
+        "distance": DISTANCE_ALONE,
+        "time": TIME_ALONE,
+        "none": NO_AVOIDANCE,
+    }
+
+
+def test_without_a_longest_interval_it_is_the_period() -> None:
+    settings = ModeSwitchingSettings(update_period=0.3, dwell_times=[0.3])
+    assert settings.rules().longest_interval == 0.3
+
+
+def test_a_horizon_may_be_the_time_to_leave_danger() -> None:
+    assert ModeSwitchingSettings(time_high=2.0, horizon=2.0).horizon == 2.0
 
 
 def test_defaults_are_those_the_paper_states() -> None:

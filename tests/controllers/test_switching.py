@@ -6,11 +6,11 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.controllers.settings import ModeSwitchingSettings
+from physim.controllers.settings import AVOIDANCE, ModeSwitchingSettings
 from physim.controllers.switching import DISTANCE, SAFE, TIME, next_mode
 from tests.oracles import switching as oracle
 
-RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0).rules()
+RULES = ModeSwitchingSettings(time_low=0.5, time_high=1.0, avoidance="time_first").rules()
 FAR = float("inf")
 S, D, T = SAFE, DISTANCE, TIME
 
@@ -24,7 +24,7 @@ def test_modes_agree_with_the_oracle() -> None:
         low, high = np.sort(rng.choice(grid[1:-1], 2)), np.sort(rng.choice(grid[1:-1], 2))
         settings = ModeSwitchingSettings(
             distance_low=low[0], distance_high=low[1], time_low=high[0], time_high=high[1],
-            boundary_low=float(rng.choice(grid[1:-1])),
+            boundary_low=float(rng.choice(grid[1:-1])), avoidance=AVOIDANCE[k % len(AVOIDANCE)],
         )  # fmt: skip
         previous = int(rng.integers(4))
         distance, boundary = rng.choice(grid, 2, p=[0.1] * 7 + [0.3])
@@ -32,8 +32,8 @@ def test_modes_agree_with_the_oracle() -> None:
         expected = oracle.next_mode(previous, distance, time, boundary, settings)
         found = next_mode(previous, float(distance), time, float(boundary), settings.rules())
         assert found == expected
-        met.add((previous, expected))
-    assert len(met) == 4 * 3
+        met.add((settings.avoidance, previous, expected))
+    assert len(met) == 4 * (2 * 3 + 2 * 2 + 1)
 
 
 def history(values: list[tuple[float, float, float]]) -> list[int]:

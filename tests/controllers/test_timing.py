@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from physim import parse_world, simulate
+from physim.controllers.settings import ModeSwitchingSettings
 from physim.controllers.timing import update_interval
 from physim.geometry.shapes import IntArray
+from tests.controllers.agreement import hold_against_oracle
+from tests.controllers.scenes import single_robot
 from tests.oracles import timing as oracle
 
 FACING_A_WALL = """
@@ -35,6 +40,24 @@ def test_update_interval_agrees_with_the_oracle() -> None:
         period, beta = rng.uniform(0.01, 0.5), rng.uniform(0.01, 0.99)
         time = FAR if rng.random() < 0.2 else rng.uniform(0.0, 1.0)
         assert update_interval(period, beta, time) == oracle.interval(period, beta, time, True)
+
+
+def test_near_the_stop_the_next_decision_is_when_the_robot_comes_to_it() -> None:
+    """Robots on their own, 0.05 to 0.35 m before their stops, against the oracle."""
+    cases = []
+    for k in range(40):
+        rng = np.random.default_rng([61, k])
+        history = single_robot(np.array([[0.0, 0.0], [13.0, 0.0]]), 9.0)
+        ((robot,),) = history.moments
+        robot = dataclasses.replace(robot, stop_station=9.0 + float(rng.uniform(0.05, 0.35)))
+        history = dataclasses.replace(history, moments=[[robot]])
+        longest = float(rng.choice([0.1, 0.2, 0.3]))
+        settings = ModeSwitchingSettings(arrival_tolerance=0.01, longest_interval=longest)
+        cases.append((history, settings))
+    tally = hold_against_oracle(cases)
+    assert tally.faults == []
+    assert tally.met["shortened by the stop"] >= 15
+    assert tally.met["decided"] - tally.met["shortened by the stop"] >= 10
 
 
 def intervals(*overrides: str) -> IntArray:

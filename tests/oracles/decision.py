@@ -18,6 +18,7 @@ from tests.oracles.collision_times import Answer, Question, collision_times
 from tests.oracles.distances import smallest_distances
 from tests.oracles.motion import arc, placed
 from tests.oracles.switching import ARRIVED, BY_TIME, SAFE, next_mode
+from tests.oracles.timing import stretched
 from tests.oracles.tolerances import TIME
 
 
@@ -43,7 +44,7 @@ class Expected:
     """the commands that are right, with the collision time under each; more than one only where
     rounding decides"""
     period: float
-    """the hold, unless (14) shortens it"""
+    """the hold, unless (14) or the stop shortens it"""
     distance: float
     boundary_distance: float
     considered: int
@@ -125,7 +126,9 @@ def decide(view, s, memory, target):
     evaluations = looked_at
     answers = yield from _ask(view, s, others, rest)
     mode = _mode(memory.mode, distance, answers.values(), boundary, s)
-    period = s.dwell_times[len(s.dwell_times) - len(sequences[0])]
+    longest = s.update_period if s.longest_interval is None else s.longest_interval
+    part = s.dwell_times[len(s.dwell_times) - len(sequences[0])]
+    period = stretched(part, s.update_period, longest)
 
     if mode != SAFE:  # (12) or (13), ties by (5)
         commands = _pairs(everything)
@@ -144,7 +147,7 @@ def decide(view, s, memory, target):
             walls = view.walls if boundary < s.safe_distance else ()
             gaps = distances(me, ends, others, walls, s.update_period)
             best, settled = smallest([-gaps, *keys])
-        period, continued, rest = s.update_period, False, {commands[k]: () for k in best}
+        period, continued, rest = longest, False, {commands[k]: () for k in best}
         answers = yield from _ask(view, s, others, rest)
         evaluations += looked_at
     return Expected(

@@ -14,6 +14,13 @@ def next_mode(previous, distance, time, boundary, s):
         calm = not (distance < s.distance_low or time < s.time_low or boundary < s.boundary_low)
     if calm:
         return SAFE
+    if s.avoidance == "none":
+        return SAFE
+    if s.avoidance in ("time", "distance"):
+        return BY_TIME if s.avoidance == "time" else BY_DISTANCE
     touching = time == 0.0 or distance <= 0.0 or boundary <= 0.0
+    if s.avoidance == "distance_first":
+        near = distance < s.distance_low or boundary < s.boundary_low
+        return BY_DISTANCE if near or touching else BY_TIME
     time_is_short = time <= s.time_high if was_in_danger else time < s.time_low
     return BY_TIME if time_is_short and not touching else BY_DISTANCE

@@ -1,6 +1,16 @@
-"""Update interval (14), shortened by a short collision time."""
+"""Update interval (14), shortened by a short collision time, and by the way left to the stop."""
 
 
-def interval(period, beta, time, event_triggered):
-    """tau [s]: the period, or beta times the smallest collision time where that is shorter."""
-    return min(period, beta * time) if event_triggered else period
+def interval(longest, beta, time, event_triggered):
+    """tau [s]: the longest, or beta times the smallest collision time where that is shorter."""
+    return min(longest, beta * time) if event_triggered else longest
+
+
+def until_stop(left, v):
+    """Time [s] in which a robot covers the ``left`` [m] of its way; for ever unless it advances."""
+    return left / v if v > 0.0 else float("inf")
+
+
+def stretched(part, period, longest):
+    """Interval of one dwell time of a plan that takes ``longest`` instead of ``period``."""
+    return longest * part / period

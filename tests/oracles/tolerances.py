@@ -17,5 +17,6 @@ TOUCH = 1e-9
 """[m] Shapes this near touch (the contact tolerance of the project)."""
 
 TIME = 1e-6
-"""[s] How well collision times agree: shapes that close at 1e-3 m/s or more are at most this long
-within TOUCH before they meet. Where they close more slowly, or graze, the oracle says unsure."""
+"""[s] How well collision times agree, either way: shapes that close at 1e-3 m/s or more are at most
+this long within TOUCH before they meet, and kernel and oracle may stop anywhere in between. Where
+they close more slowly, or graze, the oracle says unsure."""

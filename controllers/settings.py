@@ -112,13 +112,13 @@ class ModeSwitchingSettings(BaseModel):
         default=0.15, description="[m] danger mode below this distance to a boundary, safe above it"
     )
     avoidance: Literal["distance_first", "time_first", "distance", "time", "none"] = Field(
-        default="time_first",
+        default="distance_first",
         description="what serves in danger mode: (12) below distance_low or boundary_low, else "
         "(13); (13) while a collision time is short, else (12); (12) alone; (13) alone; or none: "
         "no danger mode, to compare with",
     )
     beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
-        default=0.5,
+        default=0.1,
         description="[-] the update interval is at most beta times the collision time, (14)",
     )
     event_triggered: bool = Field(
@@ -128,9 +128,9 @@ class ModeSwitchingSettings(BaseModel):
     )
     longest_interval: Positive | None = Field(
         default=None,
-        description="[s] longest time between two decisions, to which a plan is stretched: "
-        "update_period, so that (14) can only shorten it, or longer, so that it adapts; "
-        "none: update_period",
+        description="[s] longest time between two decisions, to which a plan is stretched: at "
+        "update_period (14) only shortens intervals, above it adapts them; twice update_period "
+        "where it is not given",
     )
     horizon: Positive = Field(
         default=10.0, description="[s] collision times beyond this count as none (inf)"
@@ -180,7 +180,7 @@ class ModeSwitchingSettings(BaseModel):
             boundary_low=self.boundary_low,
             beta=self.beta,
             event_triggered=self.event_triggered,
-            longest_interval=self.longest_interval or self.update_period,
+            longest_interval=self.longest_interval or 2.0 * self.update_period,
             avoidance=AVOIDANCE.index(self.avoidance),
             horizon=self.horizon,
             dwell=np.array(self.dwell_times),

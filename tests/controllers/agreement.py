@@ -112,7 +112,7 @@ def _faults_of_arrived(a: Asked, made: Decisions, i: int) -> list[str]:
     faults = []
     if made.mode[i] != switching.ARRIVED or made.command[i].any():
         faults.append(f"mode {made.mode[i]}, command {made.command[i]}; it has arrived")
-    if made.hold[i] != (a.settings.longest_interval or a.settings.update_period):
+    if made.hold[i] != timing.longest_interval(a.settings):
         faults.append(f"hold {made.hold[i]}")
     target, _ = paths.target(a.view.me.path, a.view.me.station, a.settings.look_ahead)
     if not np.allclose(made.report[i, :2], target, rtol=0.0, atol=ROUNDING):
@@ -273,7 +273,8 @@ def met_by(a: Asked, expected: Expected) -> Counter[str]:
         "(13) behind no short time": s.avoidance in ("distance_first", "time")
         and mode == "(13)"
         and time > s.time_high,
-        "stretched": s.longest_interval is not None and s.longest_interval > s.update_period,
+        "stretched": timing.longest_interval(s) > s.update_period,
+        "not stretched": timing.longest_interval(s) == s.update_period,
         "without events": not s.event_triggered and s.beta * time < expected.period,
     }
     return Counter(name for name, is_so in met.items() if is_so)

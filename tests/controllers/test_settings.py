@@ -67,9 +67,9 @@ def test_the_rules_number_the_kinds_of_avoidance() -> None:
     }
 
 
-def test_without_a_longest_interval_it_is_the_period() -> None:
+def test_the_longest_interval_is_twice_the_period_unless_given() -> None:
     settings = ModeSwitchingSettings(update_period=0.3, dwell_times=[0.3])
-    assert settings.rules().longest_interval == 0.3
+    assert settings.rules().longest_interval == 0.6
 
 
 def test_a_horizon_may_be_the_time_to_leave_danger() -> None:

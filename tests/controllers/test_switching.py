@@ -79,7 +79,7 @@ def test_thresholds_of_zero_switch_one_off(
 ) -> None:
     """Shapes that don't touch: by time alone no distance matters, by distance alone no time."""
     time_only = ModeSwitchingSettings(distance_low=0.0, distance_high=0.0, boundary_low=0.0)
-    distance_only = ModeSwitchingSettings(time_low=0.0, time_high=0.0)
+    distance_only = ModeSwitchingSettings(time_low=0.0, time_high=0.0, avoidance="time_first")
     neither = ModeSwitchingSettings(
         distance_low=0.0, distance_high=0.0, boundary_low=0.0, time_low=0.0, time_high=0.0
     )

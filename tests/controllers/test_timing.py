@@ -68,14 +68,30 @@ def intervals(*overrides: str) -> IntArray:
 
 
 def test_near_a_wall_decisions_come_earlier() -> None:
-    assert intervals().min() < 10
+    found = intervals()
+    assert found.min() < 10
+    assert found.max() < 20
 
 
-@pytest.mark.parametrize(("period", "steps"), [(0.1, 10), (0.03, 3), (0.01, 1)])
-def test_without_events_every_decision_holds_for_the_period(period: float, steps: int) -> None:
+@pytest.mark.parametrize(
+    ("key", "steps"),
+    [
+        ("longest_interval=0.1", 10),
+        ("longest_interval=0.03", 3),
+        ("longest_interval=0.01", 1),
+        ("update_period=0.1", 20),
+    ],
+)
+def test_without_events_every_decision_holds_for_the_longest_interval(key: str, steps: int) -> None:
+    found = intervals("controller.event_triggered=false", f"controller.{key}")
+    assert set(found.tolist()) == {steps}
+
+
+def test_a_plan_of_several_pairs_is_stretched_to_the_longest_interval() -> None:
     found = intervals(
         "controller.event_triggered=false",
-        f"controller.update_period={period}",
-        f"controller.dwell_times=[{period}]",
+        "controller.dwell_times=[0.03, 0.07]",
+        "controller.longest_interval=0.3",
+        "robots.0.pose=[5.0, 0.0, 0.0]",
     )
-    assert set(found.tolist()) == {steps}
+    assert set(found[:-1].tolist()) == {9, 21}

@@ -18,7 +18,7 @@ from tests.oracles.collision_times import Answer, Question, collision_times
 from tests.oracles.distances import smallest_distances
 from tests.oracles.motion import arc, placed
 from tests.oracles.switching import ARRIVED, BY_TIME, SAFE, next_mode
-from tests.oracles.timing import stretched
+from tests.oracles.timing import longest_interval, stretched
 from tests.oracles.tolerances import TIME
 
 
@@ -126,7 +126,7 @@ def decide(view, s, memory, target):
     evaluations = looked_at
     answers = yield from _ask(view, s, others, rest)
     mode = _mode(memory.mode, distance, answers.values(), boundary, s)
-    longest = s.update_period if s.longest_interval is None else s.longest_interval
+    longest = longest_interval(s)
     part = s.dwell_times[len(s.dwell_times) - len(sequences[0])]
     period = stretched(part, s.update_period, longest)
 

@@ -30,7 +30,7 @@ from physim.errors import PhysimError
 from physim.record import Record
 from physim.reproduction.jobs import Run
 from physim.reproduction.runner import do_all
-from physim.reproduction.studies.figures import figures
+from physim.reproduction.studies.figures import figures, rule_shares
 from physim.reproduction.study import Arm
 from physim.scene_builder import is_random
 from physim.world_file.shipped import shipped_worlds
@@ -53,19 +53,12 @@ Figures = Mapping[str, float]
 
 def measure(record: Record) -> Figures:
     """Outcome of one run, from its record alone."""
-    rules = [rule.name for rule in record.declared.rules]
-    given = record.updates["rule"]
-    share = {
-        name: float(np.mean(given == rules.index(name))) if name in rules else math.nan
-        for name in ("distance", "time")
-    }
     rows = record.contacts
     touching = np.unique(rows["step"][rows["phase"] != Phase.ENDED])
     return {
         "contacts": float(len(metrics.contact_episodes(record)) + len(metrics.grazes(record))),
         "finished": float(record.ended == "finished"),
-        "by_distance": share["distance"],
-        "by_time": share["time"],
+        **rule_shares(record),
         "depth": float(rows["depth"].max()) if len(rows) else 0.0,
         "in_contact": len(touching) * record.dt,
         **figures(record, "shortest_distance"),

@@ -59,10 +59,18 @@ class Plan:
         for world in self.worlds:
             for seed in range(self.seeds):
                 yield PAPER, Arm("", world), seed, measures
+        for world in dict.fromkeys(part.world for part in self.parts if part.null):
+            for seed in range(self.seeds):
+                yield PAPER, without_avoidance(world), seed, measures
         for study in self.studies:
             for seed in range(self.seeds_of(study)):
                 for arm in study.arms:
                     yield study.name, arm, seed, study.measure
+
+
+def without_avoidance(world: str) -> Arm:
+    """A world of the paper with avoidance switched off."""
+    return Arm("", world, ("controller.avoidance=none",))
 
 
 class Followers:

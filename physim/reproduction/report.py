@@ -13,7 +13,7 @@ from physim.errors import PhysimError
 from physim.reproduction.study import Outcome
 
 FORMAT = "physim-reproduction"
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,8 @@ class Row:
     """median and range over seeds; empty in a study"""
     met: str = ""
     """in how many seeds, "97 of 100"; empty in a study"""
+    without: str = ""
+    """in how many seeds without avoidance; empty where that was not tried"""
 
 
 @dataclass(frozen=True)

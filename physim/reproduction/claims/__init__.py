@@ -24,6 +24,8 @@ class Part:
     pictures: tuple[str, ...]
     """of `physim.plots`, or `PAIR_TIMES`"""
     claims: tuple[Claim, ...]
+    null: bool = False
+    """whether its claims are held against runs without avoidance, too"""
     film: bool = False
     snapshots: float | None = None
     """[s] between the robots in the map"""
@@ -37,18 +39,19 @@ def parts() -> tuple[Part, ...]:
         Part("1", "Figure 1: one robot follows its path", one,
              ("trajectories", "deviation", "speeds"), following.claims(), film=True),
         Part("2", "Figure 2: three robots in formation", three,
-             ("trajectories", "formation", "deviation"), formation.claims_of_three(), True, every),
+             ("trajectories", "formation", "deviation"), formation.claims_of_three(), film=True,
+             snapshots=every),
         Part("3", "Figure 3: distances and collision times of the three robots", three,
-             ("distances", PAIR_TIMES, "collision_times"), avoidance.claims_of_three()),
+             ("distances", PAIR_TIMES, "collision_times"), avoidance.claims_of_three(), null=True),
         Part("3a", "Figure 3a: safe and danger area", three,
              ("trajectories",), space.claims_of_three(), snapshots=every),
         Part("4", "Figure 4: corridor width", ten, ("width",), space.claims_of_ten()),
         Part("6", "Figure 6: ten robots", ten,
              ("trajectories", "distances", PAIR_TIMES, "collision_times"),
-             avoidance.claims_of_ten(), film=True),
+             avoidance.claims_of_ten(), null=True, film=True),
         Part("7", "Figure 7: formation errors, speeds and deviations of the ten robots", ten,
              ("formation", "speeds", "deviation"), formation.claims_of_ten()),
-        Part("8", "Figure 8: modes of the ten robots", ten, ("modes",), modes.claims()),
+        Part("8", "Figure 8: modes of the ten robots", ten, ("modes",), modes.claims(), null=True),
         Part(effort.WORDS, "Claims in words", ten, (), effort.claims()),
     )  # fmt: skip
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from physim.metrics import evaluations, messages, updates_per_second
 from physim.metrics import measure as take
 from physim.metrics.modes import time_under_way
@@ -27,6 +29,17 @@ def safety(record: Record) -> dict[str, float]:
         "kept": min(known) if known else math.nan,
         "between_robots": found["shortest_distance"],
     }
+
+
+def rule_shares(record: Record) -> dict[str, float]:
+    """Shares of decisions by (12) and by (13); nan where the controller has no such rule."""
+    names = [rule.name for rule in record.declared.rules]
+    given = record.updates["rule"]
+    found = {}
+    for key, name in (("by_distance", "distance"), ("by_time", "time")):
+        known = name in names and len(given)
+        found[key] = float(np.mean(given == names.index(name))) if known else math.nan
+    return found
 
 
 def work(record: Record) -> dict[str, float]:

@@ -50,8 +50,8 @@ def _opening(report: Report) -> Iterator[Block]:
         " and in how many of these runs the claim is met. A claim is met when the run in the "
         "pictures and nine tenths of the others meet it (all of them, where the paper says always "
         "or never), partly met when only one of the two does or a weaker form of it holds. Claims "
-        "about avoidance are also held against the same runs without it; one that holds there, too, "
-        "says so: it is no evidence for avoidance."
+        "about avoidance are also held against the same runs without it; one that holds there, "
+        "too, says so: it is no evidence for avoidance."
     )
 
 

@@ -14,6 +14,7 @@ from physim import simulate
 from physim.plots.style import styled
 from physim.reproduction.studies import (
     alpha,
+    avoidance,
     bends,
     energy,
     hysteresis,
@@ -21,6 +22,7 @@ from physim.reproduction.studies import (
     routes,
     studies,
     switching,
+    thresholds,
     updates,
 )
 from physim.reproduction.studies.straight_road import world_text
@@ -117,17 +119,58 @@ def updates_arms(rates: Sequence[float], touching: Sequence[int] = ()) -> Arms:
     ]  # fmt: skip
 
 
-RATES = (100.0, 10.0, 8.0, 9.0, 2.0, 5.0, 4.0, 3.0, 2.5, 2.2)
+FIXED = (100.0, 20.0, 10.0, 5.0, 3.3, 2.0)
+LONGEST = (10.1, 5.1, 3.4, 2.1)
+RATES = (*FIXED, *LONGEST, 6.0, 5.4, 5.2, 5.0)
+COARSE = (4, 5)
+"""places of fixed 0.3 and 0.5 s"""
 
 
 def test_updates_can_fail() -> None:
+    good = updates_arms(RATES, touching=COARSE)
+    assert [verdict_of(updates.STUDY, good, number) for number in range(4)] == [MET] * 4
+    flat = updates_arms((10.0,) * len(RATES))
     for number in range(4):
-        assert verdict_of(updates.STUDY, updates_arms(RATES), number) is MET
-        flat = updates_arms((10.0,) * len(RATES))
         assert verdict_of(updates.STUDY, flat, number) is not MET
-    slower = updates_arms(RATES, touching=(updates.SHORT, updates.MIDDLE))
-    assert verdict_of(updates.STUDY, slower, 0) is PARTLY
-    assert verdict_of(updates.STUDY, slower, 2) is NOT_MET
+    touching = updates_arms(RATES, touching=(*COARSE, len(FIXED) + LONGEST.index(5.1)))
+    assert verdict_of(updates.STUDY, touching, 0) is PARTLY
+    assert verdict_of(updates.STUDY, touching, 1) is PARTLY
+    assert verdict_of(updates.STUDY, touching, 2) is PARTLY
+    assert verdict_of(updates.STUDY, updates_arms(RATES), 2) is NOT_MET
+
+
+def avoidance_arms(first: float, later: float, bare: float = 1.0, shipped: float = 0.0) -> Arms:
+    rest = {"finished": 1.0, "by_distance": 0.01, "by_time": 0.1, "kept": 0.1}
+
+    def arm(between: float, contacts: float) -> Mapping[str, float]:
+        return {"between_robots": between, "contacts": contacts, **rest}
+
+    kinds = [arm(first, shipped), arm(later, shipped), *[arm(0.1, 0.0)] * 2, arm(0.0, bare)]
+    return kinds * len(avoidance.WORLDS)
+
+
+def test_avoidance_can_fail() -> None:
+    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2)) is MET
+    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2, bare=0.0)) is NOT_MET
+    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2, shipped=1.0)) is NOT_MET
+    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2), 1) is MET
+    assert verdict_of(avoidance.STUDY, avoidance_arms(0.2, 0.4), 1) is NOT_MET
+
+
+def threshold_arms(share: float, speed: float, far: float) -> Arms:
+    calm = {
+        "danger_share": 0.1, "averaged_speed_min": 0.9, "farthest_distance": 20.0,
+        "contacts": 0.0, "kept": 0.1, "between_robots": 0.3,
+    }  # fmt: skip
+    last = {"danger_share": share, "averaged_speed_min": speed, "farthest_distance": far}
+    return [calm] * (len(thresholds.TIMES) - 1) + [{**calm, **last}]
+
+
+def test_thresholds_can_fail() -> None:
+    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.9, 20.0)) is MET
+    assert verdict_of(thresholds.STUDY, threshold_arms(0.4, 0.9, 20.0)) is NOT_MET
+    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.7, 20.0)) is NOT_MET
+    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.9, 24.0)) is NOT_MET
 
 
 def way(kept: float, contacts: float = 0.0, finished: float = 1.0) -> Mapping[str, float]:
@@ -202,6 +245,8 @@ MADE_UP: Mapping[str, Callable[[], Arms]] = {
         {"mode_switches": 9.0, "danger_share": 0.2, "contacts": 0.0, "kept": 0.1}
     ] * 4,
     "updates": lambda: updates_arms(RATES),
+    "avoidance": lambda: avoidance_arms(0.4, 0.2),
+    "thresholds": lambda: threshold_arms(0.6, 0.7, 24.0),
     "operation": lambda: operation_arms(250.0, math.inf, 260.0),
 }  # fmt: skip
 

@@ -35,7 +35,7 @@ def test_as_it_is_everything_agrees(free):
     [("mode", 2, "danger_time", "safe"), ("rule", 1, "plan", "path_following")],
 )
 def test_a_mode_and_a_rule(free, tmp_path, name, value, told, exact):
-    found = judged(free, tmp_path, column("/updates", name, value, decided(0, 30)))
+    found = judged(free, tmp_path, column("/updates", name, value, decided(0, 15)))
     (one,) = found.recomputed.mismatches
     assert (one.table, one.column, one.robot, one.step) == ("/updates", name, 0, 300)
     assert (one.told, one.exact, one.count) == (told, exact, 1)

@@ -58,6 +58,7 @@ def conclude(arms: Sequence[Runs]) -> Sequence[Verdict]:
     bare = [_free(runs) for runs in without]
     needed = [b[1] - b[0] >= 0.5 * b[1] for b in bare]
     safe = [f[0] >= 0.95 * f[1] for f in free]
+    both = [s and n for s, n in zip(safe, needed, strict=True)]
     wider = [
         estimate(column(a, "between_robots")).low > estimate(column(b, "between_robots")).high
         for a, b in zip(first, later, strict=True)
@@ -71,7 +72,7 @@ def conclude(arms: Sequence[Runs]) -> Sequence[Verdict]:
                 f"{world}: free of contact {share_text(*f)}, without avoidance {share_text(*b)}"
                 for world, f, b in zip(WORLDS, free, bare, strict=True)
             ),
-            outcome(all(safe) and all(needed), any(s and n for s, n in zip(safe, needed, strict=True))),
+            outcome(all(both), any(both)),
             "Met where nine and a half tenths of the runs are free of contact with avoidance, and "
             "at most half without.",
         ),

@@ -18,9 +18,9 @@ from physim.reproduction.study import Arm, Measures, Study, Verdict
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OFF = ("controller.time_high=2.0", "controller.distance_high=0.5")
-"""upper thresholds at the lower ones of the shipped worlds"""
-WORLDS = ("ten_robots", "three_robots")
+LOW = {"ten_robots": 1.5, "three_robots": 2.0}
+"""[s] time_low of the shipped worlds"""
+WORLDS = tuple(LOW)
 
 
 def measure(record: Record) -> Measures:
@@ -66,6 +66,11 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     )
 
 
+def without(world: str) -> tuple[str, ...]:
+    """Upper thresholds at the lower ones: no hysteresis."""
+    return (f"controller.time_high={LOW[world]}", "controller.distance_high=0.5")
+
+
 STUDY = Study(
     name="hysteresis",
     title="Hysteresis",
@@ -73,7 +78,7 @@ STUDY = Study(
     arms=tuple(
         Arm(f"{world.replace('_', ' ')},\nhysteresis {word}", world, overrides)
         for world in WORLDS
-        for word, overrides in (("on", ()), ("off", OFF))
+        for word, overrides in (("on", ()), ("off", without(world)))
     ),
     measure=measure,
     conclude=conclude,

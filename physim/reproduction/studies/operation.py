@@ -25,6 +25,8 @@ WIDE = (
     "controller.distance_low=2.0",
     "controller.distance_high=3.0",
     "controller.time_low=4.0",
+    "controller.time_high=6.0",
+    "controller.horizon=10.0",
 )
 UNIFORM = ("formation.gain=0.0",)
 PAPER, CAUTIOUS, EQUAL = 0, 1, 2

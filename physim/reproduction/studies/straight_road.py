@@ -58,7 +58,8 @@ def world_text(
         f"robots:\n{robots}\n"
         f"formation: {{gain: {gain}, limits: [0.1, 1.9], spacing: {list(LEADS)}, "
         f"neighbours: {graph}}}\n"
-        f"controller: {{update_period: {period}, dwell_times: [{period}]}}\n"
+        f"controller: {{update_period: {period}, dwell_times: [{period}], "
+        f"longest_interval: {period}}}\n"
     )
 
 

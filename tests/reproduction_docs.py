@@ -1,6 +1,6 @@
-"""docs/REPRODUCTION.md with its pictures: ``python -m tests.reproduction_docs [DIR]``.
+"""docs/REPRODUCTION.md with its pictures, and the count in the README: ``python -m tests.reproduction_docs [DIR]``.
 
-Without DIR everything is run, which takes about ten minutes on two cores; DIR is what
+Without DIR everything is run, which takes about half an hour on two cores; DIR is what
 ``physim reproduce -o DIR`` wrote.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,11 +17,14 @@ from physim.reproduction.markdown import markdown
 from physim.reproduction.page import page
 from physim.reproduction.report import Report
 from physim.reproduction.reproduce import JSON
+from physim.reproduction.study import Outcome
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "REPRODUCTION.md"
 PICTURES = DOCS / "reproduction"
 REPORT = PICTURES / JSON
+README = DOCS.parent / "README.md"
+BEGIN, END = "<!-- claims -->\n", "<!-- end of claims -->"
 
 
 def text_of(report: Report) -> str:
@@ -45,6 +49,16 @@ def write(folder: Path) -> None:
             (PICTURES / Path(file).name).write_bytes((folder / file).read_bytes())
     REPORT.write_text(report.to_json(), encoding="utf-8")
     PAGE.write_text(text_of(report), encoding="utf-8")
+    text = README.read_text(encoding="utf-8")
+    before, after = text.split(BEGIN)[0], text.split(END)[1]
+    README.write_text(before + BEGIN + claims(report) + END + after, encoding="utf-8")
+
+
+def claims(report: Report) -> str:
+    """How many claims of a report are met, partly met, not met: what the README says of it."""
+    count = Counter(row.outcome for row in report.rows)
+    told = ", ".join(f"{count[one]} {one}" for one in Outcome)
+    return f"Of {len(report.rows)} claims: {told}.\n"
 
 
 def main() -> None:

@@ -60,6 +60,11 @@ def test_page_is_written_from_its_report(report: Report) -> None:
     )
 
 
+def test_the_readme_tells_how_many_claims_are_met(report: Report) -> None:
+    told = docs.README.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
+    assert told == docs.claims(report)
+
+
 def test_every_part_and_study_is_there_whole(report: Report) -> None:
     known = [part.figure for part in parts()] + [study.name for study in studies()]
     assert [section.key for section in report.sections] == known

@@ -121,4 +121,5 @@ STUDY = Study(
     measure=measure,
     conclude=conclude,
     draw=draw,
+    seeds=50,
 )

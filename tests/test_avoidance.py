@@ -1,0 +1,76 @@
+"""Worlds that claim to show avoidance: it acts in them, and without it they end in contacts."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks import avoidance
+from physim.record import Record
+from physim.recording import simulate
+from physim.world_file import load_world
+from physim.world_file.shipped import shipped_worlds
+
+LONG_ENOUGH = {"ten_robots": 70.0, "crowded_start": 60.0, "three_robots": 200.0, "nonconvex": 160.0}
+"""[s] of simulated time in which every arm has shown what it does"""
+SEEDS = (0, 1, 2)
+
+
+def runs(world: str, *overrides: str) -> list[Record]:
+    loaded = load_world(world, overrides=(f"time.duration={LONG_ENOUGH[world]}", *overrides))
+    return [simulate(loaded, seed=seed) for seed in SEEDS]
+
+
+@pytest.mark.parametrize("world", avoidance.SHOWS_AVOIDANCE)
+def test_avoidance_acts_where_it_is_claimed(world: str) -> None:
+    found = [avoidance.measure(record) for record in runs(world)]
+    assert all(one["contacts"] == 0.0 for one in found)
+    assert sum(one["by_distance"] for one in found) > 0.0, "(12) decides"
+    assert sum(one["by_time"] for one in found) > 0.0, "(13) decides"
+
+
+@pytest.mark.parametrize("world", avoidance.SHOWS_AVOIDANCE)
+def test_without_it_they_end_in_contacts(world: str) -> None:
+    found = [avoidance.measure(record) for record in runs(world, avoidance.WITHOUT)]
+    assert sum(one["contacts"] > 0.0 for one in found) >= 1
+    assert all(one["by_distance"] == one["by_time"] == 0.0 for one in found)
+
+
+def shortened(record: Record) -> int:
+    """Decisions that (14) brings forward: below the longest interval, beta times a collision time."""
+    settings = record.world.controller.settings
+    beta, longest = settings.get("beta", 0.1), settings.get("longest_interval", 0.2)
+    held = (record.updates["next_step"] - record.updates["step"]) * record.dt
+    wanted = beta * record.column("collision_time")
+    early = (held < longest - 1.5 * record.dt) & (wanted < longest)
+    return int((abs(held[early] - wanted[early]) <= record.dt).sum())
+
+
+@pytest.mark.parametrize("world", ["ten_robots", "crowded_start", "three_robots"])
+def test_short_collision_times_bring_the_next_decision_forward(world: str) -> None:
+    assert sum(map(shortened, runs(world))) > 0
+    assert sum(map(shortened, runs(world, "controller.event_triggered=false"))) == 0
+
+
+def test_the_table_tells_every_world_and_every_claim_holds() -> None:
+    rows = avoidance.written(avoidance.README.read_text(encoding="utf-8"))
+    assert list(rows) == list(shipped_worlds())
+    assert avoidance.broken_claims(rows) == []
+
+
+def test_a_claim_that_does_not_hold_is_told() -> None:
+    line = "| `nonconvex` | 100 | {}, {} | 100, 100 | 0.3 %, 0.1 % | 0.4 m (0.1 m) | none |"
+    told = [
+        len(avoidance.broken_claims({"nonconvex": line.format(*counts)}))
+        for counts in ((100, 0), (95, 50), (94, 50), (95, 51), (94, 51))
+    ]
+    assert told == [0, 0, 1, 1, 2]
+
+
+def test_the_table_is_made_of_what_the_records_show() -> None:
+    made = avoidance.table(["straight"], (0, 2), 1)["straight"]
+    record = simulate(load_world("straight"))
+    shortest = avoidance.measure(record)["shortest_distance"]
+    assert made == (
+        "| `straight` | nothing random | 1, 1 | 1, 1 | 0.00 %, 0.0 % "
+        f"| {shortest:.2f} m ({shortest:.2f} m) | none |"
+    )

@@ -36,7 +36,7 @@ def test_without_it_they_end_in_contacts(world: str) -> None:
 
 
 def shortened(record: Record) -> int:
-    """Decisions that (14) brings forward: below the longest interval, beta times a collision time."""
+    """How many decisions (14) brings forward to beta times a collision time."""
     settings = record.world.controller.settings
     beta, longest = settings.get("beta", 0.1), settings.get("longest_interval", 0.2)
     held = (record.updates["next_step"] - record.updates["step"]) * record.dt

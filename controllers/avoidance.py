@@ -2,8 +2,8 @@
 
 Departures from the paper: (12) uses the signed distance, so that touching robots still have a best
 way out; the boundaries count in (12) when the footprint is within L of one, in (13) always; ties,
-two infinities included, are settled by (5). A collision time beyond ``horizon`` counts as infinite, so
-under a short horizon (ten_robots: 4.5 s) all commands that are safe that long are equal in (13), and
+two infinities included, are settled by (5). A collision time beyond ``horizon`` counts as infinite:
+under a short one (ten_robots: 4.5 s) all commands that are safe that long are equal in (13), and
 (5) decides among them.
 """
 

@@ -177,10 +177,15 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
 def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
     """Refuse rows that are not finite or do not fit; every observer must have one of itself."""
     where = f"sensing stage {type(part).__name__} at {sensed.step * scene.dt:g} s"
+    for name in ("robot", "first", "end"):
+        found = getattr(sensed, name)
+        if not isinstance(found, np.ndarray) or found.dtype.kind not in "iu":
+            kind = found.dtype if isinstance(found, np.ndarray) else type(found).__name__
+            raise ControllerError(f"{where}: {name} is of type {kind}; an array of int is needed")
     rows, robots = len(sensed.robot), scene.robots
     shapes = {
-        "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,), "age": (rows,),
-        "first": (robots,), "end": (robots,), "station": (robots,),
+        "robot": (rows,), "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,),
+        "age": (rows,), "first": (robots,), "end": (robots,), "station": (robots,),
     }  # fmt: skip
     for name, shape in shapes.items():
         found = getattr(sensed, name)
@@ -188,7 +193,14 @@ def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
             raise ControllerError(f"{where}: {name} has the shape {found.shape}, not {shape}")
         if not np.isfinite(found).all():
             raise ControllerError(f"{where}: {name} is not finite")
+    if rows and not 0 <= sensed.robot.min() <= sensed.robot.max() < robots:
+        raise ControllerError(f"{where}: robot names one that there is not; 0 to {robots - 1}")
     for i in range(robots):
+        if not 0 <= sensed.first[i] <= sensed.end[i] <= rows:
+            raise ControllerError(
+                f"{where}: rows {sensed.first[i]} to {sensed.end[i]} of {scene.names[i]}; there "
+                f"are {rows}"
+            )
         if np.count_nonzero(sensed.robot[sensed.rows(i)] == i) != 1:
             raise ControllerError(f"{where}: {scene.names[i]} must have one row of itself")
     for array in sensed[1:]:

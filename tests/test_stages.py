@@ -133,7 +133,7 @@ def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) ->
     assert isinstance(batch.parts.controller, Batched)
     assert not isinstance(plain.parts.controller, Batched)
     decided = 0
-    for _ in range(150):
+    for _ in range(250):
         batch.step()
         plain.step()
         assert batch.last is not None
@@ -147,7 +147,7 @@ def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) ->
     assert decided > 40
     assert np.array_equal(batch.pose, plain.pose)
     clear = simulate(world(name=name))
-    assert not np.array_equal(clear.pose[150], batch.pose)
+    assert not np.array_equal(clear.pose[250], batch.pose)
 
 
 class Blind:
@@ -515,6 +515,10 @@ def test_commands_of_no_use_are_refused(nonsense: Any) -> None:
         ({"pose": np.zeros((2, 3))}, "pose has the shape"),
         ({"pose": np.full((3, 3), np.nan)}, "pose is not finite"),
         ({"robot": np.array([0, 1, 1])}, "must have one row of itself"),
+        ({"robot": np.array([0.0, 1.0, 2.0])}, "robot is of type float64"),
+        ({"robot": np.array([0, 1, 7])}, "names one that there is not"),
+        ({"first": [0, 0, 0]}, "first is of type list"),
+        ({"end": np.array([3, 3, 9])}, "there are 3"),
     ],
 )
 def test_rows_of_no_use_are_refused(change: dict[str, Any], told: str) -> None:

@@ -301,7 +301,10 @@ def test_energy_falls_by_equation_10_in_a_real_run(neighbours: Any) -> None:
             "gain": gain, "speed": 1.0, "limits": [0.0, 1.49], "spacing": [0.0, 3.0, 5.0],
             "range": 50.0, "neighbours": neighbours,
         },
-        controller={"type": "mode_switching", "update_period": dt, "dwell_times": [dt]},
+        controller={
+            "type": "mode_switching", "update_period": dt, "dwell_times": [dt],
+            "longest_interval": dt,
+        },
     )  # fmt: skip
     record = simulate(world)
     scene = build_scene(world)

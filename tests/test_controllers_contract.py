@@ -300,6 +300,7 @@ VARIANTS = {
     ),
     "translation": ("controller.collision_motion=translation",),
     "easily alarmed": (
+        "controller.horizon=10.0",
         "controller.distance_low=3.0", "controller.distance_high=4.0",
         "controller.time_low=4.0", "controller.time_high=6.0", "controller.beta=0.05",
         "controller.safe_distance=2.0",
@@ -370,7 +371,7 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
                 alarms.append((float(weight), pose))
     worst = sorted(range(len(alarms)), key=lambda k: -alarms[k][0])[:2]
     modes: set[int] = set()
-    for start in (*(alarms[k][1] for k in worst), alarms[-2][1]):
+    for start in (*(alarms[k][1] for k in worst), pose):
         modes |= check_alike(dataclasses.replace(scene, start=start), 1.5)
     assert 3 in modes  # at its stop station
     if alarms[worst[0]][0] > 0:

@@ -141,5 +141,5 @@ def test_the_help_teaches_commands_that_exist(capsys: pytest.CaptureFixture[str]
 
 def test_the_help_of_reproduce_names_every_study(capsys: pytest.CaptureFixture[str]) -> None:
     told = physim("reproduce", "--help", capture=capsys).out
-    (line,) = re.findall(r"^studies: (.*)$", told, re.MULTILINE)
-    assert line.split(", ") == [study.name for study in studies()]
+    (names,) = re.findall(r"^studies: (.*\n(?: +.*\n)*)", told, re.MULTILINE)
+    assert re.split(r",\s+", names.strip()) == [study.name for study in studies()]

@@ -9,7 +9,8 @@ from physim.cli.arguments.types import whole_from
 
 EPILOG = """\
 figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
-studies: alpha, energy, bends, routes, switching, hysteresis, updates, operation
+studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
+         thresholds, updates, operation
 
 written to DIR:
   reproduction.html   one page with everything in it; videos beside it
@@ -48,7 +49,7 @@ def add(commands: Commands) -> None:
         help="folder to write to (reproduction)",
     )  # fmt: skip
     command.add_argument(
-        "--quick", action="store_true", help="few seeds: about a minute instead of minutes"
+        "--quick", action="store_true", help="few seeds: some minutes instead of half an hour"
     )
     command.add_argument("--no-video", action="store_true", help="leave the videos out")
     command.add_argument(

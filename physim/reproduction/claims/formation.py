@@ -107,7 +107,7 @@ def claims_of_ten() -> tuple[Claim, ...]:
                 and run["averaged_speed_max"] <= 1.3 + tol.SPEED,
                 lambda run: run["averaged_speed_max"] <= 1.3 + tol.SPEED,
             ),
-            "Safe mode keeps 0.9 to 1.3 m/s; only robots that make way in danger mode fall below.",
+            "Safe mode keeps 0.92 to 1.3 m/s; only robots that make way in danger mode fall below.",
         ),
         Claim(
             "7", "Robots falling behind drive faster than 1 m/s, those leading slower (Fig. 7c)",

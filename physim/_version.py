@@ -3,6 +3,6 @@
 from importlib.metadata import PackageNotFoundError, version
 
 try:
-    VERSION = version("physim")
+    __version__ = version("physim")
 except PackageNotFoundError:  # run from a source tree that is not installed
-    VERSION = "0+unknown"
+    __version__ = "0+unknown"

@@ -1,4 +1,4 @@
-"""Between controllers and the loop: plain controllers as a batch, and checks of what they say."""
+"""Between controllers and the loop: per-robot controllers as a batch, and checks of answers."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def decide(
     due: IntArray,
     held: FloatArray,
     memory: dict[str, NDArray[Any]],
-) -> tuple[Decided, Decisions]:
-    """Ask the robots that are due and check what they say; ``held`` (N, 2) are commands so far.
+) -> Decided:
+    """Ask the robots that are due and check their answers; ``held`` (N, 2) are commands so far.
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
@@ -54,7 +54,7 @@ def decide(
         raise ControllerError(f"controller {name}: {error}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
-    return Decided(read_only(nominal), decisions, next_step), decisions
+    return Decided(read_only(nominal), decisions, next_step)
 
 
 DECIDE = "decide(observation, memory)"

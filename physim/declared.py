@@ -1,7 +1,7 @@
 """What a controller declares of itself: its modes, the rules it decides by, what it reports.
 
 Everything that shows a run (record, summary, pictures) takes names, colours and units from here,
-so a controller of one's own is told like the shipped one. No mode says whether a run succeeds:
+so a controller of one's own is shown like the shipped one. No mode says whether a run succeeds:
 arrival is judged from the motion alone.
 """
 
@@ -96,20 +96,20 @@ class Declared:
         Raises ControllerError for what is no such thing, for names given twice, and for a standard
         column with another unit.
         """
-        told = cls(
+        declared = cls(
             *(
                 _declared(controller, key, kind)
                 for key, kind in (("modes", Mode), ("rules", Rule), ("columns", Column))
             )
         )
         name = type(controller).__name__
-        for mode in told.modes:
+        for mode in declared.modes:
             if not _COLOUR.fullmatch(mode.colour):
                 raise ControllerError(
                     f'{name}.modes: colour of "{mode.name}" is {mode.colour!r}; it must be #rrggbb'
                 )
         standard = {column.name: column for column in STANDARD_COLUMNS}
-        for column in told.columns:
+        for column in declared.columns:
             if column.name in RESERVED:
                 raise ControllerError(
                     f'{name}.columns: "{column.name}" is written for every decision anyway'
@@ -120,7 +120,7 @@ class Declared:
                     f'{name}.columns: "{column.name}" has the unit {column.unit!r}; the standard '
                     f"column has {meant.unit!r}: use it, or another name"
                 )
-        return told
+        return declared
 
     def mode_number(self, name: str) -> int:
         """Number of a mode by name; NO_NUMBER where there is none."""
@@ -158,3 +158,11 @@ def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignor
         if not isinstance(words, str) or not words.isprintable() or len(words) > 300:
             raise ControllerError(f'{where}: words of "{one.name}" must be a line of plain text')
     return tuple(given)
+
+
+def kept_distance(controller: object) -> float:
+    """L [m] that a controller keeps from boundaries: its setting ``safe_distance``; 0 without.
+
+    Pictures show the safe area by it.
+    """
+    return float(getattr(getattr(controller, "settings", None), "safe_distance", 0.0))

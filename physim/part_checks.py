@@ -48,7 +48,7 @@ def robot_faults(controller: object, robots: Mapping[int, Robot]) -> list[Fault]
     """
     if not isinstance(controller, ChecksRobots):
         return []
-    return _told(controller.robot_faults, "robot_faults(robots)", robots)
+    return _faults(controller.robot_faults, "robot_faults(robots)", robots)
 
 
 def world_faults(part: object, world: World, where: Location) -> list[Fault]:
@@ -58,17 +58,17 @@ def world_faults(part: object, world: World, where: Location) -> list[Fault]:
     """
     if not isinstance(part, ChecksWorld):
         return []
-    return _told(part.world_faults, "world_faults(world, where)", world, where)
+    return _faults(part.world_faults, "world_faults(world, where)", world, where)
 
 
 def world_doubts(part: object, world: World, where: Location) -> list[Fault]:
     """What a controller or stage at ``where`` warns of; as `world_faults`."""
     if not isinstance(part, DoubtsWorld):
         return []
-    return _told(part.world_doubts, "world_doubts(world, where)", world, where)
+    return _faults(part.world_doubts, "world_doubts(world, where)", world, where)
 
 
-def _told(say: Callable[..., Iterable[Fault]], usage: str, *given: Any) -> list[Fault]:
+def _faults(say: Callable[..., Iterable[Fault]], usage: str, *given: Any) -> list[Fault]:
     name = getattr(say, "__qualname__", "")
     try:
         answer = asked(say, usage, *given)
@@ -97,7 +97,7 @@ def listed(key: str, given: Any) -> tuple[Any, ...]:
 
 
 def call(kind: Kind, part: object, method: str, *given: Any) -> Any:
-    """Call a method of a part within `naming`; what it does not take is told as such."""
+    """Call a method of a part within `naming`; `MistakenError` where it does not take that."""
     return asked(getattr(part, method), kind.usage(method), *given)
 
 
@@ -108,9 +108,9 @@ def two(part: object, method: str, answer: Any, what: str) -> tuple[Any, Any]:
     return answer
 
 
-def returned(part: object, method: str, told: str) -> MistakenError:
+def returned(part: object, method: str, answer: str) -> MistakenError:
     """Error of a method that returned what it may not, with the line at which it is written."""
-    return MistakenError(f"{method} returned {told}{place_of(getattr(part, method))}")
+    return MistakenError(f"{method} returned {answer}{place_of(getattr(part, method))}")
 
 
 @contextmanager

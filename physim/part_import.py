@@ -34,7 +34,7 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
                 f"{broken_by(error)}"
             ) from error
         package = _package(kind, name, target)
-        told = (
+        advice = (
             f"; package {package} registers it: name it in py-modules of its pyproject.toml, then "
             "pip install again"
             if package
@@ -42,7 +42,7 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
         )
         raise ControllerError(
             f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
-            f"on the Python path{told}"
+            f"on the Python path{advice}"
         ) from error
     except (Exception, SystemExit) as error:
         raise ControllerError(

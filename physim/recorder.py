@@ -66,8 +66,8 @@ class Recorder:
         self.size = max(every, BLOCK_STEPS - BLOCK_STEPS % every)
         self.steps: list[Step] = []
         self.first = self.rejected = 0
-        self.told: FloatArray | None = None
-        """(N, 2) what each was last told by its controller, once commands came from outside"""
+        self.latest: FloatArray | None = None
+        """(N, 2) latest command of each controller, once commands came from outside"""
 
     def start(self, simulation: Simulation) -> None:
         """Take down sample 0. Raises ValueError where the simulation has made steps already."""
@@ -111,16 +111,16 @@ class Recorder:
         self.last_write = time.monotonic()
 
     def _commands(self, step: Step) -> NDArray[np.void]:
-        """Rows of the robots whose stages differ, or who were told from outside."""
+        """Rows of the robots whose stages differ, or that were commanded from outside."""
         decisions = step.decisions
-        if self.told is not None and decisions is not None:
-            self.told[decisions.robot] = decisions.command
-        elif self.told is None and decisions is None and step.nominal is not step.truth.command:
-            self.told = step.truth.command.copy()
-        if self.told is None and step.applied is step.filtered is step.nominal:
+        if self.latest is not None and decisions is not None:
+            self.latest[decisions.robot] = decisions.command
+        elif self.latest is None and decisions is None and step.nominal is not step.truth.command:
+            self.latest = step.truth.command.copy()
+        if self.latest is None and step.applied is step.filtered is step.nominal:
             return NO_COMMANDS
-        told = step.nominal if self.told is None else self.told
-        stages = np.stack((told, step.nominal, step.filtered, step.applied))
+        latest = step.nominal if self.latest is None else self.latest
+        stages = np.stack((latest, step.nominal, step.filtered, step.applied))
         differ = (stages[1:] != stages[:-1]).any(axis=(0, 2))
         rows = np.zeros(int(differ.sum()), dtype=COMMAND)
         rows["step"], rows["robot"] = step.truth.step, np.flatnonzero(differ)
@@ -192,33 +192,33 @@ def update_rows(
     scene: Scene, steps: Sequence[Step], row_type: np.dtype[np.void]
 ) -> NDArray[np.void]:
     """Rows of the update table, in the order of steps."""
-    told = [(step, step.decisions) for step in steps if step.decisions is not None]
+    decided = [(step, step.decisions) for step in steps if step.decisions is not None]
 
     def column(values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         return np.concatenate(values)
 
-    robot = column([d.robot for _, d in told])
-    which = np.repeat(np.arange(len(told)), [len(d.robot) for _, d in told])
+    robot = column([d.robot for _, d in decided])
+    which = np.repeat(np.arange(len(decided)), [len(d.robot) for _, d in decided])
     rows = np.zeros(len(robot), dtype=row_type)
-    rows["step"] = np.array([s.truth.step for s, _ in told])[which]
+    rows["step"] = np.array([s.truth.step for s, _ in decided])[which]
     rows["robot"] = robot
     rows["mode"], rows["rule"] = (
-        column([d.mode for _, d in told]),
-        column([d.rule for _, d in told]),
+        column([d.mode for _, d in decided]),
+        column([d.rule for _, d in decided]),
     )
-    rows["nominal_v"], rows["nominal_omega"] = column([d.command for _, d in told]).T
-    applied = np.array([s.applied for s, _ in told])[which, robot]
+    rows["nominal_v"], rows["nominal_omega"] = column([d.command for _, d in decided]).T
+    applied = np.array([s.applied for s, _ in decided])[which, robot]
     rows["applied_v"], rows["applied_omega"] = applied.T
     station, reference, deviation = (
-        np.array([getattr(s.truth, name) for s, _ in told])
+        np.array([getattr(s.truth, name) for s, _ in decided])
         for name in ("station", "reference_station", "deviation")
     )
     rows["station"], rows["reference_station"] = station[which, robot], reference[which, robot]
     rows["deviation"] = deviation[which, robot]
     rows["formation_error"] = formation_errors(scene, reference)[which, robot]
-    rows["considered"] = column([d.considered_start[1:] - d.considered_start[:-1] for _, d in told])
-    rows["next_step"] = column([s.next_step for s, _ in told])
-    report = column([d.report for _, d in told])
+    rows["considered"] = column([np.diff(d.considered_start) for _, d in decided])
+    rows["next_step"] = column([s.next_step for s, _ in decided])
+    report = column([d.report for _, d in decided])
     fixed = len(row_type.names or ()) - report.shape[1]
     for k, name in enumerate((row_type.names or ())[fixed:]):
         rows[name] = report[:, k]
@@ -227,9 +227,9 @@ def update_rows(
 
 def considered_rows(steps: Sequence[Step], updates: NDArray[np.void]) -> NDArray[np.void]:
     """Rows of the table of considered robots, in the order of the decisions in ``updates``."""
-    told = [step.decisions for step in steps if step.decisions is not None]
+    decided = [step.decisions for step in steps if step.decisions is not None]
     rows = np.zeros(int(updates["considered"].sum()), dtype=CONSIDERED)
     for name in ("step", "robot"):
         rows[name] = np.repeat(updates[name], updates["considered"])
-    rows["other"] = np.concatenate([d.considered for d in told])
+    rows["other"] = np.concatenate([d.considered for d in decided])
     return rows

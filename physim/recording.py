@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from physim.control import Controller
+from physim.declared import kept_distance
 from physim.errors import ControllerError, PhysimError, RecordError
 from physim.part_checks import call, listed, naming
 from physim.record import Record, RecordWriter
@@ -84,7 +85,7 @@ def record_run(
         others: list[Observer] = [Named(one) for one in listed("observers", observers)]
         for observer in [*others, *([] if progress is None else [Progress(progress)])]:
             simulation.look_on(observer)
-            looking_on.append(observer)  # one whose start failed is not told the end
+            looking_on.append(observer)  # one whose start failed is not closed
         ended = _loop(simulation, stop)
         late = _close(looking_on, ended)
     finally:
@@ -92,7 +93,7 @@ def record_run(
         elapsed = time.perf_counter() - started
         if ended == "error":
             for observer in looking_on[1:]:
-                with suppress(Exception):  # the error that ended the run is the one to tell
+                with suppress(Exception):  # the error that ended the run is the one to report
                     observer.close(ended)
             recorder.close(ended)
         writer.close(
@@ -115,7 +116,7 @@ class LateError(ControllerError):
 
 
 def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
-    """Tell every observer the end, whatever becomes of the others; the first error of one."""
+    """Close every observer, whatever becomes of the others; the first error of one."""
     late = None
     try:
         looking_on[0].close(ended)  # the recorder
@@ -159,25 +160,25 @@ class Named:
             call(OBSERVER, self.observer, "after_step", step)
 
     def close(self, ended: str) -> None:
-        """Tell it the end."""
+        """Let it finish."""
         with naming(OBSERVER, self.observer, self.time):
             call(OBSERVER, self.observer, "close", ended)
 
 
 class Progress:
-    """Tells a function of every step: the simulation and the real-time factor."""
+    """Calls a function after every step with the simulation and the real-time factor."""
 
-    def __init__(self, told: Callable[[Simulation, float], None]) -> None:
-        self.told = told
+    def __init__(self, report: Callable[[Simulation, float], None]) -> None:
+        self.report = report
 
     def start(self, simulation: Simulation) -> None:
         """Begin to measure."""
         self.simulation, self.started = simulation, time.perf_counter()
 
     def after_step(self, step: Step) -> None:
-        """Tell how far the run is."""
+        """Report how far the run is."""
         elapsed = time.perf_counter() - self.started
-        self.told(self.simulation, self.simulation.time / elapsed)
+        self.report(self.simulation, self.simulation.time / elapsed)
 
     def close(self, ended: str) -> None:
         """Nothing is left to do."""
@@ -190,18 +191,12 @@ def _writer(
     tables: Sequence[str],
 ) -> RecordWriter:
     scene = simulation.scene
-    area, distance = scene.area, _safe_distance(simulation)
+    area, distance = scene.area, kept_distance(simulation.parts.controller)
     return RecordWriter(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
         declared=simulation.declared, tables=tables, given=simulation.parts.given,
     )  # fmt: skip
-
-
-def _safe_distance(simulation: Simulation) -> float:
-    """L of the controller, for the pictures; 0 where it has none."""
-    settings = getattr(simulation.parts.controller, "settings", None)
-    return float(getattr(settings, "safe_distance", 0.0))
 
 
 __all__ = ["SaveAt", "record_run", "simulate"]

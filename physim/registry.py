@@ -184,10 +184,10 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
     try:
         return part(*given)
     except Exception as error:
-        told = broken_by(error)
+        reason = broken_by(error)
         if isinstance(error, TypeError) and not takes(part, *given):
-            told = _unmade(part, bool(given))
-        raise ControllerError(f"{kind.word} {shown(name)} cannot be made: {told}") from error
+            reason = _unmade(part, bool(given))
+        raise ControllerError(f"{kind.word} {shown(name)} cannot be made: {reason}") from error
 
 
 def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:

@@ -196,10 +196,11 @@ class Simulation:
         if sensed.step < self._next_due:
             return Decided(self.now.command)
         due = (self.next_decision <= sensed.step).nonzero()[0]
-        decided, decisions = decide(
+        decided = decide(
             self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
         )
-        self.mode = replaced(self.mode, due, decisions.mode)
+        if decided.decisions is not None:
+            self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)
         self._next_due = int(self.next_decision.min())
         return decided

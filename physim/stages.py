@@ -153,7 +153,7 @@ def for_each(sensed: Sensed) -> Sensed:
     )
 
 
-def observers(sensed: Sensed) -> IntArray:
+def observer_of_row(sensed: Sensed) -> IntArray:
     """(M,) which observer each row belongs to, of rows that came from `for_each`."""
     return np.repeat(np.arange(len(sensed.first)), sensed.end - sensed.first)
 
@@ -165,7 +165,7 @@ def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
     itself misleads nobody.
     """
     reference, own = sensed.reference_station.copy(), sensed.station.copy()
-    who = observers(sensed)
+    who = observer_of_row(sensed)
     for row, (x, y, _) in enumerate(pose):
         j = int(sensed.robot[row])
         reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))

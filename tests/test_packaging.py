@@ -50,7 +50,7 @@ def expected() -> set[str]:
         ("physim", "physim"), ("controllers", "physim/controllers"), ("worlds", "physim/worlds")
     ):  # fmt: skip
         for file in (ROOT / folder).rglob("*"):
-            if file.suffix in (".py", ".yaml", ".md", ".json", ".typed") and file.is_file():
+            if file.suffix in (".py", ".pyi", ".yaml", ".md", ".json", ".typed") and file.is_file():
                 found.add(f"{place}/{file.relative_to(ROOT / folder).as_posix()}")
     return found
 

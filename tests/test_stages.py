@@ -23,7 +23,7 @@ from physim.record import Record
 from physim.recording import record_run, simulate
 from physim.registry import CONTROLLER, make_part
 from physim.simulation import Simulation
-from physim.stages import for_each, observers, with_poses
+from physim.stages import for_each, observer_of_row, with_poses
 from physim.world import World
 from physim.world_file import load_world
 from tests.extending import entry_points, install
@@ -98,7 +98,7 @@ def offsets(simulation: Simulation, steps: int) -> dict[tuple[int, int], tuple[f
     assert simulation.last is not None
     sensed, truth = simulation.last.sensed, simulation.last.truth
     off = sensed.pose - truth.pose[sensed.robot]
-    pairs = zip(observers(sensed).tolist(), sensed.robot.tolist(), strict=True)
+    pairs = zip(observer_of_row(sensed).tolist(), sensed.robot.tolist(), strict=True)
     return {pair: tuple(row) for pair, row in zip(pairs, off.round(9).tolist(), strict=True)}
 
 
@@ -158,7 +158,7 @@ class Blind:
 
     def sense(self, scene: Any, truth: Any, sensed: Sensed, state: Any) -> Any:
         rows = for_each(sensed)
-        own = observers(rows) == rows.robot
+        own = observer_of_row(rows) == rows.robot
         number = np.arange(scene.robots)
         return rows._replace(
             robot=rows.robot[own], pose=rows.pose[own], command=rows.command[own],
@@ -185,7 +185,7 @@ class Drift:
 
     def sense(self, scene: Any, truth: Any, sensed: Sensed, state: Any) -> Any:
         rows = for_each(sensed)
-        own = observers(rows) == rows.robot
+        own = observer_of_row(rows) == rows.robot
         return with_poses(scene, rows, rows.pose + np.outer(own, (0.3, 0.0, 0.0))), state
 
 

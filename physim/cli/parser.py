@@ -81,12 +81,12 @@ class TopParser(Parser):
 
 def build_parser() -> argparse.ArgumentParser:
     """Parser of all commands; each sets ``action`` to the function that does it, else None."""
-    from physim._version import VERSION
+    from physim._version import __version__
     from physim.cli.arguments import add_commands
 
     raw = argparse.RawDescriptionHelpFormatter
     parser = TopParser("physim", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
-    parser.add_argument("--version", action="version", version=f"physim {VERSION}")
+    parser.add_argument("--version", action="version", version=f"physim {__version__}")
     parser.set_defaults(action=None)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=Parser)
     add_commands(commands)

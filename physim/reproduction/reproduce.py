@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from physim._version import VERSION
+from physim._version import __version__
 from physim.errors import plural
 from physim.reproduction.claims import PAIR_TIMES, Part
 from physim.reproduction.claims.claim import Claim
@@ -58,7 +58,7 @@ def reproduce(
         for world in reversed(plan.worlds)
         if world in records
     }
-    return Report(VERSION, command, plan.seeds, tuple(sections), figures, stop())
+    return Report(__version__, command, plan.seeds, tuple(sections), figures, stop())
 
 
 def pages(report: Report, folder: Path) -> dict[str, str]:

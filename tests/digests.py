@@ -1,0 +1,121 @@
+"""Do two states of the sources give the same records? ``python -m tests.digests --against COMMIT``
+
+Every shipped world is run whole by the sources here and by those of the commit, and the digests of
+the records are compared (`physim.Record.digest`: all that is recorded but wall-clock times and
+versions). Where they differ, it is said whether the robots moved alike all the same. Exit code 0:
+all are equal; 1: one is not; 2: bad input.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import subprocess
+import sys
+import tarfile
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import NamedTuple
+
+from tests.sabotage.scratch import LINKS, copy_checkout, environment, python
+
+ROOT = Path(__file__).parents[1]
+
+SCRIPT = """
+import hashlib, json, sys
+import physim
+for name in sys.argv[2:]:
+    for seed in range(int(sys.argv[1])):
+        record = physim.simulate(physim.load_world(name), seed=seed)
+        motion = hashlib.sha256(record.pose.tobytes() + record.contacts.tobytes()).hexdigest()
+        print(json.dumps([name, seed, record.steps_run, record.digest(), motion]), flush=True)
+"""
+
+
+class Run(NamedTuple):
+    """What is compared of a run."""
+
+    world: str
+    seed: int
+    steps: int
+    digest: str
+    motion: str
+    """of poses and contacts alone"""
+
+
+class CheckoutError(Exception):
+    """Why there is nothing to compare; one line."""
+
+
+def runs(checkout: Path, temporary: Path, worlds: list[str], seeds: int) -> list[Run]:
+    """Runs of worlds by the sources of a checkout, in a process of its own."""
+    done = subprocess.run(
+        python("-c", SCRIPT, str(seeds), *worlds), cwd=checkout, capture_output=True, text=True,
+        env=environment(checkout, temporary),
+    )  # fmt: skip
+    if done.returncode:
+        reason = done.stderr.strip().splitlines() or ["it ended without a word"]
+        raise CheckoutError(f"{checkout.name}: {reason[-1]}")
+    return [Run(*json.loads(line)) for line in done.stdout.splitlines()]
+
+
+def copy_commit(commit: str, target: Path) -> None:
+    """Unpack the files of a commit, and link what the package holds from beside it."""
+    packed = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True)
+    if packed.returncode:
+        raise CheckoutError(f"--against {commit}: no such commit here")
+    tarfile.open(fileobj=io.BytesIO(packed.stdout)).extractall(target, filter="data")
+    for link, to in LINKS.items():
+        (target / link).symlink_to(to, target_is_directory=True)
+
+
+def compared(one: Run, other: Run) -> str:
+    """Whether two runs of a world are the same, in words; empty where they are."""
+    if one.digest == other.digest:
+        return ""
+    alike = "robots move alike" if one.motion == other.motion else "robots move otherwise"
+    return f"DIFFERENT: {alike}, {one.steps} and {other.steps} steps"
+
+
+def compare(against: str, worlds: list[str], seeds: int) -> int:
+    """Run and compare, a line for each run; how many are not the same."""
+    with tempfile.TemporaryDirectory() as folder:
+        here, there = Path(folder, "here"), Path(folder, "there")
+        copy_commit(against, there)
+        copy_checkout(ROOT, here)
+        with ThreadPoolExecutor() as pool:
+            both = [
+                pool.submit(runs, copy, Path(folder, f"{copy.name}-tmp"), worlds, seeds)
+                for copy in (here, there)
+            ]
+            mine, theirs = (one.result() for one in both)
+    different = 0
+    for one, other in zip(mine, theirs, strict=True):
+        verdict = compared(one, other)
+        different += bool(verdict)
+        print(f"{one.world:14} seed {one.seed}: {verdict or f'equal, {one.digest[:16]}'}")
+    return different
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    shipped = sorted(file.stem for file in (ROOT / "worlds").glob("*.yaml"))
+    parser.add_argument("worlds", nargs="*", default=shipped, help="shipped worlds; all by default")
+    parser.add_argument("--against", required=True, metavar="COMMIT", help="what to compare with")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="seeds 0 to N - 1")
+    given = parser.parse_args()
+    if unknown := set(given.worlds) - set(shipped):
+        parser.error(f"no shipped world: {', '.join(sorted(unknown))}; {', '.join(shipped)}")
+    try:
+        return 1 if compare(given.against, given.worlds, given.seeds) else 0
+    except CheckoutError as error:
+        print(error, file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

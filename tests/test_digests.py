@@ -1,0 +1,38 @@
+"""The comparison of two states of the sources sees what differs, and says so."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.digests import CheckoutError, Run, compared, copy_commit
+
+ONE = Run("straight", 0, 100, "a", "m")
+
+
+@pytest.mark.parametrize(
+    ("other", "word"), [(ONE._replace(digest="b"), "alike"), (Run("straight", 0, 90, "b", "n"), "otherwise")]
+)  # fmt: skip
+def test_a_difference_is_told(other: Run, word: str) -> None:
+    verdict = compared(ONE, other)
+    assert "DIFFERENT" in verdict
+    assert word in verdict
+    assert compared(ONE, ONE) == ""
+
+
+def test_a_commit_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(CheckoutError, match="no-such-commit"):
+        copy_commit("no-such-commit", tmp_path)
+
+
+def test_a_world_that_is_not_shipped() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.digests", "--against", "HEAD", "no_world"],
+        cwd=Path(__file__).parents[1], capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "no_world" in done.stderr
+    assert "straight" in done.stderr

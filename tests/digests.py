@@ -66,7 +66,8 @@ def copy_commit(commit: str, target: Path) -> None:
     packed = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True)
     if packed.returncode:
         raise CheckoutError(f"--against {commit}: no such commit here")
-    tarfile.open(fileobj=io.BytesIO(packed.stdout)).extractall(target, filter="data")
+    with tarfile.open(fileobj=io.BytesIO(packed.stdout)) as files:
+        files.extractall(target, filter="data")
     for link, to in LINKS.items():
         (target / link).symlink_to(to, target_is_directory=True)
 

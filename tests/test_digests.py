@@ -13,9 +13,13 @@ from tests.digests import CheckoutError, Run, compared, copy_commit
 ONE = Run("straight", 0, 100, "a", "m")
 
 
-@pytest.mark.parametrize(
-    ("other", "word"), [(ONE._replace(digest="b"), "alike"), (Run("straight", 0, 90, "b", "n"), "otherwise")]
-)  # fmt: skip
+OTHERS = [
+    (ONE._replace(digest="b"), "alike"),
+    (Run("straight", 0, 90, "b", "n"), "otherwise"),
+]
+
+
+@pytest.mark.parametrize(("other", "word"), OTHERS)
 def test_a_difference_is_told(other: Run, word: str) -> None:
     verdict = compared(ONE, other)
     assert "DIFFERENT" in verdict

@@ -20,6 +20,7 @@ from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from physim.world_file import load_world
 from physim.world_file.shipped import find_world
+from tests.facts import facts
 from tests.roads import road
 from tests.says import THREE, Says
 
@@ -87,28 +88,28 @@ def test_robots_that_were_steered_by_hand_are_asked_afterwards() -> None:
 
 
 @pytest.mark.parametrize(
-    ("commands", "told"),
+    ("commands", "said"),
     [
-        ([[0.0, 0.0], [math.nan, 0.0], [0.0, 0.0]], "r2 at 0.02 s: command v = nan m/s"),
-        ([[0.0, 0.0], [0.0, 0.0], [0.0, math.inf]], "r3 at 0.02 s: command omega = inf rad/s"),
+        ([[0.0, 0.0], [math.nan, 0.0], [0.0, 0.0]], ("r2", "0.02 s", "v", "nan m/s")),
+        ([[0.0, 0.0], [0.0, 0.0], [0.0, math.inf]], ("r3", "0.02 s", "omega", "inf rad/s")),
         (
             [[1.51, 0.0], [0.0, 0.0], [0.0, 0.0]],
-            "v = 1.51 m/s; it must be finite and within 1.5 m/s",
+            ("r1", "0.02 s", "v", "1.51 m/s", "1.5 m/s"),
         ),
         (
             [[0.0, -1.7], [0.0, 0.0], [0.0, 0.0]],
-            "omega = -1.7 rad/s; it must be finite and within 1.6 rad/s",
+            ("r1", "0.02 s", "omega", "-1.7 rad/s", "1.6 rad/s"),
         ),
-        ([[0.0, 0.0]], r"at 0.02 s have the shape \(1, 2\); it must be \(3, 2\)"),
-        ([0.0, 0.0, 0.0], r"shape \(3,\)"),
+        ([[0.0, 0.0]], ("0.02 s", "(1, 2)", "(3, 2)")),
+        ([0.0, 0.0, 0.0], ("0.02 s", "(3,)", "(3, 2)")),
     ],
 )
-def test_bad_commands_are_refused_with_robot_and_time(commands: Any, told: str) -> None:
+def test_bad_commands_are_refused_with_robot_and_time(commands: Any, said: tuple[str, ...]) -> None:
     simulation = Simulation(road(THREE))
     simulation.step()
     simulation.step()
     pose = simulation.pose.copy()
-    with pytest.raises(ControllerError, match=told):
+    with pytest.raises(ControllerError, match=facts(*said)):
         simulation.step(np.array(commands))
     assert simulation.step_number == 2
     assert np.array_equal(simulation.pose, pose)
@@ -128,31 +129,29 @@ def raises(o: Observation) -> Decision:
 
 
 @pytest.mark.parametrize(
-    ("decide", "told"),
+    ("decide", "said"),
     [
-        (lambda o: Decision(math.nan, 0.0, 0.1), "command v = nan"),
+        (lambda o: Decision(math.nan, 0.0, 0.1), ("v", "nan")),
         (
             lambda o: Decision(0.0, 2.0, 0.1),
-            "command omega = 2 rad/s; it must be finite and within 1.6",
+            ("omega", "2 rad/s", "1.6 rad/s"),
         ),
-        (lambda o: Decision(0.0, 0.0, math.nan), "hold = nan s"),
-        (lambda o: Decision(0.0, 0.0, -0.1), "hold = -0.1 s"),
-        (raises, "KeyError: 'lost'"),
-        (lambda o: None, "decide returned NoneType; it must return a Decision"),
-        (lambda o: (1.0, 0.0), "decide returned tuple"),
+        (lambda o: Decision(0.0, 0.0, math.nan), ("hold", "nan")),
+        (lambda o: Decision(0.0, 0.0, -0.1), ("hold", "-0.1")),
+        (raises, ("KeyError", "lost")),
+        (lambda o: None, ("decide", "NoneType", "Decision")),
+        (lambda o: (1.0, 0.0), ("decide", "tuple", "Decision")),
     ],
 )
 def test_a_faulty_controller_stops_the_run_with_robot_and_time(
-    decide: Callable[[Observation], Any], told: str, tmp_path: Path
+    decide: Callable[[Observation], Any], said: tuple[str, ...], tmp_path: Path
 ) -> None:
     def later(o: Observation) -> Decision:
         faulty = o.index == 1 and o.time > 0.045
         return decide(o) if faulty else Decision(1.0, 0.0, hold=0.01)
 
-    with pytest.raises(ControllerError, match=told) as caught:
+    with pytest.raises(ControllerError, match=facts("r2", "0.05 s", *said)) as caught:
         simulate(road(THREE), controller=Says(later), path=tmp_path / "r.h5")
-    assert "r2" in str(caught.value)
-    assert "0.05 s" in str(caught.value)
     assert "\n" not in str(caught.value)
     with Record.load(tmp_path / "r.h5") as record:
         assert record.ended == "error"
@@ -350,5 +349,5 @@ def test_robots_arrive_in_formation_and_stand_still() -> None:
 
 @pytest.mark.parametrize("world", ["three_robots", Path("world.yaml")])
 def test_a_name_in_place_of_a_world_is_told(world: Any) -> None:
-    with pytest.raises(TypeError, match=r"a World or a Scene is needed, not (str|PosixPath); load"):
+    with pytest.raises(TypeError, match=r"World.*Scene.*(str|PosixPath).*load_world"):
         simulate(world)

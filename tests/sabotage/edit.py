@@ -45,8 +45,6 @@ ROOMS = MappingProxyType(
             "tests/test_perception.py",
             "tests/test_recording.py",
             "tests/test_grazes.py",
-            "tests/test_stages.py",
-            "tests/test_stage_errors.py",
         ),
         "record": ("tests/record",),
         "metrics": ("tests/metrics",),

@@ -37,7 +37,7 @@ from physim.stages import (
     everybody,
     shared,
 )
-from physim.state import SimulationState, scene_digest
+from physim.state import SimulationState, replaced, scene_digest
 from physim.world import World
 
 
@@ -337,10 +337,3 @@ class Simulation:
         other = copy.copy(self)  # by __getstate__
         memo[id(self)] = other
         return other
-
-
-def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
-    """Copy of an array with other values in some places."""
-    new = array.copy()
-    new[at] = values
-    return read_only(new)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.control import Snapshot
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.physics import PhysicsState
 from physim.scene import Scene
 
@@ -48,3 +48,10 @@ class SimulationState:
 def scene_digest(scene: Scene) -> str:
     """SHA-256 of the effective world, its seed in it."""
     return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()
+
+
+def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
+    """Copy of an array with other values in some places."""
+    new = array.copy()
+    new[at] = values
+    return read_only(new)

@@ -14,7 +14,7 @@ from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, Look, advancement_time, fall_time, look_at
 from physim.geometry.collision import part_time
 from physim.geometry.face_bound import Relative, above, bend, lasting, turned
-from physim.geometry.motion import Course
+from physim.geometry.motion import Course, moves_straight, relative_motion
 from physim.geometry.shapes import FloatArray, Shapes
 from physim.geometry.translation import Times, translation_times
 from physim.tolerances import CONTACT
@@ -30,12 +30,6 @@ Encounter = tuple[float, float, int]
 
 
 @compiled
-def moves_straight(a: Course, b: Course) -> bool:
-    """Whether both keep their headings, so that the closed form holds."""
-    return a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0
-
-
-@compiled
 def straight_times(
     P: FloatArray,
     p0: int,
@@ -48,17 +42,8 @@ def straight_times(
     horizon: float,
 ) -> Times:
     """`translation_times` of parts on their courses."""
-    x = b.x - a.x
-    y = b.y - a.y
-    vx = b.vx - a.vx
-    vy = b.vy - a.vy
-    return translation_times(
-        P, p0, p1, Q, q0, q1,
-        a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c,
-        a.c * x + a.s * y, a.c * y - a.s * x,
-        a.c * vx + a.s * vy, a.c * vy - a.s * vx,
-        horizon,
-    )  # fmt: skip
+    c, s, x, y, vx, vy = relative_motion(a, b)
+    return translation_times(P, p0, p1, Q, q0, q1, c, s, x, y, vx, vy, horizon)
 
 
 @compiled

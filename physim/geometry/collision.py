@@ -21,7 +21,13 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import advancement_time
-from physim.geometry.motion import Course, arc_course, still_course
+from physim.geometry.motion import (
+    Course,
+    arc_course,
+    moves_straight,
+    relative_motion,
+    still_course,
+)
 from physim.geometry.separation import point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.translation import translation_time
@@ -105,18 +111,9 @@ def part_time(
     horizon: float,
 ) -> float:
     """Collision time [s] of two parts on their courses."""
-    if a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0:
-        x = b.x - a.x
-        y = b.y - a.y
-        vx = b.vx - a.vx
-        vy = b.vy - a.vy
-        return translation_time(
-            P, p0, p1, Q, q0, q1,
-            a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c,
-            a.c * x + a.s * y, a.c * y - a.s * x,
-            a.c * vx + a.s * vy, a.c * vy - a.s * vx,
-            horizon,
-        )  # fmt: skip
+    if moves_straight(a, b):
+        c, s, x, y, vx, vy = relative_motion(a, b)
+        return translation_time(P, p0, p1, Q, q0, q1, c, s, x, y, vx, vy, horizon)
     return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
 
 

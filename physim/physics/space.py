@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pymunk
 
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, Shapes
 from physim.tolerances import CONTACT
 
 SLOP = 1e-3
@@ -112,11 +112,6 @@ def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
         shapes.vertices[shapes.part_start[p] : shapes.part_start[p + 1]]
         for p in range(shapes.body_start[body], shapes.body_start[body + 1])
     ]
-
-
-def part_bodies(shapes: Shapes) -> IntArray:
-    """Return the body index of every part."""
-    return np.repeat(np.arange(len(shapes.body_start) - 1), np.diff(shapes.body_start))
 
 
 def moment(parts: list[FloatArray], mass: float) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +16,7 @@ import numpy as np
 import pytest
 from numba.core.caching import CacheImpl, UserProvidedCacheLocator
 
+import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
 from physim.geometry.shapes import FloatArray
@@ -95,6 +98,31 @@ def test_kernels_may_be_called_from_any_compiled_function() -> None:
         return float(top(values) + leaf(values, 1.0))
 
     assert outside(VALUES) == top(VALUES) + leaf(VALUES, 1.0)
+
+
+UNLINKED = """
+import numba
+numba.__version__ = "99.0"
+from physim.compiled import links_kernels
+from tests.test_compiled import short_run
+print(links_kernels(), short_run())
+"""
+
+
+def short_run() -> str:
+    """Digest of a short run in which robots avoid each other."""
+    world = physim.load_world("crossing", overrides=("time.duration=2.0",))
+    with physim.simulate(world) as record:
+        return record.digest()
+
+
+def test_a_numba_that_is_not_known_compiles_by_itself_to_the_same_bits() -> None:
+    found = subprocess.run(
+        [sys.executable, "-c", UNLINKED], cwd=Path(__file__).parents[1],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert found.stdout.split() == ["False", short_run()]
+    assert compiled_module.links_kernels()
 
 
 def test_errors_come_out_of_inner_kernels() -> None:

@@ -6,14 +6,12 @@ in common: `certified_start` from below, `overlap_after` from above. Not used in
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, Look, advancement_time, fall_time, look_at
 from physim.geometry.collision import part_time
-from physim.geometry.face_bound import Relative, above, bend, lasting, turned
+from physim.geometry.face_bound import faces_last, turned
 from physim.geometry.motion import Course, moves_straight, relative_motion
 from physim.geometry.shapes import FloatArray, Shapes
 from physim.geometry.translation import Times, translation_times
@@ -130,40 +128,6 @@ def overlap_after(
         low = high
         stride *= 2.0
     return np.inf
-
-
-@compiled
-def faces_last(
-    P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int, r: Relative, level: float
-) -> float:
-    """Return a time [s] for which no edge normal of P shows a gap of more than ``level``."""
-    best = 0.0
-    most = np.inf
-    if r.spin != 0.0:
-        most = math.pi / abs(r.spin)
-    for _ in range(2):
-        lasts = np.inf
-        k = p1 - 1
-        for m in range(p0, p1):
-            ex = P[m, 0] - P[k, 0]
-            ey = P[m, 1] - P[k, 1]
-            size = math.sqrt(ex * ex + ey * ey)
-            k = m
-            if size == 0.0:
-                continue
-            # One vertex below the edge is enough; the best is the one that stays there longest.
-            longest = 0.0
-            for j in range(q0, q1):
-                h, rate, reach = above(P, m, ey / size, -ex / size, Q, j, r)
-                if h < level:
-                    curve = bend(r, reach, most) if r.spin != 0.0 else bend(r, 0.0, 0.0)
-                    longest = max(longest, lasting(level - h, -rate, curve))
-            lasts = min(lasts, longest)
-        best = max(best, min(lasts, most))
-        most = min(most, 3.0 * best)
-        if r.spin == 0.0:
-            break
-    return best
 
 
 @compiled

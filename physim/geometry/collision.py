@@ -4,10 +4,10 @@ The collision time xi [s] is the smallest time at which two shapes, closed sets,
 keep their twists; 0 while they overlap or touch (within CONTACT = 1e-9 m), inf when there is none
 up to the horizon. It is never late: at every earlier instant the shapes are apart, and at xi they
 are within 1e-9 m; a graze within 1e-9 m may count either way. Should the advancement of parts that
-turn reach its cap (`advancement.MOST_STEPS`), the value is a lower bound.
+turn reach its cap (MOST_STEPS), the value is a lower bound.
 
-- Both keep their headings (omega = 0): closed form, see `translation`.
-- Otherwise: certified conservative advancement, see `advancement`.
+- Both keep their headings (omega = 0): closed form, `physim.geometry.translation`.
+- Otherwise: certified conservative advancement, `physim.geometry.advancement`.
 
 Early outs only leave out what cannot meet, and never change a value. A twist is (v [m/s],
 omega [rad/s]) in the body frame, poses are (3,) in the world frame.

@@ -133,7 +133,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/advancement.py",
+        "physim/geometry/face_bound.py",
         "turning_reach",
         "reach -= square * x",
         "reach -= 0.0 * x",
@@ -142,7 +142,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/advancement.py",
+        "physim/geometry/face_bound.py",
         "travel",
         "0.5 * max(0.0, bend)",
         "0.0 * max(0.0, bend)",

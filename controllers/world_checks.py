@@ -1,4 +1,4 @@
-"""What does not go together with the paper's controller in a world, told before the run."""
+"""What does not go together with the paper's controller in a world, reported before the run."""
 
 from __future__ import annotations
 

@@ -3,15 +3,16 @@
 A kernel has two forms, each made when it is first needed. Called from Python it is compiled as a
 *whole*: with everything it calls, into machine code that is kept on disk. Called from another
 kernel it gives a *piece* of code for that whole, see `physim.linking`. numba by itself would
-optimise each kernel anew inside its callers, and theirs, and so take about twice as long. With a
-version of numba whose internals are not known here it does so: results are the same, bit for bit.
+optimise each kernel anew inside its callers, and theirs, and so take a third longer. With a version
+of numba whose internals are not known here it does so: results are the same, bit for bit.
 
 numba's own cache looks only at the file a function stands in: after an edit of a function that it
 calls from another file, the old code would be used. Here the cache of every kernel is stamped
 with the state of all sources of the package, so any edit compiles anew.
 
 numba keeps compiled code beside the sources or in the user's home. Where neither is writable, as in
-a container, it goes to a temporary folder of the user's, or is not kept at all; both are told.
+a container, it goes to a temporary folder of the user's, or is not kept at all; a note on stderr
+says which.
 """
 
 from __future__ import annotations
@@ -132,17 +133,17 @@ def _keep_in_temporary_folder() -> bool:
             raise PermissionError(folder)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError:
-        _tell("kernels are compiled anew each time, since no folder for them is writable")
+        _note("kernels are compiled anew each time, since no folder for them is writable")
         return False
     if is_new:
-        _tell(f"compiled kernels are kept in {folder}, since no other folder for them is writable")
+        _note(f"compiled kernels are kept in {folder}, since no other folder for them is writable")
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     return True
 
 
 @functools.cache
-def _tell(what: str) -> None:
+def _note(what: str) -> None:
     """Say one line on stderr, once, and not from worker processes."""
     if multiprocessing.parent_process() is None:
         print(f"note: {what}; NUMBA_CACHE_DIR can name one", file=sys.stderr)

@@ -142,9 +142,9 @@ def nowhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     monkeypatch.setenv("NUMBA_CACHE_DIR", "")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    compiled_module._tell.cache_clear()
+    compiled_module._note.cache_clear()
     yield tmp_path
-    compiled_module._tell.cache_clear()
+    compiled_module._note.cache_clear()
 
 
 def fresh() -> object:

@@ -109,7 +109,7 @@ def overlap_after(
 ) -> float:
     """Return a time from ``start`` on at which two bodies overlap for sure; inf if none is found.
 
-    As near to the start as can be told: looked for in strides that double, then halved.
+    As near to the start as can be found: sought in strides that double, then by bisection.
     """
     if depth_at(shapes_a, i, a, shapes_b, j, b, start) > DEPTH:
         return start

@@ -1,7 +1,7 @@
 """Where and how deep pairs of bodies touch, by exact separation.
 
-The engine's own depth is wrong for aligned shapes, so nothing is said about a contact but by the
-separation kernels of `physim.geometry`.
+The engine's own depth is wrong for aligned shapes, so all that is stated about a contact comes from
+the separation kernels of `physim.geometry`.
 """
 
 from __future__ import annotations

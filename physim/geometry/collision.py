@@ -58,7 +58,7 @@ def stays(a: Course) -> bool:
 
 @compiled
 def nearly_straight(a: Course) -> bool:
-    """Whether a body turns so slowly that neither a disc nor a straight line says where it goes."""
+    """Whether a body turns so slowly that neither a disc nor a straight line bounds its way."""
     return a.turn != 0.0 and not stays(a)
 
 

@@ -105,7 +105,7 @@ class ContactGuard:
             points = arbiter.contact_point_set
             points.normal = pymunk.Vec2d(sign * nx, sign * ny)
             # The engine's points are those of its own normal: turned to the segment's they would
-            # tell of an overlap of millimetres where the part is half a metre beyond.
+            # show an overlap of millimetres where the part is half a metre beyond.
             beyond = deepest(self._shapes, self._links, p, _pose(first), q, nx, ny)
             for k, point in enumerate(points.points if beyond else ()):
                 corner, foot = (pymunk.Vec2d(*one) for one in beyond[k % len(beyond)])

@@ -49,7 +49,7 @@ class Physics:
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
     step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
-    is deeper than DEEP is told by whoever reads the record.
+    is deeper than DEEP is reported by whoever reads the record.
 
     Every contact at a sample is found, to the tolerance CONTACT; a graze that begins and ends
     between two samples is not.

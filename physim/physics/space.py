@@ -136,7 +136,7 @@ def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> py
 
 
 def _wall_shapes(static: pymunk.Body, parts: list[FloatArray]) -> list[pymunk.Shape]:
-    # Segments are not told their neighbours: see physim.physics.verdict.
+    # Segments do not know their neighbours: see physim.physics.verdict.
     made: list[pymunk.Shape] = []
     for part in parts:
         if len(part) == 2:

@@ -1,9 +1,9 @@
 """Is a contact that the engine reports true, and how is this pair of parts to act on it?
 
 A robot that slides along a wall of several segments meets the end of the next one, and that end
-would hold it although the wall goes straight on. The engine's own remedy, telling segments their
-neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So the
-engine is not told, and the rule is here: a contact at the end of a segment that pushes the robot
+would hold it although the wall goes straight on. The engine's own remedy, naming to segments their
+neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
+remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
 towards the segment's neighbour is left to the neighbour, if that pushes it in a direction of its
 own; where each leans on the other, both push along their own normals.
 

@@ -1323,9 +1323,9 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/batch.py",
-        "ModeSwitchingBatch.__init__",
-        "plan.speed if plan.active else settings.speed",
+        "controllers/formation.py",
+        "SpeedRule.of",
+        "plan.speed if plan.active else speed",
         "plan.speed",
         "robots without a formation go at controller.speed",
         "tests/controllers/test_world_checks.py::test_robots_go_at_the_speed_that_is_set_where_there_is_no_formation",

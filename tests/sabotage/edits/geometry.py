@@ -115,8 +115,8 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/collision.py",
-        "part_time",
+        "physim/geometry/motion.py",
+        "moves_straight",
         "a.spin == 0.0 and b.spin == 0.0",
         "True",
         "the closed form holds for bodies that do not turn only",

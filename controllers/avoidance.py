@@ -13,17 +13,15 @@ from math import hypot
 
 import numpy as np
 
-from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.motion import move
 from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.tolerances import TIE
 
 from .bodies import Bodies
 from .path_following import comes_first, judge, single
-
-TIE = tolerances.TIE
 
 
 @compiled

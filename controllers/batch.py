@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.control import Decisions, Sensed
-from physim.geometry.nearby import Nearby, parts
+from physim.geometry.nearby import Nearby, parts_near
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.sight import parts_in_range
 from physim.scene import Scene
 
 from .bodies import Bodies
-from .formation import formation_speed, formation_sum, is_neighbour
-from .mode_switching import Memory, Own, decide_one
+from .formation import SpeedRule, formation_neighbours, forward_speed
+from .mode_switching import EgoState, Memory, decide_one
 from .path_following import copy_plan
 from .settings import ModeSwitchingSettings, Rules
 
@@ -39,7 +39,7 @@ class Cluster(NamedTuple):
 
     shapes: Shapes
     walls: Shapes
-    nearby: Nearby
+    wall_grid: Nearby
     paths: Polylines
     stop_station: FloatArray
     outside: FloatArray
@@ -50,12 +50,8 @@ class Cluster(NamedTuple):
     omegas: Sets
     lead: FloatArray
     adjacency: IntArray
-    active: bool
+    speed_rule: SpeedRule
     forward_only: bool
-    alpha: float
-    nu_0: float
-    v_min: float
-    v_max: float
     formation_range: float
     reach: float
 
@@ -71,25 +67,6 @@ class Decided(NamedTuple):
     """robot indices, one decision after the other"""
     considered_start: IntArray
     """(M + 1,)"""
-
-
-@compiled
-def forward_speed(me: int, bodies: Bodies, cluster: Cluster) -> float:
-    """Forward speed of row ``me`` by (7) [m/s], within its robot's limit."""
-    nu, station, number = cluster.nu_0, bodies.station, bodies.number
-    if cluster.active:
-        neighbours = np.empty(len(station), dtype=np.int64)
-        count = 0
-        for j in range(len(station)):
-            if is_neighbour(
-                number[me], number[j], station[me], station[j],
-                cluster.adjacency, cluster.formation_range,
-            ):  # fmt: skip
-                neighbours[count] = j
-                count += 1
-        error = formation_sum(me, neighbours[:count], station, cluster.lead[number])
-        nu = formation_speed(cluster.nu_0, cluster.alpha, cluster.v_min, cluster.v_max, error)
-    return min(nu, float(cluster.top_speed[number[me]]))
 
 
 @compiled
@@ -140,15 +117,22 @@ def decide_all(
         )  # fmt: skip
         me = row_of(number, i)
         x, y = bodies.pose[me, 0], bodies.pose[me, 1]
-        near = parts(cluster.nearby, x, y)
+        station, adjacency = bodies.station, cluster.adjacency
+        neighbours = formation_neighbours(
+            me, number, station, adjacency, cluster.formation_range
+        )  # fmt: skip
+        nu = forward_speed(
+            cluster.speed_rule, cluster.top_speed[i], me, neighbours, station, cluster.lead[number]
+        )
+        near = parts_near(cluster.wall_grid, x, y)
         seen = parts_in_range(cluster.walls, near, x, y, cluster.reach)
-        own = Own(
+        own = EgoState(
             me,
             i,
             sensed.station[i],
             cluster.stop_station[i],
             cluster.outside[cluster.outside_start[i] : cluster.outside_start[i + 1]],
-            forward_speed(me, bodies, cluster),
+            nu,
             cluster.forward_only,
             cluster.speeds.values[cluster.speeds.start[i] : cluster.speeds.start[i + 1]],
             cluster.omegas.values[cluster.omegas.start[i] : cluster.omegas.start[i + 1]],
@@ -184,7 +168,7 @@ class ModeSwitchingBatch:
         self.cluster = Cluster(
             shapes=scene.shapes,
             walls=scene.walls,
-            nearby=scene.nearby,
+            wall_grid=scene.nearby,
             paths=scene.paths,
             stop_station=scene.stop_station,
             outside=np.concatenate(stretches),
@@ -194,12 +178,8 @@ class ModeSwitchingBatch:
             omegas=_sets(scene.omegas, settings.omegas),
             lead=plan.lead,
             adjacency=plan.adjacency,
-            active=plan.active,
+            speed_rule=SpeedRule.of(plan, settings.speed),
             forward_only=plan.active and not settings.reverse_in_safe_mode,
-            alpha=plan.gain,
-            nu_0=plan.speed if plan.active else settings.speed,
-            v_min=plan.v_min,
-            v_max=plan.v_max,
             formation_range=plan.range,
             reach=scene.sensing_range,
         )

@@ -9,10 +9,16 @@ to 1.3 m/s without a rule for it); N_i is by default the robots within a range a
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from physim.control import FormationView
+    from physim.scene import FormationPlan
 
 
 @compiled
@@ -50,6 +56,57 @@ def formation_speed(
     return min(max(nu, v_min), v_max)
 
 
+class SpeedRule(NamedTuple):
+    """What the forward speed of a robot goes by, the same for all robots of a run."""
+
+    active: bool
+    """whether there is a formation"""
+    nu_0: float
+    """[m/s] the speed under (7) without any error, and without a formation"""
+    alpha: float
+    v_min: float
+    v_max: float
+
+    @staticmethod
+    def of(plan: FormationPlan | FormationView, speed: float) -> SpeedRule:
+        """Return the rule of a formation; ``speed`` [m/s] where there is none."""
+        nu_0 = plan.speed if plan.active else speed
+        return SpeedRule(plan.active, nu_0, plan.gain, plan.v_min, plan.v_max)
+
+
+@compiled
+def formation_neighbours(
+    me: int, number: IntArray, station: FloatArray, adjacency: IntArray, neighbour_range: float
+) -> IntArray:
+    """Rows of N_i, increasing, for row ``me`` of robots ``number`` (n,) at ``station`` (n,)."""
+    rows = np.empty(len(station), dtype=np.int64)
+    count = 0
+    for j in range(len(station)):
+        if is_neighbour(
+            number[me], number[j], station[me], station[j], adjacency, neighbour_range
+        ):  # fmt: skip
+            rows[count] = j
+            count += 1
+    return rows[:count]
+
+
+@compiled
+def forward_speed(
+    rule: SpeedRule,
+    top_speed: float,
+    me: int,
+    neighbours: IntArray,
+    station: FloatArray,
+    lead: FloatArray,
+) -> float:
+    """Forward speed of row ``me`` [m/s]: by (7) in a formation, within its robot's limit."""
+    nu = rule.nu_0
+    if rule.active:
+        error = formation_sum(me, neighbours, station, lead)
+        nu = formation_speed(rule.nu_0, rule.alpha, rule.v_min, rule.v_max, error)
+    return min(nu, top_speed)
+
+
 def formation_energy(station: FloatArray, lead: FloatArray, adjacency: IntArray) -> float:
     """W [m^2] by (9) for stations and desired leads (N,) and a symmetric adjacency (N, N)."""
     error = (station[None, :] - station[:, None]) - (lead[None, :] - lead[:, None])
@@ -63,8 +120,3 @@ def formation_energy_rate(
     error = (station[None, :] - station[:, None]) - (lead[None, :] - lead[:, None])
     inner = (adjacency * error).sum(axis=1)
     return float(-2.0 * alpha * np.square(inner).sum())  # (10)
-
-
-def formation_error(station: FloatArray, lead: FloatArray) -> FloatArray:
-    """Formation error (N,) [m]: distance to the robots' mean place on s* less its desired value."""
-    return np.asarray((station.mean() - station) - (lead.mean() - lead))

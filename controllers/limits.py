@@ -1,4 +1,4 @@
-"""Commands that a robot's limits do not allow, told before the run."""
+"""Commands that a robot's limits do not allow, reported before the run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def omega_faults(
 ) -> list[Fault]:
     """Faults of a set of rotational speeds [rad/s], chosen from by robots without one of their own.
 
-    Told at ``controller.omegas`` where the world writes the set, else at the limits of the robots.
+    They stand at ``controller.omegas`` where the world writes the set, else at the robots' limits.
     """
     using = {i: robot for i, robot in robots.items() if robot.omegas is None}
     if is_written:

@@ -37,7 +37,7 @@ from physim.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .bodies import Bodies
-from .formation import formation_speed, formation_sum
+from .formation import SpeedRule, forward_speed
 from .limits import omega_faults
 from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
 from .priority import considered
@@ -64,7 +64,7 @@ FOLLOW, PLAN, WIDEST, LONGEST, STOP = range(5)
 """Numbers of the rules"""
 
 
-class Own(NamedTuple):
+class EgoState(NamedTuple):
     """What the deciding robot knows of itself and of the walls near it."""
 
     row: int
@@ -108,7 +108,7 @@ def empty_report() -> FloatArray:
 
 @compiled
 def decide_one(
-    bodies: Bodies, own: Own, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
+    bodies: Bodies, own: EgoState, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
 ) -> tuple[float, float, float, int, int, FloatArray, int, FloatArray, IntArray]:
     """Decide for one robot: v, omega, hold, mode, rule, plan, next dwell number, report, rows.
 
@@ -211,14 +211,10 @@ class ModeSwitching:
         o = observation
         plan = np.zeros((len(self._rules.dwell), 2))
         memory = memory or Memory(mode=SAFE, plan=plan, dwell=0)
-        nu = self.settings.speed
-        if o.formation.active:
-            station = np.array([o.reference_station, *(n.station for n in o.neighbours)])
-            lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
-            error = formation_sum(0, np.arange(1, len(station)), station, lead)
-            nu = formation_speed(
-                o.formation.speed, o.formation.gain, o.formation.v_min, o.formation.v_max, error
-            )
+        station = np.array([o.reference_station, *(n.station for n in o.neighbours)])
+        lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
+        rule = SpeedRule.of(o.formation, self.settings.speed)
+        neighbours = np.arange(1, len(station))
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
             shape=np.arange(1 + len(o.others)),
@@ -227,13 +223,13 @@ class ModeSwitching:
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
             station=np.array([o.reference_station, *(other.station for other in o.others)]),
         )
-        own = Own(
+        own = EgoState(
             row=0,
             path=0,
             station=o.station,
             stop_station=o.stop_station,
             outside=o.path.outside,
-            nu=min(nu, o.limits[0]),
+            nu=forward_speed(rule, o.limits[0], 0, neighbours, station, lead),
             forward_only=o.formation.active and not self.settings.reverse_in_safe_mode,
             speeds=np.array(self.settings.speeds if o.speeds is None else o.speeds),
             omegas=np.array(self.settings.omegas if o.omegas is None else o.omegas),
@@ -241,7 +237,7 @@ class ModeSwitching:
             reach=o.range,
         )
         walls = pack_shapes([[part] for part in o.walls])
-        v, omega, hold, mode, rule, plan, dwell, report, rows = decide_one(
+        v, omega, hold, mode, made_by, plan, dwell, report, rows = decide_one(
             bodies, own, o.path.lines, walls, self._rules, memory
         )
         columns = (column.name for column in STANDARD_COLUMNS)
@@ -251,7 +247,7 @@ class ModeSwitching:
             hold=hold,
             mode=PAPER_MODES[mode],
             memory=Memory(mode, plan, dwell),
-            rule=RULES[rule],
+            rule=RULES[made_by],
             considered=bodies.number[rows].tolist(),
             report=dict(zip(columns, report.tolist(), strict=True)),
         )

@@ -16,13 +16,11 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 
-from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.motion import arc
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, Polylines
-
-TIE = tolerances.TIE
+from physim.tolerances import TIE
 
 
 @compiled

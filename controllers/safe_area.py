@@ -14,12 +14,10 @@ nothing stays where it is.
 
 from __future__ import annotations
 
-from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.safe_point import nearest_safe_point, point_clearance, roomiest_point
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-
-LENGTH = tolerances.LENGTH
+from physim.tolerances import LENGTH
 
 
 @compiled

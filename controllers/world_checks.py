@@ -1,4 +1,4 @@
-"""What does not go together with the paper's controller in a world, told before the run."""
+"""What does not go together with the paper's controller in a world, reported before the run."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     """Refuse ``speed`` beside a formation, which has a speed of its own."""
     if world.formation is None or "speed" not in settings.model_fields_set:
         return []
-    message = "given beside formation, whose speed rules; set formation.speed instead"
+    message = "has no effect beside formation, which sets the speed; set formation.speed instead"
     return [Fault((*where, "speed"), message)]
 
 
 def stop_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
-    """Doubt robots that stand still farther from their stops than arrival allows."""
+    """Warn of robots that stop farther from their stop stations than arrival allows."""
     allowed, short = world.arrival.tolerance, settings.arrival_tolerance
     if allowed >= short:
         return []
     is_set = "arrival_tolerance" in settings.model_fields_set
     where: Location = ("controller", "arrival_tolerance") if is_set else ("arrival", "tolerance")
     message = (
-        f"robots stand still up to {short:g} m (the controller's arrival_tolerance) before their "
-        f"stop stations, and count as arrived from {allowed:g} m (arrival.tolerance) on: some may "
-        "never arrive; make arrival.tolerance the larger one"
+        f"robots stop up to {short:g} m (controller.arrival_tolerance) before their stop stations, "
+        f"but count as arrived only within {allowed:g} m (arrival.tolerance), so some may never "
+        f"arrive; set arrival.tolerance to {short:g} m or more"
     )
     return [Fault(where, message)]
 
 
 def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
-    """Doubt a range of sight within which thresholds of the controller cannot be kept."""
+    """Warn of a sensing range too short for the thresholds of the controller."""
     reach = world.sensing_range
     needed, why = max(_needs(settings, world))
     if reach >= needed:
@@ -47,8 +47,8 @@ def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
     if world.sensing.range is None and world.formation is not None:
         where = ("formation", "range")
     message = (
-        f"robots see {reach:g} m, from one reference point to another or to a wall, and {why}; "
-        f"let them see {ceil(needed * 10.0) / 10.0:g} m at least"
+        f"robots see up to {reach:g} m, from one reference point to another or to a wall, and "
+        f"{why}; set it to at least {ceil(needed * 10.0) / 10.0:g} m"
     )
     return [Fault(where, message)]
 
@@ -61,18 +61,18 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
     radii = sorted(around)
     yield (
         radii[-1] + settings.boundary_low,
-        "a wall may be nearer than controller.boundary_low unseen",
+        "a wall nearer than controller.boundary_low may go unseen",
     )
     yield (
         settings.look_ahead + settings.safe_distance,
-        "a target controller.look_ahead away may lie within controller.safe_distance of a wall "
-        "unseen",
+        "a target controller.look_ahead away may lie within controller.safe_distance of an "
+        "unseen wall",
     )
     if len(radii) == 1:
         return
     yield (
         sum(radii[-2:]) + settings.distance_low,
-        "two robots may be nearer than controller.distance_low unseen",
+        "two robots nearer than controller.distance_low may not see each other",
     )
     reaches = sorted(
         radius + min(fastest, robot.limits.v) * settings.time_low
@@ -80,5 +80,5 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
     )
     yield (
         sum(reaches[-2:]),
-        "two that drive at each other may see it less than controller.time_low before they meet",
+        "two robots head-on may see each other less than controller.time_low before they meet",
     )

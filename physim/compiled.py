@@ -3,14 +3,16 @@
 A kernel has two forms, each made when it is first needed. Called from Python it is compiled as a
 *whole*: with everything it calls, into machine code that is kept on disk. Called from another
 kernel it gives a *piece* of code for that whole, see `physim.linking`. numba by itself would
-optimise each kernel anew inside its callers, and theirs, and so take three times as long.
+optimise each kernel anew inside its callers, and theirs, and so take a third longer. With a version
+of numba whose internals are not known here it does so: results are the same, bit for bit.
 
 numba's own cache looks only at the file a function stands in: after an edit of a function that it
 calls from another file, the old code would be used. Here the cache of every kernel is stamped
 with the state of all sources of the package, so any edit compiles anew.
 
 numba keeps compiled code beside the sources or in the user's home. Where neither is writable, as in
-a container, it goes to a temporary folder of the user's, or is not kept at all; both are told.
+a container, it goes to a temporary folder of the user's, or is not kept at all; a note on stderr
+says which.
 """
 
 from __future__ import annotations
@@ -27,6 +29,17 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+LINKED_SERIES = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
+"""Versions of numba that `physim.linking` was tried with; any other compiles kernels by itself."""
+
+
+@functools.cache
+def links_kernels() -> bool:
+    """Whether kernels are put together by `physim.linking`, rather than by numba alone."""
+    import numba
+
+    return ".".join(numba.__version__.split(".")[:2]) in LINKED_SERIES
 
 
 @functools.cache
@@ -66,22 +79,27 @@ class Kernel:
     @functools.cached_property
     def whole(self) -> Any:
         """What Python calls: a numba dispatcher with a cache on disk."""
-        from physim.linking import WholeCompiler
+        options = {}
+        if links_kernels():
+            from physim.linking import WholeCompiler
 
+            options = {"pipeline_class": WholeCompiler}
         try:
-            kernel = _dispatcher(self.py_func, cache=True, pipeline_class=WholeCompiler)
+            kernel = _dispatcher(self.py_func, cache=True, **options)
         except RuntimeError:  # no folder that numba knows is writable
-            kept = _keep_in_temporary_folder()
-            kernel = _dispatcher(self.py_func, cache=kept, pipeline_class=WholeCompiler)
+            kernel = _dispatcher(self.py_func, cache=_keep_in_temporary_folder(), **options)
         _stamp_cache(kernel)
         return kernel
 
     @functools.cached_property
     def piece(self) -> Any:
         """What other kernels call: a numba dispatcher that Python cannot call."""
-        from physim.linking import PieceCompiler
+        options = {}
+        if links_kernels():
+            from physim.linking import PieceCompiler
 
-        return _dispatcher(self.py_func, no_cpython_wrapper=True, pipeline_class=PieceCompiler)
+            options = {"pipeline_class": PieceCompiler}
+        return _dispatcher(self.py_func, no_cpython_wrapper=True, **options)
 
     @property
     def _numba_type_(self) -> Any:
@@ -115,24 +133,27 @@ def _keep_in_temporary_folder() -> bool:
             raise PermissionError(folder)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError:
-        _tell("kernels are compiled anew each time, since no folder for them is writable")
+        _note("kernels are compiled anew each time, since no folder for them is writable")
         return False
     if is_new:
-        _tell(f"compiled kernels are kept in {folder}, since no other folder for them is writable")
+        _note(f"compiled kernels are kept in {folder}, since no other folder for them is writable")
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
     numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     return True
 
 
 @functools.cache
-def _tell(what: str) -> None:
+def _note(what: str) -> None:
     """Say one line on stderr, once, and not from worker processes."""
     if multiprocessing.parent_process() is None:
         print(f"note: {what}; NUMBA_CACHE_DIR can name one", file=sys.stderr)
 
 
 def _stamp_cache(kernel: Any) -> None:
-    """Make the kernel's disk cache depend on ``source_stamp``; without a cache, do nothing."""
+    """Make the kernel's disk cache depend on ``source_stamp``; without a cache, do nothing.
+
+    What is compiled with and without `physim.linking` is kept apart.
+    """
     from numba.core.caching import IndexDataCacheFile
 
     cache = getattr(kernel, "_cache", None)
@@ -142,7 +163,7 @@ def _stamp_cache(kernel: Any) -> None:
     stamp = (implementation.locator.get_source_stamp(), source_stamp())
     cache._cache_file = IndexDataCacheFile(  # type: ignore[no-untyped-call]
         cache_path=cache._cache_path,
-        filename_base=implementation.filename_base,
+        filename_base=implementation.filename_base + ("" if links_kernels() else ".unlinked"),
         source_stamp=stamp,
     )
 

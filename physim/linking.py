@@ -4,6 +4,8 @@ numba optimises each function with all that it calls and makes machine code of i
 result into every caller and does all this again there: with deep calls, many times over. A piece
 skips that. It hands its callers plain code, and the one function that Python calls, the whole, is
 optimised with all its pieces. Without fast-math this does not change a bit of any result.
+
+This leans on numba's internals, so it serves only the versions in `physim.compiled.LINKED_SERIES`.
 """
 
 from __future__ import annotations

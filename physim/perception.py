@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from physim.control import FormationView, Neighbour, Observation, Seen, Sensed
-from physim.geometry.nearby import parts
+from physim.geometry.nearby import parts_near
 from physim.geometry.path import Path
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.sight import parts_in_range
@@ -28,7 +28,7 @@ def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     x, y = pose[me, 0], pose[me, 1]
     in_range = np.square(pose[:, :2] - pose[me, :2]).sum(axis=1) <= reach * reach
     in_range[me] = False
-    walls = parts_in_range(scene.walls, parts(scene.nearby, x, y), x, y, reach)
+    walls = parts_in_range(scene.walls, parts_near(scene.nearby, x, y), x, y, reach)
     first, end = scene.paths.start[i], scene.paths.start[i + 1]
     return Observation(
         time=time,

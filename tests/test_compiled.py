@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +16,7 @@ import numpy as np
 import pytest
 from numba.core.caching import CacheImpl, UserProvidedCacheLocator
 
+import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
 from physim.geometry.shapes import FloatArray
@@ -97,6 +100,31 @@ def test_kernels_may_be_called_from_any_compiled_function() -> None:
     assert outside(VALUES) == top(VALUES) + leaf(VALUES, 1.0)
 
 
+UNLINKED = """
+import numba
+numba.__version__ = "99.0"
+from physim.compiled import links_kernels
+from tests.test_compiled import short_run
+print(links_kernels(), short_run())
+"""
+
+
+def short_run() -> str:
+    """Digest of a short run in which robots avoid each other."""
+    world = physim.load_world("crossing", overrides=("time.duration=2.0",))
+    with physim.simulate(world) as record:
+        return record.digest()
+
+
+def test_a_numba_that_is_not_known_compiles_by_itself_to_the_same_bits() -> None:
+    found = subprocess.run(
+        [sys.executable, "-c", UNLINKED], cwd=Path(__file__).parents[1],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert found.stdout.split() == ["False", short_run()]
+    assert compiled_module.links_kernels()
+
+
 def test_errors_come_out_of_inner_kernels() -> None:
     with pytest.raises(ValueError, match="cannot assign slice"):
         calls_misfit(VALUES.copy())
@@ -114,9 +142,9 @@ def nowhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
     monkeypatch.setenv("NUMBA_CACHE_DIR", "")
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    compiled_module._tell.cache_clear()
+    compiled_module._note.cache_clear()
     yield tmp_path
-    compiled_module._tell.cache_clear()
+    compiled_module._note.cache_clear()
 
 
 def fresh() -> object:

@@ -42,23 +42,29 @@ __all__ = [
 ]
 
 HOMES = {
-    "CertifiedTime": "encounters",
-    "Shapes": "shapes",
-    "collision_time_certified": "encounters",
-    "collision_times": "batch",
-    "contact_intervals": "encounters",
-    "pack_shapes": "shapes",
-    "shortest_distances": "batch",
+    "CertifiedTime": "physim.geometry.encounters",
+    "Separation": "physim.geometry.queries",
+    "Shapes": "physim.geometry.shapes",
+    "closest_points": "physim.geometry.queries",
+    "collision_time": "physim.geometry.queries",
+    "collision_time_certified": "physim.geometry.encounters",
+    "collision_times": "physim.geometry.batch",
+    "contact_intervals": "physim.geometry.encounters",
+    "pack_shapes": "physim.geometry.shapes",
+    "polyline": "physim.geometry.queries",
+    "shortest_distance": "physim.geometry.queries",
+    "shortest_distances": "physim.geometry.batch",
+    "signed_distance": "physim.geometry.queries",
 }
-"""Module of each public name that does not stand in `queries`."""
+"""Module of each public name."""
 
 
 def __getattr__(name: str) -> Any:
     """Load a public function on first use."""
-    if name in __all__:
+    if name in HOMES:
         from importlib import import_module
 
-        return getattr(import_module(f"{__name__}.{HOMES.get(name, 'queries')}"), name)
+        return getattr(import_module(HOMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -56,8 +56,8 @@ def collision_times(
     body frames, or (M, 3) (vx, vy, omega) in the world frame; one twist serves for all pairs.
 
     Never late: at every earlier instant the shapes are apart, and at the time they are within
-    1e-9 m, unless the cap of advances was reached (`collision_time_certified` tells): then it is
-    a lower bound. Raises `PhysimError` as `shortest_distances` does.
+    1e-9 m, unless the cap of advances was reached (`collision_time_certified` reports it): then it
+    is a lower bound. Raises `PhysimError` as `shortest_distances` does.
     """
     until = horizon_of(horizon)
     twists = (twist_a, twist_b)

@@ -6,15 +6,13 @@ in common: `certified_start` from below, `overlap_after` from above. Not used in
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import MOST_STEPS, Look, advancement_time, fall_time, look_at
 from physim.geometry.collision import part_time
-from physim.geometry.face_bound import Relative, above, bend, lasting, turned
-from physim.geometry.motion import Course
+from physim.geometry.face_bound import faces_last, turned
+from physim.geometry.motion import Course, moves_straight, relative_motion
 from physim.geometry.shapes import FloatArray, Shapes
 from physim.geometry.translation import Times, translation_times
 from physim.tolerances import CONTACT
@@ -30,12 +28,6 @@ Encounter = tuple[float, float, int]
 
 
 @compiled
-def moves_straight(a: Course, b: Course) -> bool:
-    """Whether both keep their headings, so that the closed form holds."""
-    return a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0
-
-
-@compiled
 def straight_times(
     P: FloatArray,
     p0: int,
@@ -48,17 +40,8 @@ def straight_times(
     horizon: float,
 ) -> Times:
     """`translation_times` of parts on their courses."""
-    x = b.x - a.x
-    y = b.y - a.y
-    vx = b.vx - a.vx
-    vy = b.vy - a.vy
-    return translation_times(
-        P, p0, p1, Q, q0, q1,
-        a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c,
-        a.c * x + a.s * y, a.c * y - a.s * x,
-        a.c * vx + a.s * vy, a.c * vy - a.s * vx,
-        horizon,
-    )  # fmt: skip
+    c, s, x, y, vx, vy = relative_motion(a, b)
+    return translation_times(P, p0, p1, Q, q0, q1, c, s, x, y, vx, vy, horizon)
 
 
 @compiled
@@ -126,7 +109,7 @@ def overlap_after(
 ) -> float:
     """Return a time from ``start`` on at which two bodies overlap for sure; inf if none is found.
 
-    As near to the start as can be told: looked for in strides that double, then halved.
+    As near to the start as can be found: sought in strides that double, then by bisection.
     """
     if depth_at(shapes_a, i, a, shapes_b, j, b, start) > DEPTH:
         return start
@@ -145,40 +128,6 @@ def overlap_after(
         low = high
         stride *= 2.0
     return np.inf
-
-
-@compiled
-def faces_last(
-    P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int, r: Relative, level: float
-) -> float:
-    """Return a time [s] for which no edge normal of P shows a gap of more than ``level``."""
-    best = 0.0
-    most = np.inf
-    if r.spin != 0.0:
-        most = math.pi / abs(r.spin)
-    for _ in range(2):
-        lasts = np.inf
-        k = p1 - 1
-        for m in range(p0, p1):
-            ex = P[m, 0] - P[k, 0]
-            ey = P[m, 1] - P[k, 1]
-            size = math.sqrt(ex * ex + ey * ey)
-            k = m
-            if size == 0.0:
-                continue
-            # One vertex below the edge is enough; the best is the one that stays there longest.
-            longest = 0.0
-            for j in range(q0, q1):
-                h, rate, reach = above(P, m, ey / size, -ex / size, Q, j, r)
-                if h < level:
-                    curve = bend(r, reach, most) if r.spin != 0.0 else bend(r, 0.0, 0.0)
-                    longest = max(longest, lasting(level - h, -rate, curve))
-            lasts = min(lasts, longest)
-        best = max(best, min(lasts, most))
-        most = min(most, 3.0 * best)
-        if r.spin == 0.0:
-            break
-    return best
 
 
 @compiled

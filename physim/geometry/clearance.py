@@ -15,7 +15,7 @@ import numpy as np
 from physim.compiled import compiled
 from physim.geometry.nearby import Nearby
 from physim.geometry.separation import body_gap, point_gap
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
 from physim.geometry.wall_clearance import WallLists, empty_lists, nearest_part
 
 MARGIN = 1e-9
@@ -41,8 +41,8 @@ class Clearances(NamedTuple):
     """(B,)"""
 
 
-class Cores(NamedTuple):
-    """A point inside each robot's shape, its frame, with discs about it inside and around."""
+class BoundingDiscs(NamedTuple):
+    """A point of each robot's shape, in its frame, with discs about it inside and around."""
 
     x: FloatArray
     y: FloatArray
@@ -50,7 +50,7 @@ class Cores(NamedTuple):
     outer: FloatArray
 
 
-def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, nearby: Nearby) -> Clearances:
+def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: Nearby) -> Clearances:
     """Work out the clearances of poses (B, N, 3) of the N robots in ``shapes``."""
     samples, robots = poses.shape[:2]
     out = Clearances(
@@ -62,11 +62,8 @@ def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, nearby: Nearby)
         np.empty(samples, dtype=np.int64),
         np.empty(samples, dtype=np.int64),
     )
-    part_body = np.repeat(
-        np.arange(len(walls.body_start) - 1, dtype=np.int64), np.diff(walls.body_start)
-    )
     lists = empty_lists(robots)
-    fill(np.ascontiguousarray(poses), shapes, walls, nearby, part_body, lists, out)
+    fill(np.ascontiguousarray(poses), shapes, walls, wall_grid, part_bodies(walls), lists, out)
     return out
 
 
@@ -75,7 +72,7 @@ def fill(
     poses: FloatArray,
     shapes: Shapes,
     walls: Shapes,
-    nearby: Nearby,
+    wall_grid: Nearby,
     part_body: IntArray,
     lists: WallLists,
     out: Clearances,
@@ -85,7 +82,7 @@ def fill(
     ``lists`` are empty ones.
     """
     robots = poses.shape[1]
-    cores = find_cores(shapes)
+    discs = bounding_discs(shapes)
     order = np.empty(robots, dtype=np.int64)
     for i in range(robots):
         order[i] = i
@@ -93,20 +90,20 @@ def fill(
     limit = np.empty(robots)
     for b in range(len(poses)):
         pose = poses[b]
-        set_frames(pose, cores, frame)
-        nearest_others(shapes, cores, frame, order, limit, out.clearance[b], out.other[b])
-        out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(shapes, cores, frame)
+        set_frames(pose, discs, frame)
+        nearest_others(shapes, discs, frame, order, limit, out.clearance[b], out.other[b])
+        out.farthest[b], out.farthest_a[b], out.farthest_b[b] = farthest_pair(shapes, discs, frame)
         for i in range(robots):
-            gap, part = nearest_part(shapes, i, pose[i], frame[i], walls, nearby, lists)
+            gap, part = nearest_part(shapes, i, pose[i], frame[i], walls, wall_grid, lists)
             out.boundary_clearance[b, i] = gap
             out.boundary_other[b, i] = robots + part_body[part] if part >= 0 else -1
 
 
 @compiled
-def find_cores(shapes: Shapes) -> Cores:
+def bounding_discs(shapes: Shapes) -> BoundingDiscs:
     """Middle of the first part of each robot, and discs about it inside and around the shape."""
     robots = len(shapes.body_start) - 1
-    cores = Cores(np.empty(robots), np.empty(robots), np.empty(robots), np.empty(robots))
+    discs = BoundingDiscs(np.empty(robots), np.empty(robots), np.empty(robots), np.empty(robots))
     V = shapes.vertices
     for i in range(robots):
         part = shapes.body_start[i]
@@ -118,18 +115,18 @@ def find_cores(shapes: Shapes) -> Cores:
             y += V[k, 1]
         x /= p1 - p0
         y /= p1 - p0
-        cores.x[i], cores.y[i] = x, y
-        cores.inner[i], cores.outer[i] = 0.0, 0.0
+        discs.x[i], discs.y[i] = x, y
+        discs.inner[i], discs.outer[i] = 0.0, 0.0
         if p1 - p0 > 2:
-            cores.inner[i] = max(0.0, -point_gap(V, p0, p1, x, y))
+            discs.inner[i] = max(0.0, -point_gap(V, p0, p1, x, y))
         for k in range(p0, shapes.part_start[shapes.body_start[i + 1]]):
-            cores.outer[i] = max(cores.outer[i], math.hypot(V[k, 0] - x, V[k, 1] - y))
-    return cores
+            discs.outer[i] = max(discs.outer[i], math.hypot(V[k, 0] - x, V[k, 1] - y))
+    return discs
 
 
 @compiled
-def set_frames(pose: FloatArray, cores: Cores, frame: FloatArray) -> None:
-    """Write x, y, cos, sin of each robot and the place of its core, world frame."""
+def set_frames(pose: FloatArray, discs: BoundingDiscs, frame: FloatArray) -> None:
+    """Write x, y, cos, sin of each robot and the middle of its discs, world frame."""
     for i in range(len(pose)):
         c = math.cos(pose[i, 2])
         s = math.sin(pose[i, 2])
@@ -137,8 +134,8 @@ def set_frames(pose: FloatArray, cores: Cores, frame: FloatArray) -> None:
         frame[i, 1] = pose[i, 1]
         frame[i, 2] = c
         frame[i, 3] = s
-        frame[i, 4] = pose[i, 0] + (c * cores.x[i] - s * cores.y[i])
-        frame[i, 5] = pose[i, 1] + (s * cores.x[i] + c * cores.y[i])
+        frame[i, 4] = pose[i, 0] + (c * discs.x[i] - s * discs.y[i])
+        frame[i, 5] = pose[i, 1] + (s * discs.x[i] + c * discs.y[i])
 
 
 @compiled
@@ -167,7 +164,7 @@ def pair_distance(
 
 @compiled
 def sort_by_x(frame: FloatArray, order: IntArray) -> None:
-    """Sort robots by the x of their cores; quick when they are nearly sorted already."""
+    """Sort robots by the x of their discs; quick when they are nearly sorted already."""
     for a in range(1, len(order)):
         i = order[a]
         k = a
@@ -189,7 +186,7 @@ def largest_of(values: FloatArray) -> float:
 @compiled
 def nearest_others(
     shapes: Shapes,
-    cores: Cores,
+    discs: BoundingDiscs,
     frame: FloatArray,
     order: IntArray,
     limit: FloatArray,
@@ -202,7 +199,7 @@ def nearest_others(
     """
     robots = len(order)
     V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
-    inner, outer = cores.inner, cores.outer
+    inner, outer = discs.inner, discs.outer
     gap[:] = np.inf
     other[:] = -1
     limit[:] = np.inf
@@ -247,16 +244,18 @@ def keep_nearest(
 
 
 @compiled
-def farthest_pair(shapes: Shapes, cores: Cores, frame: FloatArray) -> tuple[float, int, int]:
+def farthest_pair(
+    shapes: Shapes, discs: BoundingDiscs, frame: FloatArray
+) -> tuple[float, int, int]:
     """Largest distance between the shapes of two robots, and which; (-inf, -1, -1) if none."""
     robots = len(frame)
     V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
-    inner = cores.inner
+    inner = discs.inner
     best = -np.inf
     first = -1
     second = -1
-    # The pair whose cores are farthest apart is a good start: few others can beat it.
-    at_a, at_b = farthest_cores(frame)
+    # The pair whose discs are farthest apart is a good start: few others can beat it.
+    at_a, at_b = farthest_discs(frame)
     if at_b >= 0:
         best = pair_distance(V, part_start, body_start, at_a, at_b, frame)
         first, second = at_a, at_b
@@ -273,8 +272,8 @@ def farthest_pair(shapes: Shapes, cores: Cores, frame: FloatArray) -> tuple[floa
 
 
 @compiled
-def farthest_cores(frame: FloatArray) -> tuple[int, int]:
-    """Return the two robots a < b whose cores are farthest apart; (-1, -1) if there is one."""
+def farthest_discs(frame: FloatArray) -> tuple[int, int]:
+    """Return the two robots a < b whose discs are farthest apart; (-1, -1) if there is one."""
     most = -1.0
     first = -1
     second = -1

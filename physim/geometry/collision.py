@@ -4,10 +4,10 @@ The collision time xi [s] is the smallest time at which two shapes, closed sets,
 keep their twists; 0 while they overlap or touch (within CONTACT = 1e-9 m), inf when there is none
 up to the horizon. It is never late: at every earlier instant the shapes are apart, and at xi they
 are within 1e-9 m; a graze within 1e-9 m may count either way. Should the advancement of parts that
-turn reach its cap (`advancement.MOST_STEPS`), the value is a lower bound.
+turn reach its cap (MOST_STEPS), the value is a lower bound.
 
-- Both keep their headings (omega = 0): closed form, see `translation`.
-- Otherwise: certified conservative advancement, see `advancement`.
+- Both keep their headings (omega = 0): closed form, `physim.geometry.translation`.
+- Otherwise: certified conservative advancement, `physim.geometry.advancement`.
 
 Early outs only leave out what cannot meet, and never change a value. A twist is (v [m/s],
 omega [rad/s]) in the body frame, poses are (3,) in the world frame.
@@ -21,7 +21,13 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.advancement import advancement_time
-from physim.geometry.motion import Course, arc_course, still_course
+from physim.geometry.motion import (
+    Course,
+    arc_course,
+    moves_straight,
+    relative_motion,
+    still_course,
+)
 from physim.geometry.separation import point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.translation import translation_time
@@ -52,7 +58,7 @@ def stays(a: Course) -> bool:
 
 @compiled
 def nearly_straight(a: Course) -> bool:
-    """Whether a body turns so slowly that neither a disc nor a straight line says where it goes."""
+    """Whether a body turns so slowly that neither a disc nor a straight line bounds its way."""
     return a.turn != 0.0 and not stays(a)
 
 
@@ -105,18 +111,9 @@ def part_time(
     horizon: float,
 ) -> float:
     """Collision time [s] of two parts on their courses."""
-    if a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0:
-        x = b.x - a.x
-        y = b.y - a.y
-        vx = b.vx - a.vx
-        vy = b.vy - a.vy
-        return translation_time(
-            P, p0, p1, Q, q0, q1,
-            a.c * b.c + a.s * b.s, a.c * b.s - a.s * b.c,
-            a.c * x + a.s * y, a.c * y - a.s * x,
-            a.c * vx + a.s * vy, a.c * vy - a.s * vx,
-            horizon,
-        )  # fmt: skip
+    if moves_straight(a, b):
+        c, s, x, y, vx, vy = relative_motion(a, b)
+        return translation_time(P, p0, p1, Q, q0, q1, c, s, x, y, vx, vy, horizon)
     return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
 
 

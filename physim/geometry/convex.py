@@ -25,7 +25,7 @@ NEARLY_TOUCHING = 1e-6
 """[m] Overlaps below this are looked at twice: the normals of two collinear segments, or of
 slivers, all but miss the axis along which such parts are apart."""
 
-ROUNDING = 1e-12
+OUTLINE_ROUNDING = 1e-12
 """[m] By so much the vertices must be farther apart than the overlap is deep to overrule it."""
 
 Frame = tuple[float, float, float, float]
@@ -224,7 +224,7 @@ def part_feature(
         if gap > 0.0:
             # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
             return max(gap, distance), True, of_q, edge, gap
-        if gap == -np.inf or distance > ROUNDING - gap:
+        if gap == -np.inf or distance > OUTLINE_ROUNDING - gap:
             return distance, True, of_q, edge, gap
     return gap, False, of_q, edge, gap
 

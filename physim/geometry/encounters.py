@@ -12,9 +12,9 @@ from physim.errors import PhysimError
 from physim.geometry.advancement import MOST_STEPS
 from physim.geometry.certified import certified_start, next_encounter, overlap_after
 from physim.geometry.collision import never_meet
-from physim.geometry.inputs import ShapeLike, course_of, horizon_of, parts_of
+from physim.geometry.inputs import ShapeLike, bodies_of, horizon_of
 from physim.geometry.motion import Course
-from physim.geometry.shapes import FloatArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, Shapes
 from physim.tolerances import CONTACT
 
 
@@ -58,7 +58,7 @@ def collision_time_certified(
     close at 1e-3 m/s or more and overlap, the bounds are within 2e-6 s of each other.
     """
     until = horizon_of(horizon)
-    a, course_a, b, course_b = _two(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    a, course_a, b, course_b = bodies_of(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
     if never_meet(course_a, course_b, until):
         return CertifiedTime(math.inf, math.inf, math.inf, False)
     pair = (a, 0, course_a, b, 0, course_b)
@@ -91,7 +91,7 @@ def contact_intervals(
     until = horizon_of(horizon)
     if math.isinf(until):
         raise PhysimError("horizon: inf given; all contacts up to a finite time can be listed")
-    a, course_a, b, course_b = _two(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
+    a, course_a, b, course_b = bodies_of(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
     if never_meet(course_a, course_b, until):
         return np.zeros((0, 2))
     found: list[tuple[float, float]] = []
@@ -133,18 +133,3 @@ def _joined(found: list[tuple[float, float]], pause: float) -> FloatArray:
         else:
             rows.append([entry, leave])
     return np.array(rows, dtype=np.float64).reshape(-1, 2)
-
-
-def _two(
-    footprint_a: ShapeLike,
-    pose_a: ArrayLike,
-    twist_a: ArrayLike,
-    footprint_b: ShapeLike,
-    pose_b: ArrayLike,
-    twist_b: ArrayLike,
-) -> tuple[Shapes, Course, Shapes, Course]:
-    a = pack_shapes([parts_of(footprint_a, "footprint_a")])
-    b = pack_shapes([parts_of(footprint_b, "footprint_b")])
-    course_a = course_of(pose_a, twist_a, float(a.radius[0]), "a")
-    course_b = course_of(pose_b, twist_b, float(b.radius[0]), "b")
-    return a, course_a, b, course_b

@@ -1,4 +1,4 @@
-"""Bodies that touch between two samples and are apart at both: kernel over many samples.
+"""Swept contacts: bodies that touch between two samples and are apart at both, over many samples.
 
 From one sample to the next position and angle go linearly, as the physics moves its bodies. Only
 robots near enough to something to reach it within a step are looked at; who they are is worked
@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.geometry.separation import body_distance, body_separation, point_gap, wall_distance
+from physim.geometry.closeness import describe_pair
+from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import least_gap_pair, least_gap_walls, swept_pair, swept_walls
 from physim.tolerances import CONTACT
@@ -38,7 +39,7 @@ def within_reach(
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Which robots may touch another robot, or a wall, between the samples of a step.
 
-    ``travel`` (B - 1, N), clearances (B, N) [m]; each answer (B - 1, N). What is told apart here
+    ``travel`` (B - 1, N), clearances (B, N) [m]; each answer (B - 1, N). What is left out here
     is apart for sure: distances change by no more than the two travel, so a contact within a step
     needs the distances at both its samples, added, to be no more than that.
     """
@@ -63,7 +64,7 @@ def find_grazes(
     """Write a row for each pair that is apart at both samples of a step and touches in between.
 
     ``poses`` (B, N, 3); ``travel`` and the two masks (B - 1, N) as above. ``who`` (C, 3) takes the
-    step's last sample and bodies a < b (walls from N on), ``values`` (C, 5) what `least_place`
+    step's last sample and bodies a < b (walls from N on), ``values`` (C, 5) what `describe_pair`
     gives. Returns how many, in the order of steps, or FULL.
     """
     count = 0
@@ -90,7 +91,7 @@ def find_grazes(
                     least = least_gap_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
                     who[count, 0], who[count, 1], who[count, 2] = k, a, b
                     share = least[2] / dt
-                    least_place(
+                    describe_pair(
                         shapes, a, between(old[a], now[a], share),
                         shapes, b, between(old[b], now[b], share), values[count],
                     )  # fmt: skip
@@ -114,7 +115,7 @@ def find_grazes(
                     found = least_gap_walls(shapes, a, old[a], now[a], walls, parts, dt)
                     who[count, 0], who[count, 1], who[count, 2] = k, a, robots + w
                     at = between(old[a], now[a], found[2] / dt)
-                    least_place(shapes, a, at, walls, w, still, values[count])
+                    describe_pair(shapes, a, at, walls, w, still, values[count])
                     count += 1
     return count
 
@@ -146,29 +147,3 @@ def parts_about(walls: Shapes, body: int, pose: FloatArray, room: float) -> IntA
 def between(start: FloatArray, end: FloatArray, share: float) -> FloatArray:
     """Pose (3,) at a share of the way from one sample to the next."""
     return start + share * (end - start)
-
-
-@compiled
-def least_place(
-    shapes: Shapes,
-    a: int,
-    pose_a: FloatArray,
-    others: Shapes,
-    b: int,
-    pose_b: FloatArray,
-    out: FloatArray,
-) -> None:
-    """Write x, y, nx, ny and signed distance [m] of two bodies into ``out`` (5,).
-
-    The point lies midway between the deepest points of either body within the other, or midway
-    between the nearest points; the unit normal leads from a to b.
-    """
-    d, nx, ny, ax, ay, bx, by = body_separation(shapes, a, pose_a, others, b, pose_b)
-    out[0] = 0.5 * (ax + bx)
-    out[1] = 0.5 * (ay + by)
-    out[2] = nx
-    out[3] = ny
-    out[4] = d
-
-
-__all__ = ["FULL", "find_grazes", "travel_bounds", "within_reach"]

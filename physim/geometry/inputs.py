@@ -28,6 +28,22 @@ def course_of(pose: ArrayLike, twist: ArrayLike, radius: float, which: str) -> C
     return straight_course(at, float(speeds[0]), float(speeds[1]), float(speeds[2]), radius)
 
 
+def bodies_of(
+    footprint_a: ShapeLike,
+    pose_a: ArrayLike,
+    twist_a: ArrayLike,
+    footprint_b: ShapeLike,
+    pose_b: ArrayLike,
+    twist_b: ArrayLike,
+) -> tuple[Shapes, Course, Shapes, Course]:
+    """Both bodies with their courses: shapes and course of a, then of b."""
+    a = pack_shapes([parts_of(footprint_a, "footprint_a")])
+    b = pack_shapes([parts_of(footprint_b, "footprint_b")])
+    course_a = course_of(pose_a, twist_a, float(a.radius[0]), "a")
+    course_b = course_of(pose_b, twist_b, float(b.radius[0]), "b")
+    return a, course_a, b, course_b
+
+
 def numbers(values: ArrayLike, what: str, lengths: tuple[int, ...], names: str) -> FloatArray:
     """Finite numbers, as many as one of ``lengths``."""
     array = array_of(values, what)

@@ -1,4 +1,4 @@
-"""Which wall parts are near a place: a grid of lists.
+"""Wall grid: which wall parts are near a place.
 
 The list of a cell holds every part that comes within ``reach`` of any point of the cell, in the
 order of the walls, so one look-up answers for a whole neighbourhood.
@@ -62,14 +62,14 @@ def build_nearby(walls: Shapes, reach: float, cell: float) -> Nearby:
 
 
 @compiled
-def parts(nearby: Nearby, x: float, y: float) -> IntArray:
+def parts_near(wall_grid: Nearby, x: float, y: float) -> IntArray:
     """Parts that may be within ``reach`` of a place, increasing; all of them outside the grid."""
-    column = floor((x - nearby.origin_x) / nearby.cell)
-    row = floor((y - nearby.origin_y) / nearby.cell)
-    if column < 0 or row < 0 or column >= nearby.columns or row >= nearby.rows:
-        return nearby.every
-    c = row * nearby.columns + column
-    return nearby.part[nearby.start[c] : nearby.start[c + 1]]
+    column = floor((x - wall_grid.origin_x) / wall_grid.cell)
+    row = floor((y - wall_grid.origin_y) / wall_grid.cell)
+    if column < 0 or row < 0 or column >= wall_grid.columns or row >= wall_grid.rows:
+        return wall_grid.every
+    c = row * wall_grid.columns + column
+    return wall_grid.part[wall_grid.start[c] : wall_grid.start[c + 1]]
 
 
 def _shape(walls: Shapes, part: int) -> shapely.Geometry:

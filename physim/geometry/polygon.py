@@ -1,4 +1,4 @@
-"""Polygons: simple or not, area, cut into convex parts, width, moment of inertia.
+"""Polygons: simple or not, area, cut into convex parts, width.
 
 A polygon is an array (n, 2) [m] of its corners in either direction, not closed by a repeated
 corner (a repeated last corner is dropped). Parts are convex and counter-clockwise.
@@ -7,7 +7,6 @@ corner (a repeated last corner is dropped). Parts are convex and counter-clockwi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -151,18 +150,3 @@ def _chain(points: FloatArray) -> list[tuple[float, float]]:
             chain.pop()
         chain.append((x, y))
     return chain
-
-
-def moment_about_origin(parts: Sequence[ArrayLike], mass: float) -> float:
-    """Moment of inertia [kg m²] about the origin of the frame, of evenly spread ``mass`` [kg].
-
-    Each triangle (origin, a, b) adds ``(a x b) (a·a + a·b + b·b) / 12`` times the density.
-    """
-    area = moment = 0.0
-    for part in parts:
-        ring = np.asarray(part, dtype=np.float64).tolist()
-        for (ax, ay), (bx, by) in pairwise([*ring, ring[0]]):
-            cross = ax * by - ay * bx
-            area += 0.5 * cross
-            moment += cross * (ax * ax + ay * ay + ax * bx + ay * by + bx * bx + by * by) / 12.0
-    return mass * moment / area

@@ -21,14 +21,14 @@ from physim.errors import PhysimError
 from physim.geometry.collision import bodies_time
 from physim.geometry.inputs import (
     ShapeLike,
-    course_of,
+    bodies_of,
     horizon_of,
     pack_at,
     parts_of,
     points_of,
 )
 from physim.geometry.separation import body_separation
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray
 
 Point = tuple[float, float]
 
@@ -109,8 +109,5 @@ def collision_time(
     within 1e-9 m; a pass within 1e-9 m may count either way.
     """
     until = horizon_of(horizon)
-    a = pack_shapes([parts_of(footprint_a, "footprint_a")])
-    b = pack_shapes([parts_of(footprint_b, "footprint_b")])
-    course_a = course_of(pose_a, twist_a, float(a.radius[0]), "a")
-    course_b = course_of(pose_b, twist_b, float(b.radius[0]), "b")
+    a, course_a, b, course_b = bodies_of(footprint_a, pose_a, twist_a, footprint_b, pose_b, twist_b)
     return bodies_time(a, 0, course_a, b, 0, course_b, until)

@@ -12,11 +12,10 @@ from math import hypot, sqrt
 
 import numpy as np
 
-from physim import tolerances
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.tolerances import CONTACT
 
-CONTACT = tolerances.CONTACT
 SECTION_SAMPLES = 64
 """Samples a side of the cross-section that is searched for its greatest clearance."""
 

@@ -4,9 +4,9 @@ A body is a run of convex parts (`Shapes`); its signed distance to another is th
 pairs of parts. Positive: apart. Negative: the depth of the deepest pair of parts. Distances are
 [m], exact to a few 1e-15 m for bodies of metres; poses are (3,) x, y [m], heading [rad].
 
-- For control: `body_distance`, `wall_distance`, `part_distance` give the value alone.
-- For reports: `body_separation`, `wall_separation`, `part_separation` also give the unit normal
-  from a to b (of least penetration where they overlap) and the witness points: the closest points
+- For control: `body_distance`, `wall_distance` give the value alone.
+- For reports: `body_separation`, `wall_separation` also give the unit normal from a to b
+  (of least penetration where they overlap) and the witness points: the closest points
   where apart, the deepest points of either shape within the other where they overlap.
 
 The value is the same in both, bit for bit. Bounds only skip parts that cannot win.
@@ -25,22 +25,6 @@ from physim.geometry.witness import Witness, part_witness
 
 BOUND_MARGIN = 1e-9
 """[m] A bound must beat the best distance by this, so that rounding of the bound cannot matter."""
-
-
-@compiled
-def part_distance(P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int) -> float:
-    """Signed distance [m] of the parts ``P[p0:p1]`` and ``Q[q0:q1]``, both in one frame."""
-    rx = Q[q0, 0]
-    ry = Q[q0, 1]
-    return part_gap(P, p0, p1, Q, q0, q1, 1.0, 0.0, rx, ry, rx, ry, np.inf)
-
-
-@compiled
-def part_separation(P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int) -> Witness:
-    """Signed distance with (nx, ny) from a to b, (ax, ay) on a, (bx, by) on b; one frame."""
-    rx = Q[q0, 0]
-    ry = Q[q0, 1]
-    return part_witness(P, p0, p1, Q, q0, q1, 1.0, 0.0, rx, ry, rx, ry)
 
 
 @compiled

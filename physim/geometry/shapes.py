@@ -63,6 +63,22 @@ def pack_shapes(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
     )
 
 
+def joined_shapes(shapes: Shapes, walls: Shapes) -> Shapes:
+    """Return robots and walls in one numbering of bodies and parts: robots first."""
+    return Shapes(
+        np.concatenate((shapes.vertices, walls.vertices)),
+        np.concatenate((shapes.part_start, walls.part_start[1:] + shapes.part_start[-1])),
+        np.concatenate((shapes.body_start, walls.body_start[1:] + shapes.body_start[-1])),
+        np.concatenate((shapes.radius, walls.radius)),
+    )
+
+
+def part_bodies(shapes: Shapes) -> IntArray:
+    """Return the body (P,) that each part belongs to."""
+    bodies = np.arange(len(shapes.body_start) - 1, dtype=np.int64)
+    return np.repeat(bodies, np.diff(shapes.body_start))
+
+
 def pack_polylines(lines: Sequence[ArrayLike]) -> Polylines:
     """Pack polylines (n, 2), n >= 2, with their arc lengths."""
     arrays = [np.asarray(line, dtype=np.float64) for line in lines]

@@ -1,4 +1,4 @@
-"""What is within range of a place."""
+"""Which wall parts are within range of a place."""
 
 from __future__ import annotations
 

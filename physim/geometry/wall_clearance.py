@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.nearby import Nearby, parts
+from physim.geometry.nearby import Nearby, parts_near
 from physim.geometry.separation import point_gap, wall_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
@@ -75,7 +75,7 @@ def nearest_part(
     pose: FloatArray,
     frame: FloatArray,
     walls: Shapes,
-    nearby: Nearby,
+    wall_grid: Nearby,
     lists: WallLists,
 ) -> tuple[float, int]:
     """Signed distance [m] of robot i from the walls, and the nearest part (the lowest of equals).
@@ -93,13 +93,13 @@ def nearest_part(
             lists.nearest[i] = part
             return gap, part
     start = lists.nearest[i]
-    some = parts(nearby, pose[0], pose[1])
-    within = nearby.reach
+    some = parts_near(wall_grid, pose[0], pose[1])
+    within = wall_grid.reach
     gap, part = nearest_of(shapes, i, frame, walls, some, start)
-    if len(some) == len(nearby.every):
+    if len(some) == len(wall_grid.every):
         within = np.inf
     elif not gap < within - radius - MARGIN:
-        some = nearby.every
+        some = wall_grid.every
         within = np.inf
         gap, part = nearest_of(shapes, i, frame, walls, some, part)
     lists.nearest[i] = part

@@ -13,26 +13,14 @@ APART = -0.5
 """Cosine of the angle [120 degrees] by which the two sides of a path are apart at least."""
 
 
-def width_profile(
-    points: FloatArray, directions: FloatArray, segments: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Shortest distance [m] to the left and to the right boundary at points of a path (Fig. 4).
-
-    ``points``, ``directions`` (K, 2) along the path, ``segments`` (S, 4) boundary segments
-    ax, ay, bx, by. *Left* is what lies in the half-plane left of the path's direction, so a
-    boundary on both sides of the path counts on each. The width is the sum; inf where a side is
-    open.
-    """
-    left, right = width_feet(points, directions, segments)
-    return np.hypot(*(left - points).T), np.hypot(*(right - points).T)
-
-
 def width_feet(
     points: FloatArray, directions: FloatArray, segments: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Nearest boundary points (K, 2) [m] on the left and on the right, as in `width_profile`.
+    """Nearest boundary points (K, 2) [m] on the left and on the right of a path (Fig. 4).
 
-    Not finite where a side is open.
+    ``points``, ``directions`` (K, 2) along the path, ``segments`` (S, 4) boundary segments
+    ax, ay, bx, by. *Left* is what lies in the half-plane left of the path's direction, so a
+    boundary on both sides of the path counts on each. Not finite where a side is open.
     """
     left, right = np.full((len(points), 2), np.inf), np.full((len(points), 2), np.inf)
     if not len(segments):

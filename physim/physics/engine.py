@@ -5,7 +5,7 @@ from __future__ import annotations
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.physics.bodies import BodyArrays
 from physim.physics.engine_state import ContactMemory, Impulses, no_impulses
-from physim.physics.guard import PythonGuard, Touches
+from physim.physics.guard import ContactGuard, Touches
 from physim.physics.space import Hosted, parking
 
 
@@ -13,7 +13,7 @@ class Engine:
     """A space that holds N robots, of which ``arrays`` reads and writes poses and velocities."""
 
     def __init__(
-        self, hosted: Hosted, shapes: Shapes, walls: Shapes, guard: PythonGuard, dt: float
+        self, hosted: Hosted, shapes: Shapes, walls: Shapes, guard: ContactGuard, dt: float
     ) -> None:
         """Take a space in which the robots stand at rest; steps are of ``dt`` [s]."""
         self.arrays = BodyArrays(hosted.space, len(hosted.bodies))

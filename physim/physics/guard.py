@@ -7,7 +7,7 @@ have edges on one line. So each contact it reports is judged by the exact separa
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
@@ -30,31 +30,16 @@ class Touches(NamedTuple):
 NOTHING = Touches(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
 
 
-class Guard(Protocol):
-    """Checks contacts inside the engine's step."""
-
-    rejected: int
-    """false contacts of parts met so far"""
-    reported: int
-    """contacts of parts, true and false, that the engine reported between the last two calls of
-    `take`: as many as it remembers, if that was one solve"""
-
-    def take_rejected(self) -> IntArray:
-        """Return the parts (M, 2) of the false contacts since the last call."""
-        ...
-
-    def take(self) -> Touches:
-        """Return the true contacts since the last call; raise what went wrong in a callback."""
-        ...
-
-
-class PythonGuard:
-    """The guard as plain callbacks: slower than the native form, and its oracle."""
+class ContactGuard:
+    """Judges every contact in callbacks of the engine's step."""
 
     def __init__(self, hosted: Hosted, shapes: Shapes, *, checks: bool = True) -> None:
         """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
         self.rejected = 0
+        """false contacts of parts met so far"""
         self.reported = 0
+        """contacts of parts, true and false, that the engine reported between the last two calls
+        of `take`: as many as it remembers, if that was one solve"""
         self._reported = 0
         self._number = {shape: part for part, shape in enumerate(hosted.parts)}
         self._shapes = shapes
@@ -120,7 +105,7 @@ class PythonGuard:
             points = arbiter.contact_point_set
             points.normal = pymunk.Vec2d(sign * nx, sign * ny)
             # The engine's points are those of its own normal: turned to the segment's they would
-            # tell of an overlap of millimetres where the part is half a metre beyond.
+            # show an overlap of millimetres where the part is half a metre beyond.
             beyond = deepest(self._shapes, self._links, p, _pose(first), q, nx, ny)
             for k, point in enumerate(points.points if beyond else ()):
                 corner, foot = (pymunk.Vec2d(*one) for one in beyond[k % len(beyond)])

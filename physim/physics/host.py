@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import PhysimError
-from physim.geometry.closeness import describe_pairs, joined
+from physim.geometry.closeness import describe_pairs
 from physim.geometry.motion import chord_velocities
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, joined_shapes, part_bodies
 from physim.physics.engine import Engine
 from physim.physics.engine_state import Impulses, goes_on_from_impulses, no_impulses
-from physim.physics.guard import PythonGuard, Touches
+from physim.physics.guard import ContactGuard, Touches
 from physim.physics.journal import Journal
 from physim.physics.pairs import (
     Pairs,
@@ -25,7 +25,7 @@ from physim.physics.pairs import (
     phases,
     split,
 )
-from physim.physics.space import body_parts, build_space, moment, part_bodies
+from physim.physics.space import body_parts, build_space, moment
 from physim.physics.state import PhysicsState
 
 
@@ -49,7 +49,7 @@ class Physics:
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
     step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
-    is deeper than DEEP is told by whoever reads the record.
+    is deeper than DEEP is reported by whoever reads the record.
 
     Every contact at a sample is found, to the tolerance CONTACT; a graze that begins and ends
     between two samples is not.
@@ -78,10 +78,10 @@ class Physics:
         hosted = build_space(shapes, walls, start, mass, friction, elasticity)
         self.dt = dt
         self._robots = len(start)
-        self._shapes = joined(shapes, walls)
+        self._shapes = joined_shapes(shapes, walls)
         self._body_of_part = part_bodies(self._shapes)
         self._bodies = len(self._shapes.body_start) - 1
-        self._guard = PythonGuard(hosted, self._shapes, checks=_guarded)
+        self._guard = ContactGuard(hosted, self._shapes, checks=_guarded)
         self._engine = Engine(hosted, shapes, walls, self._guard, dt)
         self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]

@@ -11,9 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, FALSE_CONTACT, Kind, Phase
+from physim.contacts import CONTACT as CONTACT_ROW
+from physim.contacts import FALSE_CONTACT as FALSE_CONTACT_ROW
+from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.tolerances import CONTACT as TOUCHING
+from physim.tolerances import CONTACT
 
 
 class Pairs(NamedTuple):
@@ -32,12 +34,12 @@ def no_pairs() -> Pairs:
 
 def no_contacts() -> NDArray[np.void]:
     """Return an empty array of contact rows."""
-    return np.zeros(0, CONTACT)
+    return np.zeros(0, CONTACT_ROW)
 
 
 def no_false_contacts() -> NDArray[np.void]:
     """Return an empty array of false contacts."""
-    return np.zeros(0, FALSE_CONTACT)
+    return np.zeros(0, FALSE_CONTACT_ROW)
 
 
 def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.void]:
@@ -45,8 +47,8 @@ def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.v
 
     A pair of which other parts do touch is no false contact.
     """
-    apart = distance > TOUCHING
-    rows = np.zeros(int(apart.sum()), FALSE_CONTACT)
+    apart = distance > CONTACT
+    rows = np.zeros(int(apart.sum()), FALSE_CONTACT_ROW)
     rows["step"] = step
     rows["a"], rows["b"] = pairs[apart].T
     rows["distance"] = distance[apart]
@@ -86,7 +88,7 @@ def contact_rows(
     ``found`` holds x, y, nx, ny and signed distance [m]. Of a pair that has ended the depth is
     minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
-    rows = np.zeros(len(pairs), CONTACT)
+    rows = np.zeros(len(pairs), CONTACT_ROW)
     rows["step"] = step
     rows["a"], rows["b"] = pairs.T
     rows["phase"] = phase

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pymunk
 
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, Shapes
 from physim.tolerances import CONTACT
 
 SLOP = 1e-3
@@ -114,11 +114,6 @@ def body_parts(shapes: Shapes, body: int) -> list[FloatArray]:
     ]
 
 
-def part_bodies(shapes: Shapes) -> IntArray:
-    """Return the body index of every part."""
-    return np.repeat(np.arange(len(shapes.body_start) - 1), np.diff(shapes.body_start))
-
-
 def moment(parts: list[FloatArray], mass: float) -> float:
     """Moment of inertia [kg m^2] about the origin of even polygons that share ``mass`` by area."""
     area = inertia = 0.0
@@ -141,7 +136,7 @@ def _robot_body(shapes: Shapes, robot: int, pose: FloatArray, mass: float) -> py
 
 
 def _wall_shapes(static: pymunk.Body, parts: list[FloatArray]) -> list[pymunk.Shape]:
-    # Segments are not told their neighbours: see physim.physics.verdict.
+    # Segments do not know their neighbours: see physim.physics.verdict.
     made: list[pymunk.Shape] = []
     for part in parts:
         if len(part) == 2:

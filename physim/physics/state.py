@@ -33,13 +33,13 @@ class PhysicsState:
     part: IntArray
     """(C, 2) the parts that meet at each point of contact, sorted"""
     feature: NDArray[np.uint64]
-    """(C,) which of their corners meet there, as the engine tells them apart"""
+    """(C,) which of their corners meet there, by the engine's numbers"""
     impulse: FloatArray
     """(C, 2) [N s] along normal and tangent, from which the next solve begins"""
     rejected: IntArray
     """() false contacts kept out so far"""
     contacts: NDArray[np.void]
-    """contact rows of the sample: told again, though the next step needs none of them"""
+    """contact rows of the sample: handed on, though the next step needs none of them"""
     false_contacts: NDArray[np.void]
     """rows of the false contacts of the sample, likewise"""
     origin_step: IntArray

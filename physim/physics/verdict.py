@@ -1,9 +1,9 @@
 """Is a contact that the engine reports true, and how is this pair of parts to act on it?
 
 A robot that slides along a wall of several segments meets the end of the next one, and that end
-would hold it although the wall goes straight on. The engine's own remedy, telling segments their
-neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So the
-engine is not told, and the rule is here: a contact at the end of a segment that pushes the robot
+would hold it although the wall goes straight on. The engine's own remedy, naming to segments their
+neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
+remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
 towards the segment's neighbour is left to the neighbour, if that pushes it in a direction of its
 own; where each leans on the other, both push along their own normals.
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.separation import relative_frame
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
 from physim.geometry.witness import part_witness
 from physim.tolerances import CONTACT
 
@@ -35,7 +35,7 @@ LEFT = 2
 SIDE = 3
 """a true contact of a segment, to be taken along the segment's own normal"""
 
-FLAT = 1e-6
+SIDE_ANGLE = 1e-6
 """[rad] A normal within this of a segment's own is a contact with its side, not with an end."""
 
 
@@ -58,7 +58,7 @@ def segment_links(shapes: Shapes) -> Links:
         np.zeros((count, 2), dtype=np.int64),
         np.zeros((count, 2), dtype=np.bool_),
     )
-    body = np.repeat(np.arange(len(shapes.body_start) - 1), np.diff(shapes.body_start))
+    body = part_bodies(shapes)
     segments = np.flatnonzero(np.diff(shapes.part_start) == 2).tolist()
     meeting: dict[tuple[float, float], list[tuple[int, int]]] = {}
     for p in segments:
@@ -103,7 +103,7 @@ def leans_on(shapes: Shapes, links: Links, segment: int, nx: float, ny: float) -
     v, k = shapes.vertices, shapes.part_start[segment]
     ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
     along = nx * ex + ny * ey
-    if abs(along) <= FLAT * np.hypot(ex, ey):
+    if abs(along) <= SIDE_ANGLE * np.hypot(ex, ey):
         return -1, 0
     end = 1 if along > 0.0 else 0
     if links.part[segment, end] < 0:
@@ -155,7 +155,7 @@ def judge(
         return ACTS, nx, ny
     mx, my = side(shapes, q, p, pose_p)
     ox, oy = onward(shapes, links, q, end)
-    if mx * ox + my * oy > FLAT * np.hypot(ox, oy):
+    if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy):
         return SIDE, mx, my
     if not links.own[q, end]:
         return ACTS, nx, ny

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
-from physim.geometry.nearby import Nearby, parts
+from physim.geometry.nearby import Nearby, parts_near
 from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.sight import parts_in_range
@@ -165,7 +165,7 @@ def standard_columns(
             twist = (theirs[j, 0], keep * theirs[j, 1])
             xi = collision_time_pair(shapes, i, here[i], mine, j, here[j], twist, horizon)
             time = min(time, float(xi))
-        seen = parts_in_range(walls, parts(nearby, x, y), x, y, reach)
+        seen = parts_in_range(walls, parts_near(nearby, x, y), x, y, reach)
         out[k, 0] = distance
         out[k, 1] = wall_distance(shapes, i, here[i], walls, seen)
         xi = collision_time_walls(shapes, i, here[i], mine, walls, seen, horizon)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import Kind, Phase
-from physim.geometry.closeness import describe_pairs, joined
-from physim.geometry.shapes import FloatArray
+from physim.geometry.closeness import describe_pairs
+from physim.geometry.shapes import FloatArray, joined_shapes
 from physim.record import Record
 from physim.validation.findings import DEPTH_SLACK, UNEXPLAINED, Disagreement
 from physim.validation.ledger import blocks, robot_shapes
@@ -27,7 +27,7 @@ def contact_rows(record: Record) -> list[Disagreement]:
 
 def _exact(record: Record, rows: NDArray[np.void]) -> FloatArray:
     """Point [m], normal and signed distance [m] of each row (M, 5), by the shapes."""
-    shapes = joined(robot_shapes(record), record.walls)
+    shapes = joined_shapes(robot_shapes(record), record.walls)
     found = np.zeros((len(rows), 5))
     pose = np.zeros((len(shapes.body_start) - 1, 3))
     step, pairs = rows["step"], np.stack((rows["a"], rows["b"]), axis=1).astype(np.int64)

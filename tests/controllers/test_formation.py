@@ -13,7 +13,6 @@ from physim import parse_world, simulate
 from physim.controllers.formation import (
     formation_energy,
     formation_energy_rate,
-    formation_error,
     formation_speed,
     formation_sum,
     is_neighbour,
@@ -139,14 +138,6 @@ def test_energy_identity_10_for_robots_that_all_update_every_step(
 
 
 # The formation error: (1/N) sum of l_ij less (1/N) sum of l*_ij, positive when a robot lags
-
-
-@given(stations, st.integers(0, 2**31))
-def test_formation_error_is_the_distance_to_the_mean_place(values: list[float], seed: int) -> None:
-    station = np.array(values)
-    lead = np.random.default_rng(seed).uniform(-5.0, 5.0, len(values))
-    expected = [oracle.error(i, station, lead) for i in range(len(values))]
-    assert formation_error(station, lead) == pytest.approx(expected, abs=1e-9)
 
 
 def test_formation_errors_that_are_recorded_agree_with_the_oracle() -> None:

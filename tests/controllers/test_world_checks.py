@@ -77,10 +77,11 @@ def test_a_speed_beside_a_formation_is_one_fault(name):
     with pytest.raises(WorldError) as caught:
         parse_world(text, "w")
     place = f"w:8:{text.splitlines()[-1].index('0.5') + 1}"
-    assert str(caught.value).startswith(f"{place}: controller.speed: given beside formation")
+    assert str(caught.value).startswith(f"{place}: controller.speed: ")
+    assert "formation.speed" in str(caught.value)
     assert len(caught.value.faults) == 1
     world = parse_world(TOGETHER).changed(controller={"type": name, "speed": 0.5})
-    with pytest.raises(WorldError, match=r"controller\.speed: given beside formation"):
+    with pytest.raises(WorldError, match=r"controller\.speed: .*formation\.speed"):
         Simulation(world)
 
 
@@ -102,7 +103,7 @@ def test_stops_short_of_arrival_are_doubted_and_can_happen(tmp_path):
             assert said(usual) == said(equal) == {}
             tight = checked(tmp_path, text, "arrival.tolerance=0.059", controller=controller)
             assert tight.ok
-            assert "some may never arrive" in said(tight)["arrival.tolerance"]
+            assert "0.059" in said(tight)["arrival.tolerance"]
     wide = said(checked(tmp_path, ALONE, "controller.arrival_tolerance=0.2"))
     assert list(wide) == ["controller.arrival_tolerance"]
     run = ("time.duration=45.0", "controller.arrival_tolerance=0.2", "formation=null")
@@ -120,8 +121,8 @@ def test_stops_short_of_arrival_are_doubted_and_can_happen(tmp_path):
     ("overrides", "needed", "why"),
     [
         # 1.3 m/s at most in formation
-        ((), 2 * CORNER + 2 * 1.3 * 1.0, "less than controller.time_low before"),
-        (("controller.time_low=0.1",), 3.0, "controller.safe_distance of a wall"),
+        ((), 2 * CORNER + 2 * 1.3 * 1.0, "controller.time_low"),
+        (("controller.time_low=0.1",), 3.0, "controller.safe_distance"),
         (
             ("controller.time_low=0.1", "controller.safe_distance=0.4"),
             2 * CORNER + 0.5,

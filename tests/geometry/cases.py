@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from physim.geometry.shapes import pack_shapes
+from physim.geometry.width import width_feet
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 
@@ -82,3 +83,9 @@ def corridor_walls(length=40.0, step=1.3, obstacle=True):
     if obstacle:
         bodies.append([BOX + [length / 2, 5.0]])
     return pack_shapes(bodies)
+
+
+def side_distances(points, directions, segments):
+    """Shortest distances (K,) [m] to the left and to the right of a path; inf where it is open."""
+    left, right = width_feet(points, directions, segments)
+    return np.hypot(*(left - points).T), np.hypot(*(right - points).T)

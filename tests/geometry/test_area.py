@@ -9,7 +9,7 @@ import shapely
 from physim.geometry.area import accessible_area
 from physim.geometry.corridor import corridor_boundaries, offset_polyline
 from physim.geometry.shapes import FloatArray
-from physim.geometry.width import width_profile
+from tests.geometry.cases import side_distances
 
 STRAIGHT = np.array([[0.0, 0.0], [20.0, 0.0]])
 
@@ -90,6 +90,6 @@ def test_width_is_the_shortest_distance_left_plus_right() -> None:
     segments = np.vstack([np.hstack([line[:-1], line[1:]]) for line in walls.values()])
     stations = np.linspace(2.0, 18.0, 5)
     points = np.stack([stations, np.full(5, 1.0)], axis=1)
-    left, right = width_profile(points, np.tile([1.0, 0.0], (5, 1)), segments)
+    left, right = side_distances(points, np.tile([1.0, 0.0], (5, 1)), segments)
     assert left == pytest.approx(np.full(5, 3.0))
     assert right == pytest.approx(np.full(5, 5.0))

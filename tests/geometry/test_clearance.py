@@ -126,16 +126,16 @@ def test_equally_near_robots_give_the_lowest():
 def test_cores_lie_inside():
     rng = np.random.default_rng(9)
     shapes = pack_shapes([random_body(rng) for _ in range(20)])
-    cores = clearance.find_cores(shapes)
+    discs = clearance.bounding_discs(shapes)
     for i in range(20):
-        core = pack_shapes([[np.array([[cores.x[i], cores.y[i]]])]])
+        core = pack_shapes([[np.array([[discs.x[i], discs.y[i]]])]])
         pose = np.zeros(3)
         d = kernels.body_distance(shapes, i, pose, core, 0, pose)
         assert d <= 1e-15
-        assert cores.inner[i] <= -d + 1e-15 or cores.inner[i] == 0.0
+        assert discs.inner[i] <= -d + 1e-15 or discs.inner[i] == 0.0
         first, last = shapes.part_start[shapes.body_start[[i, i + 1]]]
-        reach = np.hypot(*(shapes.vertices[first:last] - [cores.x[i], cores.y[i]]).T).max()
-        assert cores.outer[i] == pytest.approx(reach, abs=1e-15)
+        reach = np.hypot(*(shapes.vertices[first:last] - [discs.x[i], discs.y[i]]).T).max()
+        assert discs.outer[i] == pytest.approx(reach, abs=1e-15)
 
 
 def test_a_robot_that_turns_on_the_spot_between_walls():

@@ -16,7 +16,6 @@ from physim.geometry.polygon import (
     counter_clockwise,
     is_simple,
     least_width,
-    moment_about_origin,
     signed_area,
     smallest_width,
 )
@@ -150,22 +149,3 @@ def test_width_of_known_shapes():
     assert least_width([(0, 0), (3, 0), (0, 4)]) == pytest.approx(2.4)
     assert least_width([(0, 0), (1, 1), (2, 2)]) == 0.0
     assert circumscribed_radius([(0, 0), (3, 4), (1, 0)]) == 5.0
-
-
-@given(star_polygons(), st.floats(0.1, 100.0))
-def test_moment_is_that_of_many_small_squares(polygon, mass):
-    assume(is_simple(polygon))
-    moment = moment_about_origin(convex_parts(polygon), mass)
-    ring = counter_clockwise(polygon)
-    x, y = ring.T
-    u, v = np.roll(x, -1), np.roll(y, -1)
-    cross = x * v - u * y  # Green's theorem over the outline
-    second = np.sum(cross * (x * x + x * u + u * u + y * y + y * v + v * v)) / 12.0
-    assert moment == pytest.approx(mass * second / signed_area(ring), rel=1e-6)
-
-
-def test_moment_of_a_box_is_the_textbook_one():
-    box = [(-1.0, -0.5), (1.0, -0.5), (1.0, 0.5), (-1.0, 0.5)]
-    assert moment_about_origin([box], 12.0) == pytest.approx(12.0 * (4.0 + 1.0) / 12.0)
-    shifted = np.array(box) + (3.0, 4.0)
-    assert moment_about_origin([shifted], 12.0) == pytest.approx(5.0 + 12.0 * 25.0)

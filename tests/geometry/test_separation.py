@@ -16,8 +16,9 @@ from physim.geometry import (
     signed_distance,
 )
 from physim.geometry import separation as kernels
-from physim.geometry.convex import face_gap, vertex_gap
+from physim.geometry.convex import face_gap, part_gap, vertex_gap
 from physim.geometry.shapes import pack_shapes
+from physim.geometry.witness import part_witness
 from tests.geometry.cases import (
     BOX,
     corridor_walls,
@@ -34,13 +35,15 @@ ROUNDING = 1e-14  # shapes of metres at the origin
 
 
 def distance(a, b):
-    return kernels.part_distance(a, 0, len(a), b, 0, len(b))
+    rx, ry = b[0]
+    return part_gap(a, 0, len(a), b, 0, len(b), 1.0, 0.0, rx, ry, rx, ry, np.inf)
 
 
 def check_pair(a, b, tolerance=ROUNDING):
     """Value, witness and normal of two convex parts in one frame."""
     a, b = np.array(a, dtype=float), np.array(b, dtype=float)
-    d, nx, ny, ax, ay, bx, by = kernels.part_separation(a, 0, len(a), b, 0, len(b))
+    rx, ry = b[0]
+    d, nx, ny, ax, ay, bx, by = part_witness(a, 0, len(a), b, 0, len(b), 1.0, 0.0, rx, ry, rx, ry)
     normal, point_a, point_b = np.array([nx, ny]), np.array([ax, ay]), np.array([bx, by])
     A, B = geometry(a), geometry(b)
     assert d == distance(a, b)

@@ -7,7 +7,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry.width import opposite, side_feet, width_feet, width_profile
+from physim.geometry.width import opposite, side_feet, width_feet
+from tests.geometry.cases import side_distances
 
 place = st.tuples(*[st.integers(-20, 20)] * 2)
 
@@ -22,7 +23,7 @@ def test_sides_are_half_planes(
     x, y = origin
     c, s = np.cos(0.1 * turn), np.sin(0.1 * turn)
     points, directions = np.array([[x, y]], dtype=float), np.array([[c, s]])
-    found = width_profile(points, directions, segments)
+    found = side_distances(points, directions, segments)
     ends = segments.reshape(-1, 2) - points
     border = (abs(c * ends[:, 1] - s * ends[:, 0]) < 1e-9).any()  # there rounding decides
     for gap, side in zip(found, (1.0, -1.0), strict=True):
@@ -39,12 +40,12 @@ def test_feet_are_the_places_of_the_distances() -> None:
     points, angle = rng.uniform(-5, 5, (200, 2)), rng.uniform(0, 7, 200)
     directions = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     left, right = width_feet(points, directions, segments)
-    gaps = width_profile(points, directions, segments)
+    gaps = side_distances(points, directions, segments)
     for feet, gap, sign in ((left, gaps[0], 1), (right, gaps[1], -1)):
         assert np.allclose(np.hypot(*(feet - points).T), gap)
         side = directions[:, 0] * (feet - points)[:, 1] - directions[:, 1] * (feet - points)[:, 0]
         assert (sign * side > -1e-9).all()
-    assert not np.isfinite(width_profile(points, directions, np.zeros((0, 4)))[0]).any()
+    assert not np.isfinite(side_distances(points, directions, np.zeros((0, 4)))[0]).any()
 
 
 def test_a_wall_across_the_path_is_no_side() -> None:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from physim import metrics
-from physim.controllers.formation import formation_energy, formation_error
+from physim.controllers.formation import formation_energy
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from tests.metrics.histories import history
+from tests.oracles import formation as oracle
 
 LEAD = np.array([0.0, -4.0, -9.0, -30.0])
 STATIONS = np.array([[40.0, 35.0, 31.0, 11.0], [50.0, 46.0, 42.0, 18.0], [61.0, 57.0, 52.0, 30.5]])
@@ -23,7 +24,7 @@ def drive(world: str, stations: FloatArray = STATIONS) -> Record:
             "step": step,
             "robot": i,
             "reference_station": s[i],
-            "formation_error": formation_error(s, LEAD)[i],
+            "formation_error": oracle.errors(s, LEAD)[i],
             "next_step": step + 10,
         }
         for step, s in zip(STEPS, stations, strict=True)
@@ -35,7 +36,7 @@ def drive(world: str, stations: FloatArray = STATIONS) -> Record:
 def test_errors_are_exact_at_decisions_and_linear_between() -> None:
     time, errors = metrics.formation_errors(drive("formation: {}"), every=0.05) or (0, 0)
     assert time == pytest.approx([0.0, 0.05, 0.1, 0.15, 0.2])
-    exact = np.array([formation_error(s, LEAD) for s in STATIONS])
+    exact = np.array([oracle.errors(s, LEAD) for s in STATIONS])
     assert np.allclose(errors[::2], exact, rtol=0, atol=1e-12)
     assert np.allclose(errors[1], (exact[0] + exact[1]) / 2, rtol=0, atol=1e-12)
 
@@ -79,7 +80,7 @@ def test_where_not_all_decide_at_first_there_are_no_leads() -> None:
 
 def test_rms_is_of_each_robot_and_of_all() -> None:
     found = metrics.formation_error_rms(drive("formation: {}"))
-    exact = np.array([formation_error(s, LEAD) for s in STATIONS])
+    exact = np.array([oracle.errors(s, LEAD) for s in STATIONS])
     assert found is not None
     assert found.robots == pytest.approx(np.sqrt((exact**2).mean(axis=0)))
     assert found.value == pytest.approx(np.sqrt((exact**2).mean()))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 
 def speed(station, lead, neighbours, nu_0, alpha, v_min, v_max):
     """nu_i of (7) for stations along s* and leads of Robot i and its ``neighbours`` (pairs)."""
@@ -45,3 +47,8 @@ def error(i, station, lead):
     actual = sum(station[j] - station[i] for j in range(n)) / n
     wanted = sum(lead[j] - lead[i] for j in range(n)) / n
     return actual - wanted
+
+
+def errors(station, lead):
+    """Formation error of every robot."""
+    return np.array([error(i, station, lead) for i in range(len(station))])

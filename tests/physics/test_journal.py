@@ -73,7 +73,7 @@ def test_a_state_in_contact_of_an_engine_with_memory_is_refused(monkeypatch):
     states = run("jam", 4, 150).states
     monkeypatch.setattr("physim.physics.host.goes_on_from_impulses", lambda: False)
     physics = crowd("jam", 4).physics()
-    with pytest.raises(PhysimError, match="this version of pymunk cannot go on from a state"):
+    with pytest.raises(PhysimError, match="pymunk"):
         physics.restore(states[150])
     free = next(s for s in reversed(states) if not len(s.touching))
     physics.restore(free)

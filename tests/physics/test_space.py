@@ -6,9 +6,13 @@ import numpy as np
 import pymunk
 import pytest
 from hosts import ELL, box
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
-from physim.geometry.shapes import pack_shapes
-from physim.physics.space import MOST_WALL_CELLS, cell_side, moment, part_bodies
+from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, signed_area
+from physim.geometry.shapes import pack_shapes, part_bodies
+from physim.physics.space import MOST_WALL_CELLS, cell_side, moment
+from tests.geometry.test_polygon import star_polygons
 
 
 def test_moment_is_about_the_reference_point():
@@ -21,6 +25,24 @@ def test_moment_is_about_the_reference_point():
 def test_moment_of_parts_is_that_of_the_whole():
     halves = [np.array(box(0.5, 0.6, x=-0.25)), np.array(box(0.5, 0.6, x=0.25))]
     assert moment(halves, 4.0) == pytest.approx(moment([np.array(box())], 4.0))
+
+
+@given(star_polygons(), st.floats(0.1, 100.0))
+def test_moment_is_that_of_many_small_squares(polygon, mass):
+    assume(is_simple(polygon))
+    found = moment(list(convex_parts(polygon)), mass)
+    ring = counter_clockwise(polygon)
+    x, y = ring.T
+    u, v = np.roll(x, -1), np.roll(y, -1)
+    cross = x * v - u * y  # Green's theorem over the outline
+    second = np.sum(cross * (x * x + x * u + u * u + y * y + y * v + v * v)) / 12.0
+    assert found == pytest.approx(mass * second / signed_area(ring), rel=1e-6)
+
+
+def test_moment_of_a_box_is_the_textbook_one():
+    rectangle = np.array(box(2.0, 1.0))
+    assert moment([rectangle], 12.0) == pytest.approx(12.0 * (4.0 + 1.0) / 12.0)
+    assert moment([rectangle + (3.0, 4.0)], 12.0) == pytest.approx(5.0 + 12.0 * 25.0)
 
 
 def test_parts_know_their_body():

@@ -235,7 +235,7 @@ def test_other_contacts_at_the_poses_are_told():
     scene = crowd("jam", 1)
     state = past("jam", 1).states[120]
     physics = scene._replace(robots=[scene.robots[1]] * 16).physics()
-    with pytest.raises(PhysimError, match="of another scene: at its poses the engine finds other"):
+    with pytest.raises(PhysimError, match=r"another scene.*contacts"):
         physics.restore(state)
     physics.reset(scene.start)
     assert told(physics) == told(scene._replace(robots=[scene.robots[1]] * 16).physics())

@@ -10,8 +10,7 @@ from hosts import ELL, box, distances, drive, host, pairs_in, segments
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.geometry.closeness import joined
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import joined_shapes, pack_shapes
 from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 from physim.tolerances import CONTACT
 
@@ -87,7 +86,7 @@ def test_depth_of_aligned_deep_overlap_is_exact():
 
 def judged(robot, points, pose):
     """Verdict of each segment of a chain on a robot of one part."""
-    shapes = joined(pack_shapes([[robot]]), pack_shapes([segments(points)]))
+    shapes = joined_shapes(pack_shapes([[robot]]), pack_shapes([segments(points)]))
     links, still = segment_links(shapes), np.zeros(3)
     parts = range(1, len(points))
     return [judge(shapes, links, 0, np.array(pose), q, still) for q in parts]

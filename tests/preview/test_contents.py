@@ -7,11 +7,11 @@ import pytest
 import shapely
 
 from physim.geometry.corridor_width import sampled_widths, widths_at
-from physim.geometry.width import width_profile
 from physim.preview.contents import contents
 from physim.scene_builder import build_scene, lay_out
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
+from tests.geometry.cases import side_distances
 from tests.preview.worlds import NARROW, ONE, shown, world
 
 
@@ -53,7 +53,7 @@ def test_widths_agree_with_the_slow_form() -> None:
     ends = np.cumsum(np.hypot(*legs.T))
     leg = np.searchsorted(ends, stations, side="right")
     tangent = (legs / np.hypot(*legs.T)[:, None])[leg]
-    left, right = width_profile(widths.point, tangent, segments)
+    left, right = side_distances(widths.point, tangent, segments)
     assert np.allclose(widths.left, left, rtol=0.0, atol=1e-9)
     assert np.allclose(widths.right, right, rtol=0.0, atol=1e-9)
     feet = np.hypot(*(widths.left_foot - widths.point).T)

@@ -115,8 +115,8 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/collision.py",
-        "part_time",
+        "physim/geometry/motion.py",
+        "moves_straight",
         "a.spin == 0.0 and b.spin == 0.0",
         "True",
         "the closed form holds for bodies that do not turn only",
@@ -133,7 +133,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/advancement.py",
+        "physim/geometry/face_bound.py",
         "turning_reach",
         "reach -= square * x",
         "reach -= 0.0 * x",
@@ -142,7 +142,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/advancement.py",
+        "physim/geometry/face_bound.py",
         "travel",
         "0.5 * max(0.0, bend)",
         "0.0 * max(0.0, bend)",

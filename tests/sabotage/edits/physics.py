@@ -118,7 +118,7 @@ EDITS = (
         "physics",
         "physim/physics/verdict.py",
         "judge",
-        "if mx * ox + my * oy > FLAT * np.hypot(ox, oy): return SIDE, mx, my",
+        "if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy): return SIDE, mx, my",
         "",
         "a corner lets no robot through",
         "tests/physics/test_walls.py::test_a_corner_never_lets_a_robot_through",

@@ -7,12 +7,10 @@ from collections import OrderedDict
 import cv2
 import numpy as np
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
-from physim.video.camera import Lens, fixed
 from physim.video.ground import Ground, Stroke
-from physim.video.text import Image
-from physim.video.theme import SHIFT
+from physim.video.layout import SHIFT, Image, Lens, fixed
 
 TILE = 512
 """[px] edge of a tile"""
@@ -24,7 +22,7 @@ KEPT = 64
 
 def draw_ground(image: Image, ground: Ground, lens: Lens) -> None:
     """Draw the static content as seen through ``lens``."""
-    image[:] = theme.OUTSIDE
+    image[:] = palette.OUTSIDE
     for rings, colour in ground.fills:
         if rings:
             contours = [lens.fixed(ring) for ring in rings]

@@ -11,15 +11,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
-from physim.video.text import Image
-from physim.video.theme import SHIFT, Colour
+from physim.palette import Colour
+from physim.scene_model import largest, rings_of, union
+from physim.video.layout import SHIFT, Image
 
 T = TypeVar("T", bound=np.generic)
-
-SEAM = 1e-6
-"""[m] Parts closer than this are drawn as one: their shared edges agree only to rounding."""
 
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
@@ -34,26 +32,18 @@ class Figure:
     parts: tuple[FloatArray, ...]
     mark: FloatArray
     """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
-    reach: float
-    """[m] largest distance of a vertex from the reference point"""
     eccentric: bool
     """whether the reference point is far from the centroid, so that it must be shown"""
 
 
 def figure(parts: Sequence[FloatArray]) -> Figure:
     """Prepare a footprint given as convex parts (n, 2)."""
-    polygons = [shapely.make_valid(shapely.Polygon(part)) for part in parts]
-    union = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
-    union = shapely.buffer(union, -SEAM, join_style="mitre")
-    pieces = [p for p in shapely.get_parts(union) if p.geom_type == "Polygon" and not p.is_empty]
-    rings = [
-        shapely.get_coordinates(ring)[:-1] for p in pieces for ring in (p.exterior, *p.interiors)
-    ]
-    middle, size = _widest(max(pieces, key=lambda p: float(p.area)))
+    whole = union(parts)
+    middle, size = _widest(largest(whole))
     mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
-    reach = max(float(np.hypot(*np.asarray(part).T).max()) for part in parts)
-    eccentric = float(shapely.distance(union.centroid, shapely.Point(0.0, 0.0))) > FAR * reach
-    return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach, eccentric)
+    reach = np.hypot(*np.concatenate(parts).T).max()
+    eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
+    return Figure(tuple(rings_of(whole)), tuple(parts), mark, eccentric)
 
 
 def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
@@ -82,7 +72,6 @@ class Fleet:
 
     def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
         self.figures = [figure(parts) for parts in footprints]
-        self.reach = np.array([shape.reach for shape in self.figures])
         pieces = [[*s.rings, s.mark, *s.parts] for s in self.figures]
         flat = [piece for body in pieces for piece in body]
         self._points = np.concatenate(flat)
@@ -118,6 +107,6 @@ def draw_robot(view: Image, outline: Outline[np.int32], colour: Colour, touching
     """
     rings = outline.rings
     cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
-    edge, width = (theme.CONTACT, 3) if touching else (theme.mix(colour, (0, 0, 0), 0.6), 1)
+    edge, width = (palette.CONTACT, 3) if touching else (palette.mix(colour, (0, 0, 0), 0.6), 1)
     cv2.polylines(view, rings, True, edge, width, cv2.LINE_AA, SHIFT)
-    cv2.fillPoly(view, [outline.mark], theme.WHITE, cv2.LINE_AA, SHIFT)
+    cv2.fillPoly(view, [outline.mark], palette.WHITE, cv2.LINE_AA, SHIFT)

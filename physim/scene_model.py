@@ -222,14 +222,17 @@ class SceneModel:
         points = shapely.line_interpolate_point(lines, self.stop_station)
         return np.asarray(shapely.get_coordinates(points))
 
+    @cached_property
+    def starting(self) -> tuple[FloatArray, ...]:
+        """Outlines (n, 2) of the robots at the start; NaN where it is not known."""
+        return tuple(map(placed, self.outlines, self.start))
+
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest x, y of all lines and of the robots at the start."""
         lines = [*self.boundaries, *self.obstacles, *self.paths, self.reference, *self.accessible]
-        known = np.isfinite(self.start).all(axis=1)
-        lines += [placed(self.outlines[i], self.start[i]) for i in np.flatnonzero(known)]
-        points = np.concatenate(lines)
-        return points.min(axis=0), points.max(axis=0)
+        points = np.concatenate((*lines, *self.starting))
+        return np.nanmin(points, axis=0), np.nanmax(points, axis=0)
 
     @cached_property
     def _nearly_safe(self) -> shapely.Geometry:

@@ -11,14 +11,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.labels import TURNS, Label, around, covered, grown, overlaps, places
+from physim.labels import ANGLES, Label, around, covered, grown, overlaps, places
 
 GAPS = (2.0, 12.0, 28.0, 48.0)
 """[px] between a robot and its label"""
 PRICES = (0.0, 0.3, 0.9, 1.6)
 """What these gaps cost; covering a whole label costs 10."""
 TURN = 0.2
-"""What the least preferred direction costs."""
+"""What it costs to stand below rather than above: a label that glides must not cross its robot."""
 COVERED, ON_WALL, ASTRAY, OUTSIDE = 10.0, 2.0, 1.5, 2.0
 """What it costs to cover a whole label, to cross a wall, to touch another robot than the own, and
 to reach out of the view (a hundredth of it more for every px)."""
@@ -94,7 +94,7 @@ def _cost(
     area: tuple[int, int],
 ) -> FloatArray:
     """Return what each place (n, 4) costs for itself: gap, direction, walls, others nearby."""
-    cost = np.add.outer(PRICES, TURN * TURNS).ravel()
+    cost = np.add.outer(PRICES, TURN * (1.0 - np.sin(ANGLES)) / 2.0).ravel()
     cost += ON_WALL * (covered(found, walls) > 0.0)
     low, high = found[:, None, :2], found[:, None, 2:]
     outside = np.maximum(-low, 0.0) + np.maximum(high - area, 0.0)
@@ -102,7 +102,7 @@ def _cost(
     others = boxes[owners != key]
     if key >= 0 and len(others):
         apart = np.maximum(np.maximum(others[:, :2] - high, low - others[:, 2:]), 0.0)
-        wanted = np.repeat(GAPS, len(TURNS)) + CLEARER
+        wanted = np.repeat(GAPS, len(ANGLES)) + CLEARER
         distance = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
         cost += ASTRAY * np.clip(1.0 - distance / wanted, 0.0, 1.0)
     return np.asarray(cost)

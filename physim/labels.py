@@ -174,17 +174,17 @@ def covered(boxes: FloatArray, pieces: FloatArray, prices: FloatArray | None = N
 def leader(label: Label, middle: FloatArray, least: float) -> FloatArray | None:
     """Return the line (2, 2) to a label from what it belongs to; None for one beside it.
 
-    Beside it is a label no farther than ``least`` from ``at``.
+    Beside it is a label whose edge is no farther than ``least`` from ``at``.
     """
-    box = around(middle - label.at, label.size)
-    near = np.clip(0.0, box[:2], box[2:])
-    distance = float(np.hypot(*near))
-    if distance <= least:
+    offset = middle - label.at
+    distance = float(np.hypot(*offset))
+    way = offset / distance
+    end = distance - float(np.min(np.array(label.size) / 2.0 / np.maximum(np.abs(way), 1e-9)))
+    if end <= least:
         return None
-    way = near / distance
     shape = label.shape
     start = DISC * label.reach if shape is None else way_out(way[None], shape, np.zeros(2))
-    return np.stack((way * start, near)) + label.at
+    return np.stack((way * start, way * end)) + label.at
 
 
 def spread(wanted: FloatArray, gap: float, low: float, high: float) -> FloatArray:

@@ -41,7 +41,8 @@ def made_up(folder: Path) -> Any:
     cut = [a + (b - a) * share for a, b in ends]
     parts = [np.stack((line[:-1], line[1:]), axis=1) for line in cut]
     fields = "time dt steps pose clearance boundary_clearance updates contacts bodies names"
-    fields += " footprints paths reference accessible safe safe_distance name seed robots world_text"
+    fields += " footprints paths reference stop_station arrived modes accessible safe"
+    fields += " safe_distance name seed robots world_text column"
     same = {field: getattr(record, field) for field in fields.split()}
     return SimpleNamespace(**same, walls=pack_shapes([list(part) for part in parts]))
 

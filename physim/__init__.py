@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from physim.summary import summarise
     from physim.testing import check_controller
     from physim.validation import validate
-    from physim.video import render
+    from physim.video.render import render
     from physim.world import World
     from physim.world_file import load_world, parse_world
 

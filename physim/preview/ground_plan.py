@@ -68,7 +68,7 @@ def _frame(axis: Any, shown: Contents) -> None:
 
 
 def _scale(axis: Any, name: str, limits: tuple[float, float]) -> None:
-    """Numbers of an axis; far from the origin they count from a round number, which stands there."""
+    """Numbers of an axis; far from the origin they count from a round number."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     base, decimals = readable_scale(*limits)

@@ -9,7 +9,7 @@ import numpy as np
 from physim import palette
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
-from physim.labels import round_step, significant, spread
+from physim.labels import Label, leader, round_step, significant, spread
 from physim.palette import hexed
 from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
@@ -66,10 +66,9 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     size = np.array(text_size(axis.figure, words, 8.5, "bold"))
     middle = _free_place(curve[k], size, curve, levels, room)
     x, y = middle / scale
-    edge = np.clip(curve[k], middle - size / 2.0, middle + size / 2.0)
-    if np.hypot(*(edge - curve[k])) > FAR:
-        ends = np.array([curve[k], edge]) / scale
-        axis.plot(*ends.T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
+    line = leader(Label(tuple(curve[k]), 0.0, tuple(size)), middle, FAR)
+    if line is not None:
+        axis.plot(*(line / scale).T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
     axis.annotate(
         words, (x, y), ha="center", va="center", color=WIDTHS, fontsize=8.5, fontweight="bold",
         zorder=5.0,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -17,8 +17,6 @@ from physim.palette import Colour
 from physim.scene_model import largest, rings_of, union
 from physim.video.layout import SHIFT, Image
 
-T = TypeVar("T", bound=np.generic)
-
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
 
@@ -29,7 +27,6 @@ class Figure:
 
     rings: tuple[FloatArray, ...]
     """outline and holes of the union of its parts"""
-    parts: tuple[FloatArray, ...]
     mark: FloatArray
     """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
     eccentric: bool
@@ -43,7 +40,7 @@ def figure(parts: Sequence[FloatArray]) -> Figure:
     mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
     reach = np.hypot(*np.concatenate(parts).T).max()
     eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
-    return Figure(tuple(rings_of(whole)), tuple(parts), mark, eccentric)
+    return Figure(tuple(rings_of(whole)), mark, eccentric)
 
 
 def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
@@ -59,12 +56,11 @@ def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
     return middle, radius
 
 
-class Outline(NamedTuple, Generic[T]):
-    """A robot's pieces (n, 2) at one time."""
+class Outline(NamedTuple):
+    """A robot at one time, in OpenCV's fixed-point pixels."""
 
-    rings: list[NDArray[T]]
-    mark: NDArray[T]
-    parts: list[NDArray[T]]
+    rings: list[NDArray[np.int32]]
+    mark: NDArray[np.int32]
 
 
 class Fleet:
@@ -72,7 +68,7 @@ class Fleet:
 
     def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
         self.figures = [figure(parts) for parts in footprints]
-        pieces = [[*s.rings, s.mark, *s.parts] for s in self.figures]
+        pieces = [[*s.rings, s.mark] for s in self.figures]
         flat = [piece for body in pieces for piece in body]
         self._points = np.concatenate(flat)
         self._owner = np.repeat(
@@ -87,20 +83,15 @@ class Fleet:
         turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
         return turned + pose[self._owner, :2]
 
-    def split(self, vertices: NDArray[T]) -> list[Outline[T]]:
-        """Divide vertices (V, 2), in any units, into the pieces of each robot."""
+    def split(self, vertices: NDArray[np.int32]) -> list[Outline]:
+        """Divide vertices (V, 2) into the outlines of each robot."""
         pieces = iter(np.split(vertices, self._ends))
         return [
-            Outline(
-                [next(pieces) for _ in shape.rings],
-                next(pieces),
-                [next(pieces) for _ in shape.parts],
-            )
-            for shape in self.figures
+            Outline([next(pieces) for _ in shape.rings], next(pieces)) for shape in self.figures
         ]
 
 
-def draw_robot(view: Image, outline: Outline[np.int32], colour: Colour, touching: bool) -> None:
+def draw_robot(view: Image, outline: Outline, colour: Colour, touching: bool) -> None:
     """Draw one robot in the colour of its mode, given in OpenCV's fixed-point pixels.
 
     A robot that touches something has a firm outline in the contact colour.

@@ -62,8 +62,8 @@ class View:
     def paint(self, image: Image, now: Moment) -> Pair | None:
         """Draw into the view's box of ``image``; returns the closest pair of robots."""
         view, lens = self.box.of(image), self.camera.lens(now.time)
-        vertices = self._fleet.placed(now.pose)
-        pair = closest_pair(self._fleet.split(vertices), now.pose, self.timeline.scene.reach)
+        scene = self.timeline.scene
+        pair = closest_pair(scene.footprints, now.pose, scene.reach)
         self._background.paint(view, lens)
         bands = min(max(TRAIL_BANDS // self.timeline.robots, 4), 16)
         for index, trail in enumerate(lens.fixed(self._trails(now))):
@@ -71,7 +71,7 @@ class View:
         for place, target in zip(now.pose[:, :2], now.targets, strict=True):
             draw_target(view, lens, place, target)
         touching = self.timeline.contacts.touching(now.time, self.timeline.robots)
-        outlines = self._fleet.split(lens.fixed(vertices))
+        outlines = self._fleet.split(lens.fixed(self._fleet.placed(now.pose)))
         for outline, colour, touches in zip(outlines, now.colours, touching, strict=True):
             draw_robot(view, outline, colour, bool(touches))
         for place, figure in zip(now.pose[:, :2], self._fleet.figures, strict=True):

@@ -11,14 +11,13 @@ from physim.contacts import FALSE_CONTACT, Kind, Phase
 from physim.expectations import expectations
 from physim.metrics import contact_episodes, grazes
 from physim.summary import table
+from physim.timeline import Timeline, episodes
 from physim.validation import report, validate
 from physim.validation.findings import GRAZE, REJECTED
 from physim.validation.ledger import work_out
-from physim.timeline import episodes
 from physim.video.ground import ground
 from physim.video.legend import GRAZE as GRAZE_SIGN
 from physim.video.legend import signs
-from physim.timeline import Timeline
 from tests.validation.runs import edited, lane, side_by_side
 
 DEPTH = 4e-4

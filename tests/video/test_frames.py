@@ -18,7 +18,6 @@ from physim.timeline import Timeline
 from physim.video import frame_at, layout, panel
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
-from physim.video.robots import Fleet
 from tests.records import make_record
 
 VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - layout.PANEL_WIDTH))
@@ -97,8 +96,8 @@ def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:
 def test_the_closest_pair_is_joined_by_a_line(made: Callable[..., Any]) -> None:
     painter = Painter(Timeline(made(3)), 1.0, 25.0)
     picture, pose = painter.frame(2.0), painter.timeline.pose(2.0)
-    fleet, reach = Fleet(made(3).footprints), painter.timeline.scene.reach
-    pair = closest_pair(fleet.split(fleet.placed(pose)), pose, reach)
+    scene = painter.timeline.scene
+    pair = closest_pair(scene.footprints, pose, scene.reach)
     assert pair is not None
     x, y = np.rint(painter._view.camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
     assert picture[y - 1 : y + 2, x - 1 : x + 2].min() < 60
@@ -177,7 +176,10 @@ def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., A
     rows = np.arange(3)
     formation = Timeline(record).curves
     assert formation.title == "formation error [m]"
-    assert Timeline(record).values(formation.column, rows).tolist() == record.updates["formation_error"][:3].tolist()
+    assert (
+        Timeline(record).values(formation.column, rows).tolist()
+        == record.updates["formation_error"][:3].tolist()
+    )
     updates = record.updates.copy()
     updates["formation_error"] = np.nan
     for text in ("name: x", "name: x\nformation: null"):

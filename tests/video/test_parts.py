@@ -19,7 +19,7 @@ from physim.video.camera import Camera, Lens
 from physim.video.closest import closest_pair
 from physim.video.ground import ground
 from physim.video.labels import Labels
-from physim.video.layout import arrange
+from physim.video.layout import ONE, arrange
 from physim.video.legend import signs
 from physim.video.marks import draw_reference_point
 from physim.video.robots import Fleet
@@ -135,9 +135,8 @@ def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]])
     footprints: list[tuple[FloatArray, ...]] = [
         ELL if i % 4 == 3 else (BOX,) for i in range(len(pose))
     ]
-    fleet = Fleet(footprints)
     reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
-    pair = closest_pair(fleet.split(fleet.placed(pose)), pose, reach)
+    pair = closest_pair(footprints, pose, reach)
     assert pair is not None
     shapes = [
         shapely.union_all([turned(part, row) for part in parts])
@@ -153,6 +152,19 @@ def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]])
 def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return shapely.Polygon([(c * x - s * y + pose[0], s * x + c * y + pose[1]) for x, y in part])
+
+
+@given(poses)
+def test_robots_are_drawn_at_their_poses(rows: list[tuple[float, float, float]]) -> None:
+    fleet, pose = Fleet([ELL if i % 2 else (BOX,) for i in range(len(rows))]), np.array(rows)
+    lens = Lens(100.0, 0.0, 0.0)
+    for figure, outline, row in zip(
+        fleet.figures, fleet.split(lens.fixed(fleet.placed(pose))), pose, strict=True
+    ):
+        for own, drawn in zip((*figure.rings, figure.mark), (*outline.rings, outline.mark),
+                              strict=True):  # fmt: skip
+            expected = lens.pixels(shapely.get_coordinates(turned(own, row))[:-1])
+            assert np.abs(drawn / ONE - expected).max() <= 0.5 / ONE + 1e-6
 
 
 def test_a_robot_of_several_parts_has_one_outline_and_a_mark_inside() -> None:

@@ -94,7 +94,7 @@ EDITS = (
         "c * x - s * y, s * x + c * y",
         "c * x + s * y, c * y - s * x",
         "robots are drawn at their headings",
-        "tests/video/test_parts.py::test_the_closest_pair_is_the_closest",
+        "tests/video/test_parts.py::test_robots_are_drawn_at_their_poses",
     ),
     Edit(
         "video",

@@ -39,7 +39,7 @@ class Ground:
 
 
 def ground(timeline: Timeline) -> Ground:
-    """Collect what does not move in a timeline."""
+    """Collect what does not move in a run."""
     scene = timeline.scene
     strokes = _paths(scene)
     if scene.solid_rings:

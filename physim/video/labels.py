@@ -65,20 +65,17 @@ class Labels:
         for key, label in labels.items():
             if choose:
                 found = places(label, GAPS, up=-1.0)
-                cost = _cost(key, around(found, label.size), boxes, owners, walls, area)
+                room = around(found, label.size)
+                cost = _cost(key, room, boxes, owners, walls, area)
                 # where a shape is given, its places clear its own body anyway
                 others = taken if label.shape is None else np.delete(taken, key, axis=0)
-                room = grown(around(found, label.size), AIR)
-                cost += (
-                    COVERED
-                    * overlaps(room, others).sum(axis=1)
-                    / np.prod(room[0, 2:] - room[0, :2])
-                )
+                lapped = overlaps(grown(room, AIR), others).sum(axis=1)
+                cost += COVERED * lapped / np.prod(np.array(label.size) + 2.0 * AIR)
                 if key in self._chosen:
                     cost[self._chosen[key]] -= STAYS
                 best = self._chosen[key] = int(np.argmin(cost))
                 self._wanted[key] = found[best] - label.at
-                taken = np.concatenate((taken, around(found[best : best + 1], label.size)))
+                taken = np.concatenate((taken, room[best : best + 1]))
             before = self._offset.get(key, self._wanted[key])
             self._offset[key] = before + (self._wanted[key] - before) * GLIDE
             middles.append(self._offset[key] + label.at)

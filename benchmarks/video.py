@@ -21,9 +21,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from physim.geometry.shapes import pack_shapes
 from physim.record import Record
+from physim.timeline import Timeline
 from physim.video import render
 from physim.video.painter import Painter
-from physim.video.story import frame_times, playback_speed
+from physim.video.render import frame_times, playback_speed
 
 FPS = 25.0
 SEGMENTS = 200
@@ -39,8 +40,9 @@ def made_up(folder: Path) -> Any:
     share = np.linspace(0.0, 1.0, pieces + 1)[:, None]
     cut = [a + (b - a) * share for a, b in ends]
     parts = [np.stack((line[:-1], line[1:]), axis=1) for line in cut]
-    fields = "time dt steps pose clearance boundary_clearance updates contacts names footprints"
-    fields += " paths reference accessible safe safe_distance name seed robots world_text"
+    fields = "time dt steps pose clearance boundary_clearance updates contacts bodies names"
+    fields += " footprints paths reference stop_station arrived modes accessible safe"
+    fields += " safe_distance name seed robots world_text column"
     same = {field: getattr(record, field) for field in fields.split()}
     return SimpleNamespace(**same, walls=pack_shapes([list(part) for part in parts]))
 
@@ -51,8 +53,8 @@ def main() -> None:
         record = Record.load(sys.argv[1]) if len(sys.argv) > 1 else made_up(folder)
         duration = float(record.time[-1])
         speed = playback_speed(duration)
-        painter = Painter(record, speed, FPS)
-        times = frame_times(duration, FPS, speed)
+        painter = Painter(Timeline(record), speed, FPS)
+        times = frame_times(0.0, duration, FPS, speed)
         start = time.perf_counter()
         for moment in times:
             painter.frame(float(moment))

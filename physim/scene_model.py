@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import shapely
@@ -19,7 +19,15 @@ import shapely
 from physim.declared import NO_NUMBER, Mode
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
-from physim.palette import UNDECIDED, Colour, rgb, robot_colour
+from physim.palette import (
+    DANGER_AREA,
+    FLOOR,
+    SAFE_AREA,
+    UNDECIDED,
+    Colour,
+    rgb,
+    robot_colour,
+)
 from physim.scene import Body
 
 if TYPE_CHECKING:
@@ -31,6 +39,15 @@ SEAM = 1e-6
 HAIR = 1e-6
 """Share of L by which a path may miss the safe area and still count as in it: paths that run along
 its very edge."""
+
+
+class Area(NamedTuple):
+    """An area of the ground."""
+
+    name: str
+    colour: Colour
+    rings: tuple[FloatArray, ...]
+    """(n, 2), even-odd"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +176,11 @@ class SceneModel:
         return rgb(self.modes[mode].colour) if mode != NO_NUMBER else UNDECIDED
 
     @cached_property
+    def reach(self) -> FloatArray:
+        """(N,) [m] from the reference point of each robot to its farthest corner."""
+        return np.array([np.hypot(*np.concatenate(body).T).max() for body in self.footprints])
+
+    @cached_property
     def accessible_area(self) -> shapely.Geometry:
         """Inside of the accessible rings."""
         return region(self.accessible)
@@ -169,12 +191,19 @@ class SceneModel:
         return region(self.safe)
 
     @cached_property
+    def areas(self) -> tuple[Area, ...]:
+        """Areas that there are, in the order of drawing: one, or danger and in it safe area."""
+        if self.safe_distance <= 0.0:
+            areas = [Area("accessible area", FLOOR, self.accessible)]
+        else:
+            danger = Area("danger area", DANGER_AREA, self.accessible)
+            areas = [danger, Area("safe area", SAFE_AREA, self.safe)]
+        return tuple(area for area in areas if area.rings)
+
+    @cached_property
     def solid_rings(self) -> tuple[FloatArray, ...]:
         """Rings of all obstacles together, even-odd, without the seams between those that touch."""
-        union = shapely.union_all([shapely.make_valid(shapely.Polygon(o)) for o in self.obstacles])
-        pieces = [part for part in shapely.get_parts(union) if part.geom_type == "Polygon"]
-        rings = [ring for part in pieces for ring in (part.exterior, *part.interiors)]
-        return tuple(shapely.get_coordinates(ring)[:-1] for ring in rings)
+        return tuple(rings_of(shapely.union_all([_polygon(corners) for corners in self.obstacles])))
 
     @cached_property
     def path_pieces(self) -> tuple[tuple[list[FloatArray], list[FloatArray]], ...]:
@@ -193,14 +222,17 @@ class SceneModel:
         points = shapely.line_interpolate_point(lines, self.stop_station)
         return np.asarray(shapely.get_coordinates(points))
 
+    @cached_property
+    def starting(self) -> tuple[FloatArray, ...]:
+        """Outlines (n, 2) of the robots at the start; NaN where it is not known."""
+        return tuple(map(placed, self.outlines, self.start))
+
     @property
     def extent(self) -> tuple[FloatArray, FloatArray]:
         """Lowest and highest x, y of all lines and of the robots at the start."""
         lines = [*self.boundaries, *self.obstacles, *self.paths, self.reference, *self.accessible]
-        known = np.isfinite(self.start).all(axis=1)
-        lines += [placed(self.outlines[i], self.start[i]) for i in np.flatnonzero(known)]
-        points = np.concatenate(lines)
-        return points.min(axis=0), points.max(axis=0)
+        points = np.concatenate((*lines, *self.starting))
+        return np.nanmin(points, axis=0), np.nanmax(points, axis=0)
 
     @cached_property
     def _nearly_safe(self) -> shapely.Geometry:
@@ -219,11 +251,48 @@ def outline(parts: Sequence[FloatArray]) -> FloatArray:
     """Outline (n, 2) of the union of parts, without seams; of pieces apart, the largest."""
     if len(parts) == 1:
         return np.asarray(parts[0], dtype=np.float64)
-    polygons = [shapely.make_valid(shapely.Polygon(part)) for part in parts]
-    union = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
-    whole = shapely.get_parts(shapely.buffer(union, -SEAM, join_style="mitre"))
-    largest = max((p for p in whole if p.geom_type == "Polygon"), key=lambda p: float(p.area))
-    return np.asarray(shapely.get_coordinates(largest.exterior)[:-1])
+    return rings_of(largest(union(parts)))[0]
+
+
+def union(parts: Sequence[FloatArray]) -> shapely.Geometry:
+    """Union of the convex parts (n, 2) of a body, without seams."""
+    polygons = [_polygon(part) for part in parts]
+    if len(parts) == 1:
+        return polygons[0]
+    whole = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
+    return shapely.buffer(whole, -SEAM, join_style="mitre")
+
+
+def polygons_of(area: shapely.Geometry) -> list[shapely.Polygon]:
+    """Polygons that an area consists of."""
+    parts = shapely.get_parts(area)
+    return [part for part in parts if part.geom_type == "Polygon" and not part.is_empty]
+
+
+def largest(area: shapely.Geometry) -> shapely.Polygon:
+    """Largest polygon of an area."""
+    return max(polygons_of(area), key=lambda polygon: float(polygon.area))
+
+
+def rings_of(area: shapely.Geometry) -> list[FloatArray]:
+    """Outlines and holes (n, 2) of an area; an outline and its holes go in opposite senses."""
+    rings = [ring for part in polygons_of(area) for ring in (part.exterior, *part.interiors)]
+    return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+
+
+def pieces_of(lines: Iterable[FloatArray]) -> FloatArray:
+    """Straight pieces (s, 2, 2) of lines (n, 2)."""
+    pieces = [np.stack((line[:-1], line[1:]), axis=1) for line in lines]
+    return np.concatenate(pieces) if pieces else np.zeros((0, 2, 2))
+
+
+def closed(ring: FloatArray) -> FloatArray:
+    """Ring (n, 2) as a line (n + 1, 2) that ends where it begins."""
+    return np.concatenate((ring, ring[:1]))
+
+
+def _polygon(corners: FloatArray) -> shapely.Geometry:
+    return shapely.make_valid(shapely.Polygon(corners))
 
 
 def region(rings: Iterable[FloatArray]) -> shapely.Geometry:
@@ -231,7 +300,7 @@ def region(rings: Iterable[FloatArray]) -> shapely.Geometry:
     area: shapely.Geometry = shapely.Polygon()
     for ring in rings:
         if len(ring) >= 3:
-            area = area.symmetric_difference(shapely.make_valid(shapely.Polygon(ring)))
+            area = area.symmetric_difference(_polygon(ring))
     return area
 
 

@@ -40,6 +40,7 @@ LAYERS = {
     "physim.part_import": (1, 1),
     "physim.scene": (1, 1),
     "physim.scene_model": (1, 2),
+    "physim.labels": (1, 0),
     "physim.arrival": (1, 0),
     "physim.declared": (1, 0),
     "physim.control": (1, 2),
@@ -73,6 +74,7 @@ LAYERS = {
     "physim.expectations": (5, 1),
     "physim.summary": (5, 2),
     "physim.validation": (5, 3),
+    "physim.timeline": (5, 1),
     "physim.video": (6, 0),
     "physim.plots": (6, 0),
     "physim.preview": (6, 1),
@@ -89,6 +91,7 @@ FROM_THE_RECORD_ALONE = (
     "physim.expectations",
     "physim.summary",
     "physim.validation",
+    "physim.timeline",
     "physim.video",
     "physim.plots",
 )

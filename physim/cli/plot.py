@@ -10,7 +10,6 @@ from physim.cli.output import a_folder, new_file
 from physim.cli.progress import interrupts
 from physim.errors import PhysimError, nearest, plural
 from physim.plots import draw, names, not_replaced
-from physim.plots.quick_matplotlib import import_matplotlib
 from physim.record import Record
 
 INTERRUPTED = 130
@@ -32,7 +31,6 @@ def plot(options: argparse.Namespace) -> int:
                  another="folder")  # fmt: skip
     for fault in not_replaced(only):
         print(f"WARNING  {fault}", file=sys.stderr)
-    import_matplotlib()
     with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(
             record, folder, only=only, format=options.format, force=options.force,

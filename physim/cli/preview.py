@@ -12,7 +12,6 @@ from physim.cli.output import inputs, new_file
 from physim.cli.progress import interrupts
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
-from physim.plots.quick_matplotlib import import_matplotlib
 from physim.preview import FORMATS, save_preview
 from physim.scene import Layout
 from physim.scene_builder import lay_out
@@ -28,7 +27,6 @@ def preview(options: argparse.Namespace) -> int:
     if options.watch:
         return _watched(options, path)
     layout = _laid_out(options)
-    import_matplotlib()
     with interrupts() as interrupt:  # the picture is whole in any case
         save_preview(layout, path)
     print(path)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from physim.geometry.shapes import FloatArray
-from physim.plots.frame import short
-from physim.plots.style import INK, QUIET
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.plots.frame import name_rows, row_ends
+from physim.plots.style import QUIET
 from physim.record import Record
 
 CLASSES = (0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
@@ -19,14 +19,20 @@ MOST_ROWS = 40
 """Robots whose rows are named, each with its shortest collision time."""
 
 
+def stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, IntArray]:
+    """Edges (count + 1,) [steps] of equal stretches of the run, and that of each decision."""
+    edges = np.linspace(0.0, max(record.steps_run, 1), count + 1)
+    place = np.searchsorted(edges, rows["step"], side="right") - 1
+    return edges, np.clip(place, 0, count - 1)
+
+
 def least_of_stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, FloatArray]:
     """Edges (count + 1,) [steps] of equal stretches of the run, and shortest times (N, count) [s].
 
     NaN where no decision of a robot foresaw a collision. ``rows`` are decisions that did.
     """
-    edges = np.linspace(0.0, max(record.steps_run, 1), count + 1)
+    edges, place = stretches(record, rows, count)
     least = np.full((record.robots, count), np.inf)
-    place = np.clip(np.searchsorted(edges, rows["step"], side="right") - 1, 0, count - 1)
     np.minimum.at(least, (rows["robot"], place), rows["collision_time"])
     return edges, np.where(np.isfinite(least), least, np.nan)
 
@@ -45,32 +51,16 @@ def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
     )  # fmt: skip
     axis.set_ylim(record.robots - 0.5, -0.5)
     few = record.robots <= MOST_ROWS
-    named = range(0, record.robots, 1 if few else -(-record.robots // 20))
-    axis.set_yticks(list(named), [short(record.names[i], 10) for i in named])
-    axis.tick_params(axis="y", length=0, labelsize=7.5)
-    axis.set_ylabel("robot")
+    name_rows(axis, record, MOST_ROWS if few else 20, 7.5, most=10)
     if few:
-        _minima(axis, np.fmin.reduce(least, axis=1))
+        shortest = np.fmin.reduce(least, axis=1)
+        words = [f"{value:.2f} s" if np.isfinite(value) else None for value in shortest]
+        row_ends(axis, "least", words, (shortest == np.fmin.reduce(shortest)).tolist(), "least")
     shown = [k for k in range(len(SHADES)) if (shade == k).any()]
     handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in shown]
     if np.isnan(least).any():
         handles.append(Patch(facecolor="none", edgecolor=QUIET, linewidth=0.5, label="none ahead"))
     return handles
-
-
-def _minima(axis: Any, shortest: FloatArray) -> None:
-    """The shortest time of each robot behind its row, the shortest of all bold."""
-    for robot, value in enumerate(shortest):
-        if np.isfinite(value):
-            axis.annotate(
-                f"{value:.2f} s", (1.0, robot), xycoords=("axes fraction", "data"),
-                xytext=(3, 0), textcoords="offset points", va="center", fontsize=7.5, color=INK,
-                fontweight="bold" if value == np.nanmin(shortest) else "normal", gid="least",
-            )  # fmt: skip
-    axis.annotate(
-        "least", (1.0, 1.0), xycoords="axes fraction", xytext=(3, 1), textcoords="offset points",
-        fontsize=7.5, color=QUIET, va="bottom",
-    )  # fmt: skip
 
 
 def _words(shade: int) -> str:

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from physim.geometry.shapes import FloatArray
 from physim.metrics import shortest_collision_time
 from physim.metrics.values import Moment
-from physim.plots.collision_rows import draw_rows, least_of_stretches
+from physim.plots.collision_rows import draw_rows, least_of_stretches, stretches
 from physim.plots.contacts import mark_contacts
-from physim.plots.frame import framed, legend_beside, mark, names_of, nothing, short, time_axis
+from physim.plots.frame import (
+    framed,
+    legend_beside,
+    mark,
+    names_of,
+    nothing,
+    short,
+    thinned,
+    time_axis,
+)
 from physim.plots.style import BAND, INK, NARROW, robot_mark
 from physim.record import Record
 
@@ -20,8 +27,6 @@ FLOOR = 0.01
 """[s] Least collision time on the axis; smaller ones, and contact, lie on it."""
 MOST_SINGLE = 4
 """Robots whose decisions are drawn one by one; those of more would cover each other."""
-MOST_MARKS = 4_000
-"""Decisions drawn of one robot; of more, the shortest of each stretch of them."""
 STRETCHES = 240
 """Stretches of the run of which many robots have one value each."""
 
@@ -39,15 +44,13 @@ def collision_times(record: Record) -> Any:
     many = record.robots > MOST_SINGLE and shortest is not None
     tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
     wide = 5.6 if many else NARROW
-    figure = framed(
-        record, "Collision times at decisions", "Figs. 3c, 6d", height=tall, width=wide
-    )  # fmt: skip
+    title = "Collision times at decisions"
+    figure = framed(record, title, "Figs. 3c, 6d", height=tall, width=wide)
     if many:
         axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, tall - 2.9))
-        time_axis(below, record)
     else:
         axis = below = figure.subplots()
-        time_axis(axis, record)
+    time_axis(below, record)
     axis.set_ylabel("collision time [s]")
     if shortest is None:
         unknown = len(times) and np.isnan(times).all()
@@ -84,9 +87,10 @@ def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
         if not len(mine):
             continue
         colour, marker = robot_mark(robot)
+        time, values = thinned(mine["step"] * record.dt, mine["collision_time"])
         handles += axis.plot(
-            *_shortest_of_stretches(mine["step"] * record.dt, mine["collision_time"]), marker,
-            color=colour, markersize=2.4, markeredgewidth=0.0, rasterized=True, linestyle="none",
+            time, np.maximum(values, FLOOR), marker, color=colour, markersize=2.4,
+            markeredgewidth=0.0, rasterized=True, linestyle="none",
             label=short(record.names[robot]),
         )  # fmt: skip
     return handles
@@ -94,8 +98,8 @@ def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
 
 def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
     """The shortest of all robots in each stretch of the run, and where most decisions lie."""
+    _, place = stretches(record, rows, STRETCHES)
     edges, least = least_of_stretches(record, rows, STRETCHES)
-    place = np.clip(np.searchsorted(edges, rows["step"], side="right") - 1, 0, STRETCHES - 1)
     order = np.lexsort((rows["collision_time"], place))
     counts = np.bincount(place, minlength=STRETCHES)
     first = np.concatenate(([0], np.cumsum(counts)[:-1]))
@@ -111,12 +115,3 @@ def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
     line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
     line.set_label("shortest of\nall robots")
     return [line, band]
-
-
-def _shortest_of_stretches(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """At most `MOST_MARKS` of the values: the least of each stretch, so no dip is lost."""
-    edges = np.linspace(0, len(values), MOST_MARKS + 1).astype(int)
-    if len(values) > MOST_MARKS:
-        at = [a + int(np.argmin(values[a:b])) for a, b in pairwise(edges)]
-        time, values = time[at], values[at]
-    return time, np.maximum(values, FLOOR)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from physim.geometry.shapes import FloatArray
 from physim.metrics import (
     farthest_pair,
     pair_distances,
@@ -24,14 +22,13 @@ from physim.plots.frame import (
     mark,
     names_of,
     nothing,
+    thinned,
     time_axis,
     zero_line,
 )
 from physim.plots.style import INK, QUIET
 from physim.record import Record
 
-MOST_POINTS = 4000
-"""Points of a curve; of more samples the least of each stretch is drawn, so no dip is lost."""
 MOST_PAIRS = 66
 """Pairs that are drawn one by one: those of 12 robots; of more, bands of the nearest ones."""
 
@@ -85,7 +82,7 @@ def _least(axis: Any, record: Record) -> list[Any]:
         (record.clearance, INK, "-", "robot to robot", shortest_distance(record)),
         (record.boundary_clearance, QUIET, "--", "robot to wall", wall),
     )
-    handles, told = [], []
+    handles, marked = [], []
     for values, colour, dash, label, shortest in curves:
         least = values.min(axis=1) if values.size else np.zeros(0)
         if np.isfinite(least).any():
@@ -95,28 +92,19 @@ def _least(axis: Any, record: Record) -> list[Any]:
                 who = names_of(record, [shortest.a, shortest.b])
                 who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
                 handles[-1].set_label(f"{label},\nleast {shortest.value:.3g} m\n({who})")
-                told.append((shortest, colour))
+                marked.append((shortest, colour))
     if not handles:
         nothing(axis, "no sample was recorded")
         return []
     zero_line(axis)
     axis.margins(y=0.2)
-    low = min((shortest.value for shortest, _ in told), default=0.0)
-    close = len(told) == 2 and abs(told[0][0].time - told[1][0].time) < 0.3 * record.time[-1]
+    low = min((shortest.value for shortest, _ in marked), default=0.0)
+    close = len(marked) == 2 and abs(marked[0][0].time - marked[1][0].time) < 0.3 * record.time[-1]
     bottom, top = axis.get_ylim()
     axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
-    level = len(told) == 2 and abs(told[0][0].value - told[1][0].value) < 0.1 * (top - low)
-    for row, (shortest, colour) in enumerate(sorted(told, key=lambda pair: pair[0].value)):
+    level = len(marked) == 2 and abs(marked[0][0].value - marked[1][0].value) < 0.1 * (top - low)
+    for row, (shortest, colour) in enumerate(sorted(marked, key=lambda pair: pair[0].value)):
         text, below = f"{shortest.value:.3g} m", level or not close or row == 0
         place = row * (level and close)
         mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
     return handles
-
-
-def thinned(time: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """At most MOST_POINTS points, each the least of its stretch and at the time of that."""
-    if len(values) <= MOST_POINTS:
-        return time, values
-    edges = np.linspace(0, len(values), MOST_POINTS + 1).astype(int)
-    at = [a + int(np.argmin(values[a:b])) for a, b in pairwise(edges)]
-    return time[at], values[at]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
-import shapely
+import numpy as np
 
 from physim.geometry.shapes import FloatArray
+from physim.labels import covered, shortened
 from physim.plots.style import DPI, INK, NARROW, QUIET
 from physim.record import Record
+from physim.scene_model import pieces_of
 
 LONGEST_NAME = 18
 """Characters of a name in a legend."""
@@ -20,6 +22,8 @@ LONGEST_RUN = 40
 """Characters of the name of a run."""
 GAP = 16.0
 """[px] between a title and what stands beside it, in a picture as it is saved"""
+MOST_POINTS = 4000
+"""Points of a curve; of more samples the least of each stretch is drawn, so no dip is lost."""
 LEGEND_ROWS = 16
 """Rows of a legend beside a figure."""
 
@@ -43,16 +47,19 @@ def framed(
     head = figure.suptitle(title, x=0.01, ha="left", fontsize=10.5, fontweight="bold",
                            parse_math=False)  # fmt: skip
     source = figure.text(
-        0.99, 0.995 if source_on_top else 0.0, _source(record, paper, LONGEST_RUN),
+        0.99, 0.995 if source_on_top else 0.0, "",
         ha="right", va="top" if source_on_top else "bottom", fontsize=7.5, color=QUIET,
         gid="source", parse_math=False,
     )  # fmt: skip
     before, figure.dpi = figure.dpi, DPI  # widths of letters depend on it
     left = head.get_window_extent().x1 + GAP if source_on_top else 0.0
-    for most in range(min(LONGEST_RUN, len(record.name)) - 1, 0, -1):
-        if source.get_window_extent().x0 >= left:
-            break
-        source.set_text(_source(record, paper, most))
+    compare = f"; compare {paper} of the paper" if paper else ""
+
+    def clear(name: str) -> bool:
+        source.set_text(f"{name}, seed {record.seed}{compare}")
+        return len(name) <= LONGEST_RUN and source.get_window_extent().x0 >= left
+
+    clear(shortened(record.name, clear))
     figure.dpi = before
     foot = 0.0 if source_on_top else 0.17 / height
     room = (0.0, foot, 1.0, 1.0 - foot)
@@ -60,16 +67,9 @@ def framed(
     return figure
 
 
-def _source(record: Record, paper: str, most: int) -> str:
-    """The run, its name of at most ``most`` characters, and the figures to compare it with."""
-    run = f"{short(record.name, most)}, seed {record.seed}"
-    return f"{run}; compare {paper} of the paper" if paper else run
-
-
 def short(name: str, most: int = LONGEST_NAME) -> str:
     """Name in one line of at most ``most`` characters that a legend shows as it is."""
-    line = " ".join(name.split())
-    line = line if len(line) <= most else line[: most - 1] + "…"
+    line = shortened(name, most)
     return "\u00a0" + line if line.startswith("_") else line  # labels in _ are left out
 
 
@@ -130,6 +130,40 @@ def keep_span(axis: Any, least: float) -> None:
         axis.set_ylim(middle - least / 2.0, middle + least / 2.0)
 
 
+def name_rows(axis: Any, record: Record, named: int, size: float, most: int = LONGEST_NAME) -> None:
+    """Names beside the rows of robots, of about ``named`` of many."""
+    robots = range(0, record.robots, -(-record.robots // named))
+    axis.set_yticks(list(robots), [short(record.names[i], most) for i in robots])
+    axis.tick_params(axis="y", length=0, labelsize=size)
+    axis.set_ylabel("robot")
+
+
+def row_ends(
+    axis: Any, title: str, words: Sequence[str | None], bold: Sequence[bool], gid: str
+) -> None:
+    """Words at the right ends of the rows of robots, below a title; None for no words."""
+    style = {"textcoords": "offset points", "fontsize": 7.8}
+    for robot, (text, heavy) in enumerate(zip(words, bold, strict=True)):
+        if text is not None:
+            axis.annotate(
+                text, (1.0, robot), (4, 0), xycoords=("axes fraction", "data"), va="center",
+                color=INK, fontweight="bold" if heavy else "normal", gid=gid, **style,
+            )  # fmt: skip
+    axis.annotate(title, (1.0, 1.0), (4, 1), xycoords="axes fraction", va="bottom", color=QUIET,
+                  **style)  # fmt: skip
+
+
+def thinned(
+    time: FloatArray, values: FloatArray, most: int = MOST_POINTS
+) -> tuple[FloatArray, FloatArray]:
+    """At most ``most`` points, each the least of its stretch and at the time of that."""
+    if len(values) <= most:
+        return time, values
+    edges = np.linspace(0, len(values), most + 1).astype(int)
+    at = [a + int(np.argmin(values[a:b])) for a, b in pairwise(edges)]
+    return time[at], values[at]
+
+
 def clear_marks(figure: Any) -> None:
     """Move the words of marks into their axes and, where another side is freer, off the curves.
 
@@ -142,12 +176,9 @@ def clear_marks(figure: Any) -> None:
         return
     figure.draw_without_rendering()
     for axis, text in found:
-        lines = [
-            axis.transData.transform(line.get_xydata())
-            for line in axis.lines
-            if len(line.get_xydata()) > 2
-        ]
-        _off_curves(axis, text, lines if len(lines) <= FEW_CURVES else [])
+        lines = [line.get_xydata() for line in axis.lines if len(line.get_xydata()) > 2]
+        curves = [axis.transData.transform(line) for line in lines if len(lines) <= FEW_CURVES]
+        _off_curves(axis, text, pieces_of(curves))
         box, room = text.get_window_extent(), axis.get_window_extent()
         over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
         if over:
@@ -155,36 +186,31 @@ def clear_marks(figure: Any) -> None:
             text.xyann = (x - over * 72.0 / figure.dpi, y)
 
 
-def _off_curves(axis: Any, text: Any, lines: Sequence[FloatArray]) -> None:
-    """Put the words of a mark on the side of it where they cover fewest points of curves."""
-    best, (x, y) = _covered(axis, text, lines), text.xyann
-    if not best:
-        return
-    kept = x, y, text.get_ha(), text.get_va()
-    for away in (1.0, 2.5):
-        for right, above in product((True, False), repeat=2):
-            text.xyann = (7.0 if right else -7.0, 7.0 * away if above else -7.0 * away)
-            text.set(ha="left" if right else "right", va="bottom" if above else "top")
-            if (cost := _covered(axis, text, lines)) < best:
-                best, kept = cost, (*text.xyann, text.get_ha(), text.get_va())
-    text.xyann = kept[:2]
-    text.set(ha=kept[2], va=kept[3])
+def _off_curves(axis: Any, text: Any, curves: FloatArray) -> None:
+    """Put the words of a mark on the side of it where they cover the least of the curves."""
+
+    def stand(x: float, y: float, ha: str, va: str) -> float:
+        text.xyann = (x, y)
+        text.set(ha=ha, va=va)
+        return _covered(axis, text, curves)
+
+    now = (*text.xyann, text.get_ha(), text.get_va())
+    sides = product((7.0, 17.5), ((7.0, "left"), (-7.0, "right")), ((1.0, "bottom"), (-1.0, "top")))
+    others = [(x, up * away, ha, va) for away, (x, ha), (up, va) in sides]
+    if stand(*now):
+        stand(*min((now, *others), key=lambda side: stand(*side)))
 
 
-def _covered(axis: Any, text: Any, lines: Sequence[FloatArray]) -> float:
-    """Length [px] of lines (n, 2) [px] behind a text; a thousand each for what is worse.
+def _covered(axis: Any, text: Any, curves: FloatArray) -> float:
+    """Length [px] of pieces of curves (s, 2, 2) [px] behind a text; a thousand for what is worse.
 
     That is a side of its axis, and the words of another mark.
     """
     box, room = text.get_window_extent(), axis.get_window_extent()
     outside = box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1
-    area = shapely.box(box.x0, box.y0, box.x1, box.y1)
-    covered = shapely.length(
-        shapely.intersection([shapely.LineString(line) for line in lines], area)
-    )
     others = (one for one in axis.texts if one.get_gid() == "mark" and one is not text)
     worse = outside + sum(box.overlaps(one.get_window_extent()) for one in others)
-    return float(covered.sum() + 1000.0 * worse)
+    return float(covered(box.extents[None], curves)[0] + 1000.0 * worse)
 
 
 def mark(

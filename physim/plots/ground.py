@@ -1,74 +1,52 @@
-"""A map of what does not move: areas, walls, obstacles and paths."""
+"""What does not move, as all figures of matplotlib show it: areas, obstacles and walls."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-import numpy as np
-import shapely
-
 from physim.geometry.shapes import FloatArray
-from physim.plots.style import DANGER_AREA, INK, OBSTACLE, SAFE_AREA
-from physim.record import Record
-from physim.scene_model import SceneModel
+from physim.palette import OBSTACLE, WALL, hexed
+from physim.scene_model import SceneModel, closed, region, rings_of
 
 
-def draw_areas(axis: Any, scene: SceneModel) -> list[Any]:
-    """Draw danger and safe area, obstacles and walls; returns the handles of a legend."""
+def draw_ground(axis: Any, scene: SceneModel, wall: float, zorder: float = 1.2) -> list[Any]:
+    """Draw areas, obstacles and, ``wall`` [pt] wide, boundaries; returns handles of the areas.
+
+    The safe area first. Obstacles and walls are in front of what has a lower ``zorder``.
+    """
+    areas = [
+        _add_area(axis, area.rings, hexed(area.colour), label=area.name, linewidth=0.0, zorder=1.0)
+        for area in scene.areas
+    ]
+    edge = hexed(WALL)
+    if scene.solid_rings:
+        _add_area(axis, scene.solid_rings, hexed(OBSTACLE), edgecolor=edge, linewidth=0.7,
+                  zorder=zorder, gid="obstacles")  # fmt: skip
+    add_lines(axis, scene.boundaries, colors=edge, linewidths=wall, zorder=zorder + 0.1,
+              gid="boundaries", capstyle="round", joinstyle="round")  # fmt: skip
+    return areas[::-1]
+
+
+def add_lines(axis: Any, lines: Iterable[FloatArray], **style: Any) -> Any:
+    """Add lines (n, 2) to a map, whose limits they leave alone; returns their collection."""
     from matplotlib.collections import LineCollection
 
-    fills = ((scene.accessible, DANGER_AREA, "danger area"), (scene.safe, SAFE_AREA, "safe area"))
-    handles = [
-        _filled(axis, rings, colour, label)
-        for rings, colour, label in fills
-        if scene.safe_distance > 0.0 and rings
-    ]
-    if scene.solid_rings:
-        _filled(axis, scene.solid_rings, OBSTACLE, "obstacle").set_zorder(1.2)
-    axis.add_collection(LineCollection(scene.boundaries, color=INK, linewidth=1.1, zorder=1.4))
-    return handles[::-1]
+    return axis.add_collection(LineCollection(list(lines), **style), autolim=False)
 
 
-def frame_map(axis: Any, scene: SceneModel, record: Record, height: float, share: float) -> float:
-    """Set the axes of a map about all there is; returns its height [in], ``height`` at most.
+def add_bodies(axis: Any, outlines: Sequence[FloatArray], **style: Any) -> Any:
+    """Add filled outlines (n, 2) to a map, whose limits they leave alone."""
+    from matplotlib.collections import PolyCollection
 
-    ``share`` [in] is the width that it has.
-    """
-    points = list(scene.extent)
-    if record.samples:
-        places = record.pose[:, :, :2].reshape(-1, 2)
-        points += [places.min(axis=0), places.max(axis=0)]
-    cloud = np.array(points)
-    low, high = cloud.min(axis=0), cloud.max(axis=0)
-    margin = 0.02 * float((high - low).max()) + 0.1
-    low, high = low - margin, high + margin
-    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    axis.set(xlabel="x [m]", ylabel="y [m]")
-    axis.grid(False)
-    wide, tall = high - low
-    return float(min(height, max(1.2, share * tall / wide + 0.6)))
+    return axis.add_collection(PolyCollection(list(outlines), **style), autolim=False)
 
 
-def _filled(axis: Any, rings: Sequence[FloatArray], colour: str, label: str) -> Any:
-    """Fill rings by the even-odd rule: each drawn in the sense that makes it a hole or not."""
+def _add_area(axis: Any, rings: Sequence[FloatArray], colour: str, **style: Any) -> Any:
+    """Fill rings by the even-odd rule: holes go the other way round than what they are in."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
-    codes, points = [], []
-    for ring, hole in zip(rings, _holes(rings), strict=True):
-        turned = ring[::-1] if hole != (not shapely.is_ccw(shapely.LinearRing(ring))) else ring
-        points.append(np.vstack((turned, turned[:1])))
-        codes += [Path.MOVETO, *[Path.LINETO] * (len(ring) - 1), Path.CLOSEPOLY]
-    path = Path(np.concatenate(points), codes)
-    return axis.add_patch(PathPatch(path, facecolor=colour, linewidth=0.0, label=label, zorder=1.0))
-
-
-def _holes(rings: Sequence[FloatArray]) -> list[bool]:
-    """Whether each ring lies within an odd number of the others."""
-    areas = [shapely.Polygon(ring) for ring in rings]
-    places = [shapely.Point(ring[0]) for ring in rings]
-    return [
-        sum(bool(a.contains(p)) for k, a in enumerate(areas) if k != j) % 2 == 1
-        for j, p in enumerate(places)
-    ]
+    outlines = [Path(closed(ring), closed=True) for ring in rings_of(region(rings))]
+    whole = Path.make_compound_path(*outlines)
+    return axis.add_patch(PathPatch(whole, facecolor=colour, **style))

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from physim.declared import NO_NUMBER
 from physim.geometry.shapes import FloatArray
 from physim.metrics import danger_time_share, mode_spans, share_of_modes
-from physim.plots.frame import framed, legend_below, nothing, short, time_axis
-from physim.plots.style import INK, QUIET
+from physim.plots.frame import framed, legend_below, name_rows, nothing, row_ends, short, time_axis
+from physim.plots.style import QUIET
 from physim.record import Record
 
 MOST_ROWS = 40
@@ -41,12 +41,13 @@ def modes(record: Record) -> Any:
         return figure
     _rows(axis, record, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)
-    _names(axis, record, few)
-    _shares(axis, record, few)
+    name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
+    if few:
+        _shares(axis, record)
     share = danger_time_share(record)
     if share is not None:
-        told = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
-        axis.set_title(told, loc="right", fontsize=8.0, color=QUIET)
+        words = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
+        axis.set_title(words, loc="right", fontsize=8.0, color=QUIET)
     _legend(figure, record, spans)
     return figure
 
@@ -57,45 +58,21 @@ def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> 
 
     for mode in sorted(range(len(record.modes)), key=lambda k: record.modes[k].danger):
         mine = spans[spans["mode"] == mode]
-        left, right = mine["begin"], mine["end"]
-        low, high = mine["robot"] - height / 2.0, mine["robot"] + height / 2.0
-        corners: FloatArray = np.stack(
-            [
-                np.stack(pair, axis=-1)
-                for pair in ((left, low), (right, low), (right, high), (left, high))
-            ],
-            axis=1,
-        )
+        ends = np.column_stack((mine["begin"], mine["end"]))[:, [0, 1, 1, 0]]
+        sides = mine["robot"][:, None] + height / 2.0 * np.array([-1.0, -1.0, 1.0, 1.0])
+        corners: FloatArray = np.stack((ends, sides), axis=-1)
         axis.add_collection(
             PolyCollection(list(corners), facecolor=record.modes[mode].colour, linewidth=0.0)
         )
 
 
-def _names(axis: Any, record: Record, few: bool) -> None:
-    robots = range(record.robots)
-    if not few:
-        robots = range(0, record.robots, -(-record.robots // MOST_ROWS))
-    axis.set_yticks(list(robots), [short(record.names[i]) for i in robots])
-    axis.tick_params(axis="y", length=0, labelsize=8.0 if few else 6.5)
-    axis.set_ylabel("robot")
-
-
-def _shares(axis: Any, record: Record, few: bool) -> None:
+def _shares(axis: Any, record: Record) -> None:
     """Share of time out of danger at the end of each row, bold where it is less than half."""
     found = share_of_modes(record, danger=False)
-    if found is None or not few:
-        return
-    for robot, share in enumerate(found.robots):
-        if share is not None:
-            axis.annotate(
-                f"{share:.0%}", (1.0, robot), xycoords=("axes fraction", "data"),
-                xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.0, color=INK,
-                fontweight="bold" if share < 0.5 else "normal", gid="share",
-            )  # fmt: skip
-    axis.annotate(
-        "safe", (1.0, 1.0), xycoords="axes fraction", xytext=(4, 1), textcoords="offset points",
-        fontsize=8.0, color=QUIET, va="bottom",
-    )  # fmt: skip
+    if found is not None:
+        words = [None if share is None else f"{share:.0%}" for share in found.robots]
+        bold = [share is not None and share < 0.5 for share in found.robots]
+        row_ends(axis, "safe", words, bold, "share")
 
 
 def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:

@@ -9,14 +9,14 @@ name of the entry point is that of the picture and of its file::
             ...
             return figure
 
-What fails in it is told in one line.
+What fails in it is reported in one line.
 """
 
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Sequence
+from functools import partial
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -32,7 +32,7 @@ from physim.plots.formation import formation
 from physim.plots.modes import modes
 from physim.plots.prediction import prediction
 from physim.plots.speeds import speeds
-from physim.plots.style import styled
+from physim.plots.style import save_figure
 from physim.plots.trajectories import trajectories
 from physim.plots.width import width
 from physim.record import Record
@@ -90,8 +90,8 @@ def draw(
     only = known if only is None else only
     for name in only:
         if name not in known:
-            told = f'no picture is called "{name}"; there are {", ".join(known)}'
-            raise PhysimError(told + nearest(name[:100], list(known)))
+            close = nearest(name[:100], list(known))
+            raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
     own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
     if format not in FORMATS:
         raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
@@ -103,9 +103,9 @@ def draw(
             )
     drawn = 0
     try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
         for path in paths:
-            _save(record, path, format, snapshots, own.get(path.stem))
+            part = own.get(path.stem)
+            save_figure(path, format, partial(_figure, record, path.stem, snapshots, part))
             drawn += 1
             if stop is not None and stop():
                 break
@@ -133,20 +133,8 @@ def _own_figure(name: str, part: Any, record: Record) -> Any:
     return figure
 
 
-def _save(record: Record, path: Path, format: str, snapshots: float | None, own: Any) -> None:
-    """Write one picture, whole or not at all, without the date that would make files differ."""
-    dates = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    part = path.with_name(f".{path.name}.part")
-    with styled(), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
-        if own is not None:
-            figure = _own_figure(path.stem, own, record)
-        elif path.stem == "trajectories":
-            figure = trajectories(record, snapshots)
-        else:
-            figure = PICTURES[path.stem](record)
-        try:
-            figure.savefig(part, format=format, metadata=dates[format])
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+def _figure(record: Record, name: str, snapshots: float | None, own: Any) -> Any:
+    """Figure of a picture by name, ``own`` where a package registered it."""
+    if own is not None:
+        return _own_figure(name, own, record)
+    return trajectories(record, snapshots) if name == "trajectories" else PICTURES[name](record)

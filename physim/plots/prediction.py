@@ -62,12 +62,12 @@ def prediction(record: Record) -> Any:
     if not len(known.robot):
         contacts = record.contacts
         began = contacts[contacts["kind"] == Kind.PHYSICAL]
-        told = "no contact was foreseen" if len(began) else "no contact"
+        why = "no contact was foreseen" if len(began) else "no contact"
         if len(began) and np.isnan(record.column("collision_time")).all():
-            told = "the controller reports\nno collision times"
+            why = "the controller reports\nno collision times"
         if len(contacts) and not len(began):
-            told = "no contact at a sample,\ngrazes between samples only"
-        nothing(axis, told)
+            why = "no contact at a sample,\ngrazes between samples only"
+        nothing(axis, why)
         return figure
     _scatter(axis, record, known)
     most = 1.05 * float(known.actual.max())

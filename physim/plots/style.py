@@ -6,8 +6,11 @@ of matplotlib's is read or changed outside `styled`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from physim import palette
@@ -26,9 +29,6 @@ CYCLE = tuple(hexed(colour) for colour in palette.ROBOTS)
 """robots, by index; arms of an experiment"""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 """robots, by index: colour is never the only mark"""
-SAFE_AREA = hexed(palette.SAFE_AREA)
-DANGER_AREA = hexed(palette.DANGER_AREA)
-OBSTACLE = hexed(palette.OBSTACLE)
 
 WIDTH = 6.9
 """[in] two columns of a paper"""
@@ -74,6 +74,26 @@ def styled() -> Iterator[None]:
     }
     with matplotlib.rc_context(settings):
         yield
+
+
+def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any) -> None:
+    """Write the figure that ``make()`` gives, whole or not at all.
+
+    Without the date that would make files differ; ``options`` are those of ``Figure.savefig``.
+    Raises OSError where it cannot be written.
+    """
+    dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    part = path.with_name(f".{path.name}.part")
+    with styled(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
+        figure = make()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            figure.savefig(part, format=format, metadata=dates.get(format, {}), **options)
+            part.replace(path)
+        finally:  # of an error or Ctrl-C nothing is left
+            if os.path.lexists(part):
+                part.unlink()
 
 
 def robot_mark(index: int) -> tuple[str, str]:

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from physim.contacts import Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.metrics import mode_spans
-from physim.palette import hexed
+from physim.palette import Colour, hexed
 from physim.plots.courses import MOST_LINES
 from physim.plots.frame import framed, legend_below, nothing, short
-from physim.plots.ground import draw_areas, frame_map
+from physim.plots.ground import add_bodies, add_lines, draw_ground
 from physim.plots.style import CONTACT, INK, QUIET, WIDTH, robot_colour
 from physim.record import Record
 from physim.scene_model import SceneModel, placed
+from physim.timeline import Timeline
 
 SNAPSHOTS = 10
 """About as many snapshots as are drawn where nothing else is said."""
@@ -37,35 +36,45 @@ POINTS = 1500
 def trajectories(record: Record, snapshots: float | None = None) -> Any:
     """Figure: a map [m] with paths, trajectories, and the robots every ``snapshots`` [s].
 
-    Where a path lies outside the safe area it is dashed. More than 12 robots are not told apart:
-    they are filled with the colours of their modes.
+    Where a path lies outside the safe area it is dashed. More than 12 robots are
+    filled with the colours of their modes.
     """
-    figure = framed(
-        record,
-        "Paths and trajectories",
-        "Figs. 1a, 2a, 3a, 6a, 6b",
-        width=WIDTH,
-        height=6.0,
-        source_on_top=True,
-    )
+    figure = framed(record, "Paths and trajectories", "Figs. 1a, 2a, 3a, 6a, 6b", width=WIDTH,
+                    height=6.0, source_on_top=True)  # fmt: skip
     axis = figure.subplots()
     scene = SceneModel.of_record(record)
     tall = frame_map(axis, scene, record, 6.5, 6.2)
-    handles = draw_areas(axis, scene)
-    handles += _paths(axis, scene)
+    handles = draw_ground(axis, scene, 1.1) + _paths(axis, scene)
     if not record.samples:
         nothing(axis, "no sample was recorded")
         return figure
+    timeline = Timeline(record)
     every = snapshot_interval(record) if snapshots is None else snapshots
-    at = snapshot_rows(record, every)
-    handles += _ways(axis, record)
-    handles += _snapshots(axis, scene, record, at)
+    at = snapshot_rows(timeline, every)
+    handles += _courses(axis, record)
+    handles += _snapshots(axis, timeline, at)
     handles += _contacts(axis, record)
     _times(axis, record, at)
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     rows = legend_below(figure, handles, COLUMNS)
     figure.set_size_inches(WIDTH, tall + 0.5 + 0.17 * rows)
     return figure
+
+
+def frame_map(axis: Any, scene: SceneModel, record: Record, height: float, share: float) -> float:
+    """Set the axes of a map about all there is; returns its height [in], ``height`` at most.
+
+    ``share`` [in] is the width that it has.
+    """
+    cloud = np.concatenate((np.array(scene.extent), record.pose[:, :, :2].reshape(-1, 2)))
+    low, high = cloud.min(axis=0), cloud.max(axis=0)
+    margin = 0.02 * float((high - low).max()) + 0.1
+    low, high = low - margin, high + margin
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axis.set(xlabel="x [m]", ylabel="y [m]")
+    axis.grid(False)
+    wide, tall = high - low
+    return float(min(height, max(1.2, share * tall / wide + 0.6)))
 
 
 def snapshot_interval(record: Record) -> float:
@@ -85,96 +94,67 @@ def snapshot_interval(record: Record) -> float:
     return float(min(simple, key=lambda t: abs(np.log(t / wanted))))
 
 
-def snapshot_rows(record: Record, every: float) -> IntArray:
+def snapshot_rows(timeline: Timeline, every: float) -> IntArray:
     """Samples nearest to 0, ``every``, 2 ``every`` … [s]; at most `MOST_SNAPSHOTS`."""
-    count = min(int(record.time[-1] / every + 1e-9) + 1, MOST_SNAPSHOTS)
-    wanted = every * np.arange(count)
-    after = np.clip(np.searchsorted(record.time, wanted), 1, max(1, record.samples - 1))
-    after = np.minimum(after, record.samples - 1)
-    before = np.maximum(after - 1, 0)
-    nearer = wanted - record.time[before] <= record.time[after] - wanted
-    return np.unique(np.where(nearer, before, after))
+    count = min(int(timeline.duration / every + 1e-9) + 1, MOST_SNAPSHOTS)
+    return np.unique(timeline.sample(every * np.arange(count)))
 
 
 def _paths(axis: Any, scene: SceneModel) -> list[Any]:
     """Own paths, thin: whole inside of the safe area, dashed outside."""
-    from matplotlib.collections import LineCollection
-
     inside = [piece for pieces, _ in scene.path_pieces for piece in pieces]
     outside = [piece for _, pieces in scene.path_pieces for piece in pieces]
-    thin = 0.8 if scene.robots <= MOST_LINES else 0.4
-    styles = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
-    handles = [
-        LineCollection(
-            pieces, color=QUIET, linewidth=thin, linestyle=dash, label=label, zorder=1.6, alpha=0.8
-        )
-        for pieces, dash, label in styles
+    style = {"color": QUIET, "alpha": 0.8, "zorder": 1.6}
+    style["linewidth"] = 0.8 if scene.robots <= MOST_LINES else 0.4
+    kinds = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
+    return [
+        add_lines(axis, pieces, linestyle=dash, label=label, **style)
+        for pieces, dash, label in kinds
         if pieces
     ]
-    for handle in handles:
-        axis.add_collection(handle)
-    return handles
 
 
-def _ways(axis: Any, record: Record) -> list[Any]:
+def _courses(axis: Any, record: Record) -> list[Any]:
     """Where the robots went."""
-    from matplotlib.collections import LineCollection
-
     rows = np.unique(np.linspace(0, record.samples - 1, POINTS).astype(int))
-    ways = record.pose[rows][:, :, :2].transpose(1, 0, 2)
+    courses = record.pose[rows][:, :, :2].transpose(1, 0, 2)
     if record.robots > MOST_LINES:
         label = f"trajectories of\n{record.robots} robots"
-        lines = LineCollection(ways, color=INK, linewidth=0.5, alpha=0.35, label=label, zorder=2.0)
-        return [axis.add_collection(lines)]
+        style = {"color": INK, "linewidth": 0.5, "alpha": 0.35, "zorder": 2.0}
+        return [add_lines(axis, courses, label=label, **style)]
+    style = {"linewidth": 1.2, "zorder": 2.0}
     return [
-        axis.plot(
-            *way.T, color=robot_colour(i), linewidth=1.2, label=short(record.names[i]), zorder=2.0
-        )[0]
-        for i, way in enumerate(ways)
+        axis.plot(*course.T, color=robot_colour(i), label=short(record.names[i]), **style)[0]
+        for i, course in enumerate(courses)
     ]
 
 
-def _snapshots(axis: Any, scene: SceneModel, record: Record, at: IntArray) -> list[Any]:
+def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
     """Robots at samples ``at``, in their own colours or, of a crowd, in those of their modes.
 
     A tick shows the heading.
     """
-    from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.patches import Patch
 
-    crowd = record.robots > MOST_LINES
-    shapes, colours, ticks = [], [], []
-    modes = _modes_at(record, record.time[at])
-    reach = [float(points[:, 0].max()) for points in scene.outlines]
-    for k, row in enumerate(at):
-        for robot, pose in enumerate(record.pose[row]):
-            mode = scene.mode_colour(int(modes[k, robot]))
-            shapes.append(placed(scene.outlines[robot], pose))
-            colours.append(hexed(mode) if crowd else robot_colour(robot))
-            ticks.append(placed(np.array([[0.0, 0.0], [reach[robot], 0.0]]), pose))
+    scene, crowd = timeline.scene, timeline.robots > MOST_LINES
+    shapes, ticks = [], []
+    colours: list[Colour] = []
+    moments = [timeline.at(time) for time in timeline.time[at].tolist()]
+    tips = [np.array([[0.0, 0.0], [points[:, 0].max(), 0.0]]) for points in scene.outlines]
+    for now in moments:
+        shapes += [placed(*pair) for pair in zip(scene.outlines, now.pose, strict=True)]
+        colours += now.colours if crowd else scene.colours
+        ticks += [placed(*pair) for pair in zip(tips, now.pose, strict=True)]
     edge = 0.2 if crowd else 0.4
-    axis.add_collection(
-        PolyCollection(shapes, facecolor=colours, edgecolor=INK, linewidth=edge, zorder=3.0)
-    )
-    axis.add_collection(LineCollection(ticks, color="white", linewidth=2.0 * edge, zorder=3.1))
-    shown = [k for k in range(len(scene.modes)) if crowd and (modes == k).any()]
+    faces = [hexed(colour) for colour in colours]
+    add_bodies(axis, shapes, facecolor=faces, edgecolor=INK, linewidth=edge, zorder=3.0)
+    add_lines(axis, ticks, color="white", linewidth=2.0 * edge, zorder=3.1)
+    given = {mode for now in moments for mode in now.modes.tolist()} if crowd else set()
     return [
-        Patch(facecolor=scene.modes[k].colour, label=short(f"robot, {scene.modes[k]}", LONGEST))
-        for k in shown
+        Patch(facecolor=mode.colour, label=short(f"robot, {mode}", LONGEST))
+        for k, mode in enumerate(scene.modes)
+        if k in given
     ]
-
-
-def _modes_at(record: Record, time: FloatArray) -> IntArray:
-    """Modes (K, N) at times (K,) [s]; -1 before a robot's first decision."""
-    found = np.full((len(time), record.robots), -1, dtype=np.int64)
-    spans = mode_spans(record)
-    ends = np.searchsorted(spans["robot"], np.arange(record.robots + 1))
-    for robot, (first, last) in enumerate(pairwise(ends)):
-        mine = spans[first:last]
-        place = np.searchsorted(mine["begin"], time + 1e-9, side="right") - 1
-        if len(mine):
-            found[:, robot] = np.where(place >= 0, mine["mode"][place], -1)
-    return found
 
 
 def _times(axis: Any, record: Record, at: IntArray) -> None:
@@ -214,6 +194,3 @@ def _contacts(axis: Any, record: Record) -> list[Any]:
             label = f"{word} ({len(found)})"
             handles += axis.plot(found["x"], found["y"], marker, label=label, **how)
     return handles
-
-
-__all__ = ["snapshot_interval", "snapshot_rows", "trajectories"]

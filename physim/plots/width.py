@@ -9,8 +9,9 @@ import numpy as np
 from physim.metrics import Width, corridor_width
 from physim.metrics.width import width_extreme
 from physim.plots.frame import framed, legend_beside, mark, nothing, short
-from physim.plots.ground import draw_areas, frame_map
+from physim.plots.ground import add_lines, draw_ground
 from physim.plots.style import INK, QUIET, WIDTH, WIDTHS
+from physim.plots.trajectories import frame_map
 from physim.record import Record
 from physim.scene_model import SceneModel
 
@@ -32,7 +33,7 @@ def width(record: Record) -> Any:
     figure.set_size_inches(WIDTH, tall + 1.9)
     below.get_subplotspec().get_gridspec().set_height_ratios((tall, 1.4))
     found = corridor_width(record, 0)
-    handles = draw_areas(above, scene)
+    handles = draw_ground(above, scene, 1.1)
     handles += _segments(above, found)
     handles += above.plot(*scene.paths[0].T, color=INK, linewidth=1.2, label=f"path of {name}")
     below.set(xlabel=f"station along the path of {name} [m]", ylabel="width [m]")
@@ -60,8 +61,6 @@ def width(record: Record) -> Any:
 
 def _segments(axis: Any, found: Width) -> list[Any]:
     """Shortest segments to the left and to the right at evenly spread places."""
-    from matplotlib.collections import LineCollection
-
     rows = np.unique(np.linspace(0, len(found.station) - 1, MOST_SEGMENTS).astype(int))
     handles = []
     for feet, colour, label in (
@@ -70,9 +69,7 @@ def _segments(axis: Any, found: Width) -> list[Any]:
     ):
         pieces = np.stack((found.points[rows], feet[rows]), axis=1)
         counts = np.isfinite(pieces).all(axis=(1, 2)) & ~np.isnan(found.width[rows])
-        pieces = pieces[counts]
-        handles.append(LineCollection(pieces, color=colour, linewidth=0.7, label=label))
-        axis.add_collection(handles[-1])
+        handles.append(add_lines(axis, pieces[counts], color=colour, linewidth=0.7, label=label))
     return handles
 
 

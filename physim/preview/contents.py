@@ -11,11 +11,10 @@ import shapely
 from physim.declared import Mode
 from physim.geometry.corridor import SIDES
 from physim.geometry.corridor_width import Widths, sampled_widths
-from physim.geometry.polygon import circumscribed_radius, least_width
 from physim.geometry.shapes import FloatArray
 from physim.scene import Layout
 from physim.scene_builder import is_random
-from physim.scene_model import SceneModel, placed
+from physim.scene_model import SceneModel, closed, pieces_of
 from physim.world_file.geometry_check import corners_of_line
 
 PLACES = 600
@@ -35,22 +34,6 @@ class Route:
 
 
 @dataclass(frozen=True)
-class RobotStart:
-    """A robot at the start."""
-
-    outline: FloatArray
-    """(n, 2) [m] footprint, world frame"""
-    pose: FloatArray
-    """(3,) [m, m, rad]"""
-    reach: float
-    """[m] from the reference point to the farthest corner"""
-    stop: FloatArray
-    """(2,) [m] where it stops"""
-    across: float
-    """[m] least width of its hull: the narrowest straight gap that it fits through, aligned"""
-
-
-@dataclass(frozen=True)
 class Contents:
     """Everything that a preview shows; world frame [m]."""
 
@@ -63,7 +46,6 @@ class Contents:
     length: float
     """[m] of the reference path"""
     routes: list[Route]
-    robots: list[RobotStart]
     widths: Widths
     """between boundaries and obstacles"""
     boundary_widths: Widths | None
@@ -75,7 +57,7 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
     scene = SceneModel.of_layout(layout, modes, safe_distance)
     reference = corners_of_line(scene.reference)
     others, walls = _sides(layout)
-    rings = _segments([np.concatenate((ring, ring[:1])) for ring in scene.obstacles])
+    rings = _segments(map(closed, scene.obstacles))
     widths = sampled_widths(reference, np.concatenate((others, rings)), PLACES, walls)
     alone = sampled_widths(reference, others, PLACES, walls) if len(rings) else None
     return Contents(
@@ -85,14 +67,13 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
         reference=reference,
         length=float(shapely.LineString(reference).length),
         routes=_routes(scene),
-        robots=_robots(scene),
         widths=widths,
         boundary_widths=alone,
     )
 
 
 def _sides(layout: Layout) -> tuple[FloatArray, tuple[FloatArray, FloatArray] | None]:
-    """Segments of the boundaries between which a width is told, and the two walls of a corridor.
+    """Segments of the boundaries between which a width is meant, and the two walls of a corridor.
 
     The caps of a corridor are in neither.
     """
@@ -104,8 +85,7 @@ def _sides(layout: Layout) -> tuple[FloatArray, tuple[FloatArray, FloatArray] | 
 
 def _segments(lines: Iterable[FloatArray]) -> FloatArray:
     """(S, 4) segments ax, ay, bx, by of polylines (n, 2)."""
-    pieces = [np.concatenate((line[:-1], line[1:]), axis=1) for line in lines]
-    return np.concatenate(pieces) if pieces else np.zeros((0, 4))
+    return pieces_of(lines).reshape(-1, 4)
 
 
 def _routes(scene: SceneModel) -> list[Route]:
@@ -114,16 +94,3 @@ def _routes(scene: SceneModel) -> list[Route]:
     for i, path in enumerate(scene.paths):
         shared.setdefault(path.tobytes(), []).append(i)
     return [Route(tuple(robots), *scene.path_pieces[robots[0]]) for robots in shared.values()]
-
-
-def _robots(scene: SceneModel) -> list[RobotStart]:
-    return [
-        RobotStart(
-            outline=placed(outline, pose),
-            pose=pose,
-            reach=circumscribed_radius(outline),
-            stop=stop,
-            across=least_width(outline),
-        )
-        for outline, pose, stop in zip(scene.outlines, scene.start, scene.stops, strict=True)
-    ]

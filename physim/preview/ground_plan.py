@@ -11,10 +11,13 @@ import shapely
 
 from physim import palette
 from physim.geometry.shapes import FloatArray
+from physim.labels import decimal, round_step
 from physim.palette import hexed, robot_colour
+from physim.plots.ground import add_bodies, add_lines, draw_ground
 from physim.plots.style import INK, WIDTHS
 from physim.preview.contents import Contents, Route
 from physim.preview.lettering import letter
+from physim.scene_model import SceneModel
 
 MARGIN = 0.04
 """Share of the map that is left free round the world."""
@@ -32,24 +35,16 @@ TURN = 14.5
 """[pt] length that each colour of a shared path has; a whole number of dashes and gaps"""
 
 
-def round_step(length: float, most: int) -> float:
-    """Largest count of at most ``most`` steps of 1, 2 or 5 times a power of ten in a length."""
-    least = length / most
-    power = 10.0 ** (ceil(log10(least)) - 1)
-    return next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * 0.999999)
-
-
 def draw_map(axis: Any, shown: Contents, names: Sequence[str]) -> int:
     """Draw the map; ``names`` (N,) are the labels of the robots. Returns how many are shown."""
     _frame(axis, shown)
-    _ground(axis, shown)
+    draw_ground(axis, shown.scene, _wall(axis, shown), zorder=3.0)
     _reference(axis, shown)
     for route in shown.routes:
         _route(axis, route)
-    _walls(axis, shown)
     _narrowest(axis, shown)
-    _stops(axis, shown)
-    _robots(axis, shown)
+    _stops(axis, shown.scene)
+    _robots(axis, shown.scene)
     point, _, station = station_ticks(shown)
     return letter(axis, shown, names, (point, station))
 
@@ -73,17 +68,14 @@ def _frame(axis: Any, shown: Contents) -> None:
 
 
 def _scale(axis: Any, name: str, limits: tuple[float, float]) -> None:
-    """Numbers of an axis; far from the origin they count from a round number that is told."""
+    """Numbers of an axis; far from the origin they count from a round number."""
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     base, decimals = readable_scale(*limits)
     axis.set_major_locator(MaxNLocator(9, steps=(1, 2, 5, 10)))
 
-    def words(value: float, _: object) -> str:
-        rounded = round(value - base, decimals) + 0.0  # no minus before a zero
-        return f"{rounded:.{decimals}f}".replace("-", "\u2212")
-
-    axis.set_major_formatter(FuncFormatter(words))
+    words = FuncFormatter(lambda value, _: decimal(value - base, decimals))
+    axis.set_major_formatter(words)
     sign = "\u2212" if base > 0.0 else "+"
     axis.set_label_text(f"{name} {sign} {abs(base):,.0f} [m]" if base else f"{name} [m]")
 
@@ -106,64 +98,22 @@ def points_a_metre(axis: Any) -> float:
     return float(72.0 * wide / (high - low))
 
 
-def _patch(shape: shapely.Geometry, **style: Any) -> Any:
-    """Patch of an area with holes."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
-
-    vertices, codes = [], []
-    for part in shapely.get_parts(shape):
-        if part.geom_type != "Polygon" or part.is_empty:
-            continue
-        for ring in (part.exterior, *part.interiors):
-            points = shapely.get_coordinates(ring)
-            vertices.append(points)
-            codes += [Path.MOVETO, *[Path.LINETO] * (len(points) - 2), Path.CLOSEPOLY]
-    path = Path(np.concatenate(vertices), codes) if vertices else Path(np.zeros((0, 2)))
-    return PathPatch(path, **style)
-
-
-def _ground(axis: Any, shown: Contents) -> None:
-    floor = palette.DANGER_AREA if shown.scene.safe_distance > 0.0 else palette.FLOOR
-    axis.add_patch(
-        _patch(shown.scene.accessible_area, facecolor=hexed(floor), linewidth=0.0, gid="accessible")
-    )
-    safe = hexed(palette.SAFE_AREA)
-    axis.add_patch(_patch(shown.scene.safe_area, facecolor=safe, linewidth=0.0, gid="safe"))
-
-
-def _lines(axis: Any, lines: Sequence[FloatArray], **style: Any) -> None:
-    from matplotlib.collections import LineCollection
-
-    axis.add_collection(LineCollection(lines, **style), autolim=False)
-
-
-def _walls(axis: Any, shown: Contents) -> None:
-    from matplotlib.collections import PolyCollection
-
-    wall, solid = hexed(palette.WALL), hexed(palette.OBSTACLE)
-    if shown.scene.obstacles:
-        solids = PolyCollection(
-            shown.scene.obstacles, facecolors=solid, edgecolors=wall, linewidths=0.7, zorder=3.0,
-            gid="obstacles",
-        )  # fmt: skip
-        axis.add_collection(solids, autolim=False)
+def _wall(axis: Any, shown: Contents) -> float:
+    """Width of a wall [pt]: two walls close together must stay two."""
     k = shown.widths.narrowest
     room = points_a_metre(axis) * shown.widths.width[k] if k is not None else 10.0
-    thick = min(max(0.2 * room, 0.4), 1.6)  # two walls close together must stay two
-    _lines(axis, shown.scene.boundaries, colors=wall, linewidths=thick, zorder=3.1,
-           gid="boundaries", capstyle="round", joinstyle="round")  # fmt: skip
+    return float(min(max(0.2 * room, 0.4), 1.6))
 
 
 def _reference(axis: Any, shown: Contents) -> None:
     """The reference path, with a tick across it every round number of metres."""
     grey = hexed(palette.REFERENCE)
-    _lines(axis, [shown.reference], colors=grey, linewidths=2.6, alpha=0.55, zorder=2.0,
+    add_lines(axis, [shown.reference], colors=grey, linewidths=2.6, alpha=0.55, zorder=2.0,
            gid="reference")  # fmt: skip
     point, normal, _ = station_ticks(shown)
     half = 3.2 / points_a_metre(axis)
     ticks = np.stack((point - half * normal, point + half * normal), axis=1)
-    _lines(axis, list(ticks), colors=hexed(palette.QUIET), linewidths=0.9, zorder=2.6,
+    add_lines(axis, list(ticks), colors=hexed(palette.QUIET), linewidths=0.9, zorder=2.6,
            gid="stations")  # fmt: skip
 
 
@@ -185,15 +135,15 @@ def _route(axis: Any, route: Route) -> None:
     """Solid in the safe area, dashed elsewhere; the colours of those that share it take turns."""
     colours = list(dict.fromkeys(hexed(robot_colour(i)) for i in route.robots))
     count = len(colours)
+    on, off = DASH
+    times = int(TURN // (on + off))
+    rest = TURN - times * (on + off) + off + (count - 1) * TURN
+    dashes = [*[on, off] * (times - 1), on, rest] if count > 1 else [on, off]
     for k, colour in enumerate(colours):
         solid = "-" if count == 1 else (-k * TURN, (TURN, (count - 1) * TURN))
-        on, off = DASH
-        times = int(TURN // (on + off))
-        rest = TURN - times * (on + off) + off + (count - 1) * TURN
-        dashes = [*[on, off] * (times - 1), on, rest] if count > 1 else [on, off]
         style = {"colors": colour, "linewidths": 1.15, "capstyle": "butt", "zorder": 2.3}
-        _lines(axis, route.safe, linestyles=[solid], gid=f"safe path {route.robots[0]}", **style)
-        _lines(axis, route.danger, linestyles=[(-k * TURN if count > 1 else 0.0, dashes)],
+        add_lines(axis, route.safe, linestyles=[solid], gid=f"safe path {route.robots[0]}", **style)
+        add_lines(axis, route.danger, linestyles=[(-k * TURN if count > 1 else 0.0, dashes)],
                gid=f"danger path {route.robots[0]}", **style)  # fmt: skip
 
 
@@ -203,35 +153,26 @@ def _narrowest(axis: Any, shown: Contents) -> None:
     if k is None:
         return
     bar = [shown.widths.left_foot[k], shown.widths.point[k], shown.widths.right_foot[k]]
-    _lines(axis, [np.array(bar)], colors=WIDTHS, linewidths=1.8, zorder=3.3, gid="narrowest")
+    add_lines(axis, [np.array(bar)], colors=WIDTHS, linewidths=1.8, zorder=3.3, gid="narrowest")
     axis.plot(*np.array(bar)[[0, 2]].T, "o", color=WIDTHS, markersize=3.4, zorder=3.3)
 
 
-def _stops(axis: Any, shown: Contents) -> None:
-    stops = np.array([robot.stop for robot in shown.robots])
-    edges = [hexed(robot_colour(i)) for i in range(len(stops))]
-    axis.scatter(*stops.T, s=17.0, marker="s", facecolors="white", edgecolors=edges,
-                 linewidths=1.1, zorder=3.4, gid="stops")  # fmt: skip
+def _stops(axis: Any, scene: SceneModel) -> None:
+    axis.scatter(*scene.stops.T, s=17.0, marker="s", facecolors="white",
+                 edgecolors=list(map(hexed, scene.colours)), linewidths=1.1, zorder=3.4,
+                 gid="stops")  # fmt: skip
 
 
-def _robots(axis: Any, shown: Contents) -> None:
-    from matplotlib.collections import PolyCollection
-
-    colours = [hexed(robot_colour(i)) for i in range(len(shown.robots))]
-    bodies = PolyCollection(
-        [robot.outline for robot in shown.robots], facecolors=colours, edgecolors=INK,
-        linewidths=0.5, zorder=4.0, gid="robots",
-    )  # fmt: skip
-    axis.add_collection(bodies, autolim=False)
-    pose = np.array([robot.pose for robot in shown.robots])
-    reach = np.array([robot.reach for robot in shown.robots])
+def _robots(axis: Any, scene: SceneModel) -> None:
+    colours = np.array(list(map(hexed, scene.colours)))
+    add_bodies(axis, scene.starting, facecolors=colours, edgecolors=INK, linewidths=0.5,
+               zorder=4.0, gid="robots")  # fmt: skip
+    place, heading = scene.start[:, :2], scene.start[:, 2]
     scale = points_a_metre(axis)
-    way = np.column_stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])))
-    tip = pose[:, :2] + way * (reach + STALK / scale)[:, None]
-    _lines(axis, list(np.stack((pose[:, :2], tip), axis=1)), colors=INK, linewidths=1.1,
-           zorder=4.1, gid="headings")  # fmt: skip
-    small = reach * scale < SMALL
-    if small.any():
-        edges = [colour for colour, ringed in zip(colours, small, strict=True) if ringed]
-        axis.scatter(*pose[small, :2].T, s=(4.0 * SMALL) ** 2, facecolors="none",
-                     edgecolors=edges, linewidths=1.0, zorder=4.2, gid="rings")  # fmt: skip
+    way = np.column_stack((np.cos(heading), np.sin(heading)))
+    tip = place + way * (scene.reach + STALK / scale)[:, None]
+    add_lines(axis, np.stack((place, tip), axis=1), colors=INK, linewidths=1.1, zorder=4.1,
+              gid="headings")  # fmt: skip
+    small = scene.reach * scale < SMALL
+    axis.scatter(*place[small].T, s=(4.0 * SMALL) ** 2, facecolors="none",
+                 edgecolors=colours[small], linewidths=1.0, zorder=4.2, gid="rings")  # fmt: skip

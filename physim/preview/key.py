@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from physim import palette
+from physim.labels import round_step, significant
 from physim.palette import hexed
 from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import DASH, MOST_TICKS, round_step
-from physim.preview.words import metres
+from physim.preview.ground_plan import DASH, MOST_TICKS
 
 PATH = 1.15
 """[pt]"""
@@ -19,23 +19,20 @@ PATH = 1.15
 def draw_key(axis: Any, shown: Contents, named: int) -> None:
     """Draw the key; ``named`` robots have their names on the map."""
     axis.set_axis_off()
-    handles, words = zip(*(*_ground(shown), *_paths(shown), *_marks(shown)), strict=True)
+    handles, meanings = zip(*(*_ground(shown), *_paths(shown), *_marks(shown)), strict=True)
     axis.legend(
-        handles, words, loc="upper left", borderaxespad=0.0, handlelength=2.4, labelspacing=0.75,
+        handles, meanings, loc="upper left", borderaxespad=0.0, handlelength=2.4, labelspacing=0.75,
         fontsize=8.2,
     )  # fmt: skip
-    if named < len(shown.robots):
-        told = f"{named:,} of {len(shown.robots):,} names have room on the map"
-        axis.text(0.0, 0.0, told, fontsize=8.0, color=QUIET)
+    if named < len(shown.scene.names):
+        words = f"{named:,} of {len(shown.scene.names):,} names have room on the map"
+        axis.text(0.0, 0.0, words, fontsize=8.0, color=QUIET)
 
 
 def _ground(shown: Contents) -> Iterator[tuple[Any, str]]:
-    if shown.scene.safe_distance:
-        yield _area(palette.SAFE_AREA), "safe area"
-        near = f"danger area: within L = {metres(shown.scene.safe_distance)} m"
-        yield _area(palette.DANGER_AREA), near
-    else:
-        yield _area(palette.FLOOR), "accessible area"
+    for area in reversed(shown.scene.areas):
+        near = f": within L = {significant(shown.scene.safe_distance)} m"
+        yield _area(area.colour), area.name + near * (area.colour == palette.DANGER_AREA)
     yield _line(color=hexed(palette.WALL), linewidth=1.6), "boundary"
     if shown.scene.obstacles:
         yield _area(palette.OBSTACLE, palette.WALL), "obstacle"
@@ -49,7 +46,7 @@ def _paths(shown: Contents) -> Iterator[tuple[Any, str]]:
     )  # fmt: skip
     yield reference, f"reference path, ticks every {step:,g} m"
     first, second = (hexed(palette.robot_colour(i)) for i in (0, 1))
-    alone = len(shown.robots) == 1
+    alone = len(shown.scene.names) == 1
     yield _line(color=first, linewidth=PATH), f"path of {'the' if alone else 'a'} robot"
     if any(route.danger for route in shown.routes):
         dash = (0.0, tuple(length / PATH for length in DASH))

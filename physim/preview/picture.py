@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import io
 import os
-import warnings
-from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from physim.declared import Declared
 from physim.errors import PhysimError
-from physim.plots.style import INK, QUIET, styled
+from physim.labels import shortened
+from physim.plots.style import INK, QUIET, save_figure
 from physim.preview.contents import Contents, contents
 from physim.preview.ground_plan import draw_map
 from physim.preview.key import draw_key
+from physim.preview.lettering import text_size
 from physim.preview.profile import draw_profile
-from physim.preview.words import counts, drawable, families, shortened
+from physim.preview.words import counts, drawable, families
 from physim.registry import CONTROLLER, make_part
 from physim.scene import Layout
 
@@ -64,11 +64,15 @@ def _title(figure: Any, shown: Contents) -> None:
     if shown.description.strip():
         lines.insert(1, (shown.description, 9.0, "normal", INK))
     for k, (text, size, weight, colour) in enumerate(lines):
-        text = shortened(figure, text, size, weight, 0.94)
+        cut = shortened(text, partial(_has_room, figure, size, weight))
         figure.text(
-            0.03, (0.968, 0.938, 0.912)[k], text, fontsize=size, fontweight=weight, color=colour,
+            0.03, (0.968, 0.938, 0.912)[k], cut, fontsize=size, fontweight=weight, color=colour,
             va="center",
         )  # fmt: skip
+
+
+def _has_room(figure: Any, size: float, weight: str, text: str) -> bool:
+    return text_size(figure, text, size, weight)[0] <= 0.94 * 72.0 * SIZE[0]
 
 
 def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
@@ -81,23 +85,8 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
     format = path.suffix[1:].lower()
     if format not in FORMATS:
         raise PhysimError(f"{path}: pictures end in .png or .svg")
-    options: dict[str, dict[str, Any]] = {
-        "png": {"pil_kwargs": {"compress_level": 1}},
-        "svg": {"metadata": {"Date": None}},
-    }
-    drawn = io.BytesIO()
-    with styled(), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure = make_figure(shown_of(layout), format)
-        figure.savefig(drawn, format=format, dpi=DPI, **options[format])
-    part = path.with_name(f".{path.name}.part")
+    options = {"pil_kwargs": {"compress_level": 1}} if format == "png" else {}
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_bytes(drawn.getvalue())
-            part.replace(path)
-        finally:  # of an error or Ctrl-C nothing is left
-            with suppress(OSError):
-                part.unlink(missing_ok=True)
+        save_figure(path, format, lambda: make_figure(shown_of(layout), format), dpi=DPI, **options)
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

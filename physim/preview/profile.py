@@ -7,13 +7,15 @@ from typing import Any
 import numpy as np
 
 from physim import palette
+from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
+from physim.labels import Label, leader, round_step, significant, spread
 from physim.palette import hexed
 from physim.plots.style import INK, QUIET, WIDTHS
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import MOST_TICKS, round_step
+from physim.preview.ground_plan import MOST_TICKS
 from physim.preview.lettering import text_size
-from physim.preview.words import metres, station_words
+from physim.preview.words import station_words
 
 FAR = 6.0
 """[pt] Words farther from their mark than this have a line to it."""
@@ -27,7 +29,7 @@ def draw_profile(axis: Any, shown: Contents) -> None:
 
     station, width = shown.widths.station, shown.widths.width
     finite = np.isfinite(width)
-    top = 1.12 * max(float(width[finite].max(initial=0.0)), _most_needed(shown))
+    top = 1.12 * max(width[finite].max(initial=0.0), *(level for level, *_ in _levels(shown)))
     needed = 2.0 * shown.scene.safe_distance
     floor = palette.SAFE_AREA if needed else palette.FLOOR
     under = np.where(finite, width, top)
@@ -54,7 +56,9 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     if k is None:
         return
     axis.plot(station[k], width[k], "o", color=WIDTHS, markersize=4.5, zorder=4.0)
-    words = f"{metres(float(width[k]))} m at {station_words(float(station[k]), shown.length)} m"
+    words = (
+        f"{significant(float(width[k]))} m at {station_words(float(station[k]), shown.length)} m"
+    )
     room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
     scale = room / (shown.length, top)
     curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
@@ -62,10 +66,9 @@ def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
     size = np.array(text_size(axis.figure, words, 8.5, "bold"))
     middle = _free_place(curve[k], size, curve, levels, room)
     x, y = middle / scale
-    edge = np.clip(curve[k], middle - size / 2.0, middle + size / 2.0)
-    if np.hypot(*(edge - curve[k])) > FAR:
-        ends = np.array([curve[k], edge]) / scale
-        axis.plot(*ends.T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
+    line = leader(Label(tuple(curve[k]), 0.0, tuple(size)), middle, FAR)
+    if line is not None:
+        axis.plot(*(line / scale).T, color=WIDTHS, linewidth=0.7, zorder=3.9, gid="leader")
     axis.annotate(
         words, (x, y), ha="center", va="center", color=WIDTHS, fontsize=8.5, fontweight="bold",
         zorder=5.0,
@@ -111,11 +114,11 @@ def _extent(
 
 def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
     """Width [m], words, colour and dash of every level that the width is compared with."""
-    aligned = max(shown.robots, key=lambda robot: robot.across)
-    turning = max(shown.robots, key=lambda robot: robot.reach)
+    turning = 2.0 * float(shown.scene.reach.max())
+    aligned = max(least_width(outline) for outline in shown.scene.outlines)
     found = [
-        (2.0 * turning.reach, "every robot fits at any heading", INK, (0, (5, 2))),
-        (aligned.across, "every robot fits if aligned", INK, (0, (1, 1.5))),
+        (turning, "every robot fits at any heading", INK, (0, (5, 2))),
+        (aligned, "every robot fits if aligned", INK, (0, (1, 1.5))),
     ]
     if shown.scene.safe_distance:
         found.append(
@@ -124,23 +127,20 @@ def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
     return found
 
 
-def _most_needed(shown: Contents) -> float:
-    return max(level for level, *_ in _levels(shown))
-
-
 def _needs(axis: Any, shown: Contents, top: float) -> None:
     """Level lines, named at their right ends without overlap."""
     high = axis.figure.get_size_inches()[1] * axis.get_position().height * 72.0
-    apart = 10.5 * top / high
     levels = sorted(_levels(shown))
-    place = -np.inf
-    for level, words, colour, dash in levels:
+    wanted = np.array([level for level, *_ in levels])
+    beside = axis.get_yaxis_transform()
+    for (level, words, colour, dash), place in zip(
+        levels, spread(wanted, 10.5 * top / high, 0.0, top), strict=True
+    ):
         axis.axhline(level, color=colour, linewidth=1.0, linestyle=dash)
-        place = max(level, place + apart)
         axis.annotate(
-            f"{metres(level)} m  {words}", (1.0, level), (1.012, place),
-            xycoords=axis.get_yaxis_transform(), textcoords=axis.get_yaxis_transform(),
-            color=colour, fontsize=7.8, va="center", annotation_clip=False,
+            f"{significant(level)} m  {words}", (1.0, level), (1.012, place),
+            xycoords=beside, textcoords=beside, color=colour, fontsize=7.8, va="center",
+            annotation_clip=False,
             arrowprops={
                 "arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkA": 0.5,
                 "shrinkB": 0.0, "relpos": (0.0, 0.5), "clip_on": False,

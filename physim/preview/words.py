@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from math import floor, log10
-from typing import Any
 
+from physim.errors import plural
+from physim.labels import shortened, significant
 from physim.preview.contents import Contents
 
 FONT = "DejaVu Sans"
@@ -22,28 +23,17 @@ OTHER_FONTS = (
 def counts(shown: Contents) -> str:
     """One line of figures about a world."""
     width = shown.widths.width[shown.widths.between]
-    told = [_many(len(shown.robots), "robot", "robots")]
-    told.append(_many(len(shown.scene.boundaries), "boundary", "boundaries"))
-    if shown.scene.obstacles:
-        told.append(_many(len(shown.scene.obstacles), "obstacle", "obstacles"))
-    told.append(f"reference path {metres(shown.length, 4)} m")
+    scene = shown.scene
+    words = [plural(scene.robots, "robot"), plural(len(scene.boundaries), "boundary", "boundaries")]
+    if scene.obstacles:
+        words.append(plural(len(scene.obstacles), "obstacle"))
+    words.append(f"reference path {significant(shown.length, 4)} m")
     if len(width):
-        ends = dict.fromkeys((metres(width.min()), metres(width.max())))
-        told.append(f"{' to '.join(ends)} m wide")
+        ends = dict.fromkeys((significant(width.min()), significant(width.max())))
+        words.append(f"{' to '.join(ends)} m wide")
     if shown.random:
-        told.append(f"start drawn with seed {shown.scene.seed}")
-    return "  ·  ".join(told)
-
-
-def _many(count: int, one: str, many: str) -> str:
-    return f"{count:,} {one if count == 1 else many}"
-
-
-def metres(value: float, digits: int = 3) -> str:
-    """Length in words: some significant digits, from 1 m on with their zeros, and whole metres."""
-    if value >= 10.0 ** (digits - 1):
-        return f"{value:,.0f}"
-    return f"{value:#.{digits}g}" if value >= 1.0 else f"{value:.{digits}g}"
+        words.append(f"start drawn with seed {scene.seed}")
+    return "  ·  ".join(words)
 
 
 def station_words(station: float, length: float) -> str:
@@ -52,26 +42,9 @@ def station_words(station: float, length: float) -> str:
     return f"{station:.{decimals}f}"
 
 
-def shortened(figure: Any, text: str, size: float, weight: str, share: float) -> str:
-    """Text on one line that takes at most a share of the figure's width, cut with an ellipsis."""
-    from physim.preview.lettering import text_size
-
-    text = " ".join(text.split())[:400]
-    room = share * 72.0 * figure.get_size_inches()[0]
-    if text_size(figure, text, size, weight)[0] <= room:
-        return text
-    low, high = 0, len(text)
-    while low < high:
-        middle = (low + high + 1) // 2
-        fits = text_size(figure, text[:middle].rstrip() + "…", size, weight)[0] <= room
-        low, high = (middle, high) if fits else (low, middle - 1)
-    return text[:low].rstrip() + "…"
-
-
 def drawable(name: str, index: int, signs: frozenset[int] | None) -> str:
     """The name of a robot, cut to 24 characters, or its number where ``signs`` lack some of it."""
-    name = " ".join(name.split())
-    name = name if len(name) <= 24 else name[:23].rstrip() + "…"
+    name = shortened(name, 24)
     known = signs is None or signs.issuperset(map(ord, name))
     return name if known else f"robot {index + 1}"
 

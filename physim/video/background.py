@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from functools import lru_cache
 
 import cv2
 import numpy as np
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
-from physim.video.camera import Lens, fixed
 from physim.video.ground import Ground, Stroke
-from physim.video.text import Image
-from physim.video.theme import SHIFT
+from physim.video.layout import SHIFT, Image, Lens, fixed
 
 TILE = 512
 """[px] edge of a tile"""
@@ -24,7 +22,7 @@ KEPT = 64
 
 def draw_ground(image: Image, ground: Ground, lens: Lens) -> None:
     """Draw the static content as seen through ``lens``."""
-    image[:] = theme.OUTSIDE
+    image[:] = palette.OUTSIDE
     for rings, colour in ground.fills:
         if rings:
             contours = [lens.fixed(ring) for ring in rings]
@@ -72,7 +70,7 @@ class Background:
     def __init__(self, ground: Ground, scale: float) -> None:
         self._ground = ground
         self._scale = scale
-        self._tiles: OrderedDict[tuple[int, int], Image] = OrderedDict()
+        self._tile = lru_cache(KEPT)(self._drawn)
 
     def paint(self, view: Image, lens: Lens) -> None:
         """Fill ``view`` with the ground; ``lens`` has this background's scale."""
@@ -86,16 +84,8 @@ class Background:
                 y0, y1 = max(y, 0), min(y + TILE, high)
                 view[y0:y1, x0:x1] = tile[y0 - y : y1 - y, x0 - x : x1 - x]
 
-    def _tile(self, column: int, row: int) -> Image:
-        key = (column, row)
-        tile = self._tiles.get(key)
-        if tile is None:
-            drawn = np.empty((TILE + 2 * EDGE, TILE + 2 * EDGE, 3), np.uint8)
-            lens = Lens(self._scale, EDGE - column * TILE, EDGE - row * TILE)
-            draw_ground(drawn, self._ground, lens)
-            tile = drawn[EDGE:-EDGE, EDGE:-EDGE].copy()
-            self._tiles[key] = tile
-            if len(self._tiles) > KEPT:
-                self._tiles.popitem(last=False)
-        self._tiles.move_to_end(key)
-        return tile
+    def _drawn(self, column: int, row: int) -> Image:
+        drawn = np.empty((TILE + 2 * EDGE, TILE + 2 * EDGE, 3), np.uint8)
+        lens = Lens(self._scale, EDGE - column * TILE, EDGE - row * TILE)
+        draw_ground(drawn, self._ground, lens)
+        return drawn[EDGE:-EDGE, EDGE:-EDGE].copy()

@@ -9,15 +9,17 @@ import cv2
 import numpy as np
 import yaml
 
-from physim.video import legend, theme
+from physim import palette
+from physim.timeline import Timeline
 from physim.video.ground import ground
-from physim.video.layout import Box
-from physim.video.story import Story
-from physim.video.text import BOLD, Image, shorten, width, write
+from physim.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image
+from physim.video.legend import CONTACT, ROW, SIGN, draw_modes, draw_signs
+from physim.video.panel import draw_progress
+from physim.video.text import BOLD, shorten, width, write
 from physim.video.view import View
 
 if TYPE_CHECKING:
-    from physim.record import Record
+    pass
 
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
@@ -28,64 +30,61 @@ MOST_NAMED = 2
 
 
 class Beside:
-    """Draws frames of two records: the first on the left, the second on the right.
+    """Draws frames of two runs: the first on the left, the second on the right.
 
     The titles say in what the two worlds differ. A run that is over stays as it ended.
     """
 
-    def __init__(self, left: Record, right: Record, speed: float, fps: float) -> None:
-        stories = Story(left), Story(right)
-        self.duration = max(story.duration for story in stories)
+    def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
+        timelines = left, right
+        self.duration = max(timeline.duration for timeline in timelines)
         self._speed = speed
-        half, high = (theme.WIDTH - GAP) // 2, theme.HEIGHT - HEADER - FOOTER
-        boxes = Box(0, HEADER, half, high), Box(theme.WIDTH - half, HEADER, half, high)
+        half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - FOOTER
+        boxes = Box(0, HEADER, half, high), Box(WIDTH - half, HEADER, half, high)
         self._views = [
-            View(story, ground(story), box, speed, fps)
-            for story, box in zip(stories, boxes, strict=True)
+            View(timeline, ground(timeline), box, speed, fps)
+            for timeline, box in zip(timelines, boxes, strict=True)
         ]
-        self._titles = differences(left.world.to_yaml(), right.world.to_yaml())
+        self._titles = differences(*(one.record.world.to_yaml() for one in timelines))
         self._still = self._draw_still()
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
         image = self._still.copy()
         for view in self._views:
-            then = min(time, view.story.duration)
-            view.paint(image, then)
-            self._told(image, view, then)
-        y = theme.HEIGHT - FOOTER + 32
+            then = min(time, view.timeline.duration)
+            view.paint(image, view.timeline.at(then))
+            self._outcome(image, view, then)
+        y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
-        left, right = PAD + 200, theme.WIDTH - PAD
-        done = left + round((right - left) * time / max(self.duration, 1e-9))
-        cv2.line(image, (left, y - 8), (right, y - 8), theme.FAINT, 5)
-        cv2.line(image, (left, y - 8), (done, y - 8), theme.QUIET, 5)
+        draw_progress(image, PAD + 200, WIDTH - PAD, y - 8, time / max(self.duration, 1e-9))
         return image
 
-    def _told(self, image: Image, view: View, time: float) -> None:
+    def _outcome(self, image: Image, view: View, time: float) -> None:
         """What came of a run so far, at the right end of its title."""
-        story, right = view.story, view.box.left + view.box.width - PAD
-        count, arrived = story.contacts.count(time), story.arrived(time)
-        colour = theme.CONTACT if count else theme.INK
+        timeline, right = view.timeline, view.box.left + view.box.width - PAD
+        count, arrived = timeline.contacts.count(time), timeline.arrived(time)
+        colour = palette.CONTACT if count else palette.INK
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
-        write(image, words, (right, 26), theme.TITLE, colour=colour, weight=BOLD, anchor="right")
-        ended = time >= story.duration and story.duration < self.duration
-        words = f"over at {story.duration:.1f} s, " if ended else ""
-        words += f"{arrived} of {story.robots} arrived"
-        write(image, words, (right, 48), theme.TEXT, colour=theme.QUIET, anchor="right")
+        write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
+        ended = time >= timeline.duration and timeline.duration < self.duration
+        words = f"over at {timeline.duration:.1f} s, " if ended else ""
+        words += f"{arrived} of {timeline.robots} arrived"
+        write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
 
     def _draw_still(self) -> Image:
-        image = np.full((theme.HEIGHT, theme.WIDTH, 3), 255, np.uint8)
+        image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
         for view, title in zip(self._views, self._titles, strict=True):
-            record, left = view.story.record, view.box.left + PAD
+            record, left = view.timeline.record, view.box.left + PAD
             room = view.box.width - 2 * PAD - 200
-            words = shorten(f"{record.name}, seed {record.seed}", theme.TEXT, room)
-            write(image, shorten(title, theme.TITLE, room, BOLD), (left, 26), theme.TITLE,
+            words = shorten(f"{record.name}, seed {record.seed}", TEXT, room)
+            write(image, shorten(title, TITLE, room, BOLD), (left, 26), TITLE,
                   weight=BOLD)  # fmt: skip
-            write(image, words, (left, 48), theme.TEXT, colour=theme.QUIET)
-        middle = theme.WIDTH // 2
-        cv2.line(image, (middle, 0), (middle, theme.HEIGHT - FOOTER), theme.RULE, GAP)
-        at = PAD + 190, theme.HEIGHT - FOOTER + 31
-        write(image, f"×{self._speed:g}", at, 17, colour=theme.QUIET, weight=BOLD, anchor="right")
+            write(image, words, (left, 48), TEXT, colour=palette.QUIET)
+        middle = WIDTH // 2
+        cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
+        at = PAD + 190, HEIGHT - FOOTER + 31
+        write(image, f"×{self._speed:g}", at, 17, colour=palette.QUIET, weight=BOLD, anchor="right")
         self._draw_legend(image)
         return image
 
@@ -94,16 +93,16 @@ class Beside:
         modes = {
             str(mode): mode
             for view in self._views
-            for mode in (view.story.scene.modes[k] for k in view.story.shown_modes)
+            for mode in (view.timeline.scene.modes[k] for k in view.timeline.explained_modes)
         }
-        left, top = PAD, theme.HEIGHT - FOOTER + 48
-        room = (theme.WIDTH - 2 * PAD) // (len(modes) + 1)
-        legend.draw_signs(image, left, top, legend.ROW, [legend.CONTACT])
-        left += legend.SIGN + width(legend.CONTACT, theme.TEXT) + 2 * PAD
+        left, top = PAD, HEIGHT - FOOTER + 48
+        room = (WIDTH - 2 * PAD) // (len(modes) + 1)
+        draw_signs(image, left, top, ROW, [CONTACT])
+        left += SIGN + width(CONTACT, TEXT) + 2 * PAD
         for words, mode in modes.items():
-            legend.draw_modes(image, left, top, legend.ROW, [mode], room)
-            shown = shorten(words, theme.TEXT, room - legend.SIGN)
-            left += legend.SIGN + width(shown, theme.TEXT) + 2 * PAD
+            draw_modes(image, left, top, ROW, [mode], room)
+            shown = shorten(words, TEXT, room - SIGN)
+            left += SIGN + width(shown, TEXT) + 2 * PAD
 
 
 def differences(left: str, right: str) -> tuple[str, str]:

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+import cv2
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
-from physim.video.layout import Box
-from physim.video.story import Story
-from physim.video.theme import SHIFT
+from physim.timeline import Timeline
+from physim.video.layout import Box, Lens
 
 MARGIN = 26.0
 """[px] free edge around all that must be seen"""
@@ -19,27 +16,6 @@ WHOLE = 30.0
 """[px] a world in which every robot is drawn at least this long is shown whole"""
 LONG, SHORT, LARGE = 35.0, 18.0, 84.0
 """[px] length of the smallest robot: wanted at least, never below, never above"""
-
-
-class Lens(NamedTuple):
-    """World to pixels: scale [px/m], and the world's origin in pixels of the view (y down)."""
-
-    scale: float
-    x: float
-    y: float
-
-    def pixels(self, points: FloatArray) -> FloatArray:
-        """Return points (…, 2) [m] as pixels (…, 2)."""
-        return np.asarray(points) * (self.scale, -self.scale) + (self.x, self.y)
-
-    def fixed(self, points: FloatArray) -> NDArray[np.int32]:
-        """Return points (…, 2) [m] as OpenCV's fixed-point pixels (…, 2)."""
-        return fixed(self.pixels(points))
-
-
-def fixed(pixels: FloatArray) -> NDArray[np.int32]:
-    """Return pixels as OpenCV's fixed-point numbers; far outside the picture they saturate."""
-    return np.rint(np.clip(pixels, -1e6, 1e6) * (1 << SHIFT)).astype(np.int32)
 
 
 class Camera:
@@ -50,28 +26,28 @@ class Camera:
     """
 
     def __init__(
-        self, story: Story, extent: tuple[FloatArray, FloatArray], box: Box, speed: float
+        self, timeline: Timeline, extent: tuple[FloatArray, FloatArray], box: Box, speed: float
     ) -> None:
         self.box = box
         self.extent = extent
         low, high = extent
         size = np.maximum(high - low, 1e-6)
-        room = np.array([box.width, box.height], dtype=np.float64) - 2.0 * MARGIN
-        robot = smallest_length(story)
+        room = box.size - 2.0 * MARGIN
+        robot = smallest_length(timeline)
         fit = float((room / size).min())
         self.whole = fit * robot >= WHOLE
         self._times = np.zeros(1)
         self._centre = ((low + high) / 2.0)[None, :]
         self.scale = fit
         if not self.whole:
-            self._follow(story, room, robot, speed)
+            self._follow(timeline, room, robot, speed)
 
-    def _follow(self, story: Story, room: FloatArray, robot: float, speed: float) -> None:
-        period = max(0.25, speed / 8.0, story.duration / 20000.0)
-        count = max(2, int(np.ceil(story.duration / period)) + 1)
-        self._times = np.linspace(0.0, max(story.duration, period), count)
-        places = story.pose(self._times)[:, :, :2]
-        reach = max(np.hypot(*part.T).max() for body in story.record.footprints for part in body)
+    def _follow(self, timeline: Timeline, room: FloatArray, robot: float, speed: float) -> None:
+        period = max(0.25, speed / 8.0, timeline.duration / 20000.0)
+        count = max(2, int(np.ceil(timeline.duration / period)) + 1)
+        self._times = np.linspace(0.0, max(timeline.duration, period), count)
+        places = timeline.pose(self._times)[:, :, :2]
+        reach = timeline.scene.reach.max()
         low, high = places.min(axis=1), places.max(axis=1)
         spread = (high - low).max(axis=0) + 2.0 * reach
         least = SHORT if (room / spread).min() * robot < LONG else LONG
@@ -83,7 +59,7 @@ class Camera:
 
     def _kept_inside(self, centre: FloatArray) -> FloatArray:
         """Hold the view within the world's extent, where the world is larger than the view."""
-        half = (np.array([self.box.width, self.box.height]) / 2.0 - MARGIN) / self.scale
+        half = (self.box.size / 2.0 - MARGIN) / self.scale
         low, high = self.extent[0] + half, self.extent[1] - half
         middle = (low + high) / 2.0
         return np.clip(centre, np.minimum(low, middle), np.maximum(high, middle))
@@ -94,7 +70,7 @@ class Camera:
 
     def corners(self, time: float) -> FloatArray:
         """Return the lower left and upper right corner (2, 2) [m] of what is seen."""
-        half = np.array([self.box.width, self.box.height]) / 2.0 / self.scale
+        half = self.box.size / 2.0 / self.scale
         centre = self.centre(time)
         return np.stack((centre - half, centre + half))
 
@@ -111,12 +87,11 @@ class Camera:
         )
 
 
-def smallest_length(story: Story) -> float:
+def smallest_length(timeline: Timeline) -> float:
     """Return the largest extent of the robot whose largest extent is smallest [m]."""
     lengths = []
-    for parts in story.record.footprints:
-        points = np.concatenate(parts)
-        hull = shapely.MultiPoint(points).minimum_rotated_rectangle
+    for parts in timeline.scene.footprints:
+        hull = shapely.MultiPoint(np.concatenate(parts)).minimum_rotated_rectangle
         corners = shapely.get_coordinates(hull)
         sides = np.hypot(*np.diff(corners, axis=0).T) if len(corners) > 1 else np.zeros(1)
         lengths.append(float(sides.max()))
@@ -125,8 +100,6 @@ def smallest_length(story: Story) -> float:
 
 def _smooth(track: FloatArray, sigma: float) -> FloatArray:
     """Average a track (T, 2) with a Gaussian of ``sigma`` samples, the same forward and back."""
-    half = int(np.ceil(3.0 * sigma))
-    kernel = np.exp(-0.5 * (np.arange(-half, half + 1) / sigma) ** 2)
-    kernel /= kernel.sum()
-    padded = np.pad(track, ((half, half), (0, 0)), mode="edge")
-    return np.column_stack([np.convolve(padded[:, k], kernel, mode="valid") for k in (0, 1)])
+    size = 1, 2 * int(np.ceil(3.0 * sigma)) + 1
+    smooth = cv2.GaussianBlur(track, size, sigma, sigmaY=sigma, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(smooth, dtype=np.float64)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
-from physim.video.robots import Outline
+from physim.scene_model import placed
 
 
 class Pair(NamedTuple):
@@ -21,12 +22,12 @@ class Pair(NamedTuple):
 
 
 def closest_pair(
-    outlines: list[Outline[np.float64]], pose: FloatArray, reach: FloatArray
+    footprints: Sequence[Sequence[FloatArray]], pose: FloatArray, reach: FloatArray
 ) -> Pair | None:
     """Find the closest pair of robots; of equal ones the first. None for one robot.
 
-    ``outlines``: of the N robots, world frame; ``pose`` (N, 3); ``reach`` (N,) [m]: radius of a
-    disc around the reference point that holds the robot.
+    ``footprints``: convex parts of the N robots, in their frames; ``pose`` (N, 3); ``reach`` (N,)
+    [m]: radius of a disc around the reference point that holds the robot.
 
     Pairs are taken in the order of a lower bound, the distance of their enclosing discs, so far
     fewer than all are worked out.
@@ -46,16 +47,11 @@ def closest_pair(
         i, j = int(a[index]), int(b[index])
         for k in (i, j):
             if k not in shapes:
-                shapes[k] = _polygon(outlines[k].parts)
+                parts = [shapely.Polygon(placed(part, pose[k])) for part in footprints[k]]
+                shapes[k] = shapely.GeometryCollection(parts)
         distance = float(shapely.distance(shapes[i], shapes[j]))
         if distance < best:
             best, found = distance, (i, j)
     i, j = found
     line = shapely.shortest_line(shapes[i], shapes[j])
     return Pair(i, j, best, shapely.get_coordinates(line))
-
-
-def _polygon(parts: list[FloatArray]) -> shapely.Geometry:
-    if len(parts) == 1:
-        return shapely.polygons(parts[0])
-    return shapely.geometrycollections([shapely.polygons(part) for part in parts])

@@ -19,8 +19,7 @@ import cv2
 import numpy as np
 
 from physim.errors import RecordError
-from physim.video.text import Image
-from physim.video.theme import HEIGHT, WIDTH
+from physim.video.layout import HEIGHT, WIDTH, Image
 
 SUFFIXES = (".mp4", ".m4v")
 OPTIONS = {"preset": "veryfast", "crf": "20", "x264-params": "subme=1:bframes=1"}

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.scene_model import SceneModel
-from physim.video import theme
-from physim.video.story import Story
-from physim.video.theme import Colour
+from physim.palette import Colour
+from physim.scene_model import SceneModel, closed, pieces_of
+from physim.timeline import Timeline
+
+PATH_TINT = 0.42
+"""Share of white in the colour of a robot's own path."""
 
 
 @dataclass(frozen=True)
@@ -35,57 +38,43 @@ class Ground:
     """lowest and highest x, y [m] of all of it, and of every place a robot went"""
 
 
-def ground(story: Story) -> Ground:
-    """Collect what does not move in a story."""
-    scene = story.scene
-    floor = theme.DANGER_AREA if scene.safe_distance > 0.0 else theme.FLOOR
+def ground(timeline: Timeline) -> Ground:
+    """Collect what does not move in a run."""
+    scene = timeline.scene
     strokes = _paths(scene)
-    rings = [np.concatenate((ring, ring[:1])) for ring in scene.solid_rings]
-    if rings:
-        strokes.append(Stroke(_steps(rings), theme.WALL, 1))
-    strokes.append(Stroke(_steps(scene.boundaries), theme.WALL, 3))
-    fills = (
-        (scene.accessible, floor),
-        (scene.safe, theme.SAFE_AREA),
-        (scene.solid_rings, theme.OBSTACLE),
-    )
-    return Ground(fills, strokes, _extent(scene, story.record.pose[:, :, :2].reshape(-1, 2)))
+    if scene.solid_rings:
+        strokes.append(Stroke(pieces_of(map(closed, scene.solid_rings)), palette.WALL, 1))
+    strokes.append(Stroke(pieces_of(scene.boundaries), palette.WALL, 3))
+    fills = [(area.rings, area.colour) for area in scene.areas]
+    return Ground([*fills, (scene.solid_rings, palette.OBSTACLE)], strokes, _extent(timeline))
 
 
-def plain(story: Story, whole: Ground) -> Ground:
+def plain(timeline: Timeline, whole: Ground) -> Ground:
     """Keep what can be told apart when small: the accessible area, walls, the reference path."""
-    scene = story.scene
+    scene = timeline.scene
     strokes = [
         Stroke(stroke.pieces, stroke.colour, 1)
         for stroke in whole.strokes
-        if stroke.colour in (theme.WALL, theme.REFERENCE)
+        if stroke.colour in (palette.WALL, palette.REFERENCE)
     ]
-    floor = theme.SAFE_AREA if scene.safe else whole.fills[0][1]
-    fills = ((scene.accessible, floor), (scene.solid_rings, theme.OBSTACLE))
+    floor = scene.areas[-1].colour if scene.areas else palette.FLOOR
+    fills = ((scene.accessible, floor), (scene.solid_rings, palette.OBSTACLE))
     return Ground(fills, strokes, whole.extent)
 
 
 def _paths(scene: SceneModel) -> list[Stroke]:
     """The reference path, and over it the robots' own, dashed outside of the safe area."""
-    strokes = [Stroke(_steps([scene.reference]), theme.REFERENCE, 2)]
+    strokes = [Stroke(pieces_of([scene.reference]), palette.REFERENCE, 2)]
     for own, (safe, danger) in zip(scene.colours, scene.path_pieces, strict=True):
-        colour = theme.mix(own, theme.WHITE, 0.42)
+        colour = palette.mix(own, palette.WHITE, PATH_TINT)
         for lines, dash in ((safe, None), (danger, (5.0, 5.0))):
             if lines:
-                strokes.append(Stroke(_steps(lines), colour, 1, dash))
+                strokes.append(Stroke(pieces_of(lines), colour, 1, dash))
     return strokes
 
 
-def _steps(lines: Sequence[FloatArray]) -> FloatArray:
-    """Straight pieces (M, 2, 2) of lines."""
-    pieces = [np.stack((line[:-1], line[1:]), axis=1) for line in lines]
-    return np.concatenate(pieces) if pieces else np.zeros((0, 2, 2))
-
-
-def _extent(scene: SceneModel, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    reach = max(float(np.hypot(*points.T).max()) for points in scene.outlines)
-    low, high = scene.extent
-    return (
-        np.minimum(low, places.min(axis=0) - reach),
-        np.maximum(high, places.max(axis=0) + reach),
-    )
+def _extent(timeline: Timeline) -> tuple[FloatArray, FloatArray]:
+    """Of the scene, and of every place that a robot went to."""
+    places, reach = timeline.record.pose[:, :, :2].reshape(-1, 2), timeline.scene.reach.max()
+    low, high = timeline.scene.extent
+    return np.minimum(low, places.min(axis=0) - reach), np.maximum(high, places.max(axis=0) + reach)

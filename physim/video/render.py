@@ -2,22 +2,50 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from physim.errors import PhysimError
+from physim.geometry.shapes import FloatArray
+from physim.timeline import Timeline
 from physim.video.beside import Beside
 from physim.video.encoder import VideoFile, check_path
+from physim.video.layout import Image
 from physim.video.painter import Painter
-from physim.video.story import Story, frame_times, playback_speed
-from physim.video.text import Image
 
 if TYPE_CHECKING:
     from physim.record import Record
 
 FPS = 25.0
+
+SPEEDS = (1, 2, 4, 5, 8)
+"""Playback speeds of the first decade; the others are these times a power of ten."""
+LONGEST = 80.0
+"""[s] length of a video, without the hold, above which the next playback speed is taken"""
+HOLD = 1.5
+"""[s of video] that the last picture stays, so that the end can be read"""
+
+
+def playback_speed(duration: float) -> float:
+    """Return simulated seconds per second of video: 1, 2, 4, 5, 8, 10, 20 …"""
+    speeds = (speed * 10.0**power for power in itertools.count() for speed in SPEEDS)
+    return next(speed for speed in speeds if duration <= LONGEST * speed * (1.0 + 1e-9))
+
+
+def frame_times(start: float, end: float, fps: float, speed: float) -> FloatArray:
+    """Return the simulated times of all frames (F,) [s].
+
+    From ``start`` to ``end`` [s] inclusive; then the end again for `HOLD` seconds of video.
+    """
+    last = int(np.ceil((end - start) * fps / speed - 1e-6))
+    shown = last + 1 + round(HOLD * fps)
+    times: FloatArray = np.minimum(start + np.arange(shown) * (speed / fps), end)
+    return times
 
 
 def render(
@@ -50,13 +78,14 @@ def render(
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
     """
     check_path(Path(path))
-    end = min(end, _duration(record, beside))
+    timelines = _timelines(record, beside)
+    end = min(end, _duration(timelines))
     if not 0.0 <= start < end and (start, end) != (0.0, 0.0):
         raise PhysimError(
             f"from {start:g} s to {end:g} s: nothing to show; allowed: a start from 0 s to before "
             "the end, which is that of the run at most"
         )
-    painter, chosen = _painter(record, beside, fps, speed, end - start)
+    painter, chosen = _painter(timelines, fps, speed, end - start)
     times = frame_times(start, end, fps, chosen)
     done = 0
     with VideoFile(path, fps) as video:
@@ -91,18 +120,24 @@ def frame_at(
     """
     if not math.isfinite(time):
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
-    duration = _duration(record, beside)
-    painter, _ = _painter(record, beside, fps, speed, duration)
+    timelines = _timelines(record, beside)
+    duration = _duration(timelines)
+    painter, _ = _painter(timelines, fps, speed, duration)
     return painter.frame(min(max(float(time), 0.0), duration))
 
 
-def _duration(record: Record, beside: Record | None) -> float:
+def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
+    """Of one run, or of two."""
+    return [Timeline(one) for one in (record, beside) if one is not None]
+
+
+def _duration(timelines: Sequence[Timeline]) -> float:
     """[s] of the longer run."""
-    return max(Story(one).duration for one in (record, beside) if one is not None)
+    return max(timeline.duration for timeline in timelines)
 
 
 def _painter(
-    record: Record, beside: Record | None, fps: float, speed: float | None, duration: float
+    timelines: Sequence[Timeline], fps: float, speed: float | None, duration: float
 ) -> tuple[Painter | Beside, float]:
     """What draws the frames, and the playback speed; refuses what was given.
 
@@ -113,6 +148,6 @@ def _painter(
     if speed is not None and not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):
         raise PhysimError(f"playback speed: {speed} given; allowed: 0.001 to 1000000")
     chosen = playback_speed(duration) if speed is None else float(speed)
-    if beside is None:
-        return Painter(record, chosen, fps), chosen
-    return Beside(record, beside, chosen, fps), chosen
+    if len(timelines) == 2:
+        return Beside(timelines[0], timelines[1], chosen, fps), chosen
+    return Painter(timelines[0], chosen, fps), chosen

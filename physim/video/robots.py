@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.video import theme
-from physim.video.text import Image
-from physim.video.theme import SHIFT, Colour
-
-T = TypeVar("T", bound=np.generic)
-
-SEAM = 1e-6
-"""[m] Parts closer than this are drawn as one: their shared edges agree only to rounding."""
+from physim.palette import Colour
+from physim.scene_model import largest, rings_of, union
+from physim.video.layout import SHIFT, Image
 
 FAR = 0.2
 """Distance of the reference point from the centroid, over the reach, from which it is shown."""
@@ -31,29 +27,20 @@ class Figure:
 
     rings: tuple[FloatArray, ...]
     """outline and holes of the union of its parts"""
-    parts: tuple[FloatArray, ...]
     mark: FloatArray
     """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
-    reach: float
-    """[m] largest distance of a vertex from the reference point"""
     eccentric: bool
     """whether the reference point is far from the centroid, so that it must be shown"""
 
 
 def figure(parts: Sequence[FloatArray]) -> Figure:
     """Prepare a footprint given as convex parts (n, 2)."""
-    polygons = [shapely.make_valid(shapely.Polygon(part)) for part in parts]
-    union = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
-    union = shapely.buffer(union, -SEAM, join_style="mitre")
-    pieces = [p for p in shapely.get_parts(union) if p.geom_type == "Polygon" and not p.is_empty]
-    rings = [
-        shapely.get_coordinates(ring)[:-1] for p in pieces for ring in (p.exterior, *p.interiors)
-    ]
-    middle, size = _widest(max(pieces, key=lambda p: float(p.area)))
+    whole = union(parts)
+    middle, size = _widest(largest(whole))
     mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
-    reach = max(float(np.hypot(*np.asarray(part).T).max()) for part in parts)
-    eccentric = float(shapely.distance(union.centroid, shapely.Point(0.0, 0.0))) > FAR * reach
-    return Figure(tuple(rings), tuple(np.asarray(p) for p in parts), mark, reach, eccentric)
+    reach = np.hypot(*np.concatenate(parts).T).max()
+    eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
+    return Figure(tuple(rings_of(whole)), mark, eccentric)
 
 
 def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
@@ -69,12 +56,11 @@ def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
     return middle, radius
 
 
-class Outline(NamedTuple, Generic[T]):
-    """A robot's pieces (n, 2) at one time."""
+class Outline(NamedTuple):
+    """A robot at one time, in OpenCV's fixed-point pixels."""
 
-    rings: list[NDArray[T]]
-    mark: NDArray[T]
-    parts: list[NDArray[T]]
+    rings: list[NDArray[np.int32]]
+    mark: NDArray[np.int32]
 
 
 class Fleet:
@@ -82,8 +68,7 @@ class Fleet:
 
     def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
         self.figures = [figure(parts) for parts in footprints]
-        self.reach = np.array([shape.reach for shape in self.figures])
-        pieces = [[*s.rings, s.mark, *s.parts] for s in self.figures]
+        pieces = [[*s.rings, s.mark] for s in self.figures]
         flat = [piece for body in pieces for piece in body]
         self._points = np.concatenate(flat)
         self._owner = np.repeat(
@@ -98,26 +83,21 @@ class Fleet:
         turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
         return turned + pose[self._owner, :2]
 
-    def split(self, vertices: NDArray[T]) -> list[Outline[T]]:
-        """Divide vertices (V, 2), in any units, into the pieces of each robot."""
+    def split(self, vertices: NDArray[np.int32]) -> list[Outline]:
+        """Divide vertices (V, 2) into the outlines of each robot."""
         pieces = iter(np.split(vertices, self._ends))
         return [
-            Outline(
-                [next(pieces) for _ in shape.rings],
-                next(pieces),
-                [next(pieces) for _ in shape.parts],
-            )
-            for shape in self.figures
+            Outline([next(pieces) for _ in shape.rings], next(pieces)) for shape in self.figures
         ]
 
 
-def draw_robot(view: Image, outline: Outline[np.int32], colour: Colour, touching: bool) -> None:
+def draw_robot(view: Image, outline: Outline, colour: Colour, touching: bool) -> None:
     """Draw one robot in the colour of its mode, given in OpenCV's fixed-point pixels.
 
     A robot that touches something has a firm outline in the contact colour.
     """
     rings = outline.rings
     cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
-    edge, width = (theme.CONTACT, 3) if touching else (theme.mix(colour, (0, 0, 0), 0.6), 1)
+    edge, width = (palette.CONTACT, 3) if touching else (palette.mix(colour, (0, 0, 0), 0.6), 1)
     cv2.polylines(view, rings, True, edge, width, cv2.LINE_AA, SHIFT)
-    cv2.fillPoly(view, [outline.mark], theme.WHITE, cv2.LINE_AA, SHIFT)
+    cv2.fillPoly(view, [outline.mark], palette.WHITE, cv2.LINE_AA, SHIFT)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import functools
-import unicodedata
 from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.video.theme import INK, WHITE, Colour
+from physim.labels import shortened
+from physim.palette import INK, WHITE, Colour
+from physim.video.layout import Image
 
-Image = NDArray[np.uint8]
+Sprite = tuple[Image, NDArray[np.float32]]
+"""Colour (h, w, 3) and opacity (h, w, 1) from 0 to 1."""
 
 NORMAL, BOLD = 420, 600
 
@@ -20,16 +22,6 @@ NORMAL, BOLD = 420, 600
 @functools.cache
 def _face() -> Any:
     return cv2.FontFace("sans")
-
-
-def clean(text: str) -> str:
-    """Return ``text`` on one line: control characters and unpaired surrogates become spaces.
-
-    An unpaired surrogate (half a character) would crash OpenCV.
-    """
-    bad = {"Cc", "Cs", "Zl", "Zp"}
-    spaced = "".join(" " if unicodedata.category(c) in bad else c for c in text)
-    return " ".join(spaced.split())
 
 
 @functools.lru_cache(maxsize=4096)
@@ -41,18 +33,7 @@ def width(text: str, size: int, weight: int = NORMAL) -> int:
 @functools.lru_cache(maxsize=4096)
 def shorten(text: str, size: int, room: int, weight: int = NORMAL) -> str:
     """Return ``text`` cleaned and, where wider than ``room`` px, cut and ended with an ellipsis."""
-    text = clean(text)[:256]
-    if width(text, size, weight) <= room:
-        return text
-    kept, low, high = "", 0, len(text)
-    while low < high:
-        middle = (low + high + 1) // 2
-        kept = text[:middle].rstrip() + "…"
-        if width(kept, size, weight) <= room:
-            low = middle
-        else:
-            high = middle - 1
-    return text[:low].rstrip() + "…"
+    return shortened(text, lambda cut: width(cut, size, weight) <= room)
 
 
 def write(
@@ -73,7 +54,7 @@ def write(
 
 
 @functools.lru_cache(maxsize=2048)
-def sprite(text: str, size: int, colour: Colour, weight: int = BOLD) -> tuple[Image, Any]:
+def sprite(text: str, size: int, colour: Colour, weight: int = BOLD) -> Sprite:
     """Return a text with a white halo, as colour (h, w, 3) and opacity (h, w, 1) from 0 to 1."""
     wide, high = width(text, size, weight) + 8, size + 10
     ink = np.zeros((high, wide, 3), np.uint8)
@@ -85,7 +66,12 @@ def sprite(text: str, size: int, colour: Colour, weight: int = BOLD) -> tuple[Im
     return tint.astype(np.uint8), opacity.astype(np.float32)
 
 
-def stamp(image: Image, picture: tuple[Image, Any], left: int, top: int) -> None:
+def size_of(picture: Sprite) -> tuple[int, int]:
+    """Return the width and height of a sprite [px]."""
+    return picture[0].shape[1], picture[0].shape[0]
+
+
+def stamp(image: Image, picture: Sprite, left: int, top: int) -> None:
     """Blend a sprite into ``image`` with its corner at (left, top), clipped at the edges."""
     colour, opacity = picture
     high, wide = opacity.shape[:2]

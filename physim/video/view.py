@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
+from physim import palette
 from physim.geometry.shapes import FloatArray
-from physim.video import marks, theme
+from physim.labels import Label, grown, leader, metres
+from physim.timeline import Moment, Timeline
 from physim.video.background import Background
-from physim.video.camera import Camera, Lens, fixed
+from physim.video.camera import Camera
 from physim.video.closest import Pair, closest_pair
 from physim.video.ground import Ground
-from physim.video.labels import Labels, Tag, leader
-from physim.video.layout import Box
-from physim.video.robots import Fleet, Outline, draw_robot
-from physim.video.story import Story
-from physim.video.text import Image, shorten, sprite, stamp
-from physim.video.ticks import metres
+from physim.video.labels import Labels
+from physim.video.layout import ONE, TEXT, TRAIL, Box, Image, Lens, fixed
+from physim.video.marks import (
+    draw_closest,
+    draw_contact,
+    draw_flash,
+    draw_lines,
+    draw_reference_point,
+    draw_target,
+    draw_trail,
+    mark_lasts,
+)
+from physim.video.robots import Fleet, draw_robot
+from physim.video.text import Sprite, shorten, size_of, sprite, stamp
 
 NAMED = 60
 """Robots above which names would only hide the picture."""
@@ -33,130 +42,109 @@ class View:
     of the time.
     """
 
-    def __init__(self, story: Story, world: Ground, box: Box, speed: float, fps: float) -> None:
+    def __init__(
+        self, timeline: Timeline, world: Ground, box: Box, speed: float, fps: float
+    ) -> None:
         """``world`` is the ground that the record shows, ``box`` where the view stands."""
-        self.story, self.box = story, box
-        self.camera = Camera(story, world.extent, box, speed)
+        self.timeline, self.box = timeline, box
+        self.camera = Camera(timeline, world.extent, box, speed)
         self._speed = speed
         self._background = Background(world, self.camera.scale)
-        self._fleet = Fleet(story.record.footprints)
+        self._fleet = Fleet(timeline.record.footprints)
         self._labels = Labels()
-        solid = [stroke.pieces for stroke in world.strokes if stroke.colour == theme.WALL]
+        solid = [stroke.pieces for stroke in world.strokes if stroke.colour == palette.WALL]
         self._walls = np.concatenate(solid)
-        self._names = [shorten(name, theme.TEXT, 110) for name in story.record.names]
-        self._period = max(speed / fps, theme.TRAIL / TRAIL_STEPS)
-        grid = np.arange(int(story.duration / self._period) + 1) * self._period
-        self._history = story.pose(grid)[:, :, :2]
+        self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
+        self._period = max(speed / fps, TRAIL / TRAIL_STEPS)
+        grid = np.arange(int(timeline.duration / self._period) + 1) * self._period
+        self._history = timeline.pose(grid)[:, :, :2]
 
-    def paint(self, image: Image, time: float) -> Pair | None:
-        """Draw into the view's box of ``image``; the closest pair of robots at ``time`` [s]."""
-        pose = self.story.pose(time)
-        vertices = self._fleet.placed(pose)
-        pair = closest_pair(self._fleet.split(vertices), pose, self._fleet.reach)
-        self._paint(self.box.of(image), self.camera.lens(time), time, pose, vertices, pair)
-        return pair
-
-    def _paint(
-        self,
-        view: Image,
-        lens: Lens,
-        time: float,
-        pose: FloatArray,
-        vertices: FloatArray,
-        pair: Pair | None,
-    ) -> None:
-        story = self.story
-        rows = story.decisions(time)
+    def paint(self, image: Image, now: Moment) -> Pair | None:
+        """Draw into the view's box of ``image``; returns the closest pair of robots."""
+        view, lens = self.box.of(image), self.camera.lens(now.time)
+        scene = self.timeline.scene
+        pair = closest_pair(scene.footprints, now.pose, scene.reach)
         self._background.paint(view, lens)
-        bands = min(max(TRAIL_BANDS // story.robots, 4), 16)
-        for index, trail in enumerate(lens.fixed(self._trails(time, pose))):
-            marks.draw_trail(view, trail, theme.robot_colour(index), bands)
-        targets = story.targets(rows)
-        for place, target in zip(pose[:, :2], targets, strict=True):
-            marks.draw_target(view, lens, place, target)
-        touching = story.contacts.touching(time, story.robots)
-        outlines = self._fleet.split(lens.fixed(vertices))
-        for outline, colour, touches in zip(outlines, story.colours(rows), touching, strict=True):
+        bands = min(max(TRAIL_BANDS // self.timeline.robots, 4), 16)
+        for index, trail in enumerate(lens.fixed(self._trails(now))):
+            draw_trail(view, trail, palette.robot_colour(index), bands)
+        for place, target in zip(now.pose[:, :2], now.targets, strict=True):
+            draw_target(view, lens, place, target)
+        touching = self.timeline.contacts.touching(now.time, self.timeline.robots)
+        outlines = self._fleet.split(lens.fixed(self._fleet.placed(now.pose)))
+        for outline, colour, touches in zip(outlines, now.colours, touching, strict=True):
             draw_robot(view, outline, colour, bool(touches))
-        for place, figure in zip(pose[:, :2], self._fleet.figures, strict=True):
+        for place, figure in zip(now.pose[:, :2], self._fleet.figures, strict=True):
             if figure.eccentric:
-                marks.draw_reference_point(view, lens, place)
+                draw_reference_point(view, lens, place)
         if pair is not None:
-            marks.draw_closest(view, lens, pair)
-        self._mark_contacts(view, lens, time)
-        self._write_labels(view, lens, outlines, pair, lens.pixels(targets))
+            draw_closest(view, lens, pair)
+        self._mark_contacts(view, lens, now.time)
+        shapes = [np.concatenate(outline.rings) / ONE for outline in outlines]
+        self._write_labels(view, lens, shapes, pair, lens.pixels(now.targets))
+        return pair
 
     def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
 
         A graze between two samples has a sign of its own.
         """
-        contacts = self.story.contacts
-        recent = contacts.recent(time, marks.mark_lasts(self._speed))
+        contacts = self.timeline.contacts
+        recent = contacts.recent(time, mark_lasts(self._speed))
         for row in recent:
-            age = time - float(contacts.began[row])
-            marks.draw_flash(view, lens, contacts.place[row], age, self._speed)
+            began = float(contacts.began[row])
+            place = lens.pixels(contacts.place_at(row, began))
+            draw_flash(view, place, time - began, self._speed)
         for row in np.union1d(recent, contacts.present(time)):
-            draw = marks.draw_graze if contacts.swept[row] else marks.draw_contact
-            draw(view, lens, contacts.place_at(int(row), time))
+            draw_contact(view, lens.pixels(contacts.place_at(row, time)), bool(contacts.swept[row]))
 
-    def _trails(self, time: float, pose: FloatArray) -> FloatArray:
+    def _trails(self, now: Moment) -> FloatArray:
         """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""
-        first = int(np.ceil(max(time - theme.TRAIL, 0.0) / self._period - 1e-9))
-        last = int(np.floor(time / self._period + 1e-9)) + 1
-        places = np.concatenate((self._history[first:last], pose[None, :, :2]))
+        first = int(np.ceil(max(now.time - TRAIL, 0.0) / self._period - 1e-9))
+        last = int(np.floor(now.time / self._period + 1e-9)) + 1
+        places = np.concatenate((self._history[first:last], now.pose[None, :, :2]))
         return np.ascontiguousarray(places.transpose(1, 0, 2))
 
     def _write_labels(
         self,
         view: Image,
         lens: Lens,
-        outlines: list[Outline[np.int32]],
+        shapes: list[FloatArray],
         pair: Pair | None,
         targets: FloatArray,
     ) -> None:
-        """Names of the robots in view, and the distance of the closest pair."""
+        """Names of the robots in view, and the distance of the closest pair.
+
+        ``shapes`` (n, 2) are the outlines of the robots, and ``targets`` (N, 2), all [px].
+        """
         high, wide = view.shape[:2]
-        shapes = [np.concatenate(outline.rings) / marks.ONE for outline in outlines]
         boxes = np.array([[*s.min(axis=0), *s.max(axis=0)] for s in shapes])
         aims = np.flatnonzero(np.isfinite(targets).all(axis=1))
-        rings = targets[aims]
-        keep_clear = np.concatenate((boxes, np.hstack((rings - 5.0, rings + 5.0))))
-        tags, pictures = [], []
+        rings = grown(np.tile(targets[aims], 2), 5.0)
+        pictures: dict[int, Sprite] = {}
+        labels: dict[int, Label] = {}
         if pair is not None:
-            middle = lens.pixels(pair.points).mean(axis=0)
             span = float(np.hypot(*(pair.points[1] - pair.points[0]))) * lens.scale / 2.0
             text = metres(pair.distance) if pair.distance > 0.0 else "contact"
-            pictures.append(sprite(text, theme.TEXT, theme.INK))
-            reach = min(max(span * 0.2, 8.0), 30.0)
-            key = -1 - pair.a * self.story.robots - pair.b  # another pair chooses anew
-            tags.append(Tag(key, (middle[0], middle[1]), reach, _size(pictures[-1])))
-        if len(boxes) <= NAMED:
-            for index, box in enumerate(boxes):
-                if box[2] < 0 or box[3] < 0 or box[0] > wide or box[1] > high:
-                    continue
-                pictures.append(sprite(self._names[index], theme.TEXT, theme.INK))
-                middle = (box[:2] + box[2:]) / 2.0
-                reach = float(np.hypot(*(shapes[index] - middle).T).max()) * 0.85
-                tags.append(
-                    Tag(
-                        index,
-                        (middle[0], middle[1]),
-                        reach,
-                        _size(pictures[-1]),
-                        shapes[index] - middle,
-                    )
-                )
+            key = -1 - pair.a * self.timeline.robots - pair.b  # another pair chooses anew
+            x, y = lens.pixels(pair.points).mean(axis=0)
+            pictures[key] = sprite(text, TEXT, palette.INK)
+            labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), size_of(pictures[key]))
+        middles = (boxes[:, :2] + boxes[:, 2:]) / 2.0
+        inside = (boxes[:, 2:] >= 0).all(axis=1) & (boxes[:, :2] <= (wide, high)).all(axis=1)
+        for k in np.flatnonzero(inside & (len(boxes) <= NAMED)).tolist():
+            pictures[k] = sprite(self._names[k], TEXT, palette.INK)
+            shape, (x, y) = shapes[k] - middles[k], middles[k]
+            reach = float(np.hypot(*shape.T).max())
+            labels[k] = Label((x, y), reach, size_of(pictures[k]), shape)
         owners = np.concatenate((np.arange(len(boxes)), aims))
         walls = lens.pixels(self._walls)
-        middles = self._labels.place(tags, keep_clear, (wide, high), owners, walls)
-        for tag, picture, at in zip(tags, pictures, middles, strict=True):
-            line = leader(tag, at)
+        places = self._labels.place(
+            labels, np.concatenate((boxes, rings)), (wide, high), owners, walls
+        )
+        for (key, label), at in zip(labels.items(), places, strict=True):
+            line = None if key < 0 else leader(label, at, 2.0 * label.reach)
             if line is not None:
-                cv2.polylines(view, [fixed(line)], False, theme.QUIET, 1, cv2.LINE_AA, theme.SHIFT)
-            left, top = at - np.array(_size(picture)) / 2.0
-            stamp(view, picture, round(left), round(top))
-
-
-def _size(picture: tuple[Image, object]) -> tuple[int, int]:
-    return picture[0].shape[1], picture[0].shape[0]
+                draw_lines(view, fixed(line[None]), palette.QUIET, 1)
+            left, top = at - np.array(label.size) / 2.0
+            stamp(view, pictures[key], round(left), round(top))

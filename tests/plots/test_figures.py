@@ -32,6 +32,7 @@ from physim.plots.trajectories import snapshot_rows, trajectories
 from physim.plots.width import width
 from physim.record import Record, RecordWriter
 from physim.scene import Body
+from physim.timeline import Timeline
 from tests.cli.commands import physim
 from tests.metrics.histories import history
 from tests.records import DECLARED, make_record, make_scene, poses, update_rows
@@ -308,7 +309,7 @@ def test_modes_tell_each_share(record: Record) -> None:
 
 
 def test_snapshots_are_taken_when_asked(record: Record) -> None:
-    assert list(record.time[snapshot_rows(record, 4.0)]) == pytest.approx([0, 4, 8, 12])
+    assert list(record.time[snapshot_rows(Timeline(record), 4.0)]) == pytest.approx([0, 4, 8, 12])
     axis = trajectories(record, 7.0).axes[0]
     assert axis.get_title("right") == "robots every 7 s"
     assert len(axis.get_legend_handles_labels()[1]) >= 3

@@ -12,7 +12,8 @@ from physim.errors import PhysimError
 from physim.metrics import contact_episodes
 from physim.plots import FORMATS, NAMES, contacts, draw
 from physim.plots.contacts import merged
-from physim.plots.distances import MOST_POINTS, distances, thinned
+from physim.plots.distances import distances
+from physim.plots.frame import MOST_POINTS, thinned
 from physim.plots.prediction import prediction, predictions
 from physim.plots.style import CONTACT
 from physim.record import Record

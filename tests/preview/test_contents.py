@@ -20,13 +20,13 @@ def test_starts_and_stops_are_those_of_the_run(name: str) -> None:
     loaded = load_world(name)
     scene = build_scene(loaded)
     seen = shown(loaded.to_yaml())
-    for i, robot in enumerate(seen.robots):
-        assert np.array_equal(robot.pose, scene.start[i])
+    assert np.array_equal(seen.scene.start, scene.start)
+    for i in range(scene.robots):
         low, high = scene.paths.start[i], scene.paths.start[i + 1]
         path = shapely.LineString(scene.paths.points[low:high])
         stop = path.interpolate(scene.stop_station[i])
-        assert np.allclose(robot.stop, (stop.x, stop.y), rtol=0.0, atol=1e-6)
-        assert robot.reach == pytest.approx(scene.shapes.radius[i], abs=1e-12)
+        assert np.allclose(seen.scene.stops[i], (stop.x, stop.y), rtol=0.0, atol=1e-6)
+        assert seen.scene.reach[i] == pytest.approx(scene.shapes.radius[i], abs=1e-12)
 
 
 @pytest.mark.parametrize("name", ["three_robots", "warehouse"])

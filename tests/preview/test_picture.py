@@ -14,16 +14,17 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+import shapely
 from matplotlib.colors import to_rgba
 
 from physim.errors import PhysimError
-from physim.palette import DANGER_AREA, ROBOTS
+from physim.labels import round_step, significant
+from physim.palette import DANGER_AREA, ROBOTS, hexed
 from physim.plots.style import styled
 from physim.preview import save_preview
 from physim.preview.contents import Contents
-from physim.preview.ground_plan import hexed, readable_scale, round_step
+from physim.preview.ground_plan import readable_scale
 from physim.preview.picture import make_figure, shown_of
-from physim.preview.words import metres
 from physim.scene_builder import lay_out
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
@@ -61,20 +62,19 @@ def test_everything_is_at_its_place(style: None) -> None:
     seen = shown(NARROW)
     plan, profile, _ = make_figure(seen).axes
     bodies = [path.vertices[:-1] for path in collection(plan, "robots").get_paths()]
-    for body, robot in zip(bodies, seen.robots, strict=True):
-        assert np.allclose(body[: len(robot.outline)], robot.outline)
-    assert np.allclose(collection(plan, "stops").get_offsets(), [r.stop for r in seen.robots])
+    for body, outline in zip(bodies, seen.scene.starting, strict=True):
+        assert np.allclose(body[: len(outline)], outline)
+    assert np.allclose(collection(plan, "stops").get_offsets(), seen.scene.stops)
     headings = collection(plan, "headings").get_segments()
-    for line, robot in zip(headings, seen.robots, strict=True):
-        assert np.allclose(line[0], robot.pose[:2])
+    for line, pose, reach in zip(headings, seen.scene.start, seen.scene.reach, strict=True):
+        assert np.allclose(line[0], pose[:2])
         way = line[1] - line[0]
-        assert np.arctan2(way[1], way[0]) == pytest.approx(robot.pose[2])
-        assert np.hypot(*way) > robot.reach
+        assert np.arctan2(way[1], way[0]) == pytest.approx(pose[2])
+        assert np.hypot(*way) > reach
     walls = collection(plan, "boundaries").get_segments()
     assert all(np.allclose(a, b) for a, b in zip(walls, seen.scene.boundaries, strict=True))
-    assert np.allclose(
-        collection(plan, "obstacles").get_paths()[0].vertices[:4], seen.scene.obstacles[0]
-    )
+    drawn = shapely.Polygon(collection(plan, "obstacles").get_path().vertices)
+    assert drawn.equals(shapely.Polygon(seen.scene.obstacles[0]))
     (bar,) = collection(plan, "narrowest").get_segments()
     assert np.hypot(*(bar[0] - bar[-1])) == pytest.approx(1.5)
     assert "1.50 m" in [text.get_text() for text in plan.texts]
@@ -82,7 +82,7 @@ def test_everything_is_at_its_place(style: None) -> None:
     assert np.nanmin(curve.get_ydata()) == pytest.approx(1.5)
     level_lines = [line for line in profile.lines if line.get_gid() != "leader"]
     levels = [line.get_ydata()[0] for line in level_lines if len(line.get_ydata()) == 2]
-    reach = max(robot.reach for robot in seen.robots)
+    reach = seen.scene.reach.max()
     assert sorted(levels) == pytest.approx(
         sorted([0.6, 2.0 * reach, 2.0 * seen.scene.safe_distance])
     )
@@ -236,7 +236,7 @@ def test_no_kernel_engine_or_video_is_loaded(tmp_path: Path) -> None:
 
 
 def test_words_and_steps() -> None:
-    assert [metres(v) for v in (5.3, 13.4, 100.0, 3000.0, 0.6, 0.0117)] == [
+    assert [significant(v) for v in (5.3, 13.4, 100.0, 3000.0, 0.6, 0.0117)] == [
         "5.30", "13.4", "100", "3,000", "0.6", "0.0117",
     ]  # fmt: skip
     for length in (0.1, 1.0, 14.0, 270.6, 3000.0):

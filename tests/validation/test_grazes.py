@@ -11,14 +11,13 @@ from physim.contacts import FALSE_CONTACT, Kind, Phase
 from physim.expectations import expectations
 from physim.metrics import contact_episodes, grazes
 from physim.summary import table
+from physim.timeline import Timeline, episodes
 from physim.validation import report, validate
 from physim.validation.findings import GRAZE, REJECTED
 from physim.validation.ledger import work_out
-from physim.video.contacts import episodes
 from physim.video.ground import ground
 from physim.video.legend import GRAZE as GRAZE_SIGN
 from physim.video.legend import signs
-from physim.video.story import Story
 from tests.validation.runs import edited, lane, side_by_side
 
 DEPTH = 4e-4
@@ -89,7 +88,7 @@ def test_the_video_counts_and_marks_it_apart(grazing):
     assert seen.swept.tolist() == [True]
     assert (seen.count(time - 0.01), seen.grazes(time - 0.01)) == (0, 0)
     assert (seen.count(time), seen.grazes(time)) == (1, 1)
-    assert GRAZE_SIGN in signs(Story(grazing), ground(Story(grazing)))
+    assert GRAZE_SIGN in signs(Timeline(grazing), ground(Timeline(grazing)))
 
 
 @pytest.mark.parametrize(

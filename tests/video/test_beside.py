@@ -8,20 +8,21 @@ import numpy as np
 import pytest
 
 import physim
+from physim import palette
 from physim.record import Record
-from physim.video import frame_at, render, theme
+from physim.timeline import Timeline
+from physim.video import frame_at, layout, render
 from physim.video.beside import FOOTER, HEADER, Beside, differences
 from physim.video.ground import ground
 from physim.video.layout import Box
-from physim.video.story import Story
 from physim.video.view import View
 from physim.world_file import parse_world
 from tests.cli.commands import SMALL
 from tests.cli.commands import physim as command
 from tests.video.test_frames import pixels
 
-LEFT = (slice(0, HEADER), slice(0, theme.WIDTH // 2 - 2))
-RIGHT = (slice(0, HEADER), slice(theme.WIDTH // 2 + 2, theme.WIDTH))
+LEFT = (slice(0, HEADER), slice(0, layout.WIDTH // 2 - 2))
+RIGHT = (slice(0, HEADER), slice(layout.WIDTH // 2 + 2, layout.WIDTH))
 BLOCKED = SMALL + "obstacles: [[[8.0, 0.0], [8.5, 0.0], [8.5, 2.0], [8.0, 2.0]]]\n"
 
 
@@ -43,30 +44,31 @@ def blocked() -> Record:
 
 def test_either_half_is_the_view_of_its_own_run(free: Record, blocked: Record) -> None:
     image = frame_at(free, 0.8, beside=blocked, speed=1.0)
-    assert image.shape == (theme.HEIGHT, theme.WIDTH, 3)
-    half, high = (theme.WIDTH - 3) // 2, theme.HEIGHT - HEADER - FOOTER
-    for record, left in ((free, 0), (blocked, theme.WIDTH - half)):
+    assert image.shape == (layout.HEIGHT, layout.WIDTH, 3)
+    half, high = (layout.WIDTH - 3) // 2, layout.HEIGHT - HEADER - FOOTER
+    for record, left in ((free, 0), (blocked, layout.WIDTH - half)):
         box, alone = Box(left, HEADER, half, high), np.zeros_like(image)
-        story = Story(record)
-        View(story, ground(story), box, 1.0, 25.0).paint(alone, 0.8)
+        timeline = Timeline(record)
+        view = View(timeline, ground(timeline), box, 1.0, 25.0)
+        view.paint(alone, timeline.at(0.8))
         assert np.array_equal(box.of(image), box.of(alone))
 
 
 def test_the_header_tells_the_contacts_of_its_run(free: Record, blocked: Record) -> None:
     end = frame_at(free, 2.0, beside=blocked, speed=1.0)
-    assert pixels(end, theme.CONTACT, LEFT) == 0
-    assert pixels(end, theme.CONTACT, RIGHT) > 100
+    assert pixels(end, palette.CONTACT, LEFT) == 0
+    assert pixels(end, palette.CONTACT, RIGHT) > 100
     turned = frame_at(blocked, 2.0, beside=free, speed=1.0)
-    assert pixels(turned, theme.CONTACT, LEFT) > 100
-    assert pixels(turned, theme.CONTACT, RIGHT) == 0
-    assert pixels(frame_at(free, 0.0, beside=blocked, speed=1.0), theme.CONTACT, RIGHT) == 0
+    assert pixels(turned, palette.CONTACT, LEFT) > 100
+    assert pixels(turned, palette.CONTACT, RIGHT) == 0
+    assert pixels(frame_at(free, 0.0, beside=blocked, speed=1.0), palette.CONTACT, RIGHT) == 0
 
 
 def test_a_run_that_is_over_stays_as_it_ended(free: Record, blocked: Record) -> None:
-    painter = Beside(free, blocked, 1.0, 25.0)
+    painter = Beside(Timeline(free), Timeline(blocked), 1.0, 25.0)
     assert painter.duration == pytest.approx(2.0)
-    at_its_end = Beside(blocked, blocked, 1.0, 25.0).frame(1.4)
-    below = slice(HEADER, theme.HEIGHT - FOOTER), slice(theme.WIDTH // 2 + 2, theme.WIDTH)
+    at_its_end = Beside(Timeline(blocked), Timeline(blocked), 1.0, 25.0).frame(1.4)
+    below = slice(HEADER, layout.HEIGHT - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
     assert np.array_equal(painter.frame(2.0)[below], at_its_end[below])
 
 

@@ -9,34 +9,34 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim import palette
 from physim.contacts import Phase
 from physim.declared import PAPER_MODES, SAFE, Mode
 from physim.errors import PhysimError
 from physim.palette import rgb
-from physim.video import frame_at, panel, theme
+from physim.timeline import Timeline
+from physim.video import frame_at, layout, panel
 from physim.video.closest import closest_pair
 from physim.video.painter import Painter
-from physim.video.robots import Fleet
-from physim.video.story import Story
 from tests.records import make_record
 
-VIEW = (slice(0, theme.HEIGHT - theme.STRIP_HEIGHT), slice(0, theme.WIDTH - theme.PANEL_WIDTH))
+VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - layout.PANEL_WIDTH))
 
 
-def pixels(image: Any, colour: theme.Colour, part: Any = VIEW) -> int:
+def pixels(image: Any, colour: palette.Colour, part: Any = VIEW) -> int:
     return int((image[part] == np.array(colour, np.uint8)).all(axis=2).sum())
 
 
 def test_same_record_same_frames(made: Callable[..., Any], tmp_path: Any) -> None:
     again = make_record(tmp_path / "again.h5", 3, 4.0, dt=0.02)
-    first, second = Painter(made(3), 1.0, 25.0), Painter(again, 1.0, 25.0)
+    first, second = Painter(Timeline(made(3)), 1.0, 25.0), Painter(Timeline(again), 1.0, 25.0)
     for time in np.arange(0.0, 4.0, 0.2):
         assert np.array_equal(first.frame(time), second.frame(time))
     again.close()
 
 
 def test_a_still_is_the_frame_of_its_time(made: Callable[..., Any]) -> None:
-    still, frame = frame_at(made(3), 0.0), Painter(made(3), 1.0, 25.0).frame(0.0)
+    still, frame = frame_at(made(3), 0.0), Painter(Timeline(made(3)), 1.0, 25.0).frame(0.0)
     assert still.shape == (720, 1280, 3)
     assert still.dtype == np.uint8
     assert np.array_equal(still, frame)
@@ -53,7 +53,7 @@ def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., A
     record = made(3)  # robots 0 and 1 touch from 1.2 s on
     began = float(record.contacts["step"][0]) * record.dt
     assert began == pytest.approx(1.2)
-    counts = [pixels(frame_at(record, began + t), theme.CONTACT) for t in (-0.06, 0.0, 0.8, 1.1)]
+    counts = [pixels(frame_at(record, began + t), palette.CONTACT) for t in (-0.06, 0.0, 0.8, 1.1)]
     assert counts[0] == 0
     assert counts[1] > 150, "flash, mark and outlines"
     assert counts[2] > 30, "the mark stays for a second"
@@ -69,35 +69,35 @@ def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
     contacts["step"], contacts["b"], contacts["phase"] = steps, 1, Phase.STAYS
     contacts["phase"][0], contacts["phase"][-1] = Phase.BEGAN, Phase.ENDED
     contacts["x"], contacts["y"] = np.linspace(4.0, 12.0, len(steps)), 2.5
-    painter = Painter(changed(record, contacts=contacts), 1.0, 25.0)
+    painter = Painter(Timeline(changed(record, contacts=contacts)), 1.0, 25.0)
     for time, marked in ((0.3, False), (0.4, True), (1.6, True), (2.9, True), (3.1, False)):
         x = np.interp(time, [0.4, 3.0], [4.0, 12.0])
         at = painter._view.camera.lens(time).pixels(np.array([x, 2.5]))
         column, row = np.rint(at).astype(int).tolist()
         around = (slice(row - 8, row + 9), slice(column - 8, column + 9))
-        found = pixels(painter.frame(time), theme.CONTACT, around)
+        found = pixels(painter.frame(time), palette.CONTACT, around)
         assert (found > 40) == marked, f"at {time} s: {found} px"
 
 
 def test_the_time_axis_keeps_when_contacts_began(made: Callable[..., Any]) -> None:
-    painter = Painter(made(3), 1.0, 25.0)
-    below = (slice(theme.HEIGHT - theme.STRIP_HEIGHT, None), VIEW[1])
-    shown = [pixels(painter.frame(t), theme.CONTACT, below) for t in (1.1, 1.2, 2.3, 2.4, 4.0)]
+    painter = Painter(Timeline(made(3)), 1.0, 25.0)
+    below = (slice(layout.HEIGHT - layout.STRIP_HEIGHT, None), VIEW[1])
+    shown = [pixels(painter.frame(t), palette.CONTACT, below) for t in (1.1, 1.2, 2.3, 2.4, 4.0)]
     one = shown[1]
     assert shown == [0, one, one, 2 * one, 2 * one]
     assert one > 10
 
 
 def test_a_mark_lasts_half_a_second_of_video(made: Callable[..., Any]) -> None:
-    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=4.0), theme.CONTACT) > 30
-    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=1.0), theme.CONTACT) == 0
+    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=4.0), palette.CONTACT) > 30
+    assert pixels(frame_at(made(3), 1.2 + 1.1, speed=1.0), palette.CONTACT) == 0
 
 
 def test_the_closest_pair_is_joined_by_a_line(made: Callable[..., Any]) -> None:
-    painter = Painter(made(3), 1.0, 25.0)
-    picture, pose = painter.frame(2.0), painter.story.pose(2.0)
-    fleet = Fleet(made(3).footprints)
-    pair = closest_pair(fleet.split(fleet.placed(pose)), pose, fleet.reach)
+    painter = Painter(Timeline(made(3)), 1.0, 25.0)
+    picture, pose = painter.frame(2.0), painter.timeline.pose(2.0)
+    scene = painter.timeline.scene
+    pair = closest_pair(scene.footprints, pose, scene.reach)
     assert pair is not None
     x, y = np.rint(painter._view.camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
     assert picture[y - 1 : y + 2, x - 1 : x + 2].min() < 60
@@ -119,16 +119,16 @@ def test_robots_have_the_colour_of_their_mode(
         assert not any(pixels(picture, c) for c in others)
 
 
-BELOW = (slice(theme.HEIGHT - theme.STRIP_HEIGHT + 4, None), VIEW[1])
+BELOW = (slice(layout.HEIGHT - layout.STRIP_HEIGHT + 4, None), VIEW[1])
 
 
 def test_one_robot_has_a_strip_of_its_deviation(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
-    assert "deviation" in Story(made(1)).curves.title
+    assert "deviation" in Timeline(made(1)).curves.title
     picture = frame_at(made(1), 3.9)
-    assert pixels(picture, theme.WHITE, BELOW) > 100000
-    assert pixels(picture, theme.robot_colour(0), BELOW) > 500
+    assert pixels(picture, palette.WHITE, BELOW) > 100000
+    assert pixels(picture, palette.robot_colour(0), BELOW) > 500
     updates = made(1).updates.copy()
     updates["deviation"] *= -1.0
     turned = frame_at(changed(made(1), updates=updates), 3.9)
@@ -143,7 +143,7 @@ def test_the_strip_rises_with_the_error(
     updates["formation_error"] = 1.0 - updates["robot"]
     picture = frame_at(changed(made(3), updates=updates), 3.9)[BELOW]
     rows = [
-        np.median(np.nonzero((picture == np.array(theme.robot_colour(i))).all(axis=2))[0])
+        np.median(np.nonzero((picture == np.array(palette.robot_colour(i))).all(axis=2))[0])
         for i in range(3)
     ]
     assert rows[0] < rows[1] - 10 < rows[2] - 20
@@ -174,24 +174,27 @@ def test_an_overlap_is_told_as_one_in_the_panel(
 def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
     record = made(3)
     rows = np.arange(3)
-    formation = Story(record).curves
+    formation = Timeline(record).curves
     assert formation.title == "formation error [m]"
-    assert formation.values(rows).tolist() == record.updates["formation_error"][:3].tolist()
+    assert (
+        Timeline(record).values(formation.column, rows).tolist()
+        == record.updates["formation_error"][:3].tolist()
+    )
     updates = record.updates.copy()
     updates["formation_error"] = np.nan
     for text in ("name: x", "name: x\nformation: null"):
-        assert "deviation" in Story(changed(record, world_text=text)).curves.title
-    without = Story(changed(record, updates=updates))
+        assert "deviation" in Timeline(changed(record, world_text=text)).curves.title
+    without = Timeline(changed(record, updates=updates))
     assert without.curves.title == "deviation from the path, left positive [m]"
-    assert without.curves.values(rows).tolist() == updates["deviation"][:3].tolist()
+    assert without.values(without.curves.column, rows).tolist() == updates["deviation"][:3].tolist()
     updates["deviation"] = np.nan
-    assert Story(changed(record, updates=updates)).curves is None
+    assert Timeline(changed(record, updates=updates)).curves is None
 
 
 def test_names_come_when_the_curves_have_begun(made: Callable[..., Any]) -> None:
     beside = (BELOW[0], slice(100, VIEW[1].stop))  # right of the cursor
-    painter = Painter(made(3), 1.0, 25.0)
-    ink = [pixels(painter.frame(t), theme.robot_colour(2), beside) for t in (0.0, 0.08, 0.16)]
+    painter = Painter(Timeline(made(3)), 1.0, 25.0)
+    ink = [pixels(painter.frame(t), palette.robot_colour(2), beside) for t in (0.0, 0.08, 0.16)]
     assert ink[:2] == [0, 0]
     assert ink[2] > 10
 
@@ -202,7 +205,7 @@ def test_without_anything_to_show_there_is_no_strip(
     updates = made(3).updates.copy()
     updates["formation_error"] = updates["deviation"] = np.nan
     picture = frame_at(changed(made(3), updates=updates), 2.0)
-    assert pixels(picture, theme.WHITE, BELOW) < 5000
+    assert pixels(picture, palette.WHITE, BELOW) < 5000
 
 
 def test_a_record_without_decisions_or_areas(
@@ -210,7 +213,7 @@ def test_a_record_without_decisions_or_areas(
 ) -> None:
     record = made(3)
     bare = changed(record, updates=record.updates[:0], contacts=record.contacts[:0])
-    assert pixels(frame_at(bare, 2.0), theme.UNDECIDED) > 300
+    assert pixels(frame_at(bare, 2.0), palette.UNDECIDED) > 300
     open_field = changed(record, accessible=[], safe=[])
     assert frame_at(open_field, 2.0).shape == (720, 1280, 3)
 
@@ -263,5 +266,5 @@ def test_places_far_from_the_origin(made: Callable[..., Any], changed: Callable[
         reference=record.reference._replace(points=record.reference.points + away),
     )  # fmt: skip
     here, there = frame_at(record, 2.0), frame_at(moved, 2.0)
-    for colour in (theme.SAFE_AREA, theme.DANGER_AREA, rgb(SAFE.colour)):
+    for colour in (palette.SAFE_AREA, palette.DANGER_AREA, rgb(SAFE.colour)):
         assert pixels(there, colour) == pytest.approx(pixels(here, colour), rel=0.05)

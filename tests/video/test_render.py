@@ -9,12 +9,14 @@ import av
 import numpy as np
 import pytest
 
+from physim import palette
 from physim.declared import AT_STOP
 from physim.errors import PhysimError
 from physim.palette import rgb
-from physim.video import frame_at, render, theme
+from physim.timeline import Timeline
+from physim.video import frame_at, render
 from physim.video.painter import Painter
-from physim.video.story import frame_times, playback_speed
+from physim.video.render import frame_times, playback_speed
 
 
 def decoded(path: Path) -> list[Any]:
@@ -59,7 +61,7 @@ def test_the_decoded_picture_is_the_drawn_one(made: Callable[..., Any], tmp_path
     shown = decoded(path)[0].reformat(format="rgb24", src_colorspace="ITU601").to_ndarray()
     drawn = frame_at(record, 0.0, fps=1.0, speed=1.0)
     assert np.abs(shown.astype(int) - drawn).mean() < 3.0
-    for colour in (theme.SAFE_AREA, theme.DANGER_AREA, theme.OUTSIDE):
+    for colour in (palette.SAFE_AREA, palette.DANGER_AREA, palette.OUTSIDE):
         flat = (drawn == colour).all(axis=2)
         assert flat.sum() > 10_000
         assert np.abs(np.median(shown[flat], axis=0) - colour).max() <= 4
@@ -72,7 +74,7 @@ def test_the_last_picture_stays_and_shows_the_last_decisions(
     updates = record.updates.copy()
     updates["step"][-3:] = record.steps[-1]
     updates["mode"][-3:] = 3
-    painter = Painter(changed(record, updates=updates), 4.0, 10.0)
+    painter = Painter(Timeline(changed(record, updates=updates)), 4.0, 10.0)
     arrived = (painter.frame(4.0) == rgb(AT_STOP.colour)).all(axis=2).sum()
     before = (painter.frame(3.9) == rgb(AT_STOP.colour)).all(axis=2).sum()
     assert arrived > before + 900, "three robots have the colour of their last decision"

@@ -8,15 +8,15 @@ import pytest
 
 from physim.contacts import CONTACT, Kind, Phase
 from physim.declared import PAPER_MODES, Mode
-from physim.video.contacts import episodes
-from physim.video.story import Story, frame_times
+from physim.timeline import Timeline, episodes
+from physim.video.render import frame_times
 
 
 def test_the_nearest_sample_is_shown(made: Callable[..., Any], changed: Callable[..., Any]) -> None:
     record = made(1)
-    story = Story(changed(record, time=np.array([0.0, 1.0, 3.0]), pose=record.pose[:3]))
+    timeline = Timeline(changed(record, time=np.array([0.0, 1.0, 3.0]), pose=record.pose[:3]))
     times = np.array([-1.0, 0.0, 0.5, 0.51, 1.9, 2.0, 2.1, 9.0])
-    assert story.sample(times).tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
+    assert timeline.sample(times).tolist() == [0, 0, 0, 1, 1, 1, 2, 2]
 
 
 def test_the_last_decision_at_or_before_holds(
@@ -24,12 +24,12 @@ def test_the_last_decision_at_or_before_holds(
 ) -> None:
     updates = made(3).updates[:4].copy()
     updates["robot"], updates["step"], updates["mode"] = [0, 1, 0, 1], [0, 5, 10, 10], [0, 1, 2, 3]
-    story = Story(changed(made(3), updates=updates, dt=0.1))
-    assert story.decisions(0.0).tolist() == [0, -1, -1]
-    assert story.decisions(0.99).tolist() == [0, 1, -1]
-    assert story.decisions(1.0).tolist() == [2, 3, -1]
-    assert story.modes(story.decisions(1.0)).tolist() == [2, 3, -1]
-    assert np.isnan(story.targets(story.decisions(1.0))[2]).all()
+    timeline = Timeline(changed(made(3), updates=updates, dt=0.1))
+    assert timeline.decisions(0.0).tolist() == [0, -1, -1]
+    assert timeline.decisions(0.99).tolist() == [0, 1, -1]
+    assert timeline.decisions(1.0).tolist() == [2, 3, -1]
+    assert timeline.modes(timeline.decisions(1.0)).tolist() == [2, 3, -1]
+    assert np.isnan(timeline.at(1.0).targets[2]).all()
 
 
 def test_frames_go_from_the_start_to_the_end_and_stay_there() -> None:
@@ -44,14 +44,17 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     began, stays, ended = Phase.BEGAN, Phase.STAYS, Phase.ENDED
     rows = [(10, 0, 1, began), (11, 0, 1, stays), (11, 1, 4, began), (12, 0, 1, ended)]
     rows += [(20, 0, 1, began), (30, 0, 2, began)]
-    table = np.zeros(len(rows), CONTACT)
-    table["step"], table["a"], table["b"], table["phase"] = np.array(rows).T
-    table["x"] = np.arange(len(rows))
-    table["kind"][-1] = Kind.SWEPT
+    last = int(made(3).steps[-1])
+    held = [(step, 1, 4, stays) for step in range(12, last + 1)]
+    held += [(step, 0, 1, stays) for step in range(21, last + 1)]
+    table = np.zeros(len(rows) + len(held), CONTACT)
+    table["step"], table["a"], table["b"], table["phase"] = np.array(rows + held).T
+    table["x"][: len(rows)], table["x"][len(rows) :] = np.arange(len(rows)), 9.0
+    table["kind"][len(rows) - 1] = Kind.SWEPT
     record = changed(made(3), contacts=table, dt=0.1)
     found = episodes(record)
     assert found.began.tolist() == pytest.approx([1.0, 1.1, 2.0, 3.0])
-    assert found.place[:, 0].tolist() == [0.0, 2.0, 4.0, 5.0]
+    assert found.places[found.first, 0].tolist() == [0.0, 2.0, 4.0, 5.0]
     assert [found.count(t) for t in (0.9, 1.0, 1.1, 2.5, 3.0)] == [0, 1, 2, 3, 4]
     assert found.touching(1.15, 3).tolist() == [True, True, False]
     assert found.touching(1.2, 3).tolist() == [False, True, False], "0 and 1 parted at 1.2 s"
@@ -62,14 +65,14 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     assert [found.present(t).tolist() for t in (0.9, 1.0, 1.15, 1.2)] == [[], [0], [0, 1], [1]]
     places = [found.place_at(0, t)[0] for t in (0.5, 1.0, 1.09, 1.1, 9.0)]
     assert places == [0.0, 0.0, 0.0, 1.0, 1.0], "the last row before it ended"
-    assert found.place_at(2, 2.5)[0] == 4.0, "the next episode of the same pair"
+    assert [found.place_at(2, t)[0] for t in (2.0, 2.5)] == [4.0, 9.0], "the next of that pair"
 
 
 def test_the_modes_that_the_controller_declares_are_explained(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:
     record, updates = made(2), made(2).updates.copy()
-    assert Story(record).shown_modes == list(range(len(PAPER_MODES)))
+    assert Timeline(record).explained_modes == list(range(len(PAPER_MODES)))
     many = tuple(Mode(f"m{k}", "#123456") for k in range(40))
     for given, modes, shown in (
         (0, many[:5], [0, 1, 2, 3, 4]),
@@ -78,7 +81,7 @@ def test_the_modes_that_the_controller_declares_are_explained(
         (-1, (), []),
     ):
         updates["mode"] = given
-        assert Story(changed(record, updates=updates, modes=modes)).shown_modes == shown
+        assert Timeline(changed(record, updates=updates, modes=modes)).explained_modes == shown
 
 
 def test_who_has_arrived_is_told_by_the_motion(
@@ -86,5 +89,5 @@ def test_who_has_arrived_is_told_by_the_motion(
 ) -> None:
     updates = made(3).updates.copy()
     updates["mode"] = 3
-    story = Story(changed(made(3), updates=updates, arrived=np.array([50, -1, 100]), dt=0.02))
-    assert [story.arrived(time) for time in (0.0, 0.99, 1.0, 2.0, 4.0)] == [0, 0, 1, 2, 2]
+    timeline = Timeline(changed(made(3), updates=updates, arrived=np.array([50, -1, 100]), dt=0.02))
+    assert [timeline.arrived(time) for time in (0.0, 0.99, 1.0, 2.0, 4.0)] == [0, 0, 1, 2, 2]

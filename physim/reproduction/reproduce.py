@@ -14,8 +14,7 @@ from physim.reproduction.claims import PAIR_TIMES, Part
 from physim.reproduction.claims.claim import Claim
 from physim.reproduction.html import html
 from physim.reproduction.jobs import PAPER
-from physim.reproduction.markdown import markdown
-from physim.reproduction.page import TITLE, page
+from physim.reproduction.page import TITLE, markdown
 from physim.reproduction.plan import (
     Followers,
     Plan,
@@ -63,12 +62,8 @@ def reproduce(
 
 def pages(report: Report, folder: Path) -> dict[str, str]:
     """Texts of the files that tell the report, by name; pictures are read from ``folder``."""
-    blocks = page(report)
-    return {
-        MARKDOWN: markdown(blocks),
-        HTML: html(blocks, TITLE, folder),
-        JSON: report.to_json(),
-    }
+    text = markdown(report)
+    return {MARKDOWN: text, HTML: html(text, TITLE, folder), JSON: report.to_json()}
 
 
 def _part_section(part: Part, plan: Plan, found: dict[Any, Any]) -> Section:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ Measures = Mapping[str, float]
 """Figures of one run by name; nan where one has no meaning for it."""
 
 
-class Outcome(Enum):
+class Outcome(StrEnum):
     """How what was measured stands to what was claimed."""
 
     MET = "met"

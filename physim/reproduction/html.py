@@ -108,7 +108,7 @@ class _Renderer(RendererHTML):
 
 def _is_figure(children: Sequence[Token]) -> bool:
     """Whether a paragraph is a picture or a video."""
-    return len(children) == 1 and children[0].type == "image" or any(map(_is_film, children[:1]))
+    return (len(children) == 1 and children[0].type == "image") or any(map(_is_film, children[:1]))
 
 
 def _is_film(token: Token) -> bool:

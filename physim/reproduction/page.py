@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from urllib.parse import quote
 
 from physim.errors import plural
-from physim.reproduction.report import Report, Row, Section
-from physim.reproduction.study import Outcome
+from physim.reproduction.report import Report, Section
+from physim.reproduction.study import Outcome, Verdict
 
 TITLE = "The paper, reproduced"
 SPECIAL = re.compile(r"[\\`*_{}\[\]<>#|~$&]")
@@ -100,7 +100,7 @@ def _section(section: Section) -> Iterator[str]:
         yield f"{fence}sh\n{lines}\n{fence}"
 
 
-def _verdicts(rows: Sequence[Row]) -> str:
+def _verdicts(rows: Sequence[Verdict]) -> str:
     """Table of a section: columns that all rows leave empty are left out."""
     columns = {
         "claim": [_claim(row) for row in rows],
@@ -120,7 +120,7 @@ def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
 
-def _claim(row: Row) -> str:
+def _claim(row: Verdict) -> str:
     end = "" if row.claim.endswith(".") else "."
     return _plain(f"{row.claim}{end} {row.remark}" if row.remark else row.claim)
 

@@ -14,15 +14,33 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from physim.errors import PhysimError
-from physim.reproduction.jobs import Job
 
 POLL_SECONDS = 0.1
 LAST_SECONDS = 10.0
 """[s] A worker has to end after it was told to; then it is killed."""
 MOST_WORKERS = 8
 
-Follow = Callable[[Any, Any], Iterable[tuple[Any, Job]]]
-"""Jobs with their keys that the result of a job (key, result) makes possible."""
+Stop = Callable[[], bool]
+"""Whether to end early."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of work for a worker process."""
+
+    note: str
+    """a few words for a progress bar"""
+    work: Callable[..., Any]
+    """module-level function of what is given and of a `Stop`; its result is None when stopped"""
+    given: tuple[Any, ...] = ()
+
+    def do(self, stop: Stop) -> Any:
+        """Result of the work."""
+        return self.work(*self.given, stop)
+
+
+Follow = Callable[[Any, dict[Any, Any]], Iterable[tuple[Any, Job]]]
+"""Jobs with their keys that a result makes possible: of its key and all results so far."""
 
 
 def worker_count() -> int:
@@ -35,7 +53,7 @@ def do_all(
     jobs: Iterable[tuple[Any, Job]],
     follow: Follow,
     workers: int,
-    stop: Callable[[], bool],
+    stop: Stop,
     progress: Callable[[int, int, str], None],
 ) -> dict[Any, Any]:
     """Results of jobs by key, with those that follow from them, which come first.
@@ -60,7 +78,7 @@ def do_all(
                     key, result = one.end()
                     if result is not None:
                         done[key] = result
-                        waiting.extendleft(reversed(list(follow(key, result))))
+                        waiting.extendleft(reversed(list(follow(key, done))))
             if stop():
                 halt.set()
     return done

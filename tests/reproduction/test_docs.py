@@ -15,12 +15,12 @@ from dataclasses import replace
 import pytest
 
 from physim.recording import simulate
-from physim.reproduction.claims import Part, measures, parts
-from physim.reproduction.claims.claim import Claim
+from physim.reproduction.claims import measures, parts
+from physim.reproduction.claims.claim import Claim, Part
 from physim.reproduction.claims.tolerances import ORDER
-from physim.reproduction.report import Report, Row
+from physim.reproduction.report import Report
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Measures, Outcome
+from physim.reproduction.study import Measures, Outcome, Verdict
 from physim.world_file import load_world
 from tests import reproduction_docs as docs
 
@@ -49,7 +49,7 @@ def fresh(world: str) -> Measures:
         return measures(record)
 
 
-def claims_of(part: Part, report: Report) -> list[tuple[Claim, Row]]:
+def claims_of(part: Part, report: Report) -> list[tuple[Claim, Verdict]]:
     section = next(one for one in report.sections if one.key == part.figure)
     return list(zip(part.claims, section.rows, strict=True))
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from physim.reproduction.studies.estimates import estimate, freely, share_text
+from physim.reproduction.studies.estimates import count, estimate, share_text
 from physim.reproduction.studies.fits import time_constant
 
 
@@ -41,7 +41,7 @@ def test_text() -> None:
 
 
 def test_shares() -> None:
-    assert freely([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
+    assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
     assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"
 
 

@@ -13,8 +13,8 @@ from markdown_it import MarkdownIt
 from physim.errors import PhysimError
 from physim.reproduction.html import html
 from physim.reproduction.page import anchor_of, markdown
-from physim.reproduction.report import Report, Row, Section
-from physim.reproduction.study import Outcome
+from physim.reproduction.report import Report, Section
+from physim.reproduction.study import Outcome, Verdict
 
 PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -32,7 +32,7 @@ TAGS = {
 
 
 def report(text: str, outcome: Outcome = Outcome.NOT_MET) -> Report:
-    row = Row(text, text, text, outcome, text, text, text)
+    row = Verdict(text, text, text, outcome, text, text, text)
     section = Section(
         "1", f"Figure 1: {text}", text, (f"physim run {text}",), (row,),
         ("figures/a b.png",), (text,), ("w&/video.mp4",), text,
@@ -89,7 +89,9 @@ def test_names_in_html_are_only_names(name: str, folder: Path) -> None:
 
 
 def test_raw_html_is_shown_and_not_followed(folder: Path) -> None:
-    seen = Reader(html("<b>x</b> <img src=y onerror=z>\n\n<script>\n\n[q](javascript:r)", "t", folder))
+    seen = Reader(
+        html("<b>x</b> <img src=y onerror=z>\n\n<script>\n\n[q](javascript:r)", "t", folder)
+    )
     assert not {"b", "img", "script", "a"} & {tag for tag, _ in seen.tags}
 
 
@@ -143,6 +145,10 @@ def test_claims_that_are_met_are_not_told_as_differences() -> None:
 def test_report_comes_back_from_json() -> None:
     given = report(HOSTILE)
     assert Report.from_json(given.to_json()) == given
-    for wrong in ("", "[]", "{}", given.to_json().replace("physim-reproduction", "other")):
+    text = given.to_json()
+    unknown = text.replace('"remark":', '"comment": "", "remark":')
+    missing = text.replace('"reported":', '"comment":')
+    other = text.replace("physim-reproduction", "other")
+    for wrong in ("", "[]", "{}", other, unknown, missing, text.replace("not met", "never met")):
         with pytest.raises(PhysimError, match="no reproduction of this version"):
             Report.from_json(wrong)

@@ -11,13 +11,11 @@ from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
 from physim.reproduction.study import Measures
 
-WORDS = "words"
-"""Stands in the place of a figure's number."""
 FEW = 0.5
 """[-] "Low": at most this share of what deciding at every physics step would take."""
 
 
-def measure(record: Record) -> Measures:
+def measure_effort(record: Record) -> Measures:
     """Messages, collision-time evaluations, update intervals and the time to finish.
 
     As if every robot had decided at every physics step, with the neighbours that it considered:
@@ -43,11 +41,11 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims() -> tuple[Claim, ...]:
+def claims_in_words() -> tuple[Claim, ...]:
     """Claims that the paper makes in words about the ten robots, without a figure."""
     return (
         Claim(
-            WORDS, "Event-triggered updates keep communication low (messages: one for each "
+            "Event-triggered updates keep communication low (messages: one for each "
             "considered robot and decision)", "low, no figure given",
             (
                 Quantity("messages", "messages", 0),
@@ -58,7 +56,7 @@ def claims() -> tuple[Claim, ...]:
             "interval of 0.2 s needs about as few.",
         ),
         Claim(
-            WORDS, "Event-triggered updates keep computing low (collision-time evaluations)",
+            "Event-triggered updates keep computing low (collision-time evaluations)",
             "low, no figure given",
             (
                 Quantity("evaluations", "evaluations", 0),
@@ -68,14 +66,14 @@ def claims() -> tuple[Claim, ...]:
             "As for messages.",
         ),
         Claim(
-            WORDS, "Collision times adapt the update interval (14)", "no figure given",
+            "Collision times adapt the update interval (14)", "no figure given",
             (Quantity("shorter_intervals", "%", 2, "intervals shorter than the longest:"),),
             holds(lambda run: run["shorter_intervals"] > 0.0),
             "Intervals are beta times the shortest collision time, 0.2 s at most; where it is "
             "long, as most of the time, they are 0.2 s. One more decision falls on arrival.",
         ),
         Claim(
-            WORDS, "Less conservative, shorter operation time", "no figure given",
+            "Less conservative, shorter operation time", "no figure given",
             (
                 Quantity("time_to_finish", "s", 1, "time to finish"),
                 Quantity("time_at_steady_speed", "s", 1, "longest way at 1 m/s"),

@@ -16,7 +16,7 @@ from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
 from physim.reproduction.study import Measures
 
 
-def measure(record: Record) -> Measures:
+def measure_space(record: Record) -> Measures:
     """Areas, how near the safe one comes to walls, width along the first robot's path."""
     whole, safe = (_area(rings) for rings in (record.accessible, record.safe))
     course = metrics.corridor_width(record)
@@ -33,11 +33,11 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims_of_three() -> tuple[Claim, ...]:
+def claims_of_figure_3a() -> tuple[Claim, ...]:
     """Figure 3a: areas."""
     return (
         Claim(
-            "3a", "The accessible space is parted into a safe area, at least L from every "
+            "The accessible space is parted into a safe area, at least L from every "
             "boundary, and a danger area (Fig. 3a)", "safe green, danger red",
             (
                 Quantity("safe_share", "%", 1, "safe"),
@@ -53,13 +53,13 @@ def claims_of_three() -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def claims_of_ten() -> tuple[Claim, ...]:
+def claims_of_figure_4() -> tuple[Claim, ...]:
     """Figure 4: corridor width along Robot 1's path."""
     return (
         _width("width_min", "narrowest", 5.3),
         _width("width_max", "widest", 13.4),
         Claim(
-            "4", "At the narrowest place two robots pass side by side, at the widest up to four "
+            "At the narrowest place two robots pass side by side, at the widest up to four "
             "(Fig. 4)", "2 and 4",
             (
                 Quantity("abreast_min", "", 0, "narrowest:"),
@@ -77,7 +77,7 @@ def claims_of_ten() -> tuple[Claim, ...]:
 
 def _width(key: str, word: str, reported: float) -> Claim:
     return Claim(
-        "4", f"Corridor width along Robot 1's path, {word} place (Fig. 4)", f"{reported} m",
+        f"Corridor width along Robot 1's path, {word} place (Fig. 4)", f"{reported} m",
         (Quantity(key, "m", 2),),
         holds(lambda run: abs(run[key] - reported) <= tol.WIDTH),
         "Shortest distance to the left plus shortest distance to the right wall, every 0.1 m.",

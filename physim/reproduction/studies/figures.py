@@ -11,6 +11,12 @@ from physim.metrics import measure as take
 from physim.metrics.modes import time_under_way
 from physim.record import Record
 
+GROUP = (
+    "contacts", "shortest_distance", "shortest_boundary_distance", "farthest_distance", "finished",
+    "time_to_finish", "danger_share", "mode_switches", "averaged_speed_min", "formation_error_peak",
+)  # fmt: skip
+"""Metrics that experiments with a group compare."""
+
 
 def figures(record: Record, *names: str) -> dict[str, float]:
     """Metrics by name; nan where one has no meaning for the run."""
@@ -19,16 +25,15 @@ def figures(record: Record, *names: str) -> dict[str, float]:
     return {name: _number(value) for name, value in values.items()}
 
 
-def safety(record: Record) -> dict[str, float]:
-    """Contacts, and the shortest distance [m] of any robot to another or to a wall."""
-    found = figures(record, "contacts", "shortest_distance", "shortest_boundary_distance")
-    kept = (found["shortest_distance"], found["shortest_boundary_distance"])
-    known = [value for value in kept if not math.isnan(value)]
-    return {
-        "contacts": found["contacts"],
-        "kept": min(known) if known else math.nan,
-        "between_robots": found["shortest_distance"],
-    }
+def measure_group(record: Record) -> dict[str, float]:
+    """What experiments with a group compare: safety, arrival, modes, formation and work.
+
+    ``kept`` is the shortest distance [m] of any robot to another or to a wall.
+    """
+    found = figures(record, *GROUP)
+    distances = (found["shortest_distance"], found["shortest_boundary_distance"])
+    kept = min((value for value in distances if not math.isnan(value)), default=math.nan)
+    return {**found, "kept": kept, **rule_shares(record), **work(record)}
 
 
 def rule_shares(record: Record) -> dict[str, float]:

@@ -14,13 +14,12 @@ from physim.reproduction.jobs import (
     Measure,
     draw_plot,
     draw_study,
-    keep_record,
-    measure_run,
     render_film,
+    run,
 )
 from physim.reproduction.runner import Job
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Study, Table
+from physim.reproduction.study import Arm, Study, Table
 
 SEEDS, QUICK_SEEDS = 100, 5
 """of each world of the paper"""
@@ -60,8 +59,8 @@ class Plan:
     def jobs(self, folder: Path) -> Iterator[tuple[Any, Job]]:
         """Runs with their keys: those for pictures first, each run once whoever needs it."""
         for world in self.worlds:
-            given = (world, folder / world / "record.h5")
-            yield ("record", world), Job(f"{world}, record", keep_record, given)
+            given = (Arm("", world), None, (measures,), folder / world / "record.h5")
+            yield ("record", world), Job(f"{world}, record", run, given)
         wanted: dict[Any, dict[str, Measure]] = {}
         experiments: tuple[Part | Study, ...] = (*reversed(self.parts), *self.studies)
         for experiment in experiments:
@@ -71,8 +70,8 @@ class Plan:
                     wanted.setdefault(("run", arm, seed), {})[measure.__name__] = measure
         for key, needed in wanted.items():
             _, arm, seed = key
-            given_run = (arm, seed, tuple(needed.values()))
-            yield key, Job(f"{arm.world} seed {seed}", measure_run, given_run)
+            given_run = (arm, seed, tuple(needed.values()), None)
+            yield key, Job(f"{arm.world} seed {seed}", run, given_run)
 
     def following(self, folder: Path, key: Any, found: Found) -> Iterator[tuple[Any, Job]]:
         """Jobs that a result makes possible: pictures and film of a record, plots of studies."""
@@ -101,7 +100,7 @@ class Plan:
         """Figures of an experiment, a row an arm, a column a seed, of the runs that are done."""
         name, seeds = measure_of(experiment).__name__, range(self.seeds_of(experiment))
         keys = [[("run", arm, seed) for seed in seeds] for arm in experiment.arms]
-        return [[found[key][name] for key in row if key in found] for row in keys]
+        return [[found[key].measures[name] for key in row if key in found] for row in keys]
 
     def is_done(self, experiment: Part | Study, found: Found) -> bool:
         """Whether all its runs are done."""
@@ -158,6 +157,6 @@ def _figure(figure: str, chosen: tuple[Part, ...]) -> tuple[Part, ...]:
     if not found:
         close = min(known, key=lambda one: (one[:1] != name[:1], known.index(one)))
         hint = f'; did you mean "{close}"?' if close[:1] == name[:1] else ""
-        told = f'--figure "{figure[:100]}": not a figure; allowed: {", ".join(known)}'
-        raise PhysimError(told + hint)
+        fault = f'--figure "{figure[:100]}": not a figure; allowed: {", ".join(known)}'
+        raise PhysimError(fault + hint)
     return tuple(found)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from physim._version import VERSION
 from physim.errors import plural
+from physim.reproduction.claims import measures
 from physim.reproduction.claims.claim import PAIR_TIMES, WORDS, Part
 from physim.reproduction.html import html
 from physim.reproduction.page import TITLE, markdown
@@ -40,11 +41,14 @@ def reproduce(
     found = do_all(plan.jobs(folder), partial(plan.following, folder), workers, stop, progress)
     sections = [_part_section(part, plan, found) for part in plan.parts]
     sections += [_study_section(study, plan, found) for study in plan.studies]
-    records = {key[1]: result for key, result in found.items() if key[0] == "record"}
-    figures = {
-        world: {name: value for name, value in records[world][2].items() if math.isfinite(value)}
+    pictured = {
+        world: found[("record", world)].measures[measures.__name__]
         for world in reversed(plan.worlds)
-        if world in records
+        if ("record", world) in found
+    }
+    figures = {
+        world: {name: value for name, value in run.items() if math.isfinite(value)}
+        for world, run in pictured.items()
     }
     return Report(VERSION, command, plan.seeds, tuple(sections), figures, stop())
 
@@ -59,7 +63,8 @@ def _part_section(part: Part, plan: Plan, found: Found) -> Section:
     """A figure of the paper: its claims, judged by the pictured run and by all seeds."""
     if ("record", part.world) not in found:
         return Section(part.figure, part.title, "", (), (), missing="Interrupted before its run.")
-    name, seed, pictured = found[("record", part.world)]
+    name, seed, by_function = found[("record", part.world)]
+    pictured = by_function[measures.__name__]
     runs, *bare = plan.table(part, found)
     pictures = [
         (file, f"{part.title.split(':')[0]}, {what.replace('_', ' ')}: {name}, seed {seed}")

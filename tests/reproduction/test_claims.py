@@ -157,7 +157,7 @@ def test_plan_of_one_figure() -> None:
 
 
 @pytest.mark.parametrize(
-    ("figure", "told"),
+    ("figure", "fault"),
     [
         ("5", "flow chart"),
         ("9", "not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8"),
@@ -166,14 +166,14 @@ def test_plan_of_one_figure() -> None:
         ("x" * 1000, "not a figure"),
     ],
 )
-def test_unknown_figures(figure: str, told: str) -> None:
+def test_unknown_figures(figure: str, fault: str) -> None:
     with pytest.raises(PhysimError) as error:
         make_plan(figure)
-    assert told in str(error.value)
+    assert fault in str(error.value)
     assert len(str(error.value)) < 250
 
 
-def test_an_unknown_study_tells_the_nearest() -> None:
+def test_an_unknown_study_comes_with_the_nearest() -> None:
     with pytest.raises(
         PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
     ):
@@ -193,15 +193,15 @@ def test_runs_that_several_need_are_done_once() -> None:
             users.setdefault(("run", arm, 1), set()).add(measures)
     assert max(map(len, users.values())) > 1
     for key, needed in users.items():
-        arm, seed, done = jobs[key].given
-        assert (arm, seed) == (key[1], 1)
+        arm, seed, done, path = jobs[key].given
+        assert (arm, seed, path) == (key[1], 1, None)
         assert set(done) == needed
         assert len(done) == len(needed)
     assert {key[2] for key in jobs if key[0] == "run"} == set(range(plan.seeds))
     assert Arm("a", "w") == Arm("b", "w") != Arm("a", "v")
 
 
-def test_measures_are_told_apart_by_their_names() -> None:
+def test_measures_differ_in_their_names() -> None:
     """Figures of a run are kept by the names of the functions that took them."""
     found = {study.measure for study in studies()} | {measures}
     assert len({measure.__name__ for measure in found}) == len(found)

@@ -37,6 +37,7 @@ def test_nan_is_left_out_and_nothing_is_none() -> None:
 
 def test_text() -> None:
     assert estimate([-1e-9, 0.0]).text(2) == "0.00"
+    assert estimate([math.inf, math.inf]).text(1, "s") == "never"
     assert estimate([1.0, 2.0, math.inf]).text(1, "s") == "2.0 [1.0, never] s"
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from physim import metrics
-from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
@@ -27,7 +26,8 @@ def measure_effort(record: Record) -> Measures:
     planned = rows["next_step"] - rows["step"]
     every_step = float((rows["considered"] * held).sum())
     every_evaluation = float(np.nansum(record.column("evaluations") * held))
-    way = (record.stop_station - _first_stations(record)).max()
+    _, first = np.unique(rows["robot"], return_index=True)
+    distance = (record.stop_station - rows["station"][first]).max()
     time = metrics.time_to_finish(record)
     return {
         "messages": float(messages),
@@ -36,7 +36,7 @@ def measure_effort(record: Record) -> Measures:
         "evaluations_share": evaluations / every_evaluation if evaluations else np.nan,
         "shorter_intervals": float((planned < planned.max()).mean()),
         "time_to_finish": np.nan if time is None else time,
-        "time_at_steady_speed": float(way),
+        "time_at_steady_speed": float(distance),
         "mean_speed": metrics.mean_speed(record) or np.nan,
     }
 
@@ -87,9 +87,3 @@ def claims_in_words() -> tuple[Claim, ...]:
             "the paper gives no time and compares with no other method.",
         ),
     )  # fmt: skip
-
-
-def _first_stations(record: Record) -> FloatArray:
-    """Station (N,) [m] of each robot at its first decision."""
-    _, first = np.unique(record.updates["robot"], return_index=True)
-    return np.asarray(record.updates["station"][first])

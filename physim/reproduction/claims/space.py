@@ -19,12 +19,15 @@ from physim.reproduction.study import Measures
 def measure_space(record: Record) -> Measures:
     """Areas, how near the safe one comes to walls, width along the first robot's path."""
     whole, safe = (_area(rings) for rings in (record.accessible, record.safe))
+    lines = [
+        shapely.LineString(record.walls.vertices[a:b]) for a, b in pairwise(record.walls.part_start)
+    ]
     course = metrics.corridor_width(record)
     least, largest = float(np.nanmin(course.width)), float(np.nanmax(course.width))
     longest = max(_diameter(parts) for parts in record.footprints)
     return {
         "safe_share": safe.area / whole.area if whole.area > 0.0 else np.nan,
-        "safe_gap": float(shapely.distance(safe, _walls(record))),
+        "safe_gap": float(shapely.distance(safe, shapely.union_all(lines))),
         "safe_distance": record.safe_distance,
         "width_min": least,
         "width_max": largest,
@@ -90,11 +93,6 @@ def _area(rings: Sequence[FloatArray]) -> shapely.Geometry:
     for ring in rings:
         area = shapely.symmetric_difference(area, shapely.make_valid(shapely.Polygon(ring)))
     return area
-
-
-def _walls(record: Record) -> shapely.Geometry:
-    starts = pairwise(record.walls.part_start)
-    return shapely.union_all([shapely.LineString(record.walls.vertices[a:b]) for a, b in starts])
 
 
 def _diameter(parts: Sequence[FloatArray]) -> float:

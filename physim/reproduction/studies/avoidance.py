@@ -30,14 +30,9 @@ KINDS = {
 FIRST, LATER, *_, NONE = range(len(KINDS))
 
 
-def _of(arms: Table, kind: int) -> Table:
-    """Runs of one kind of avoidance, world by world."""
-    return arms[kind :: len(KINDS)]
-
-
 def conclude_avoidance(arms: Table) -> Sequence[Verdict]:
     """Is avoidance needed, and does what the worlds ship with keep robots apart?"""
-    without, first, later = (_of(arms, kind) for kind in (NONE, FIRST, LATER))
+    without, first, later = (arms[kind :: len(KINDS)] for kind in (NONE, FIRST, LATER))
     shipped = [later[k] if WORLDS[k] == "crowded_start" else first[k] for k in range(len(WORLDS))]
     free = [contact_free(runs) for runs in shipped]
     bare = [contact_free(runs) for runs in without]

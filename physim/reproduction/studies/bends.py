@@ -59,9 +59,10 @@ def measure_bends(record: Record) -> Measures:
         raise RecordError(f"{record!r} has no formation errors")
     steps = steps_under_way(record)
     there = np.where(steps < record.steps_run, steps * record.dt, math.inf)
-    under_way = time < there.min()
+    progressing = time < there.min()
     size = root_mean_square(course.values)
-    straights = _straights(_in_bend(station, corners(record.reference.points)), under_way)
+    near = np.abs(station[:, :, None] - corners(record.reference.points)) <= NEAR
+    straights = _straights(np.any(near, axis=(1, 2)), progressing)
     gain = float(world_settings(record)["formation"]["gain"])
     found = [
         time_constant(time[a:b], size[a:b])
@@ -71,7 +72,7 @@ def measure_bends(record: Record) -> Measures:
     largest = np.abs(course.values).max(axis=1)
     after = straights[1:]  # the first straight follows the start, not a bend
     measures = {
-        "peak": float(largest[under_way].max()),
+        "peak": float(largest[progressing].max()),
         "after_bends": _median([size[a] for a, _ in after]),
         "end_of_straights": _median([size[b - 1] for _, b in after]),
         "risen": _share([size[a] > size[b - 1] for (_, b), (a, _) in pairwise(straights)]),
@@ -94,15 +95,9 @@ def corners(points: FloatArray) -> FloatArray:
     return np.asarray(place[np.abs(np.diff(heading)) > SHARP])
 
 
-def _in_bend(station: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
-    """Whether any robot is near a corner, (K,), for stations (K, N)."""
-    near = np.abs(station[:, :, None] - places) <= NEAR
-    return np.asarray(near.any(axis=(1, 2)))
-
-
-def _straights(bend: NDArray[np.bool_], under_way: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Stretches of moments [a, b) outside bends, with all robots under way."""
-    free = np.concatenate(([False], ~bend & under_way, [False]))
+def _straights(bend: NDArray[np.bool_], progressing: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Stretches of moments [a, b) with no robot in a bend and none at its goal yet."""
+    free = np.concatenate(([False], ~bend & progressing, [False]))
     change = np.flatnonzero(np.diff(free.astype(np.int8)))
     return [(int(a), int(b)) for a, b in change.reshape(-1, 2) if b - a > 1]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.plots.style import CYCLE, INK, MARKERS, NARROW, QUIET, WIDTH
+from physim.plots.style import CYCLE, MARKERS, NARROW, QUIET, WIDTH
 from physim.reproduction.studies.estimates import column, estimate
 from physim.reproduction.study import Runs, Table
 
@@ -40,7 +40,7 @@ def points(
     )  # fmt: skip
 
 
-def runs(
+def single_runs(
     axis: Any,
     place: float,
     values: Sequence[float],
@@ -58,29 +58,12 @@ def runs(
     axis.plot(*where, ".", color=colour, markersize=4.0, alpha=0.55, markeredgewidth=0.0, zorder=3)
 
 
-def arms_axis(axis: Any, labels: Sequence[str]) -> None:
-    """One place of the x axis for every arm, with its label."""
-    axis.set_xticks(range(len(labels)), labels)
-    axis.set_xlim(-0.5, len(labels) - 0.5)
-    axis.grid(visible=False, axis="x")
-    axis.tick_params(axis="x", length=0.0)
-
-
 def arms_down(axis: Any, labels: Sequence[str]) -> None:
     """One row of the y axis for every arm, the first on top."""
     axis.set_yticks(range(len(labels)), labels)
     axis.set_ylim(len(labels) - 0.5, -0.5)
     axis.grid(visible=False, axis="y")
     axis.tick_params(axis="y", length=0.0)
-
-
-def reference_line(axis: Any, value: float, text: str) -> None:
-    """Thin line across at a value of the y axis, named at its right end."""
-    axis.axhline(value, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.5)
-    axis.annotate(
-        text, (1.0, value), xycoords=("axes fraction", "data"), xytext=(-2, 2),
-        textcoords="offset points", ha="right", va="bottom", fontsize=8.0, color=QUIET,
-    )  # fmt: skip
 
 
 def rows_of_measures(
@@ -101,7 +84,7 @@ def rows_of_measures(
         for k, (axis, (name, label)) in enumerate(zip(axes, columns, strict=True)):
             found = [column(mine, name) for mine in arms]
             for row, values in enumerate(found):
-                runs(axis, row, values, reach=0.2, across=True)
+                single_runs(axis, row, values, reach=0.2, across=True)
             points(axis, range(len(arms)), found, CYCLE[k], MARKERS[k], across=True)
             if name in logarithmic:
                 axis.set_xscale("log")

@@ -30,7 +30,7 @@ class Estimate:
         shown = rounded[0]
         if len(set(rounded)) > 1:
             shown += f" [{rounded[1]}, {rounded[2]}]"
-        return f"{shown} {unit}".strip()
+        return shown if shown == "never" else f"{shown} {unit}".strip()
 
 
 def estimate(values: Iterable[float]) -> Estimate:

@@ -13,7 +13,7 @@ from physim.reproduction.studies.figures import measure_group
 from physim.reproduction.study import Arm, Study, Table, Verdict
 
 LOW = {"ten_robots": 1.5, "three_robots": 2.0}
-"""[s] time_low of the shipped worlds"""
+"""[s] time_low of the shipped worlds; without hysteresis the upper thresholds are at the lower"""
 
 
 def conclude_hysteresis(arms: Table) -> Sequence[Verdict]:
@@ -39,19 +39,17 @@ def conclude_hysteresis(arms: Table) -> Sequence[Verdict]:
     )
 
 
-def without(world: str) -> tuple[str, ...]:
-    """Upper thresholds at the lower ones: no hysteresis."""
-    return (f"controller.time_high={LOW[world]}", "controller.distance_high=0.5")
-
-
 HYSTERESIS = Study(
     name="hysteresis",
     title="Hysteresis",
     claim="Upper thresholds above the lower ones keep modes from switching to and fro.",
     arms=tuple(
         Arm(f"{world.replace('_', ' ')},\nhysteresis {word}", world, overrides)
-        for world in LOW
-        for word, overrides in (("on", ()), ("off", without(world)))
+        for world, low in LOW.items()
+        for word, overrides in (
+            ("on", ()),
+            ("off", (f"controller.time_high={low}", "controller.distance_high=0.5")),
+        )
     ),
     measure=measure_group,
     conclude=conclude_hysteresis,

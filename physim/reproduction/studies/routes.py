@@ -15,10 +15,10 @@ import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import averaged_speeds, column_over_time
-from physim.plots.style import CYCLE
+from physim.plots.style import CYCLE, INK, QUIET
 from physim.record import Record
 from physim.reproduction.claims.following import turning
-from physim.reproduction.studies.drawing import arms_axis, points, prepared, reference_line, runs
+from physim.reproduction.studies.drawing import points, prepared, single_runs
 from physim.reproduction.studies.estimates import column, estimated, outcome
 from physim.reproduction.study import Arm, Measures, Study, Table, Verdict
 
@@ -106,10 +106,17 @@ def draw_routes(figure: Figure, labels: Sequence[str], arms: Table) -> None:
         places = [k + shift for k in range(len(arms))]
         columns = [column(mine, name) for mine in arms]
         for place, values in zip(places, columns, strict=True):
-            runs(axis, place, values, colour)
+            single_runs(axis, place, values, colour)
         points(axis, places, columns, colour, marker, label)
-    reference_line(axis, STEADY, "ν₀")
-    arms_axis(axis, labels)
+    axis.axhline(STEADY, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.5)
+    axis.annotate(
+        "ν₀", (1.0, STEADY), xycoords=("axes fraction", "data"), xytext=(-2, 2),
+        textcoords="offset points", ha="right", va="bottom", fontsize=8.0, color=QUIET,
+    )  # fmt: skip
+    axis.set_xticks(range(len(labels)), labels)
+    axis.set_xlim(-0.5, len(labels) - 0.5)
+    axis.grid(visible=False, axis="x")
+    axis.tick_params(axis="x", length=0.0)
     axis.set_ylabel("forward speed\naveraged over 10 s [m/s]")
     figure.legend(loc="outside lower left", ncols=3)
 

@@ -108,7 +108,7 @@ EDITS = (
         "reproduction",
         "physim/reproduction/runner.py",
         "_Worker.end",
-        "raise RuntimeError(result)",
+        "raise answer",
         "pass",
         "a fault of the program ends the work",
         "tests/reproduction/test_runner.py::test_a_fault_of_the_program_tells_where",

@@ -41,24 +41,24 @@ def _opening(report: Report) -> Iterator[str]:
         f"{_code(report.command)}."
     )
     if report.interrupted:
-        yield "It was interrupted: only what was done by then stands here."
+        yield "It was interrupted: this page holds only what was done by then."
     yield (
         "The paper aims at path following, formation control and collision avoidance that let "
         "several robots move together through confined space, decentralised and cooperative; its "
-        "funding note is NSFC 62203133. Its text with the numbers of equations and figures reached "
-        "us; its title, its authors and its printed formulas did not, and the formulas are "
-        "restored from the text."
+        "funding note is NSFC 62203133. Only its text, with the numbers of equations and figures, "
+        "is available to us; its title, its authors and its printed formulas are not, and the "
+        "formulas are restored from the text."
     )
     yield (
-        "The paper's waypoints, robot shapes and thresholds are lost; worlds, footprints and "
+        "The paper's waypoints, robot shapes and thresholds are unknown; worlds, footprints and "
         "settings are ours, tuned so that the reported figures come out in the same range. A "
         "measured figure is that of one run, the one in the pictures; beside it stand the median "
         f"and, in parentheses, the range over other random headings (seeds 0 to {report.seeds - 1})"
-        " and in how many of these runs the claim is met. A claim is met when the run in the "
+        " and the number of these runs that meet the claim. A claim is met when the run in the "
         "pictures and nine tenths of the others meet it (all of them, where the paper says always "
         "or never), partly met when only one of the two does or a weaker form of it holds. Claims "
-        "about avoidance are also held against the same runs without it; one that holds there, "
-        "too, says so: it is no evidence for avoidance."
+        "about avoidance are also tested on the same runs without it; one that holds there, too, "
+        "is marked as such: it is no evidence for avoidance."
     )
 
 

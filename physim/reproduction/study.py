@@ -39,7 +39,7 @@ class Verdict:
     """of the pictured run; of all arms and seeds in a study"""
     outcome: Outcome
     remark: str = ""
-    """one sentence where the paper's lost data make an exact match impossible"""
+    """one sentence: why an exact match is impossible, or what the verdict takes for granted"""
     spread: str = ""
     """median and range over seeds; empty in a study"""
     met: str = ""

@@ -16,7 +16,7 @@ FIRST_SECONDS = 5.0
 ALWAYS = 1.0
 """[-] share of the seeds that must meet what the paper says is always so"""
 LOST = (
-    "The paper's shapes, waypoints and thresholds are lost, and with them its exact figure: met "
+    "The paper's shapes, waypoints and thresholds are unknown, and with them its exact figure: met "
     f"is within {tol.SAME:.0%}, partly met within a factor of {tol.ORDER:.1f}."
 )
 
@@ -70,7 +70,7 @@ def claims_of_figure_6() -> tuple[Claim, ...]:
                 lambda run: max(run["start_right"], run["start_top"]) <= 0.5
                 and run["start_headings"] >= 180.0
             ),
-            "Lower left is taken as the left and lower half; the paper's start poses are lost.",
+            "Lower left is taken as the left and lower half; the paper's start poses are unknown.",
         ),
         _always_apart("Fig. 6c"),
         Claim(
@@ -115,7 +115,7 @@ def _shortest_time(where: str, reported: float) -> Claim:
     return Claim(
         f"Shortest collision time ({where})", f"{reported:g} s",
         _times(), near("collision_time_pairs", reported, tol.SAME, tol.ORDER),
-        f"{LOST} Ours is judged over all pairs; a longer one is the safer one.",
+        f"{LOST} Ours is judged over all pairs; a longer one is safer.",
     )  # fmt: skip
 
 

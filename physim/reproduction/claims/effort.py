@@ -76,14 +76,14 @@ def claims_in_words() -> tuple[Claim, ...]:
             "Less conservative, shorter operation time", "no figure given",
             (
                 Quantity("time_to_finish", "s", 1, "time to finish"),
-                Quantity("time_at_steady_speed", "s", 1, "longest way at 1 m/s"),
+                Quantity("time_at_steady_speed", "s", 1, "longest path at 1 m/s"),
             ),
             steps(
                 lambda run: run["time_to_finish"]
                 <= tol.IN_TIME * run["time_at_steady_speed"],
                 lambda run: not np.isnan(run["time_to_finish"]),
             ),
-            f"Short is taken as at most {tol.IN_TIME:g} times the longest way at the steady speed; "
-            "the paper gives no time and compares with no other method.",
+            f"Short is taken as at most {tol.IN_TIME:g} times the longest path at the steady "
+            "speed; the paper gives no time and compares with no other method.",
         ),
     )  # fmt: skip

@@ -48,7 +48,7 @@ def claims_of_figure_1() -> tuple[Claim, ...]:
                 lambda run: run["finished"] > 0 and run["deviation_rms"] <= tol.FOLLOWS,
                 lambda run: run["finished"] > 0,
             ),
-            f"Closely is taken as at most {tol.FOLLOWS} m; the paper's path is lost.",
+            f"Closely is taken as at most {tol.FOLLOWS} m; the paper's path is unknown.",
         ),
         Claim(
             "Deviations are large at sharp turns only (Fig. 1b)",

@@ -107,7 +107,7 @@ def claims_of_figure_7() -> tuple[Claim, ...]:
                 and run["averaged_speed_max"] <= 1.3 + tol.SPEED,
                 lambda run: run["averaged_speed_max"] <= 1.3 + tol.SPEED,
             ),
-            "Safe mode keeps 0.92 to 1.3 m/s; only robots that make way in danger mode fall below.",
+            "Safe mode keeps 0.92 to 1.3 m/s; only robots that give way in danger mode fall below.",
         ),
         Claim(
             "Robots falling behind drive faster than 1 m/s, those leading slower (Fig. 7c)",
@@ -153,7 +153,7 @@ def _errors(where: str, words: str) -> tuple[Claim, ...]:
                 lambda run: run["error_in_bends"] > run["error_on_straights"]
                 and run["formation_error_peak"] >= tol.GROWTH
             ),
-            "In bends means that some robot is in one; the paper's waypoints are lost.",
+            "In bends means that some robot is in one; the paper's waypoints are unknown.",
         ),
         Claim(
             f"Formation errors converge to zero by the end ({where})", "0 m",
@@ -187,7 +187,7 @@ def _by_place(record: Record, errors: FloatArray) -> tuple[float, float]:
 
 
 def _rotation_agrees(record: Record, speeds: metrics.AveragedSpeeds) -> float:
-    """Share of moments in bends of the own path at which the robot turns the way of the bend."""
+    """Share of moments in bends of the own path at which the robot turns as the bend does."""
     time, station = metrics.column_over_time(record, "station")
     right = count = 0
     for robot in range(record.robots):

@@ -66,6 +66,7 @@ def claims_of_figure_8() -> tuple[Claim, ...]:
                 lambda run: run["others_in_danger"] == ROBOTS - len(SAFE_ONES),
                 lambda run: run["others_in_danger"] > 0,
             ),
-            "The paper's paths and five thresholds are lost; ours keep robots in safe mode longer.",
+            "The paper's paths and five thresholds are unknown; ours keep robots in safe mode "
+            "longer.",
         ),
     )  # fmt: skip

@@ -51,7 +51,7 @@ def claims_of_figure_3a() -> tuple[Claim, ...]:
                 lambda run: 0.0 < run["safe_share"] < 1.0
                 and run["safe_gap"] >= (1.0 - tol.SAFE_AREA) * run["safe_distance"]
             ),
-            "L is ours; the paper's value is lost.",
+            "L is ours; the paper's value is unknown.",
         ),
     )  # fmt: skip
 
@@ -73,7 +73,8 @@ def claims_of_figure_4() -> tuple[Claim, ...]:
                 lambda run: run["abreast_min"] >= 2 and run["abreast_max"] >= 4,
             ),
             "Counted with the longest robot at any heading; no one robot size gives both reported "
-            "numbers by division (5.3 / 2 is less than 13.4 / 5), and the paper's shapes are lost.",
+            "numbers by division (5.3 / 2 is less than 13.4 / 5), and the paper's shapes are "
+            "unknown.",
         ),
     )  # fmt: skip
 

@@ -53,12 +53,12 @@ def conclude_avoidance(arms: Table) -> Sequence[Verdict]:
                 for world, f, b in zip(WORLDS, free, bare, strict=True)
             ),
             outcome(all(both), any(both)),
-            "Met where nine and a half tenths of the runs are free of contact with avoidance, and "
-            "at most half without.",
+            "Met where 95 % of the runs are free of contact with avoidance, and at most half "
+            "without it.",
         ),
         Verdict(
             "Distances first, then collision times: robots stay farther apart",
-            "the order is not told (Fig. 5)",
+            "the order is not stated (Fig. 5)",
             "; ".join(
                 f"{world}: shortest distance between robots "
                 f"{estimated(a, 'shortest_distance').text(2, 'm')} against "
@@ -67,7 +67,7 @@ def conclude_avoidance(arms: Table) -> Sequence[Verdict]:
                 for world, a, b in zip(WORLDS, first, later, strict=True)
             ),
             outcome(all(wider) and all(finish), any(wider)),
-            "In crowds the foremost robot may stand for ever among others that avoid it; "
+            "In crowds the foremost robot may stand still for ever among others that avoid it; "
             "crowded_start therefore ships with collision times first.",
         ),
     )  # fmt: skip

@@ -142,7 +142,7 @@ def conclude_bends(arms: Table) -> Sequence[Verdict]:
             "in words only",
             each,
             outcome(all(near), any(near)),
-            "The paper's alpha and waypoints are lost; the time constant is that of our alpha.",
+            "The paper's alpha and waypoints are unknown; the time constant is that of our alpha.",
         ),
         Verdict(
             "Formation errors converge to zero by the end (Fig. 2b)",

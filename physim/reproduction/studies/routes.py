@@ -37,7 +37,7 @@ def measure_routes(record: Record) -> Measures:
     """Mean averaged forward speed [m/s] on outer and inner routes and between, over all robots."""
     speeds = averaged_speeds(record)
     if not len(speeds.time):
-        return dict.fromkeys(("outer", "between", "inner", "per_percent"), math.nan)
+        return dict.fromkeys(("outer", "between", "inner"), math.nan)
     grid, station = column_over_time(record, "reference_station")
     longer = np.full(speeds.forward.shape, np.nan)
     rows = np.searchsorted(record.time, speeds.time - 1e-9).clip(0, record.samples - 1)
@@ -46,12 +46,10 @@ def measure_routes(record: Record) -> Measures:
         longer[:, i] = extra_length(record.reference.points, s, record.pose[rows, i, :2])
     known = np.isfinite(speeds.forward)
     speed, longer = speeds.forward[known], longer[known]
-    slope = np.polyfit(longer, speed, 1)[0] if len(speed) > 1 else math.nan
     return {
         "outer": _mean(speed[longer >= CLEAR]),
         "between": _mean(speed[np.abs(longer) < CLEAR]),
         "inner": _mean(speed[longer <= -CLEAR]),
-        "per_percent": float(slope) / 100.0,
     }
 
 
@@ -89,7 +87,7 @@ def conclude_routes(arms: Table) -> Sequence[Verdict]:
                     outer.low > STEADY and inner.high < STEADY,
                     outer.low > inner.high,
                 ),
-                "The paper's paths are lost; which robot is outside follows from ours.",
+                "The paper's paths are unknown; which robot is outside follows from ours.",
             )
         )
     return tuple(verdicts)

@@ -63,7 +63,7 @@ def conclude_switching(arms: Table) -> Sequence[Verdict]:
                 "in words only",
                 "; ".join(measured),
                 outcome(all(wins), any(wins)),
-                "The five thresholds of Fig. 5 are lost; these are ours.",
+                "The five thresholds of Fig. 5 are unknown; these are ours.",
             )
         )
     return tuple(verdicts)

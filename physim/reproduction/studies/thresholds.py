@@ -1,7 +1,7 @@
 """What the thresholds of the collision time trade: time in danger mode, speeds, distances.
 
-The paper's five thresholds are lost. Long ones give Figure 8's shares of danger mode and break the
-speeds of Figure 7 and the distances of Figure 6; short ones keep those and leave robots in safe
+The paper's five thresholds are unknown. Long ones give Figure 8's shares of danger mode and break
+the speeds of Figure 7 and the distances of Figure 6; short ones keep those and leave robots in safe
 mode.
 """
 
@@ -47,8 +47,8 @@ def conclude_thresholds(arms: Table) -> Sequence[Verdict]:
             "Figs. 6 to 8 are of one run",
             "; ".join(measured),
             outcome(any(together)),
-            "With our paths they cannot be had together: who avoids slows down, and the group "
-            "stretches.",
+            "With our paths the three exclude each other: robots that avoid others slow down, and "
+            "the group stretches.",
         ),
     )
 

@@ -1,10 +1,10 @@
 """Update intervals by (14) against fixed ones.
 
-(14) is lost; the text says that it saves messages and work. Read as the smaller of 0.1 s and beta
-times the collision time it can only add updates to those of a fixed 0.1 s; read as beta times the
-collision time, held below a longest interval of its own, it saves what the longest one saves. Both
-readings, beta from 0.05 to 0.9, and fixed intervals from 0.01 to 0.5 s, over the first 70 s of the
-ten robots, with their merge in them.
+(14) is not known; the text says that it saves messages and work. Read as the smaller of 0.1 s and
+beta times the collision time it can only add updates to those of a fixed 0.1 s; read as beta times
+the collision time, held below a longest interval of its own, it saves what the longest one saves.
+Both readings, beta from 0.05 to 0.9, and fixed intervals from 0.01 to 0.5 s, over the first 70 s of
+the ten robots, with their merge in them.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def conclude_updates(arms: Table) -> Sequence[Verdict]:
             "updates a robot and second at beta "
             + ", ".join(f"{beta:g}: {one.text(2)}" for beta, one in zip(BETAS, betas, strict=True)),
             outcome(ordered and betas[-1].high < betas[0].low, ordered),
-            "The paper does not tell its beta.",
+            "The paper does not state its beta.",
         ),
     )  # fmt: skip
 

@@ -56,8 +56,8 @@ def write(folder: Path) -> None:
 def claims(report: Report) -> str:
     """How many claims of a report are met, partly met, not met: what the README says of it."""
     count = Counter(row.outcome for row in report.rows)
-    told = ", ".join(f"{count[one]} {one.value}" for one in Outcome)
-    return f"Of {len(report.rows)} claims: {told}.\n"
+    counts = ", ".join(f"{count[one]} {one}" for one in Outcome)
+    return f"Of {len(report.rows)} claims: {counts}.\n"
 
 
 def main() -> None:

@@ -28,8 +28,8 @@ from physim.cli.arguments.types import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
-from physim.reproduction.jobs import Run
-from physim.reproduction.runner import do_all
+from physim.reproduction.jobs import run
+from physim.reproduction.runner import Job, do_all
 from physim.reproduction.studies.figures import figures, rule_shares
 from physim.reproduction.study import Arm
 from physim.scene_builder import is_random
@@ -73,12 +73,13 @@ def table(names: Sequence[str], seeds: tuple[int, int], jobs: int) -> dict[str, 
         drawn = range(*seeds) if is_random(world) else [world.seed]
         for arm in (Arm("with", name), Arm("without", name, (WITHOUT,))):
             for seed in drawn:
-                work[name, arm.label, seed] = Run(arm, seed, {"": measure})
+                given = (arm, seed, (measure,), None)
+                work[name, arm.label, seed] = Job(f"{name} seed {seed}", run, given)
     found = do_all(work.items(), lambda *_: (), jobs, lambda: False, progress)
     rows = {}
     for name in names:
         arms = [
-            [found[key][""] for key in work if key[:2] == (name, label)]
+            [found[key].measures[measure.__name__] for key in work if key[:2] == (name, label)]
             for label in ("with", "without")
         ]
         rows[name] = row(name, *arms)

@@ -13,8 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from physim.cli import main as physim
-from physim.reproduction.markdown import markdown
-from physim.reproduction.page import page
+from physim.reproduction.page import markdown
 from physim.reproduction.report import Report
 from physim.reproduction.reproduce import JSON
 from physim.reproduction.study import Outcome
@@ -33,7 +32,7 @@ def text_of(report: Report) -> str:
         replace(one, pictures=tuple(f"reproduction/{Path(p).name}" for p in one.pictures))
         for one in report.sections
     )
-    return markdown(page(replace(report, sections=sections)))
+    return markdown(replace(report, sections=sections))
 
 
 def write(folder: Path) -> None:
@@ -57,8 +56,8 @@ def write(folder: Path) -> None:
 def claims(report: Report) -> str:
     """How many claims of a report are met, partly met, not met: what the README says of it."""
     count = Counter(row.outcome for row in report.rows)
-    told = ", ".join(f"{count[one]} {one.value}" for one in Outcome)
-    return f"Of {len(report.rows)} claims: {told}.\n"
+    counts = ", ".join(f"{count[one]} {one}" for one in Outcome)
+    return f"Of {len(report.rows)} claims: {counts}.\n"
 
 
 def main() -> None:

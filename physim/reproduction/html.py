@@ -1,28 +1,20 @@
-"""Blocks as one HTML page that needs nothing beside it but the videos."""
+"""The Markdown of a report as one HTML page that needs nothing beside it but the videos."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from html import escape
+from itertools import pairwise
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import unquote
 
-from physim.reproduction.document import (
-    Block,
-    Code,
-    Commands,
-    Film,
-    Heading,
-    Inline,
-    Link,
-    Paragraph,
-    Picture,
-    Table,
-    Words,
-    inlines,
-)
-from physim.reproduction.study import Outcome
+from markdown_it import MarkdownIt
+from markdown_it.common.utils import escapeHtml
+from markdown_it.renderer import RendererHTML
+from markdown_it.token import Token
+from markdown_it.utils import EnvType, OptionsDict
+
+from physim.reproduction.page import anchor_of
 
 WIDE = 1000
 """[px] Wider pictures (maps) have a line for themselves."""
@@ -51,102 +43,80 @@ td:first-child { min-width: 14rem; }
 .met { background: #d8eedf; color: #0b4a2f; }
 .partly-met { background: #fdeccb; color: #6b4200; }
 .not-met { background: #f9d9c8; color: #7a2600; }
-.pictures { display: flex; flex-wrap: wrap; gap: 1.25rem; align-items: flex-start; }
-figure { margin: 0; flex: 1 1 28rem; max-width: min(100%, 34rem); }
-figure.whole { flex-basis: 100%; max-width: min(100%, 56rem); }
+figure { display: inline-block; vertical-align: top; margin: .6rem .5rem .6rem 0;
+  width: max(28rem, calc(50% - 1rem)); max-width: 100%; }
+figure.whole { display: block; width: min(100%, 56rem); }
 img, video { max-width: 100%; height: auto; display: block; }
 figcaption { font-size: .85rem; color: #62686f; margin-top: .3rem; }
 @media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
 """
 
 
-def html(blocks: Sequence[Block], title: str, folder: Path) -> str:
-    """Text of a page; pictures are read from ``folder``. Raises OSError where one is missing."""
-    body, pictures = [], list[str]()
-    for block in blocks:
-        if isinstance(block, Picture | Film):
-            pictures.append(_figure(block, folder))
-            continue
-        body += _gathered(pictures)
-        body.append(_block(block))
-    body += _gathered(pictures)
+def html(text: str, title: str, folder: Path) -> str:
+    """Page made from Markdown; pictures are read from ``folder``. Raises OSError for a missing one.
+
+    Markup within the Markdown (raw HTML) is shown, not followed.
+    """
+    parser = MarkdownIt("js-default", {"html": False}, renderer_cls=_Renderer)
+    tokens = parser.parse(text)
+    for opening, inline, closing in zip(tokens, tokens[1:], tokens[2:], strict=False):
+        children = inline.children or []
+        if opening.type == "heading_open":
+            opening.attrSet("id", anchor_of("".join(child.content for child in children)))
+        for child, following in pairwise(children):
+            if child.type == "strong_open":
+                child.attrSet("class", f"outcome {following.content.replace(' ', '-')}")
+        if opening.type == "paragraph_open" and _is_figure(children):
+            opening.tag = closing.tag = "figure"
+            if children[0].type == "image" and _embed(children[0], folder) > WIDE:
+                opening.attrSet("class", "whole")
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<link rel="icon" href="data:,">\n<title>{escape(title)}</title>\n'
-        f"<style>\n{STYLE}</style>\n</head>\n<body>\n" + "\n".join(body) + "\n</body>\n</html>\n"
+        f'<link rel="icon" href="data:,">\n<title>{escapeHtml(title)}</title>\n'
+        f"<style>\n{STYLE}</style>\n</head>\n<body>\n"
+        f"{parser.renderer.render(tokens, parser.options, {})}</body>\n</html>\n"
     )
 
 
-def _gathered(pictures: list[str]) -> list[str]:
-    """Pictures so far, side by side; leaves none."""
-    if not pictures:
-        return []
-    shown = "\n".join(pictures)
-    pictures.clear()
-    return [f'<div class="pictures">\n{shown}\n</div>']
+class _Renderer(RendererHTML):
+    """Tables that scroll, pictures with captions, videos that play."""
+
+    def table_open(
+        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
+    ) -> str:
+        return f'<div class="wide">{self.renderToken(tokens, idx, options, env)}'
+
+    def table_close(
+        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
+    ) -> str:
+        return f"{self.renderToken(tokens, idx, options, env).rstrip()}</div>\n"
+
+    def image(self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType) -> str:
+        picture = super().image(tokens, idx, options, env)
+        return f"{picture}<figcaption>{escapeHtml(str(tokens[idx].attrs['alt']))}</figcaption>"
+
+    def link_open(
+        self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
+    ) -> str:
+        link = self.renderToken(tokens, idx, options, env)
+        if not _is_film(tokens[idx]):
+            return link
+        file = escapeHtml(str(tokens[idx].attrs["href"]))
+        return f'<video controls preload="metadata" src="{file}"></video>{link}'
 
 
-def _figure(block: Picture | Film, folder: Path) -> str:
-    caption, kind = escape(block.caption), ""
-    if isinstance(block, Film):
-        file = escape(quote(block.file))
-        shown = (
-            f'<video controls preload="metadata" src="{file}"></video>'
-            f'<figcaption>{caption} (<a href="{file}">{escape(block.file)}</a>)</figcaption>'
-        )
-    else:
-        content = (folder / block.file).read_bytes()
-        data = base64.b64encode(content).decode("ascii")
-        if _pixels_across(content) > WIDE:
-            kind = ' class="whole"'
-        shown = (
-            f'<img src="data:image/png;base64,{data}" alt="{caption}">'
-            f"<figcaption>{caption}</figcaption>"
-        )
-    return f"<figure{kind}>{shown}</figure>"
+def _is_figure(children: Sequence[Token]) -> bool:
+    """Whether a paragraph is a picture or a video."""
+    return (len(children) == 1 and children[0].type == "image") or any(map(_is_film, children[:1]))
 
 
-def _pixels_across(png: bytes) -> int:
-    """Width of a PNG, from its header."""
-    return int.from_bytes(png[16:20], "big")
+def _is_film(token: Token) -> bool:
+    return token.type == "link_open" and str(token.attrs["href"]).endswith(".mp4")
 
 
-def _block(block: Heading | Paragraph | Commands | Table) -> str:
-    match block:
-        case Heading():
-            mark = f' id="{escape(block.anchor)}"' if block.anchor else ""
-            return f"<h{block.level}{mark}>{escape(block.text)}</h{block.level}>"
-        case Paragraph():
-            return f"<p>{_words(block.words)}</p>"
-        case Commands():
-            lines = escape("\n".join(block.lines))
-            return f"<pre><code>{lines}</code></pre>"
-        case Table():
-            head = "".join(f"<th>{escape(cell)}</th>" for cell in block.header)
-            rows = "\n".join(
-                "<tr>" + "".join(f"<td>{_words(cell)}</td>" for cell in row) + "</tr>"
-                for row in block.rows
-            )
-            return (
-                f'<div class="wide"><table>\n<thead><tr>{head}</tr></thead>\n'
-                f"<tbody>\n{rows}\n</tbody>\n</table></div>"
-            )
-
-
-def _words(words: Words) -> str:
-    return "".join(_inline(one) for one in inlines(words))
-
-
-def _inline(one: Inline) -> str:
-    match one:
-        case Code():
-            return f"<code>{escape(one.text)}</code>"
-        case Link():
-            target = one.target if one.target.startswith("#") else quote(one.target)
-            return f'<a href="{escape(target)}">{escape(one.text)}</a>'
-        case Outcome():
-            kind = one.value.replace(" ", "-")
-            return f'<span class="outcome {kind}">{escape(one.value)}</span>'
-        case str():
-            return escape(one)
+def _embed(picture: Token, folder: Path) -> int:
+    """Put the file of a picture into the page itself; returns its width [pixels]."""
+    content = (folder / unquote(str(picture.attrs["src"]))).read_bytes()
+    picture.attrSet("src", f"data:image/png;base64,{base64.b64encode(content).decode('ascii')}")
+    return int.from_bytes(content[16:20], "big")  # from the header of a PNG

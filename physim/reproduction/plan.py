@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from physim.errors import PhysimError, nearest
-from physim.reproduction.claims import Part, measures, parts
-from physim.reproduction.claims.effort import WORDS
-from physim.reproduction.jobs import PAPER, Film, Job, PicturedRun, Plot, Run, StudyPlot
+from physim.reproduction.claims import measures, parts
+from physim.reproduction.claims.claim import WORDS, Part
+from physim.reproduction.jobs import (
+    Measure,
+    draw_plot,
+    draw_study,
+    render_film,
+    run,
+)
+from physim.reproduction.runner import Job
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Arm, Measures, Study
+from physim.reproduction.study import Arm, Study, Table
 
 SEEDS, QUICK_SEEDS = 100, 5
 """of each world of the paper"""
 FLOW_CHART = "5"
 PICTURES = "figures"
 """Folder of the pictures, beside the pages."""
+
+Found = Mapping[Any, Any]
+"""Results of jobs by key."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +45,11 @@ class Plan:
         """Seeds of each world of the paper, from 0."""
         return QUICK_SEEDS if self.quick else SEEDS
 
-    def seeds_of(self, study: Study) -> int:
-        """Seeds of each arm of a study, from 0."""
-        return study.quick_seeds if self.quick else study.seeds
+    def seeds_of(self, experiment: Part | Study) -> int:
+        """Seeds of each arm of an experiment, from 0."""
+        if isinstance(experiment, Part):
+            return self.seeds
+        return experiment.quick_seeds if self.quick else experiment.seeds
 
     @property
     def worlds(self) -> tuple[str, ...]:
@@ -47,85 +59,63 @@ class Plan:
     def jobs(self, folder: Path) -> Iterator[tuple[Any, Job]]:
         """Runs with their keys: those for pictures first, each run once whoever needs it."""
         for world in self.worlds:
-            yield ("record", world), PicturedRun(world, folder / world / "record.h5")
-        runs: dict[Any, Run] = {}
-        for tag, arm, seed, find in self._wanted():
-            key = run_key(arm, seed)
-            run = runs.setdefault(key, Run(arm, seed, {}))
-            runs[key] = replace(run, measure={**run.measure, tag: find})
-        yield from runs.items()
+            given = (Arm("", world), None, (measures,), folder / world / "record.h5")
+            yield ("record", world), Job(f"{world}, record", run, given)
+        wanted: dict[Any, dict[str, Measure]] = {}
+        experiments: tuple[Part | Study, ...] = (*reversed(self.parts), *self.studies)
+        for experiment in experiments:
+            measure = measure_of(experiment)
+            for seed in range(self.seeds_of(experiment)):
+                for arm in experiment.arms:
+                    wanted.setdefault(("run", arm, seed), {})[measure.__name__] = measure
+        for key, needed in wanted.items():
+            _, arm, seed = key
+            given_run = (arm, seed, tuple(needed.values()), None)
+            yield key, Job(f"{arm.world} seed {seed}", run, given_run)
 
-    def _wanted(self) -> Iterator[tuple[str, Arm, int, Any]]:
-        for world in self.worlds:
-            for seed in range(self.seeds):
-                yield PAPER, Arm("", world), seed, measures
-        for world in dict.fromkeys(part.world for part in self.parts if part.null):
-            for seed in range(self.seeds):
-                yield PAPER, without_avoidance(world), seed, measures
+    def following(self, folder: Path, key: Any, found: Found) -> Iterator[tuple[Any, Job]]:
+        """Jobs that a result makes possible: pictures and film of a record, plots of studies."""
+        kind, what, *_ = key
+        if kind == "record":
+            yield from self._of_record(what, folder)
         for study in self.studies:
-            for seed in range(self.seeds_of(study)):
-                for arm in study.arms:
-                    yield study.name, arm, seed, study.measure
+            if kind == "run" and what in study.arms and self.is_done(study, found):
+                path = folder / picture_of("study", study.name)
+                given = (study.name, self.table(study, found), path)
+                yield ("study", study.name), Job(f"picture {path.stem}", draw_study, given)
 
-
-def without_avoidance(world: str) -> Arm:
-    """A world of the paper with avoidance switched off."""
-    return Arm("", world, ("controller.avoidance=none",))
-
-
-class Followers:
-    """Jobs that results make possible: pictures and films of records, plots of whole studies."""
-
-    def __init__(self, plan: Plan, folder: Path) -> None:
-        self.plan, self.folder = plan, folder
-        self.found: dict[Any, Any] = {}
-
-    def __call__(self, key: Any, result: Any) -> Iterable[tuple[Any, Job]]:
-        """Jobs that follow from the result of a job."""
-        self.found[key] = result
-        if key[0] == "record":
-            yield from self._of_record(key[1])
-        if key[0] == "run":
-            for study in self.plan.studies:
-                if study.name in result and (table := study_table(self.plan, study, self.found)):
-                    path = self.folder / study_picture(study)
-                    yield ("study", study.name), StudyPlot(study.name, table, path)
-
-    def _of_record(self, world: str) -> Iterator[tuple[Any, Job]]:
-        record = self.folder / world / "record.h5"
-        mine = [part for part in self.plan.parts if part.world == world]
-        if self.plan.films and any(part.film for part in mine):
-            yield ("film", world), Film(record, self.folder / film_of(world))
+    def _of_record(self, world: str, folder: Path) -> Iterator[tuple[Any, Job]]:
+        record = folder / world / "record.h5"
+        mine = [part for part in self.parts if part.world == world]
+        if self.films and any(part.film for part in mine):
+            given = (record, folder / film_of(world))
+            yield ("film", world), Job(f"video of {world}", render_film, given)
         for part in mine:
             for name in part.pictures:
-                file = picture_of(part, name)
-                yield ("picture", file), Plot(record, name, self.folder / file, part.snapshots)
+                path = folder / (file := picture_of(part.figure, name))
+                drawn = (record, name, part.snapshots, path)
+                yield ("picture", file), Job(f"picture {path.stem}", draw_plot, drawn)
+
+    def table(self, experiment: Part | Study, found: Found) -> Table:
+        """Figures of an experiment, a row an arm, a column a seed, of the runs that are done."""
+        name, seeds = measure_of(experiment).__name__, range(self.seeds_of(experiment))
+        keys = [[("run", arm, seed) for seed in seeds] for arm in experiment.arms]
+        return [[found[key].measures[name] for key in row if key in found] for row in keys]
+
+    def is_done(self, experiment: Part | Study, found: Found) -> bool:
+        """Whether all its runs are done."""
+        seeds = self.seeds_of(experiment)
+        return all(len(row) == seeds for row in self.table(experiment, found))
 
 
-def run_key(arm: Arm, seed: int) -> Any:
-    """Key of a run: arms that differ in their labels alone are the same run."""
-    return "run", replace(arm, label=""), seed
+def measure_of(experiment: Part | Study) -> Measure:
+    """What is measured of its runs."""
+    return measures if isinstance(experiment, Part) else experiment.measure
 
 
-def study_table(
-    plan: Plan, study: Study, found: dict[Any, Any]
-) -> Sequence[Sequence[Measures]] | None:
-    """Figures of a study, a row an arm, a column a seed; None when a run is missing."""
-    seeds = range(plan.seeds_of(study))
-    keys = [[run_key(arm, seed) for seed in seeds] for arm in study.arms]
-    if any(key not in found for row in keys for key in row):
-        return None
-    return [[found[key][study.name] for key in row] for row in keys]
-
-
-def picture_of(part: Part, name: str) -> str:
+def picture_of(experiment: str, name: str) -> str:
     """File of a picture, relative to the page."""
-    return f"{PICTURES}/{part.figure}-{name}.png"
-
-
-def study_picture(study: Study) -> str:
-    """File of the plot of a study, relative to the page."""
-    return f"{PICTURES}/study-{study.name}.png"
+    return f"{PICTURES}/{experiment}-{name}.png"
 
 
 def film_of(world: str) -> str:
@@ -167,6 +157,6 @@ def _figure(figure: str, chosen: tuple[Part, ...]) -> tuple[Part, ...]:
     if not found:
         close = min(known, key=lambda one: (one[:1] != name[:1], known.index(one)))
         hint = f'; did you mean "{close}"?' if close[:1] == name[:1] else ""
-        told = f'--figure "{figure[:100]}": not a figure; allowed: {", ".join(known)}'
-        raise PhysimError(told + hint)
+        fault = f'--figure "{figure[:100]}": not a figure; allowed: {", ".join(known)}'
+        raise PhysimError(fault + hint)
     return tuple(found)

@@ -6,32 +6,16 @@ Pages are written from it alone, and it is kept beside them as JSON.
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import asdict, dataclass, field, replace
+from typing import ClassVar
+
+from pydantic import ConfigDict, TypeAdapter
 
 from physim.errors import PhysimError
-from physim.reproduction.study import Outcome
+from physim.reproduction.study import Verdict
 
 FORMAT = "physim-reproduction"
 VERSION = 2
-
-
-@dataclass(frozen=True)
-class Row:
-    """A claim and what came of it."""
-
-    claim: str
-    reported: str
-    measured: str
-    """of the pictured run; of all arms and seeds in a study"""
-    outcome: Outcome
-    remark: str = ""
-    spread: str = ""
-    """median and range over seeds; empty in a study"""
-    met: str = ""
-    """in how many seeds, "97 of 100"; empty in a study"""
-    without: str = ""
-    """in how many seeds without avoidance; empty where that was not tried"""
 
 
 @dataclass(frozen=True)
@@ -43,7 +27,7 @@ class Section:
     about: str
     """a sentence: what was run"""
     commands: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[Verdict, ...]
     pictures: tuple[str, ...] = ()
     """files, relative to the page"""
     captions: tuple[str, ...] = ()
@@ -60,7 +44,9 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """All that the pages tell."""
+    """All that the pages say."""
+
+    __pydantic_config__: ClassVar = ConfigDict(extra="forbid")
 
     physim: str
     """version"""
@@ -73,23 +59,17 @@ class Report:
     interrupted: bool = False
 
     @property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[Verdict, ...]:
         """Every claim."""
         return tuple(row for section in self.sections for row in section.rows)
 
     def to_json(self) -> str:
         """As JSON text; figures with nine digits."""
-
-        def plain(value: Any) -> Any:
-            if isinstance(value, Outcome):
-                return value.value
-            if isinstance(value, dict):
-                return {k: plain(v) for k, v in value.items()}
-            if isinstance(value, list | tuple):
-                return [plain(v) for v in value]
-            return float(f"{value:.9g}") if isinstance(value, float) else value
-
-        tree = {"format": FORMAT, "version": VERSION, **plain(asdict(self))}
+        figures = {
+            world: {name: float(f"{value:.9g}") for name, value in run.items()}
+            for world, run in self.figures.items()
+        }
+        tree = {"format": FORMAT, "version": VERSION, **asdict(replace(self, figures=figures))}
         return json.dumps(tree, indent=1, ensure_ascii=False) + "\n"
 
     @classmethod
@@ -99,12 +79,6 @@ class Report:
             tree = json.loads(text)
             if tree.pop("format") != FORMAT or tree.pop("version") != VERSION:
                 raise KeyError("format")
-            sections = [dict(one) for one in tree.pop("sections")]
-            for one in sections:
-                rows = [Row(**{**row, "outcome": Outcome(row["outcome"])}) for row in one["rows"]]
-                one["rows"] = tuple(rows)
-                for key in ("commands", "pictures", "captions", "films"):
-                    one[key] = tuple(one[key])
-            return cls(sections=tuple(Section(**one) for one in sections), **tree)
+            return TypeAdapter(cls).validate_python(tree)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise PhysimError(f"no reproduction of this version: {error}") from None

@@ -5,35 +5,24 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from physim._version import __version__
 from physim.errors import plural
-from physim.reproduction.claims import PAIR_TIMES, Part
-from physim.reproduction.claims.claim import Claim
+from physim.reproduction.claims import measures
+from physim.reproduction.claims.claim import PAIR_TIMES, WORDS, Part
 from physim.reproduction.html import html
-from physim.reproduction.jobs import PAPER
-from physim.reproduction.markdown import markdown
-from physim.reproduction.page import TITLE, page
-from physim.reproduction.plan import (
-    Followers,
-    Plan,
-    film_of,
-    picture_of,
-    run_key,
-    study_picture,
-    study_table,
-    without_avoidance,
-)
-from physim.reproduction.report import Report, Row, Section
+from physim.reproduction.page import TITLE, markdown
+from physim.reproduction.plan import Found, Plan, film_of, picture_of
+from physim.reproduction.report import Report, Section
 from physim.reproduction.runner import do_all
-from physim.reproduction.study import Arm, Measures, Outcome, Study
+from physim.reproduction.study import Study
 
 MARKDOWN, HTML, JSON = "REPRODUCTION.md", "reproduction.html", "reproduction.json"
 PAGES = (MARKDOWN, HTML, JSON)
 MOST_ARMS = 12
-"""Arms whose commands are told."""
+"""Arms whose commands are listed."""
 
 
 def reproduce(
@@ -49,95 +38,68 @@ def reproduce(
 
     Raises PhysimError when a run fails. When ``stop`` says True the report holds what is done.
     """
-    found = do_all(plan.jobs(folder), Followers(plan, folder), workers, stop, progress)
+    found = do_all(plan.jobs(folder), partial(plan.following, folder), workers, stop, progress)
     sections = [_part_section(part, plan, found) for part in plan.parts]
     sections += [_study_section(study, plan, found) for study in plan.studies]
-    records = {key[1]: result for key, result in found.items() if key[0] == "record"}
-    figures = {
-        world: {name: value for name, value in records[world][2].items() if math.isfinite(value)}
+    pictured = {
+        world: found[("record", world)].measures[measures.__name__]
         for world in reversed(plan.worlds)
-        if world in records
+        if ("record", world) in found
+    }
+    figures = {
+        world: {name: value for name, value in run.items() if math.isfinite(value)}
+        for world, run in pictured.items()
     }
     return Report(__version__, command, plan.seeds, tuple(sections), figures, stop())
 
 
 def pages(report: Report, folder: Path) -> dict[str, str]:
     """Texts of the files that tell the report, by name; pictures are read from ``folder``."""
-    blocks = page(report)
-    return {
-        MARKDOWN: markdown(blocks),
-        HTML: html(blocks, TITLE, folder),
-        JSON: report.to_json(),
-    }
+    text = markdown(report)
+    return {MARKDOWN: text, HTML: html(text, TITLE, folder), JSON: report.to_json()}
 
 
-def _part_section(part: Part, plan: Plan, found: dict[Any, Any]) -> Section:
+def _part_section(part: Part, plan: Plan, found: Found) -> Section:
     """A figure of the paper: its claims, judged by the pictured run and by all seeds."""
     if ("record", part.world) not in found:
         return Section(part.figure, part.title, "", (), (), missing="Interrupted before its run.")
-    name, seed, pictured = found[("record", part.world)]
-    keys = [run_key(Arm("", part.world), k) for k in range(plan.seeds)]
-    runs = [found[key][PAPER] for key in keys if key in found]
-    keys = [run_key(without_avoidance(part.world), k) for k in range(plan.seeds)] * part.null
-    bare = [found[key][PAPER] for key in keys if key in found]
-    rows = tuple(_row(claim, pictured, runs, bare) for claim in part.claims)
+    name, seed, by_function = found[("record", part.world)]
+    pictured = by_function[measures.__name__]
+    runs, *bare = plan.table(part, found)
     pictures = [
         (file, f"{part.title.split(':')[0]}, {what.replace('_', ' ')}: {name}, seed {seed}")
         for what in part.pictures
-        if ("picture", file := picture_of(part, what)) in found
+        if ("picture", file := picture_of(part.figure, what)) in found
     ]
     film = part.film and ("film", part.world) in found
     about = f"World {part.world}. Measured: seed {seed}, as in the pictures. Over seeds: "
     few = (
         "none was run." if not runs else f"{plural(len(runs), 'run')}, seeds 0 to {len(runs) - 1}."
     )
-    missing = "" if len(runs) == plan.seeds else "Interrupted before all seeds were run."
-    option = "" if part.figure == "words" else f" --figure {part.figure}"
+    option = "" if part.figure == WORDS else f" --figure {part.figure}"
     commands = [f"physim reproduce{option}", f"physim run {part.world} --seed {seed} -o out"]
-    plots = [name for name in part.pictures if name != PAIR_TIMES]
-    if plots:
+    if plots := [name for name in part.pictures if name != PAIR_TIMES]:
         every = f" --snapshots {part.snapshots:g}" if part.snapshots else ""
         commands.append(f"physim plot out/record.h5 --only {','.join(plots)}{every}")
     return Section(
-        part.figure, part.title, about + few, tuple(commands), rows,
+        part.figure, part.title, about + few, tuple(commands),
+        tuple(claim.verdict(pictured, runs, bare[0] if bare else ()) for claim in part.claims),
         tuple(file for file, _ in pictures), tuple(caption for _, caption in pictures),
-        (film_of(part.world),) if film else (), missing,
+        (film_of(part.world),) if film else (),
+        "" if len(runs) == plan.seeds else "Interrupted before all seeds were run.",
     )  # fmt: skip
 
 
-def _row(claim: Claim, pictured: Measures, runs: list[Measures], bare: list[Measures]) -> Row:
-    """A claim, judged; ``bare`` are runs without avoidance."""
-    outcome = claim.outcome(pictured, runs)
-    remark = claim.remark
-    if bare and outcome is Outcome.MET and claim.met(bare) >= claim.needed * len(bare):
-        remark = f"{remark} It holds without avoidance, too.".strip()
-    return Row(
-        claim.claim, claim.reported, claim.measured(pictured), outcome, remark,
-        claim.spread(runs) if runs else "",
-        f"{claim.met(runs)} of {len(runs)}" if runs else "",
-        f"{claim.met(bare)} of {len(bare)}" if bare else "",
-    )  # fmt: skip
-
-
-def _study_section(study: Study, plan: Plan, found: dict[Any, Any]) -> Section:
+def _study_section(study: Study, plan: Plan, found: Found) -> Section:
     """An experiment: its verdicts and its plot."""
-    seeds = plan.seeds_of(study)
-    about = f"{study.claim} Seeds 0 to {seeds - 1} in each of {len(study.arms)} arms."
-    commands = (f"physim reproduce --study {study.name}", *_arms(study))
-    table = study_table(plan, study, found)
-    title = f"Study: {study.title}"
-    if table is None:
-        return Section(
-            study.name, title, about, commands, (), missing="Interrupted before all was run."
-        )
-    rows = tuple(
-        Row(one.claim, one.reported, one.measured, one.outcome, one.remark)
-        for one in study.conclude(table)
-    )
-    drawn = ("study", study.name) in found
+    done, drawn = plan.is_done(study, found), ("study", study.name) in found
     return Section(
-        study.name, title, about, commands, rows,
-        (study_picture(study),) if drawn else (), (study.title,) if drawn else (),
+        study.name, f"Study: {study.title}",
+        f"{study.claim} Seeds 0 to {plan.seeds_of(study) - 1} in each of {len(study.arms)} arms.",
+        (f"physim reproduce --study {study.name}", *_arms(study)),
+        tuple(study.conclude(plan.table(study, found))) if done else (),
+        (picture_of("study", study.name),) if drawn else (), (study.title,) if drawn else (),
+        missing="" if done else "Interrupted before all was run.",
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Do jobs in worker processes; stop cleanly when told to."""
+"""Do jobs in worker processes; stop cleanly when asked to."""
 
 from __future__ import annotations
 
@@ -8,21 +8,39 @@ import signal
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from physim.errors import PhysimError
-from physim.reproduction.jobs import Job
 
 POLL_SECONDS = 0.1
 LAST_SECONDS = 10.0
-"""[s] A worker has to end after it was told to; then it is killed."""
+"""[s] A worker has to end once it is asked to; then it is killed."""
 MOST_WORKERS = 8
 
-Follow = Callable[[Any, Any], Iterable[tuple[Any, Job]]]
-"""Jobs with their keys that the result of a job (key, result) makes possible."""
+Stop = Callable[[], bool]
+"""Whether to end early."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of work for a worker process."""
+
+    note: str
+    """a few words for a progress bar"""
+    work: Callable[..., Any]
+    """module-level function of what is given and of a `Stop`; its result is None when stopped"""
+    given: tuple[Any, ...] = ()
+
+    def do(self, stop: Stop) -> Any:
+        """Result of the work."""
+        return self.work(*self.given, stop)
+
+
+Follow = Callable[[Any, dict[Any, Any]], Iterable[tuple[Any, Job]]]
+"""Jobs with their keys that a result makes possible: of its key and all results so far."""
 
 
 def worker_count() -> int:
@@ -35,14 +53,14 @@ def do_all(
     jobs: Iterable[tuple[Any, Job]],
     follow: Follow,
     workers: int,
-    stop: Callable[[], bool],
+    stop: Stop,
     progress: Callable[[int, int, str], None],
 ) -> dict[Any, Any]:
     """Results of jobs by key, with those that follow from them, which come first.
 
     A worker has one job at a time and only results are kept, so memory does not grow with the
-    number of jobs. When ``stop`` says True no job is begun, those under way end early, and what is
-    done is returned. ``progress`` gets done, total and a note. Raises PhysimError of a job, or
+    number of jobs. When ``stop`` says True no job is begun, those in progress end early, and what
+    is done is returned. ``progress`` gets done, total and a note. Raises PhysimError of a job, or
     where a worker was killed.
     """
     waiting, done = deque(jobs), dict[Any, Any]()
@@ -60,7 +78,7 @@ def do_all(
                     key, result = one.end()
                     if result is not None:
                         done[key] = result
-                        waiting.extendleft(reversed(list(follow(key, result))))
+                        waiting.extendleft(reversed(list(follow(key, done))))
             if stop():
                 halt.set()
     return done
@@ -76,34 +94,27 @@ class _Worker:
     job: Job | None = None
 
     def begin(self, key: Any, job: Job) -> None:
-        """Give it a job."""
+        """Give it a job; where its process is gone, `end` says so."""
         self.key, self.job = key, job
-        try:
+        with suppress(OSError):
             self.pipe.send(job)
-        except OSError:
-            raise self._killed() from None
 
     def end(self) -> tuple[Any, Any]:
         """Key and result of its job. Raises the error of the job."""
         try:
-            kind, result = self.pipe.recv()
+            answer = self.pipe.recv()
         except (EOFError, OSError):
-            raise self._killed() from None
-        if kind == "bad input":
-            raise PhysimError(result)
-        if kind == "error":
-            raise RuntimeError(result)
-        key, self.key, self.job = self.key, None, None
-        return key, result
-
-    def _killed(self) -> PhysimError:
-        note = "" if self.job is None else f" at {self.job.note}"
-        return PhysimError(f"a worker process was killed{note}: out of memory?")
+            note = "" if self.job is None else f" at {self.job.note}"
+            raise PhysimError(f"a worker process was killed{note}: out of memory?") from None
+        if isinstance(answer, Exception):
+            raise answer
+        self.job = None
+        return self.key, answer
 
 
 @contextmanager
 def _workers(count: int) -> Iterator[tuple[list[_Worker], Any]]:
-    """Processes that wait for jobs, and the event that tells them to stop; ended on leaving."""
+    """Processes that wait for jobs, and the event that makes them stop; ended on leaving."""
     context = multiprocessing.get_context("spawn")
     halt = context.Event()
     team = []
@@ -134,15 +145,15 @@ def _work(pipe: Connection, halt: Any) -> None:
             job: Job = pipe.recv()
         except (EOFError, OSError):
             return
-        answer: tuple[str, Any]
+        answer: Any
         try:
-            answer = ("done", job.do(halt.is_set))
+            answer = job.do(halt.is_set)
         except PhysimError as error:
-            answer = ("bad input", str(error))
+            answer = PhysimError(str(error))
         except OSError as error:  # disk full, folder gone
-            answer = ("bad input", f"{job.note}: {error.strerror or error}")
+            answer = PhysimError(f"{job.note}: {error.strerror or error}")
         except Exception:
-            answer = ("error", f"{job.note}:\n{traceback.format_exc()}")
+            answer = RuntimeError(f"{job.note}:\n{traceback.format_exc()}")
         try:
             pipe.send(answer)
         except OSError:

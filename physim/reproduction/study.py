@@ -1,10 +1,10 @@
-"""What an experiment consists of: arms that differ in one thing, seeds, measures and a verdict."""
+"""What a reproduction consists of: arms, studies, and the verdict on each claim."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from enum import Enum
+from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 
 Measures = Mapping[str, float]
 """Figures of one run by name; nan where one has no meaning for it."""
+Runs = Sequence[Measures]
+"""Figures of an arm, a run a seed."""
+Table = Sequence[Runs]
+"""Figures of an experiment, for every arm in order."""
 
 
-class Outcome(Enum):
+class Outcome(StrEnum):
     """How what was measured stands to what was claimed."""
 
     MET = "met"
@@ -32,16 +36,26 @@ class Verdict:
     claim: str
     reported: str
     measured: str
+    """of the pictured run; of all arms and seeds in a study"""
     outcome: Outcome
     remark: str = ""
-    """one sentence where the paper's lost data make an exact match impossible"""
+    """one sentence: why an exact match is impossible, or what the verdict takes for granted"""
+    spread: str = ""
+    """median and range over seeds; empty in a study"""
+    met: str = ""
+    """in how many seeds, "97 of 100"; empty in a study"""
+    without: str = ""
+    """in how many seeds without avoidance; empty where that was not tried"""
 
 
 @dataclass(frozen=True)
 class Arm:
-    """One way of running: a world, shipped or of the study's own, with some values changed."""
+    """One way of running: a world, shipped or of the study's own, with some values changed.
 
-    label: str
+    Arms that differ in their labels alone are equal: they are the same run.
+    """
+
+    label: str = field(compare=False)
     """as it stands on an axis or in a table"""
     world: str
     overrides: tuple[str, ...] = ()
@@ -64,8 +78,8 @@ class Study:
     """An experiment: the same seeds in every arm.
 
     ``measure`` is a module-level function (it is sent to worker processes) from a record to
-    figures; it must not keep the record. ``conclude`` and ``draw`` get, for every arm in order, the
-    measures of every seed in order.
+    figures; it must not keep the record. ``conclude`` and ``draw`` get what was measured; ``draw``
+    also the figure to draw in, and the labels of the arms.
     """
 
     name: str
@@ -75,7 +89,12 @@ class Study:
     """the paper's claim in our words"""
     arms: tuple[Arm, ...]
     measure: Callable[[Record], Measures]
-    conclude: Callable[[Sequence[Sequence[Measures]]], Sequence[Verdict]]
-    draw: Callable[[Figure, Sequence[Sequence[Measures]]], None]
+    conclude: Callable[[Table], Sequence[Verdict]]
+    draw: Callable[[Figure, Sequence[str], Table], None]
     seeds: int = 20
     quick_seeds: int = 2
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Labels of the arms."""
+        return tuple(arm.label for arm in self.arms)

@@ -1,73 +1,47 @@
-"""Jobs for the runner's tests: worker processes import them from here."""
+"""Work for the runner's tests: worker processes import it from here."""
 
 from __future__ import annotations
 
 import errno
 import os
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
 
 from physim.errors import PhysimError
+from physim.reproduction.runner import Stop
 
 
-@dataclass(frozen=True)
-class Echo:
+def echo(value: int, stop: Stop) -> int:
     """Gives back what it has."""
-
-    value: int
-    note: str = "echo"
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        return self.value
+    return value
 
 
-@dataclass(frozen=True)
-class Process(Echo):
-    """Tells which process does it."""
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        time.sleep(0.05)
-        return os.getpid()
+def process(stop: Stop) -> int:
+    """Says which process does it."""
+    time.sleep(0.05)
+    return os.getpid()
 
 
-@dataclass(frozen=True)
-class Endless(Echo):
+def endless(stop: Stop) -> None:
     """Goes on until it is stopped."""
-
-    def do(self, stop: Callable[[], bool]) -> int | None:  # type: ignore[override]
-        while not stop():
-            time.sleep(0.01)
-        return None
+    while not stop():
+        time.sleep(0.01)
 
 
-@dataclass(frozen=True)
-class Refused(Echo):
+def refused(stop: Stop) -> None:
     """Bad input."""
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        raise PhysimError("what was given is wrong")
+    raise PhysimError("what was given is wrong")
 
 
-@dataclass(frozen=True)
-class DiskFull(Echo):
+def disk_full(stop: Stop) -> None:
     """Nothing can be written any more."""
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        raise OSError(errno.ENOSPC, "No space left on device")
+    raise OSError(errno.ENOSPC, "No space left on device")
 
 
-@dataclass(frozen=True)
-class Faulty(Echo):
+def faulty(stop: Stop) -> float:
     """A fault of the program."""
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        return 1 // 0
+    return 1 // 0
 
 
-@dataclass(frozen=True)
-class Killed(Echo):
+def killed(stop: Stop) -> None:
     """Its process goes, as when memory runs out."""
-
-    def do(self, stop: Callable[[], bool]) -> int:
-        os._exit(9)
+    os._exit(9)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from physim.errors import PhysimError
 from physim.metrics.pair_times import pair_collision_times, shortest_pair_collision_time
-from physim.reproduction.claims import Part, parts
-from physim.reproduction.claims.claim import Claim, Quantity, holds, near, steps
-from physim.reproduction.plan import QUICK_SEEDS, SEEDS, make_plan, run_key
+from physim.reproduction.claims import measures, parts
+from physim.reproduction.claims.claim import Claim, Part, Quantity, holds, near, steps
+from physim.reproduction.plan import QUICK_SEEDS, SEEDS, make_plan
+from physim.reproduction.studies import studies
 from physim.reproduction.study import Arm, Measures, Outcome
 from tests.metrics.histories import history
 
@@ -52,7 +54,6 @@ def test_a_run_as_reported_meets_every_claim(part: Part, claim: Claim) -> None:
     assert claim.graded(run) is Outcome.MET
     assert claim.outcome(run, [run] * 10) is Outcome.MET
     assert "none" not in claim.measured(run)
-    assert claim.figure == part.figure
 
 
 @each
@@ -101,17 +102,17 @@ def test_near_is_met_in_the_same_order_partly() -> None:
 
 
 def test_seeds_take_a_verdict_down_and_up() -> None:
-    claim = Claim("9", "c", "r", (Quantity("x"),), holds(lambda run: run["x"] > 0))
+    claim = Claim("c", "r", (Quantity("x"),), holds(lambda run: run["x"] > 0))
     good, bad = {"x": 1.0}, {"x": -1.0}
     assert claim.outcome(good, [good] * 9 + [bad]) is Outcome.MET
     assert claim.outcome(good, [good] * 8 + [bad] * 2) is Outcome.PARTLY
     assert claim.outcome(bad, [good] * 9 + [bad]) is Outcome.PARTLY
     assert claim.outcome(bad, [good] * 8 + [bad] * 2) is Outcome.NOT_MET
     assert claim.outcome(bad, []) is Outcome.NOT_MET
-    always = Claim("9", "c", "r", (), holds(lambda run: run["x"] > 0), needed=1.0)
+    always = Claim("c", "r", (), holds(lambda run: run["x"] > 0), needed=1.0)
     assert always.outcome(good, [good] * 99 + [bad]) is Outcome.PARTLY
     assert always.outcome(good, [good] * 100) is Outcome.MET
-    half = Claim("9", "c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
+    half = Claim("c", "r", (), steps(lambda run: run["x"] > 1, lambda run: run["x"] > 0))
     assert half.outcome(good, [bad] * 3) is Outcome.PARTLY
 
 
@@ -156,7 +157,7 @@ def test_plan_of_one_figure() -> None:
 
 
 @pytest.mark.parametrize(
-    ("figure", "told"),
+    ("figure", "fault"),
     [
         ("5", "flow chart"),
         ("9", "not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8"),
@@ -165,14 +166,14 @@ def test_plan_of_one_figure() -> None:
         ("x" * 1000, "not a figure"),
     ],
 )
-def test_unknown_figures(figure: str, told: str) -> None:
+def test_unknown_figures(figure: str, fault: str) -> None:
     with pytest.raises(PhysimError) as error:
         make_plan(figure)
-    assert told in str(error.value)
+    assert fault in str(error.value)
     assert len(str(error.value)) < 250
 
 
-def test_an_unknown_study_tells_the_nearest() -> None:
+def test_an_unknown_study_comes_with_the_nearest() -> None:
     with pytest.raises(
         PhysimError, match=r'--study "alfa": not a study; allowed: alpha, .*"alpha"'
     ):
@@ -183,13 +184,24 @@ def test_runs_that_several_need_are_done_once() -> None:
     plan = make_plan(quick=True)
     jobs = dict(plan.jobs(Path("x")))
     assert len(jobs) == len(list(plan.jobs(Path("x"))))
-    users = {
-        run_key(arm, 0): {study.name for study in plan.studies for one in study.arms
-                          if run_key(one, 0) == run_key(arm, 0)}
-        for study in plan.studies for arm in study.arms
-    }  # fmt: skip
-    shared = {key: names for key, names in users.items() if len(names) > 1}
-    assert shared
-    for key, names in shared.items():
-        assert names <= set(jobs[key].measure)
-    assert run_key(Arm("a", "w"), 1) == run_key(Arm("b", "w"), 1) != run_key(Arm("a", "w"), 2)
+    users: dict[Any, set[Any]] = {}
+    for study in plan.studies:
+        for arm in study.arms:
+            users.setdefault(("run", arm, 1), set()).add(study.measure)
+    for part in plan.parts:
+        for arm in part.arms:
+            users.setdefault(("run", arm, 1), set()).add(measures)
+    assert max(map(len, users.values())) > 1
+    for key, needed in users.items():
+        arm, seed, done, path = jobs[key].given
+        assert (arm, seed, path) == (key[1], 1, None)
+        assert set(done) == needed
+        assert len(done) == len(needed)
+    assert {key[2] for key in jobs if key[0] == "run"} == set(range(plan.seeds))
+    assert Arm("a", "w") == Arm("b", "w") != Arm("a", "v")
+
+
+def test_measures_differ_in_their_names() -> None:
+    """Figures of a run are kept by the names of the functions that took them."""
+    found = {study.measure for study in studies()} | {measures}
+    assert len({measure.__name__ for measure in found}) == len(found)

@@ -15,12 +15,12 @@ from dataclasses import replace
 import pytest
 
 from physim.recording import simulate
-from physim.reproduction.claims import Part, measures, parts
-from physim.reproduction.claims.claim import Claim
+from physim.reproduction.claims import measures, parts
+from physim.reproduction.claims.claim import Claim, Part
 from physim.reproduction.claims.tolerances import ORDER
-from physim.reproduction.report import Report, Row
+from physim.reproduction.report import Report
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Measures, Outcome
+from physim.reproduction.study import Measures, Outcome, Verdict
 from physim.world_file import load_world
 from tests import reproduction_docs as docs
 
@@ -49,7 +49,7 @@ def fresh(world: str) -> Measures:
         return measures(record)
 
 
-def claims_of(part: Part, report: Report) -> list[tuple[Claim, Row]]:
+def claims_of(part: Part, report: Report) -> list[tuple[Claim, Verdict]]:
     section = next(one for one in report.sections if one.key == part.figure)
     return list(zip(part.claims, section.rows, strict=True))
 
@@ -61,8 +61,8 @@ def test_page_is_written_from_its_report(report: Report) -> None:
 
 
 def test_the_readme_tells_how_many_claims_are_met(report: Report) -> None:
-    told = docs.README.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
-    assert told == docs.claims(report)
+    said = docs.README.read_text(encoding="utf-8").split(docs.BEGIN)[1].split(docs.END)[0]
+    assert said == docs.claims(report)
 
 
 def test_every_part_and_study_is_there_whole(report: Report) -> None:
@@ -115,14 +115,14 @@ def test_a_run_gets_the_same_grades(part: Part, report: Report) -> None:
 
 @pytest.mark.parametrize("world", WORLDS)
 def test_a_run_gets_the_same_figures(world: str, report: Report) -> None:
-    told, now = report.figures[world], fresh(world)
-    assert set(told) == {name for name, value in now.items() if math.isfinite(value)}
+    stored, now = report.figures[world], fresh(world)
+    assert set(stored) == {name for name, value in now.items() if math.isfinite(value)}
     for name in STEADY_FIGURES:
-        if name in told:
-            assert math.isclose(told[name], now[name], rel_tol=STEADY), name
+        if name in stored:
+            assert math.isclose(stored[name], now[name], rel_tol=STEADY), name
     for name in EXTREMES:
-        if name in told:
-            assert told[name] / ORDER <= now[name] <= told[name] * ORDER, name
+        if name in stored:
+            assert stored[name] / ORDER <= now[name] <= stored[name] * ORDER, name
 
 
 @pytest.mark.parametrize("name", ["energy"])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from physim.reproduction.studies.estimates import estimate, freely, share_text
+from physim.reproduction.studies.estimates import count, estimate, share_text
 from physim.reproduction.studies.fits import time_constant
 
 
@@ -37,11 +37,12 @@ def test_nan_is_left_out_and_nothing_is_none() -> None:
 
 def test_text() -> None:
     assert estimate([-1e-9, 0.0]).text(2) == "0.00"
+    assert estimate([math.inf, math.inf]).text(1, "s") == "never"
     assert estimate([1.0, 2.0, math.inf]).text(1, "s") == "2.0 [1.0, never] s"
 
 
 def test_shares() -> None:
-    assert freely([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
+    assert count([{"a": 0.0}, {"a": 2.0}], "a", lambda value: value == 0.0) == (1, 2)
     assert share_text(20, 20) == "20 of 20 [83 %, 100 %]"
 
 

@@ -8,13 +8,13 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+from markdown_it import MarkdownIt
 
 from physim.errors import PhysimError
 from physim.reproduction.html import html
-from physim.reproduction.markdown import markdown
-from physim.reproduction.page import anchor_of, page
-from physim.reproduction.report import Report, Row, Section
-from physim.reproduction.study import Outcome
+from physim.reproduction.page import anchor_of, markdown
+from physim.reproduction.report import Report, Section
+from physim.reproduction.study import Outcome, Verdict
 
 PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
@@ -23,10 +23,16 @@ VOID = ("meta", "link", "img")
 HOSTILE = (
     "<script>alert(1)</script> & \"q\" 'a' | `b` *c* _d_ [e](f) ![g](h) $x$ {{i}} # j \\ ~~k~~"
 )
+TAGS = {
+    "html", "head", "meta", "link", "title", "style", "body", "h1", "h2", "h3", "p", "a", "strong",
+    "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
+    "pre", "code",
+}  # fmt: skip
+"""What a page is made of."""
 
 
 def report(text: str, outcome: Outcome = Outcome.NOT_MET) -> Report:
-    row = Row(text, text, text, outcome, text, text, text)
+    row = Verdict(text, text, text, outcome, text, text, text)
     section = Section(
         "1", f"Figure 1: {text}", text, (f"physim run {text}",), (row,),
         ("figures/a b.png",), (text,), ("w&/video.mp4",), text,
@@ -65,16 +71,32 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_names_in_html_are_only_names(folder: Path) -> None:
-    seen = Reader(html(page(report(HOSTILE)), HOSTILE, folder))
+@pytest.mark.parametrize(
+    "name",
+    [
+        HOSTILE, "- item", "+ item", "1. item", "2) item", "=== rule", "---", "    indented code",
+        "> quote", "~~~", "two\nlines\r\n\n# and more", "https://a.example www.b.example",
+        "</td></table><b>bold</b>", '" onerror="alert(1)', "[a]: b 'c'", "&lt;b&gt; &#60;", "!",
+        "trailing\\",
+    ],
+)  # fmt: skip
+def test_names_in_html_are_only_names(name: str, folder: Path) -> None:
+    seen = Reader(html(markdown(report(name)), name, folder))
     assert seen.open == []
-    assert "script" not in {tag for tag, _ in seen.tags}
-    assert seen.words.count(HOSTILE) >= 8
-    assert not any(name.startswith("on") for _, attributes in seen.tags for name in attributes)
+    assert {tag for tag, _ in seen.tags} <= TAGS
+    assert " ".join(seen.words.split()).count(" ".join(name.split())) >= 8
+    assert not any(key.startswith("on") for _, attributes in seen.tags for key in attributes)
+
+
+def test_raw_html_is_shown_and_not_followed(folder: Path) -> None:
+    seen = Reader(
+        html("<b>x</b> <img src=y onerror=z>\n\n<script>\n\n[q](javascript:r)", "t", folder)
+    )
+    assert not {"b", "img", "script", "a"} & {tag for tag, _ in seen.tags}
 
 
 def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
-    text = html(page(report("x")), "t", folder)
+    text = html(markdown(report("x")), "t", folder)
     links = [a.get(key) or "" for _, a in Reader(text).tags for key in ("src", "href") if key in a]
     pictures = [link for link in links if link.startswith("data:image/png;base64,")]
     assert base64.b64decode(pictures[0].split(",")[1]) == PNG
@@ -86,13 +108,13 @@ def test_html_needs_nothing_but_the_videos(folder: Path) -> None:
 
 def test_a_missing_picture_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        html(page(report("x")), "t", tmp_path)
+        html(markdown(report("x")), "t", tmp_path)
 
 
 def test_names_in_markdown_are_only_names() -> None:
-    """As a reader of Markdown sees them: the parser is the one that rich brings."""
-    parser = pytest.importorskip("markdown_it").MarkdownIt("commonmark").enable("table")
-    seen = Reader(parser.render(markdown(page(report(HOSTILE)))))
+    """As any reader of Markdown sees them, also one that follows raw HTML."""
+    parser = MarkdownIt("commonmark").enable("table")
+    seen = Reader(parser.render(markdown(report(HOSTILE))))
     tags = {tag for tag, _ in seen.tags}
     assert not tags & {"script", "em", "hr", "h4"}
     assert {"table", "pre", "code", "h1"} <= tags
@@ -106,24 +128,27 @@ def test_names_in_markdown_are_only_names() -> None:
 
 
 def test_links_lead_to_headings(folder: Path) -> None:
-    tags = Reader(html(page(report("one, two (3a): four")), "t", folder)).tags
+    tags = Reader(html(markdown(report("one, two (3a): four")), "t", folder)).tags
     anchors = {a["id"] for _, a in tags if "id" in a}
     links = {(a["href"] or "")[1:] for tag, a in tags if tag == "a" and a["href"][:1] == "#"}
     assert links
     assert links <= anchors
-    section = Section("1", "Figure 6: ten robots, 3a!", "", (), ())
-    assert anchor_of(section) == "figure-6-ten-robots-3a"
+    assert anchor_of("Figure 6: ten robots, 3a!") == "figure-6-ten-robots-3a"
 
 
 def test_claims_that_are_met_are_not_told_as_differences() -> None:
-    assert "Where we differ" in markdown(page(report("x", Outcome.PARTLY)))
-    assert "Where we differ" not in markdown(page(report("x", Outcome.MET)))
-    assert "interrupted" in markdown(page(replace(report("x"), interrupted=True)))
+    assert "Where we differ" in markdown(report("x", Outcome.PARTLY))
+    assert "Where we differ" not in markdown(report("x", Outcome.MET))
+    assert "interrupted" in markdown(replace(report("x"), interrupted=True))
 
 
 def test_report_comes_back_from_json() -> None:
     given = report(HOSTILE)
     assert Report.from_json(given.to_json()) == given
-    for wrong in ("", "[]", "{}", given.to_json().replace("physim-reproduction", "other")):
+    text = given.to_json()
+    unknown = text.replace('"remark":', '"comment": "", "remark":')
+    missing = text.replace('"reported":', '"comment":')
+    other = text.replace("physim-reproduction", "other")
+    for wrong in ("", "[]", "{}", other, unknown, missing, text.replace("not met", "never met")):
         with pytest.raises(PhysimError, match="no reproduction of this version"):
             Report.from_json(wrong)

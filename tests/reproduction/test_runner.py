@@ -9,13 +9,17 @@ from typing import Any
 import pytest
 
 from physim.errors import PhysimError
-from physim.reproduction.runner import do_all
-from tests.reproduction.sample_jobs import DiskFull, Echo, Endless, Faulty, Killed, Process, Refused
+from physim.reproduction.runner import Job, do_all
+from tests.reproduction import sample_jobs as sample
+
+
+def echo(value: int) -> Job:
+    return Job("echo", sample.echo, (value,))
 
 
 def run(
     jobs: Iterable[tuple[Any, Any]],
-    follow: Callable[[Any, Any], Any] = lambda key, result: (),
+    follow: Callable[[Any, Any], Any] = lambda key, found: (),
     stop: Callable[[], bool] = lambda: False,
     progress: Callable[[int, int, str], None] = lambda done, total, note: None,
 ) -> dict[Any, Any]:
@@ -26,20 +30,20 @@ def run(
 
 def test_results_by_key() -> None:
     seen: list[tuple[int, int, str]] = []
-    found = run([(k, Echo(k * k)) for k in range(7)], progress=lambda *now: seen.append(now))
+    found = run([(k, echo(k * k)) for k in range(7)], progress=lambda *now: seen.append(now))
     assert found == {k: k * k for k in range(7)}
     assert all(total == 7 and 0 <= done < 7 and note == "echo" for done, total, note in seen)
 
 
 def test_two_processes_share_the_work() -> None:
-    assert len(set(run([(k, Process(k)) for k in range(8)]).values())) == 2
+    assert len(set(run([(k, Job("echo", sample.process)) for k in range(8)]).values())) == 2
 
 
 def test_jobs_that_follow() -> None:
-    def follow(key: Any, result: int) -> list[tuple[Any, Echo]]:
-        return [((key, "next"), Echo(result + 1))] if isinstance(key, int) else []
+    def follow(key: Any, found: dict[Any, int]) -> list[tuple[Any, Job]]:
+        return [((key, "next"), echo(found[key] + 1))] if isinstance(key, int) else []
 
-    found = run([(0, Echo(10)), (1, Echo(20))], follow)
+    found = run([(0, echo(10)), (1, echo(20))], follow)
     assert found == {0: 10, (0, "next"): 11, 1: 20, (1, "next"): 21}
 
 
@@ -50,7 +54,7 @@ def test_no_jobs() -> None:
 def test_stopped_with_what_is_done() -> None:
     done: list[int] = []
     found = run(
-        [("quick", Echo(1)), *((k, Endless(k)) for k in range(4))],
+        [("quick", echo(1)), *((k, Job("echo", sample.endless)) for k in range(4))],
         stop=lambda: bool(done and done[-1]),
         progress=lambda count, total, note: done.append(count),
     )
@@ -59,19 +63,19 @@ def test_stopped_with_what_is_done() -> None:
 
 def test_bad_input_of_a_job_is_one_line() -> None:
     with pytest.raises(PhysimError, match=r"^what was given is wrong$"):
-        run([(0, Refused(0)), (1, Endless(1))])
+        run([(0, Job("echo", sample.refused)), (1, Job("echo", sample.endless))])
 
 
 def test_a_full_disk_is_one_line() -> None:
     with pytest.raises(PhysimError, match=r"^echo: No space left on device$"):
-        run([(0, DiskFull(0))])
+        run([(0, Job("echo", sample.disk_full))])
 
 
 def test_a_fault_of_the_program_tells_where() -> None:
     with pytest.raises(RuntimeError, match=r"echo:\n(.|\n)*ZeroDivisionError"):
-        run([(0, Faulty(0))])
+        run([(0, Job("echo", sample.faulty))])
 
 
 def test_a_killed_worker_is_told() -> None:
     with pytest.raises(PhysimError, match="a worker process was killed at echo: out of memory"):
-        run([(0, Killed(0))])
+        run([(0, Job("echo", sample.killed))])

@@ -12,20 +12,18 @@ import pytest
 
 from physim import simulate
 from physim.plots.style import styled
-from physim.reproduction.studies import (
-    alpha,
-    avoidance,
-    bends,
-    energy,
-    hysteresis,
-    operation,
-    routes,
-    studies,
-    switching,
-    thresholds,
-    updates,
-)
+from physim.reproduction.studies import studies
+from physim.reproduction.studies.alpha import ALPHA
+from physim.reproduction.studies.avoidance import AVOIDANCE, WORLDS
+from physim.reproduction.studies.bends import BENDS, STATIONS, corners
+from physim.reproduction.studies.energy import ENERGY
+from physim.reproduction.studies.hysteresis import HYSTERESIS
+from physim.reproduction.studies.operation import OPERATION
+from physim.reproduction.studies.routes import ROUTES, extra_length
 from physim.reproduction.studies.straight_road import world_text
+from physim.reproduction.studies.switching import SWITCHING
+from physim.reproduction.studies.thresholds import THRESHOLDS, TIMES
+from physim.reproduction.studies.updates import UPDATES
 from physim.reproduction.study import Arm, Measures, Outcome, Study
 
 MET, PARTLY, NOT_MET = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET
@@ -60,12 +58,12 @@ FALLING = (12.5, 5.0, 2.5, 1.25, 25.0, 10.0, 5.0, 2.5)
 
 
 def test_alpha_can_fail() -> None:
-    assert verdict_of(alpha.STUDY, alpha_arms(FALLING, FALLING)) is MET
+    assert verdict_of(ALPHA, alpha_arms(FALLING, FALLING)) is MET
     flat = (5.0,) * 8
-    assert verdict_of(alpha.STUDY, alpha_arms(flat, FALLING)) is NOT_MET
-    assert verdict_of(alpha.STUDY, alpha_arms(FALLING, FALLING), 1) is MET
+    assert verdict_of(ALPHA, alpha_arms(flat, FALLING)) is NOT_MET
+    assert verdict_of(ALPHA, alpha_arms(FALLING, FALLING), 1) is MET
     twice = [2.0 * tau for tau in FALLING]
-    assert verdict_of(alpha.STUDY, alpha_arms(twice, FALLING), 1) is NOT_MET
+    assert verdict_of(ALPHA, alpha_arms(twice, FALLING), 1) is NOT_MET
 
 
 def energy_arms(worst: float = 1e-12, slope: float = 1.0, growth: float = -1.0) -> Arms:
@@ -76,15 +74,15 @@ def energy_arms(worst: float = 1e-12, slope: float = 1.0, growth: float = -1.0) 
 
 def test_energy_can_fail() -> None:
     for number in range(3):
-        assert verdict_of(energy.STUDY, energy_arms(), number) is MET
-    assert verdict_of(energy.STUDY, energy_arms(worst=1e-3)) is NOT_MET
-    assert verdict_of(energy.STUDY, energy_arms(worst=math.nan)) is NOT_MET
-    assert verdict_of(energy.STUDY, energy_arms(slope=2.0), 1) is PARTLY
-    assert verdict_of(energy.STUDY, energy_arms(growth=0.5), 2) is NOT_MET
+        assert verdict_of(ENERGY, energy_arms(), number) is MET
+    assert verdict_of(ENERGY, energy_arms(worst=1e-3)) is NOT_MET
+    assert verdict_of(ENERGY, energy_arms(worst=math.nan)) is NOT_MET
+    assert verdict_of(ENERGY, energy_arms(slope=2.0), 1) is PARTLY
+    assert verdict_of(ENERGY, energy_arms(growth=0.5), 2) is NOT_MET
 
 
 def bends_arms(after: float, before: float, tau: float, final: float) -> Arms:
-    places = {f"at_{s}": 1.0 for s in bends.STATIONS}
+    places = {f"at_{s}": 1.0 for s in STATIONS}
     one = {
         "peak": 3.0, "after_bends": after, "end_of_straights": before, "risen": 80.0,
         "fallen": 80.0, "time_constant": tau, "theory": 16.0, "final": final, **places,
@@ -94,8 +92,8 @@ def bends_arms(after: float, before: float, tau: float, final: float) -> Arms:
 
 def test_bends_can_fail() -> None:
     for number in range(3):
-        assert verdict_of(bends.STUDY, bends_arms(1.0, 0.5, 16.0, 0.05), number) is MET
-        assert verdict_of(bends.STUDY, bends_arms(0.5, 1.0, 40.0, 2.0), number) is NOT_MET
+        assert verdict_of(BENDS, bends_arms(1.0, 0.5, 16.0, 0.05), number) is MET
+        assert verdict_of(BENDS, bends_arms(0.5, 1.0, 40.0, 2.0), number) is NOT_MET
 
 
 def routes_arms(outer: float, inner: float) -> Arms:
@@ -103,17 +101,17 @@ def routes_arms(outer: float, inner: float) -> Arms:
 
 
 def test_routes_can_fail() -> None:
-    assert verdict_of(routes.STUDY, routes_arms(1.2, 0.8)) is MET
-    assert verdict_of(routes.STUDY, routes_arms(0.95, 0.8)) is PARTLY
-    assert verdict_of(routes.STUDY, routes_arms(0.8, 1.2)) is NOT_MET
-    assert verdict_of(routes.STUDY, routes_arms(math.nan, math.nan)) is NOT_MET
+    assert verdict_of(ROUTES, routes_arms(1.2, 0.8)) is MET
+    assert verdict_of(ROUTES, routes_arms(0.95, 0.8)) is PARTLY
+    assert verdict_of(ROUTES, routes_arms(0.8, 1.2)) is NOT_MET
+    assert verdict_of(ROUTES, routes_arms(math.nan, math.nan)) is NOT_MET
 
 
 def updates_arms(rates: Sequence[float], touching: Sequence[int] = ()) -> Arms:
     return [
         {
             "updates": rate, "messages": rate, "evaluations": 2.0 * rate, "kept": 0.1,
-            "contacts": float(k in touching), "shortest_collision_time": 0.3,
+            "contacts": float(k in touching),
         }
         for k, rate in enumerate(rates)
     ]  # fmt: skip
@@ -128,52 +126,52 @@ COARSE = (4, 5)
 
 def test_updates_can_fail() -> None:
     good = updates_arms(RATES, touching=COARSE)
-    assert [verdict_of(updates.STUDY, good, number) for number in range(4)] == [MET] * 4
+    assert [verdict_of(UPDATES, good, number) for number in range(4)] == [MET] * 4
     flat = updates_arms((10.0,) * len(RATES))
     for number in range(4):
-        assert verdict_of(updates.STUDY, flat, number) is not MET
+        assert verdict_of(UPDATES, flat, number) is not MET
     touching = updates_arms(RATES, touching=(*COARSE, len(FIXED) + LONGEST.index(5.1)))
-    assert verdict_of(updates.STUDY, touching, 0) is PARTLY
-    assert verdict_of(updates.STUDY, touching, 1) is PARTLY
-    assert verdict_of(updates.STUDY, touching, 2) is PARTLY
-    assert verdict_of(updates.STUDY, updates_arms(RATES), 2) is NOT_MET
+    assert verdict_of(UPDATES, touching, 0) is PARTLY
+    assert verdict_of(UPDATES, touching, 1) is PARTLY
+    assert verdict_of(UPDATES, touching, 2) is PARTLY
+    assert verdict_of(UPDATES, updates_arms(RATES), 2) is NOT_MET
 
 
 def avoidance_arms(first: float, later: float, bare: float = 1.0, shipped: float = 0.0) -> Arms:
     rest = {"finished": 1.0, "by_distance": 0.01, "by_time": 0.1, "kept": 0.1}
 
     def arm(between: float, contacts: float) -> Mapping[str, float]:
-        return {"between_robots": between, "contacts": contacts, **rest}
+        return {"shortest_distance": between, "contacts": contacts, **rest}
 
     kinds = [arm(first, shipped), arm(later, shipped), *[arm(0.1, 0.0)] * 2, arm(0.0, bare)]
-    return kinds * len(avoidance.WORLDS)
+    return kinds * len(WORLDS)
 
 
 def test_avoidance_can_fail() -> None:
-    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2)) is MET
-    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2, bare=0.0)) is NOT_MET
-    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2, shipped=1.0)) is NOT_MET
-    assert verdict_of(avoidance.STUDY, avoidance_arms(0.4, 0.2), 1) is MET
-    assert verdict_of(avoidance.STUDY, avoidance_arms(0.2, 0.4), 1) is NOT_MET
+    assert verdict_of(AVOIDANCE, avoidance_arms(0.4, 0.2)) is MET
+    assert verdict_of(AVOIDANCE, avoidance_arms(0.4, 0.2, bare=0.0)) is NOT_MET
+    assert verdict_of(AVOIDANCE, avoidance_arms(0.4, 0.2, shipped=1.0)) is NOT_MET
+    assert verdict_of(AVOIDANCE, avoidance_arms(0.4, 0.2), 1) is MET
+    assert verdict_of(AVOIDANCE, avoidance_arms(0.2, 0.4), 1) is NOT_MET
 
 
 def threshold_arms(share: float, speed: float, far: float) -> Arms:
     calm = {
         "danger_share": 0.1, "averaged_speed_min": 0.9, "farthest_distance": 20.0,
-        "contacts": 0.0, "kept": 0.1, "between_robots": 0.3,
+        "contacts": 0.0, "kept": 0.1, "shortest_distance": 0.3,
     }  # fmt: skip
     last = {"danger_share": share, "averaged_speed_min": speed, "farthest_distance": far}
-    return [calm] * (len(thresholds.TIMES) - 1) + [{**calm, **last}]
+    return [calm] * (len(TIMES) - 1) + [{**calm, **last}]
 
 
 def test_thresholds_can_fail() -> None:
-    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.9, 20.0)) is MET
-    assert verdict_of(thresholds.STUDY, threshold_arms(0.4, 0.9, 20.0)) is NOT_MET
-    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.7, 20.0)) is NOT_MET
-    assert verdict_of(thresholds.STUDY, threshold_arms(0.6, 0.9, 24.0)) is NOT_MET
+    assert verdict_of(THRESHOLDS, threshold_arms(0.6, 0.9, 20.0)) is MET
+    assert verdict_of(THRESHOLDS, threshold_arms(0.4, 0.9, 20.0)) is NOT_MET
+    assert verdict_of(THRESHOLDS, threshold_arms(0.6, 0.7, 20.0)) is NOT_MET
+    assert verdict_of(THRESHOLDS, threshold_arms(0.6, 0.9, 24.0)) is NOT_MET
 
 
-def way(kept: float, contacts: float = 0.0, finished: float = 1.0) -> Mapping[str, float]:
+def switch(kept: float, contacts: float = 0.0, finished: float = 1.0) -> Mapping[str, float]:
     took = 100.0 if finished else math.nan
     return {
         "kept": kept, "contacts": contacts, "finished": finished, "time_to_finish": took,
@@ -184,24 +182,24 @@ def way(kept: float, contacts: float = 0.0, finished: float = 1.0) -> Mapping[st
 @pytest.mark.parametrize(
     ("both", "alone", "expected"),
     [
-        (way(0.2), way(0.1), MET),
-        (way(0.2), way(0.2, contacts=1.0), MET),
-        (way(0.2), way(0.2, finished=0.0), MET),
-        (way(0.1), way(0.2), NOT_MET),
-        (way(0.2), way(0.2), NOT_MET),
-        (way(0.2, finished=0.0), way(0.1), NOT_MET),
+        (switch(0.2), switch(0.1), MET),
+        (switch(0.2), switch(0.2, contacts=1.0), MET),
+        (switch(0.2), switch(0.2, finished=0.0), MET),
+        (switch(0.1), switch(0.2), NOT_MET),
+        (switch(0.2), switch(0.2), NOT_MET),
+        (switch(0.2, finished=0.0), switch(0.1), NOT_MET),
     ],
 )
 def test_switching_can_fail(
     both: Mapping[str, float], alone: Mapping[str, float], expected: Outcome
 ) -> None:
     for number in range(2):
-        assert verdict_of(switching.STUDY, [both, alone, alone] * 2, number) is expected
+        assert verdict_of(SWITCHING, [both, alone, alone] * 2, number) is expected
 
 
 def test_switching_better_in_one_world_only_is_partly_met() -> None:
-    arms = [way(0.2), way(0.1), way(0.1), way(0.1), way(0.2), way(0.2)]
-    assert verdict_of(switching.STUDY, arms) is PARTLY
+    arms = [switch(0.2), switch(0.1), switch(0.1), switch(0.1), switch(0.2), switch(0.2)]
+    assert verdict_of(SWITCHING, arms) is PARTLY
 
 
 def test_hysteresis_can_fail() -> None:
@@ -209,17 +207,17 @@ def test_hysteresis_can_fail() -> None:
         rest = {"danger_share": 0.2, "contacts": 0.0, "kept": 0.1}
         return [{"mode_switches": rate, **rest} for rate in rates]
 
-    assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 5.0, 15.0)) is MET
-    assert verdict_of(hysteresis.STUDY, arms(10.0, 20.0, 15.0, 5.0)) is PARTLY
-    assert verdict_of(hysteresis.STUDY, arms(10.0, 10.05, 5.0, 15.0)) is PARTLY  # not clear
-    assert verdict_of(hysteresis.STUDY, arms(20.0, 10.0, 15.0, 5.0)) is NOT_MET
+    assert verdict_of(HYSTERESIS, arms(10.0, 20.0, 5.0, 15.0)) is MET
+    assert verdict_of(HYSTERESIS, arms(10.0, 20.0, 15.0, 5.0)) is PARTLY
+    assert verdict_of(HYSTERESIS, arms(10.0, 10.05, 5.0, 15.0)) is PARTLY  # not clear
+    assert verdict_of(HYSTERESIS, arms(20.0, 10.0, 15.0, 5.0)) is NOT_MET
 
 
 def operation_arms(*took: float) -> Arms:
     rest = {"contacts": 0.0, "danger_share": 0.2, "messages": 20.0, "farthest_distance": 20.0}
     return [
         {
-            "operation": t, "time_to_finish": t if t < math.inf else math.nan,
+            "time_to_finish": t if t < math.inf else math.nan,
             "formation_error_peak": t / 10.0, **rest,
         }
         for t in took
@@ -227,12 +225,12 @@ def operation_arms(*took: float) -> Arms:
 
 
 def test_operation_can_fail() -> None:
-    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 250.0)) is MET
-    assert verdict_of(operation.STUDY, operation_arms(250.0, math.inf, 250.0)) is MET
-    assert verdict_of(operation.STUDY, operation_arms(300.0, 250.0, 250.0)) is NOT_MET
-    assert verdict_of(operation.STUDY, operation_arms(math.inf, 250.0, 250.0)) is NOT_MET
-    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 200.0), 1) is NOT_MET
-    assert verdict_of(operation.STUDY, operation_arms(250.0, 300.0, 290.0), 1) is PARTLY
+    assert verdict_of(OPERATION, operation_arms(250.0, 300.0, 250.0)) is MET
+    assert verdict_of(OPERATION, operation_arms(250.0, math.inf, 250.0)) is MET
+    assert verdict_of(OPERATION, operation_arms(300.0, 250.0, 250.0)) is NOT_MET
+    assert verdict_of(OPERATION, operation_arms(math.inf, 250.0, 250.0)) is NOT_MET
+    assert verdict_of(OPERATION, operation_arms(250.0, 300.0, 200.0), 1) is NOT_MET
+    assert verdict_of(OPERATION, operation_arms(250.0, 300.0, 290.0), 1) is PARTLY
 
 
 MADE_UP: Mapping[str, Callable[[], Arms]] = {
@@ -240,7 +238,7 @@ MADE_UP: Mapping[str, Callable[[], Arms]] = {
     "energy": energy_arms,
     "bends": lambda: bends_arms(1.0, 0.5, 16.0, 0.05),
     "routes": lambda: routes_arms(1.2, 0.8),
-    "switching": lambda: [way(0.2), way(0.1), way(0.1, finished=0.0)] * 2,
+    "switching": lambda: [switch(0.2), switch(0.1), switch(0.1, finished=0.0)] * 2,
     "hysteresis": lambda: [
         {"mode_switches": 9.0, "danger_share": 0.2, "contacts": 0.0, "kept": 0.1}
     ] * 4,
@@ -258,7 +256,7 @@ def test_every_plot_has_units_and_nothing_unnamed(name: str) -> None:
     study = STUDIES[name]
     with styled():
         figure = Figure()
-        study.draw(figure, seeds(MADE_UP[name]()))
+        study.draw(figure, study.labels, seeds(MADE_UP[name]()))
         figure.draw_without_rendering()
     assert figure.get_suptitle()
     for axis in figure.axes:
@@ -276,22 +274,21 @@ def test_studies_without_a_meaningful_figure_conclude_and_draw(name: str) -> Non
     arms = [[dict.fromkeys(arm, math.nan)] for arm in MADE_UP[name]()]
     assert MET not in [verdict.outcome for verdict in study.conclude(arms)]
     with styled():
-        study.draw(Figure(), arms)
+        study.draw(Figure(), study.labels, arms)
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_every_arm_loads_and_can_be_sent_to_a_worker(name: str) -> None:
     study = STUDIES[name]
     assert pickle.loads(pickle.dumps(study.measure)) is study.measure
-    labels = [arm.label for arm in study.arms]
-    assert len(set(labels)) == len(labels)
+    assert len(set(study.labels)) == len(study.labels)
     for arm in study.arms:
         same = pickle.loads(pickle.dumps(arm))
         assert same.load(3) == arm.load(3)
 
 
 def test_worlds_of_two_seeds_differ() -> None:
-    arm = alpha.STUDY.arms[0]
+    arm = ALPHA.arms[0]
     assert arm.load(1) != arm.load(2)
 
 
@@ -308,7 +305,7 @@ def measured(study: Study, arm: int, seconds: float) -> Measures:
 
 def test_energy_changes_by_the_discrete_form_of_10_in_every_step() -> None:
     for arm in (0, 1):
-        found = measured(energy.STUDY, arm, 12.0)
+        found = measured(ENERGY, arm, 12.0)
         assert found["worst_step"] < 1e-9
         assert found["slope_ratio"] == pytest.approx(1.0, abs=0.02)
         assert found["time_constant"] == pytest.approx(found["theory"], rel=0.02)
@@ -316,23 +313,23 @@ def test_energy_changes_by_the_discrete_form_of_10_in_every_step() -> None:
 
 
 def test_errors_on_a_straight_road_die_away_as_the_theory_says() -> None:
-    found = measured(alpha.STUDY, 2, 15.0)
+    found = measured(ALPHA, 2, 15.0)
     assert found["theory"] == pytest.approx(1.0 / (0.1 * 4), rel=1e-6)
     assert found["time_constant"] == pytest.approx(found["theory"], rel=0.1)
     assert found["held"] == found["danger"] == 0.0
 
 
-def test_outside_of_a_bend_the_way_is_longer() -> None:
+def test_outside_of_a_bend_the_route_is_longer() -> None:
     angle = np.linspace(0.0, 1.0, 101)
     arc = 50.0 * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))  # to the left
     centre = np.array([0.0, 50.0])
     middle = centre + 50.0 * np.array([[np.sin(0.5), -np.cos(0.5)]])
     outside = centre + 52.0 * np.array([[np.sin(0.5), -np.cos(0.5)]])
     station = np.array([25.0])
-    assert routes.extra_way(arc, station, outside) == pytest.approx(2.0 / 50.0, rel=0.03)
-    assert routes.extra_way(arc, station, middle) == pytest.approx(0.0, abs=1e-3)
+    assert extra_length(arc, station, outside) == pytest.approx(2.0 / 50.0, rel=0.03)
+    assert extra_length(arc, station, middle) == pytest.approx(0.0, abs=1e-3)
 
 
 def test_corners_are_where_the_path_turns_sharply() -> None:
     line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 9.0], [3.1, 12.0]])
-    assert bends.corners(line) == pytest.approx([5.0])
+    assert corners(line) == pytest.approx([5.0])

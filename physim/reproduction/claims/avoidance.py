@@ -16,12 +16,12 @@ FIRST_SECONDS = 5.0
 ALWAYS = 1.0
 """[-] share of the seeds that must meet what the paper says is always so"""
 LOST = (
-    "The paper's shapes, waypoints and thresholds are lost, and with them its exact figure: met "
+    "The paper's shapes, waypoints and thresholds are unknown, and with them its exact figure: met "
     f"is within {tol.SAME:.0%}, partly met within a factor of {tol.ORDER:.1f}."
 )
 
 
-def measure(record: Record) -> Measures:
+def measure_distances(record: Record) -> Measures:
     """Extremes of distances and collision times, contacts, and where robots start."""
     if record.robots < 2:
         return {}
@@ -41,25 +41,25 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims_of_three() -> tuple[Claim, ...]:
+def claims_of_figure_3() -> tuple[Claim, ...]:
     """Figure 3: three robots."""
     return (
-        _always_apart("3", "Fig. 3b"),
+        _always_apart("Fig. 3b"),
         Claim(
-            "3", "Shortest distance between robots (Fig. 3b)", "0.2875 m",
+            "Shortest distance between robots (Fig. 3b)", "0.2875 m",
             (Quantity("shortest_distance", "m", 4),),
             near("shortest_distance", 0.2875, tol.SAME, tol.ORDER), LOST,
         ),
-        _always_time("3", "Fig. 3c"),
-        _shortest_time("3", "Fig. 3c", 0.102),
+        _always_time("Fig. 3c"),
+        _shortest_time("Fig. 3c", 0.102),
     )  # fmt: skip
 
 
-def claims_of_ten() -> tuple[Claim, ...]:
+def claims_of_figure_6() -> tuple[Claim, ...]:
     """Figure 6: ten robots."""
     return (
         Claim(
-            "6", "Ten robots start in the lower left corner with random headings (Fig. 6a)",
+            "Ten robots start in the lower left corner with random headings (Fig. 6a)",
             "lower left corner, random",
             (
                 Quantity("start_right", "%", 0, "starts reach over, of the area's width"),
@@ -70,18 +70,18 @@ def claims_of_ten() -> tuple[Claim, ...]:
                 lambda run: max(run["start_right"], run["start_top"]) <= 0.5
                 and run["start_headings"] >= 180.0
             ),
-            "Lower left is taken as the left and lower half; the paper's start poses are lost.",
+            "Lower left is taken as the left and lower half; the paper's start poses are unknown.",
         ),
-        _always_apart("6", "Fig. 6c"),
+        _always_apart("Fig. 6c"),
         Claim(
-            "6", "No two robots are ever more than 21.5 m apart (Fig. 6c)", "21.5 m at most",
+            "No two robots are ever more than 21.5 m apart (Fig. 6c)", "21.5 m at most",
             (Quantity("farthest_distance", "m", 2, "farthest"),),
             holds(lambda run: run["farthest_distance"] <= tol.FARTHEST), needed=ALWAYS,
         ),
-        _always_time("6", "Fig. 6d"),
-        _shortest_time("6", "Fig. 6d", 0.06),
+        _always_time("Fig. 6d"),
+        _shortest_time("Fig. 6d", 0.06),
         Claim(
-            "6", "There are no collisions", "none; looked for in the first 5 s only",
+            "There are no collisions", "none; looked for in the first 5 s only",
             (
                 Quantity("contacts", "", 0, "contacts in the whole run:"),
                 Quantity("contacts_early", "", 0, "in the first 5 s:"),
@@ -93,17 +93,17 @@ def claims_of_ten() -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def _always_apart(figure: str, where: str) -> Claim:
+def _always_apart(where: str) -> Claim:
     return Claim(
-        figure, f"Distances between robots are always positive ({where})", "> 0 m",
+        f"Distances between robots are always positive ({where})", "> 0 m",
         (Quantity("shortest_distance", "m", 3, "shortest"),),
         holds(lambda run: run["shortest_distance"] > 0.0), needed=ALWAYS,
     )  # fmt: skip
 
 
-def _always_time(figure: str, where: str) -> Claim:
+def _always_time(where: str) -> Claim:
     return Claim(
-        figure, f"Collision times are always positive ({where})", "> 0 s",
+        f"Collision times are always positive ({where})", "> 0 s",
         _times(),
         holds(lambda run: min(run["collision_time_pairs"], run["collision_time_decided"]) > 0.0),
         "Of all pairs under their present commands, and of the decisions, walls included.",
@@ -111,11 +111,11 @@ def _always_time(figure: str, where: str) -> Claim:
     )  # fmt: skip
 
 
-def _shortest_time(figure: str, where: str, reported: float) -> Claim:
+def _shortest_time(where: str, reported: float) -> Claim:
     return Claim(
-        figure, f"Shortest collision time ({where})", f"{reported:g} s",
+        f"Shortest collision time ({where})", f"{reported:g} s",
         _times(), near("collision_time_pairs", reported, tol.SAME, tol.ORDER),
-        f"{LOST} Ours is judged over all pairs; a longer one is the safer one.",
+        f"{LOST} Ours is judged over all pairs; a longer one is safer.",
     )  # fmt: skip
 
 

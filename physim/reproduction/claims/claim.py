@@ -1,4 +1,4 @@
-"""A claim of the paper: what it reports, the figures of a run that it is judged by, the grade."""
+"""Claims of the paper: what it reports, the figures of a run that decide, the verdict."""
 
 from __future__ import annotations
 
@@ -9,10 +9,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.reproduction.study import Measures, Outcome
+from physim.reproduction.study import Arm, Measures, Outcome, Verdict
 
 MOST_SEEDS = 0.9
 """[-] share of the seeds that must meet a claim before it is met."""
+
+WORDS = "words"
+"""Stands in the place of a figure's number."""
+PAIR_TIMES = "pair_times"
+"""The picture that only a reproduction has: collision times of all pairs."""
 
 Grade = Callable[[Measures], Outcome]
 """How one run stands to a claim."""
@@ -64,7 +69,6 @@ class Quantity:
 class Claim:
     """One number or statement of the paper."""
 
-    figure: str
     claim: str
     """in our words"""
     reported: str
@@ -106,6 +110,44 @@ class Claim:
         if grade is Outcome.MET:
             return Outcome.MET if most else Outcome.PARTLY
         return Outcome.PARTLY if most else grade
+
+    def verdict(
+        self, pictured: Measures, runs: Sequence[Measures], bare: Sequence[Measures]
+    ) -> Verdict:
+        """How the pictured run and all others stand to it; ``bare`` are runs without avoidance."""
+        outcome, remark = self.outcome(pictured, runs), self.remark
+        if bare and outcome is Outcome.MET and self.met(bare) >= self.needed * len(bare):
+            remark = f"{remark} It holds without avoidance, too.".strip()
+        return Verdict(
+            self.claim, self.reported, self.measured(pictured), outcome, remark,
+            self.spread(runs) if runs else "",
+            f"{self.met(runs)} of {len(runs)}" if runs else "",
+            f"{self.met(bare)} of {len(bare)}" if bare else "",
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Part:
+    """A figure of the paper, or its words: what it shows, the world, the pictures, the claims."""
+
+    figure: str
+    """number, or `WORDS`"""
+    title: str
+    world: str
+    pictures: tuple[str, ...]
+    """of `physim.plots`, or `PAIR_TIMES`"""
+    claims: tuple[Claim, ...]
+    bare: bool = False
+    """whether its claims are held against runs without avoidance, too"""
+    film: bool = False
+    snapshots: float | None = None
+    """[s] between the robots in the map"""
+
+    @property
+    def arms(self) -> tuple[Arm, ...]:
+        """Its world with every seed, and where asked the same without avoidance."""
+        bare = Arm("", self.world, ("controller.avoidance=none",))
+        return (Arm("", self.world), bare) if self.bare else (Arm("", self.world),)
 
 
 def holds(condition: Callable[[Measures], bool]) -> Grade:

@@ -5,19 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from physim import metrics
-from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
 from physim.reproduction.study import Measures
 
-WORDS = "words"
-"""Stands in the place of a figure's number."""
 FEW = 0.5
 """[-] "Low": at most this share of what deciding at every physics step would take."""
 
 
-def measure(record: Record) -> Measures:
+def measure_effort(record: Record) -> Measures:
     """Messages, collision-time evaluations, update intervals and the time to finish.
 
     As if every robot had decided at every physics step, with the neighbours that it considered:
@@ -29,7 +26,8 @@ def measure(record: Record) -> Measures:
     planned = rows["next_step"] - rows["step"]
     every_step = float((rows["considered"] * held).sum())
     every_evaluation = float(np.nansum(record.column("evaluations") * held))
-    way = (record.stop_station - _first_stations(record)).max()
+    _, first = np.unique(rows["robot"], return_index=True)
+    distance = (record.stop_station - rows["station"][first]).max()
     time = metrics.time_to_finish(record)
     return {
         "messages": float(messages),
@@ -38,16 +36,16 @@ def measure(record: Record) -> Measures:
         "evaluations_share": evaluations / every_evaluation if evaluations else np.nan,
         "shorter_intervals": float((planned < planned.max()).mean()),
         "time_to_finish": np.nan if time is None else time,
-        "time_at_steady_speed": float(way),
+        "time_at_steady_speed": float(distance),
         "mean_speed": metrics.mean_speed(record) or np.nan,
     }
 
 
-def claims() -> tuple[Claim, ...]:
+def claims_in_words() -> tuple[Claim, ...]:
     """Claims that the paper makes in words about the ten robots, without a figure."""
     return (
         Claim(
-            WORDS, "Event-triggered updates keep communication low (messages: one for each "
+            "Event-triggered updates keep communication low (messages: one for each "
             "considered robot and decision)", "low, no figure given",
             (
                 Quantity("messages", "messages", 0),
@@ -58,7 +56,7 @@ def claims() -> tuple[Claim, ...]:
             "interval of 0.2 s needs about as few.",
         ),
         Claim(
-            WORDS, "Event-triggered updates keep computing low (collision-time evaluations)",
+            "Event-triggered updates keep computing low (collision-time evaluations)",
             "low, no figure given",
             (
                 Quantity("evaluations", "evaluations", 0),
@@ -68,30 +66,24 @@ def claims() -> tuple[Claim, ...]:
             "As for messages.",
         ),
         Claim(
-            WORDS, "Collision times adapt the update interval (14)", "no figure given",
+            "Collision times adapt the update interval (14)", "no figure given",
             (Quantity("shorter_intervals", "%", 2, "intervals shorter than the longest:"),),
             holds(lambda run: run["shorter_intervals"] > 0.0),
             "Intervals are beta times the shortest collision time, 0.2 s at most; where it is "
             "long, as most of the time, they are 0.2 s. One more decision falls on arrival.",
         ),
         Claim(
-            WORDS, "Less conservative, shorter operation time", "no figure given",
+            "Less conservative, shorter operation time", "no figure given",
             (
                 Quantity("time_to_finish", "s", 1, "time to finish"),
-                Quantity("time_at_steady_speed", "s", 1, "longest way at 1 m/s"),
+                Quantity("time_at_steady_speed", "s", 1, "longest path at 1 m/s"),
             ),
             steps(
                 lambda run: run["time_to_finish"]
                 <= tol.IN_TIME * run["time_at_steady_speed"],
                 lambda run: not np.isnan(run["time_to_finish"]),
             ),
-            f"Short is taken as at most {tol.IN_TIME:g} times the longest way at the steady speed; "
-            "the paper gives no time and compares with no other method.",
+            f"Short is taken as at most {tol.IN_TIME:g} times the longest path at the steady "
+            "speed; the paper gives no time and compares with no other method.",
         ),
     )  # fmt: skip
-
-
-def _first_stations(record: Record) -> FloatArray:
-    """Station (N,) [m] of each robot at its first decision."""
-    _, first = np.unique(record.updates["robot"], return_index=True)
-    return np.asarray(record.updates["station"][first])

@@ -10,11 +10,10 @@ from physim.plots.deviation import sharp_turns
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
-from physim.reproduction.claims.ways import path_of
 from physim.reproduction.study import Measures
 
 
-def measure(record: Record) -> Measures:
+def measure_path_following(record: Record) -> Measures:
     """Deviations at sharp turns of the path and elsewhere, and the sense of the turns taken."""
     time, station = metrics.column_over_time(record, "station")
     size = np.abs(metrics.deviations(record).values[:, 0])
@@ -36,11 +35,11 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims() -> tuple[Claim, ...]:
+def claims_of_figure_1() -> tuple[Claim, ...]:
     """What Figure 1 and the words about it say."""
     return (
         Claim(
-            "1", "One robot follows its path closely, to the end (Fig. 1a)", "closely",
+            "One robot follows its path closely, to the end (Fig. 1a)", "closely",
             (
                 Quantity("deviation_rms", "m", 2, "root mean square deviation"),
                 Quantity("finished", "yes", label="arrives:"),
@@ -49,10 +48,10 @@ def claims() -> tuple[Claim, ...]:
                 lambda run: run["finished"] > 0 and run["deviation_rms"] <= tol.FOLLOWS,
                 lambda run: run["finished"] > 0,
             ),
-            f"Closely is taken as at most {tol.FOLLOWS} m; the paper's path is lost.",
+            f"Closely is taken as at most {tol.FOLLOWS} m; the paper's path is unknown.",
         ),
         Claim(
-            "1", "Deviations are large at sharp turns only (Fig. 1b)",
+            "Deviations are large at sharp turns only (Fig. 1b)",
             "large whenever there are sharp turns",
             (
                 Quantity("deviation_at_turns", "m", 2, "largest at turns"),
@@ -66,7 +65,7 @@ def claims() -> tuple[Claim, ...]:
             "the robot comes out of its random heading, do not count.",
         ),
         Claim(
-            "1", "The averaged rotational speed is positive on left turns and negative on right "
+            "The averaged rotational speed is positive on left turns and negative on right "
             "turns (Fig. 1c)", "above zero left, below zero right",
             (
                 Quantity("rotation_left_least", "rad/s", 3, "left turns at least"),
@@ -97,3 +96,21 @@ def _rotations(
         at = int(np.argmin(np.abs(speeds.time - passed)))
         found[0 if left else 1].append(float(speeds.rotational[at, 0]))
     return np.array(found[0]), np.array(found[1])
+
+
+def path_of(record: Record, robot: int) -> FloatArray:
+    """Waypoints (n, 2) [m] of a robot's own path."""
+    first, end = record.paths.start[robot : robot + 2]
+    return np.asarray(record.paths.points[first:end])
+
+
+def turning(points: FloatArray, station: FloatArray, span: float) -> FloatArray:
+    """Change of heading [rad] of a polyline within ``span`` about stations, left positive."""
+    legs = np.diff(points, axis=0)
+    ends = np.cumsum(np.hypot(*legs.T))[:-1]
+    heading = np.unwrap(np.arctan2(legs[:, 1], legs[:, 0]))
+    before, after = (
+        heading[np.searchsorted(ends, station + side, side="right")]
+        for side in (-span / 2.0, span / 2.0)
+    )
+    return np.asarray(after - before)

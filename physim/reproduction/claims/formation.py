@@ -10,14 +10,14 @@ from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
 from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
-from physim.reproduction.claims.ways import path_of
+from physim.reproduction.claims.following import path_of, turning
 from physim.reproduction.study import Measures
 
 SNAPSHOTS = 21.0
 """[s] between two snapshots (paper, Fig. 2a)"""
 
 
-def measure(record: Record) -> Measures:
+def measure_formation(record: Record) -> Measures:
     """Formation errors, speeds, deviations and how far the group is spread."""
     course = metrics.formation_errors(record)
     if course is None:
@@ -44,11 +44,11 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims_of_three() -> tuple[Claim, ...]:
+def claims_of_figure_2() -> tuple[Claim, ...]:
     """Figure 2: three robots."""
     return (
         Claim(
-            "2", "Three robots move as one group (Fig. 2a, snapshots every 21 s)",
+            "Three robots move as one group (Fig. 2a, snapshots every 21 s)",
             "progress collectively as a cohesive group",
             (
                 Quantity("spread_start", "m", 1, "largest distance at the start"),
@@ -62,9 +62,9 @@ def claims_of_three() -> tuple[Claim, ...]:
             ),
             f"Cohesive is taken as at most {tol.COHESIVE:g} times the distance at the start.",
         ),
-        *_errors("2", "Fig. 2b", "increase at sharp path curvatures"),
+        *_errors("Fig. 2b", "increase at sharp path curvatures"),
         Claim(
-            "2", "Robots leave their paths by different distances, and stay near them (Fig. 2c)",
+            "Robots leave their paths by different distances, and stay near them (Fig. 2c)",
             "distances to the paths, no figure given",
             (
                 Quantity("deviation_peak_least", "m", 2, "largest of the closest robot"),
@@ -78,25 +78,25 @@ def claims_of_three() -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def claims_of_ten() -> tuple[Claim, ...]:
+def claims_of_figure_7() -> tuple[Claim, ...]:
     """Figure 7: ten robots."""
     return (
-        *_errors("7", "Fig. 7a", "become nonzero in the curved parts"),
+        *_errors("Fig. 7a", "become nonzero in the curved parts"),
         Claim(
-            "7", "Formation errors are bounded (Fig. 7a)", "bounded, no figure given",
+            "Formation errors are bounded (Fig. 7a)", "bounded, no figure given",
             (Quantity("formation_error_peak", "m", 2, "largest"),),
             holds(lambda run: tol.GROWTH <= run["formation_error_peak"] <= tol.BOUNDED),
             f"Bounded is taken as below {tol.BOUNDED:g} m, the range of neighbours.",
         ),
         Claim(
-            "7", "Averaged rotational speeds are positive when turning left, negative when turning "
+            "Averaged rotational speeds are positive when turning left, negative when turning "
             "right (Fig. 7b)", "left positive, right negative",
             (Quantity("rotation_agrees", "%", 1, "right sign in bends:"),),
             holds(lambda run: run["rotation_agrees"] >= tol.SAME_SIGN),
             "A window of 10 s reaches over the ends of short bends, where the sign may differ.",
         ),
         Claim(
-            "7", "Averaged forward speeds lie between 0.8 and 1.3 m/s (Fig. 7c)",
+            "Averaged forward speeds lie between 0.8 and 1.3 m/s (Fig. 7c)",
             "0.8 to 1.3 m/s",
             (
                 Quantity("averaged_speed_min", "m/s", 2, "least"),
@@ -107,10 +107,10 @@ def claims_of_ten() -> tuple[Claim, ...]:
                 and run["averaged_speed_max"] <= 1.3 + tol.SPEED,
                 lambda run: run["averaged_speed_max"] <= 1.3 + tol.SPEED,
             ),
-            "Safe mode keeps 0.92 to 1.3 m/s; only robots that make way in danger mode fall below.",
+            "Safe mode keeps 0.92 to 1.3 m/s; only robots that give way in danger mode fall below.",
         ),
         Claim(
-            "7", "Robots falling behind drive faster than 1 m/s, those leading slower (Fig. 7c)",
+            "Robots falling behind drive faster than 1 m/s, those leading slower (Fig. 7c)",
             "faster than 1 m/s behind, slower in the lead",
             (
                 Quantity("behind_is_faster", "%", 1, "of the time behind, faster:"),
@@ -122,7 +122,7 @@ def claims_of_ten() -> tuple[Claim, ...]:
             f"Behind and in the lead mean a formation error larger than {tol.BEHIND:g} m.",
         ),
         Claim(
-            "7", "Deviations from the paths differ in magnitude and direction (Fig. 7d)",
+            "Deviations from the paths differ in magnitude and direction (Fig. 7d)",
             "different in magnitudes and direction",
             (
                 Quantity("deviation_peak_least", "m", 2, "largest of the closest robot"),
@@ -139,11 +139,11 @@ def claims_of_ten() -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def _errors(figure: str, where: str, words: str) -> tuple[Claim, ...]:
+def _errors(where: str, words: str) -> tuple[Claim, ...]:
     """The two claims about formation errors that both groups share."""
     return (
         Claim(
-            figure, f"Formation errors grow in bends ({where})", words,
+            f"Formation errors grow in bends ({where})", words,
             (
                 Quantity("error_in_bends", "m", 2, "root mean square in bends"),
                 Quantity("error_on_straights", "m", 2, "on straights"),
@@ -153,10 +153,10 @@ def _errors(figure: str, where: str, words: str) -> tuple[Claim, ...]:
                 lambda run: run["error_in_bends"] > run["error_on_straights"]
                 and run["formation_error_peak"] >= tol.GROWTH
             ),
-            "In bends means that some robot is in one; the paper's waypoints are lost.",
+            "In bends means that some robot is in one; the paper's waypoints are unknown.",
         ),
         Claim(
-            figure, f"Formation errors converge to zero by the end ({where})", "0 m",
+            f"Formation errors converge to zero by the end ({where})", "0 m",
             (Quantity("formation_error_final", "m", 2, "largest at the end"),),
             holds(lambda run: run["formation_error_final"] <= tol.ZERO_AT_END),
             f"Zero is taken as at most {tol.ZERO_AT_END:g} m.",
@@ -179,21 +179,23 @@ def _group(record: Record) -> Measures:
 def _by_place(record: Record, errors: FloatArray) -> tuple[float, float]:
     """Root mean square error [m] of all robots while one is in a bend of s*, and while none is."""
     _, station = metrics.column_over_time(record, "reference_station")
-    bent: NDArray[np.bool_] = np.abs(_turning(record.reference.points, station)) > tol.BEND
+    bent: NDArray[np.bool_] = (
+        np.abs(turning(record.reference.points, station, tol.BEND_SPAN)) > tol.BEND
+    )
     some = bent.any(axis=1)
     return _rms(errors[some]), _rms(errors[~some])
 
 
 def _rotation_agrees(record: Record, speeds: metrics.AveragedSpeeds) -> float:
-    """Share of moments in bends of the own path at which the robot turns the way of the bend."""
+    """Share of moments in bends of the own path at which the robot turns as the bend does."""
     time, station = metrics.column_over_time(record, "station")
     right = count = 0
     for robot in range(record.robots):
         where = np.interp(speeds.time, time, station[:, robot])
-        turning = _turning(path_of(record, robot), where)
+        turn = turning(path_of(record, robot), where, tol.BEND_SPAN)
         rotation = speeds.rotational[:, robot]
-        bend = (np.abs(turning) > tol.BEND) & np.isfinite(rotation)
-        right += int((np.sign(rotation) == np.sign(turning))[bend].sum())
+        bend = (np.abs(turn) > tol.BEND) & np.isfinite(rotation)
+        right += int((np.sign(rotation) == np.sign(turn))[bend].sum())
         count += int(bend.sum())
     return right / count if count else np.nan
 
@@ -208,19 +210,6 @@ def _speeds_by_place(speeds: metrics.AveragedSpeeds, errors: metrics.Series) -> 
         "behind_is_faster": float((forward[behind] > 1.0).mean()) if behind.any() else np.nan,
         "ahead_is_slower": float((forward[ahead] < 1.0).mean()) if ahead.any() else np.nan,
     }
-
-
-def _turning(points: FloatArray, station: FloatArray) -> FloatArray:
-    """Change of heading [rad] of a polyline within `BEND_SPAN` about stations, left positive."""
-    legs = np.diff(points, axis=0)
-    start = np.cumsum(np.hypot(*legs.T)) - np.hypot(*legs.T)
-    heading = np.unwrap(np.arctan2(legs[:, 1], legs[:, 0]))
-
-    def at(place: FloatArray) -> FloatArray:
-        k = np.searchsorted(start, place, side="right") - 1
-        return np.asarray(heading[np.clip(k, 0, len(heading) - 1)])
-
-    return at(station + tol.BEND_SPAN / 2.0) - at(station - tol.BEND_SPAN / 2.0)
 
 
 def _extreme(values: FloatArray, largest: bool) -> float:

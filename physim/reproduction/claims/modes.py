@@ -15,7 +15,7 @@ SAFE_ONES = (5, 8, 10)
 ROBOTS = 10
 
 
-def measure(record: Record) -> Measures:
+def measure_modes(record: Record) -> Measures:
     """Shares of safe mode of Robots 5, 8 and 10 and of the others."""
     found = metrics.share_of_modes(record, danger=False)
     if found is None or len(found.robots) != ROBOTS:
@@ -32,22 +32,22 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims() -> tuple[Claim, ...]:
+def claims_of_figure_8() -> tuple[Claim, ...]:
     """What Figure 8 and the words about it say."""
     return (
         Claim(
-            "8", "Robots switch between safe and danger mode", "both modes",
+            "Robots switch between safe and danger mode", "both modes",
             (Quantity("both_modes", "of 10 robots use both", 0),),
             holds(lambda run: run["both_modes"] == ROBOTS),
         ),
         Claim(
-            "8", "Robots 5, 8 and 10 spend more time in safe mode than in danger mode",
+            "Robots 5, 8 and 10 spend more time in safe mode than in danger mode",
             "more than half",
             (Quantity("safe_least_of_5_8_10", "%", 1, "least share of safe mode of the three:"),),
             holds(lambda run: run["safe_least_of_5_8_10"] > tol.MOST_OF_TIME),
         ),
         Claim(
-            "8", "Robots 5, 8 and 10 spend more of their time in safe mode than any other robot",
+            "Robots 5, 8 and 10 spend more of their time in safe mode than any other robot",
             "more than the rest",
             (
                 Quantity("safe_least_of_5_8_10", "%", 1, "least of the three"),
@@ -56,7 +56,7 @@ def claims() -> tuple[Claim, ...]:
             holds(lambda run: run["safe_least_of_5_8_10"] > run["safe_largest_of_others"]),
         ),
         Claim(
-            "8", "The other robots spend more time in danger mode than in safe mode",
+            "The other robots spend more time in danger mode than in safe mode",
             "less than half safe",
             (
                 Quantity("others_in_danger", "of 7 robots", 0),
@@ -66,6 +66,7 @@ def claims() -> tuple[Claim, ...]:
                 lambda run: run["others_in_danger"] == ROBOTS - len(SAFE_ONES),
                 lambda run: run["others_in_danger"] > 0,
             ),
-            "The paper's paths and five thresholds are lost; ours keep robots in safe mode longer.",
+            "The paper's paths and five thresholds are unknown; ours keep robots in safe mode "
+            "longer.",
         ),
     )  # fmt: skip

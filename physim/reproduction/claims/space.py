@@ -16,15 +16,18 @@ from physim.reproduction.claims.claim import Claim, Quantity, holds, steps
 from physim.reproduction.study import Measures
 
 
-def measure(record: Record) -> Measures:
+def measure_space(record: Record) -> Measures:
     """Areas, how near the safe one comes to walls, width along the first robot's path."""
     whole, safe = (_area(rings) for rings in (record.accessible, record.safe))
+    lines = [
+        shapely.LineString(record.walls.vertices[a:b]) for a, b in pairwise(record.walls.part_start)
+    ]
     course = metrics.corridor_width(record)
     least, largest = float(np.nanmin(course.width)), float(np.nanmax(course.width))
     longest = max(_diameter(parts) for parts in record.footprints)
     return {
         "safe_share": safe.area / whole.area if whole.area > 0.0 else np.nan,
-        "safe_gap": float(shapely.distance(safe, _walls(record))),
+        "safe_gap": float(shapely.distance(safe, shapely.union_all(lines))),
         "safe_distance": record.safe_distance,
         "width_min": least,
         "width_max": largest,
@@ -33,11 +36,11 @@ def measure(record: Record) -> Measures:
     }
 
 
-def claims_of_three() -> tuple[Claim, ...]:
+def claims_of_figure_3a() -> tuple[Claim, ...]:
     """Figure 3a: areas."""
     return (
         Claim(
-            "3a", "The accessible space is parted into a safe area, at least L from every "
+            "The accessible space is parted into a safe area, at least L from every "
             "boundary, and a danger area (Fig. 3a)", "safe green, danger red",
             (
                 Quantity("safe_share", "%", 1, "safe"),
@@ -48,18 +51,18 @@ def claims_of_three() -> tuple[Claim, ...]:
                 lambda run: 0.0 < run["safe_share"] < 1.0
                 and run["safe_gap"] >= (1.0 - tol.SAFE_AREA) * run["safe_distance"]
             ),
-            "L is ours; the paper's value is lost.",
+            "L is ours; the paper's value is unknown.",
         ),
     )  # fmt: skip
 
 
-def claims_of_ten() -> tuple[Claim, ...]:
+def claims_of_figure_4() -> tuple[Claim, ...]:
     """Figure 4: corridor width along Robot 1's path."""
     return (
         _width("width_min", "narrowest", 5.3),
         _width("width_max", "widest", 13.4),
         Claim(
-            "4", "At the narrowest place two robots pass side by side, at the widest up to four "
+            "At the narrowest place two robots pass side by side, at the widest up to four "
             "(Fig. 4)", "2 and 4",
             (
                 Quantity("abreast_min", "", 0, "narrowest:"),
@@ -70,14 +73,15 @@ def claims_of_ten() -> tuple[Claim, ...]:
                 lambda run: run["abreast_min"] >= 2 and run["abreast_max"] >= 4,
             ),
             "Counted with the longest robot at any heading; no one robot size gives both reported "
-            "numbers by division (5.3 / 2 is less than 13.4 / 5), and the paper's shapes are lost.",
+            "numbers by division (5.3 / 2 is less than 13.4 / 5), and the paper's shapes are "
+            "unknown.",
         ),
     )  # fmt: skip
 
 
 def _width(key: str, word: str, reported: float) -> Claim:
     return Claim(
-        "4", f"Corridor width along Robot 1's path, {word} place (Fig. 4)", f"{reported} m",
+        f"Corridor width along Robot 1's path, {word} place (Fig. 4)", f"{reported} m",
         (Quantity(key, "m", 2),),
         holds(lambda run: abs(run[key] - reported) <= tol.WIDTH),
         "Shortest distance to the left plus shortest distance to the right wall, every 0.1 m.",
@@ -90,11 +94,6 @@ def _area(rings: Sequence[FloatArray]) -> shapely.Geometry:
     for ring in rings:
         area = shapely.symmetric_difference(area, shapely.make_valid(shapely.Polygon(ring)))
     return area
-
-
-def _walls(record: Record) -> shapely.Geometry:
-    starts = pairwise(record.walls.part_start)
-    return shapely.union_all([shapely.LineString(record.walls.vertices[a:b]) for a, b in starts])
 
 
 def _diameter(parts: Sequence[FloatArray]) -> float:

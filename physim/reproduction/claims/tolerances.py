@@ -4,7 +4,7 @@ from __future__ import annotations
 
 SAME = 0.05
 """[-] A measured figure within 5 % of the reported one is the same: the shapes and waypoints of
-the paper are lost, so nothing closer can be expected."""
+the paper are unknown, so nothing closer can be expected."""
 ORDER = 10.0**0.5
 """[-] A figure within this factor, half a decade to either side, is of the same order."""
 FOLLOWS = 0.25
@@ -13,7 +13,7 @@ AT_TURN = 2.0
 """[m] A robot is at a turn of its path within the look-ahead of it: there the target is round the
 corner."""
 START = 5.0
-"""[m] After this way a robot has come out of its random heading."""
+"""[m] After this distance a robot has come out of its random heading."""
 SHARP_TURNS_ONLY = 0.5
 """[-] Deviations away from turns are at most this share of the largest one at a turn."""
 BEND = 0.3
@@ -33,7 +33,7 @@ COHESIVE = 2.0
 """[-] A group stays together when its largest distance never exceeds this multiple of that at the
 start."""
 WIDTH = 0.05
-"""[m] Corridor widths equal the reported ones within this (widths are told to 0.1 m)."""
+"""[m] Corridor widths equal the reported ones within this (widths are given to 0.1 m)."""
 FARTHEST = 21.5
 """[m] reported largest distance between two robots"""
 SPEED = 0.005
@@ -43,8 +43,8 @@ BEHIND = 0.5
 MOST_OF_TIME = 0.5
 """[-] more time in one mode than in the other"""
 IN_TIME = 1.1
-"""[-] A run takes hardly longer than its way at the steady speed when it stays below this multiple
-of that time."""
+"""[-] A run takes hardly longer than its longest path at the steady speed when it stays below this
+multiple of that time."""
 SAFE_AREA = 0.01
 """[-] share of L by which the drawn safe area may come nearer to a wall: arcs are drawn as chords,
 and the library leaves out detail below a hundredth of the distance"""

@@ -1,30 +1,32 @@
 """Larger alpha closes formation errors faster (Section 3.2).
 
 Four robots on a straight road, each in a lane of its own, start with random headings and errors of
-up to 1.5 m either way. For ideal motion (8) on a straight road, (7) makes the errors follow the
-linear law de/dt = -alpha L e, L the Laplacian of the graph of neighbours; so the theory tells the
-whole course from the errors at any moment, and what is fitted to the run is fitted to that course
-too.
+up to 1.5 m either way. The linear theory tells the whole course from the errors at any moment; what
+is fitted to the run is fitted to that course too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physim.geometry.shapes import FloatArray
-from physim.metrics import column_over_time, world_settings
 from physim.metrics.modes import is_danger
 from physim.plots.style import CYCLE, INK
 from physim.record import Record
 from physim.reproduction.studies.drawing import points, prepared
-from physim.reproduction.studies.estimates import column, estimate, outcome
+from physim.reproduction.studies.estimates import column, estimate, estimated, outcome
 from physim.reproduction.studies.fits import root_mean_square, time_constant
-from physim.reproduction.studies.straight_road import lateness, neighbour_matrix, world_text
-from physim.reproduction.study import Arm, Measures, Study, Verdict
+from physim.reproduction.studies.straight_road import (
+    SETTLED,
+    linear_course,
+    settings_and_stations,
+    world_text,
+)
+from physim.reproduction.study import Arm, Measures, Study, Table, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,26 +34,21 @@ if TYPE_CHECKING:
 GAINS = (0.02, 0.05, 0.1, 0.2)
 """[1/s] alpha"""
 GRAPHS = ("all", "ring")
-SETTLED = 4.0
-"""[s] by then every robot has turned onto its path, whatever its heading was"""
-SMALLEST = 0.01
+SMALLEST_ERROR = 0.01
 """[m] errors below this are no longer fitted: the robots' own motion is about as large"""
 TOLERANCE = 0.1
 """[-] by which the time constant may differ from that of the theory"""
 
 
-def measure(record: Record) -> Measures:
+def measure_gain(record: Record) -> Measures:
     """Time constant of the errors from `SETTLED` on, and that of the theory from there."""
-    time, station = column_over_time(record, "reference_station")
-    matrix = neighbour_matrix(record)
-    ahead = lateness(record, station)
-    ahead = ahead - ahead.mean(axis=1, keepdims=True)
-    size = root_mean_square(ahead)
+    gain, matrix, time, place = settings_and_stations(record)
+    error = place - place.mean(axis=1, keepdims=True)
+    size = root_mean_square(error)
     begin = int(np.searchsorted(time, SETTLED))
-    small = np.flatnonzero(size[begin:] < SMALLEST)
+    small = np.flatnonzero(size[begin:] < SMALLEST_ERROR)
     end = begin + (int(small[0]) if len(small) else len(size) - begin)
-    gain = float(world_settings(record)["formation"]["gain"])
-    theory = linear_course(ahead[begin], gain, matrix, time[begin:end] - time[begin])
+    theory = linear_course(error[begin], gain, matrix, time[begin:end] - time[begin])
     settled = record.updates["step"] >= SETTLED / record.dt
     speeds = record.updates["applied_v"][settled]
     return {
@@ -62,37 +59,25 @@ def measure(record: Record) -> Measures:
     }
 
 
-def linear_course(
-    start: FloatArray, gain: float, matrix: FloatArray, time: FloatArray
-) -> FloatArray:
-    """Errors (K, N) by the linear theory, from those at the start (N,)."""
-    laplacian = np.diag(matrix.sum(axis=1)) - matrix
-    rates, modes = np.linalg.eigh(laplacian)
-    return np.asarray((np.exp(-gain * np.outer(time, rates)) * (modes.T @ start)) @ modes.T)
-
-
-def _ratios(runs: Sequence[Measures]) -> list[float]:
-    return [run["time_constant"] / run["theory"] for run in runs]
-
-
-def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
+def conclude_gain(arms: Table) -> Sequence[Verdict]:
     """Whether the time constants fall with alpha, and whether they are those of the theory."""
     by_graph = [arms[: len(GAINS)], arms[len(GAINS) :]]
-    found = [[estimate(column(runs, "time_constant")) for runs in graph] for graph in by_graph]
-    falls = all(b.high < a.low for graph in found for a, b in zip(graph, graph[1:], strict=False))
-    middle = all(
-        b.median < a.median for graph in found for a, b in zip(graph, graph[1:], strict=False)
-    )
-    each = [estimate(_ratios(runs)) for runs in arms]
+    found = [[estimated(runs, "time_constant") for runs in graph] for graph in by_graph]
+    pairs = [pair for graph in found for pair in pairwise(graph)]
+    falls = all(b.high < a.low for a, b in pairs)
+    middle = all(b.median < a.median for a, b in pairs)
+    each = [estimate([run["time_constant"] / run["theory"] for run in runs]) for runs in arms]
     near = [abs(one.median - 1.0) <= TOLERANCE for one in each]
-    told = "; ".join(f"{g:g}/s: {one.text(1, 's')}" for g, one in zip(GAINS, found[0], strict=True))
+    measured = "; ".join(
+        f"{g:g}/s: {one.text(1, 's')}" for g, one in zip(GAINS, found[0], strict=True)
+    )
     bound = max(max(run["held"], run["danger"]) for runs in arms for run in runs)
     low, high = min(one.median for one in each), max(one.median for one in each)
     return (
         Verdict(
             "Larger alpha closes formation errors faster",
             "in words only",
-            f"time constant, all neighbours of all, at alpha = {told}",
+            f"time constant, all neighbours of all, at alpha = {measured}",
             outcome(falls, middle),
             "The paper names neither the values of alpha nor a time constant.",
         ),
@@ -107,7 +92,7 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
     )
 
 
-def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
+def draw_gain(figure: Figure, labels: Sequence[str], arms: Table) -> None:
     """Time constants over alpha, both axes logarithmic, with the theory's 1/(alpha lambda_2)."""
     prepared(figure, "Larger alpha closes formation errors faster")
     axis = figure.subplots()
@@ -129,7 +114,7 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     axis.legend(loc="upper right")
 
 
-STUDY = Study(
+ALPHA = Study(
     name="alpha",
     title="Formation gain",
     claim="The larger alpha is, the faster formation errors close.",
@@ -144,7 +129,7 @@ STUDY = Study(
         for graph in GRAPHS
         for gain in GAINS
     ),
-    measure=measure,
-    conclude=conclude,
-    draw=draw,
+    measure=measure_gain,
+    conclude=conclude_gain,
+    draw=draw_gain,
 )

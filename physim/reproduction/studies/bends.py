@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,9 +26,9 @@ from physim.metrics import (
 from physim.plots.style import CYCLE, QUIET
 from physim.record import Record
 from physim.reproduction.studies.drawing import prepared
-from physim.reproduction.studies.estimates import column, estimate, outcome
+from physim.reproduction.studies.estimates import estimate, estimated, outcome
 from physim.reproduction.studies.fits import root_mean_square, time_constant
-from physim.reproduction.study import Arm, Measures, Study, Verdict
+from physim.reproduction.study import Arm, Measures, Study, Table, Verdict
 from physim.world_file import load_world
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ STATIONS = tuple(range(12, 151, 2))
 """[m] places of the mean robot along the reference path at which the error is kept for the plot"""
 
 
-def measure(record: Record) -> Measures:
+def measure_bends(record: Record) -> Measures:
     """Peak in bends and at the ends of straights, time constants, and the error along the way."""
     time, station = column_over_time(record, "reference_station")
     course = formation_errors(record)
@@ -58,9 +59,10 @@ def measure(record: Record) -> Measures:
         raise RecordError(f"{record!r} has no formation errors")
     steps = steps_under_way(record)
     there = np.where(steps < record.steps_run, steps * record.dt, math.inf)
-    under_way = time < there.min()
+    progressing = time < there.min()
     size = root_mean_square(course.values)
-    straights = _straights(_in_bend(station, corners(record.reference.points)), under_way)
+    near = np.abs(station[:, :, None] - corners(record.reference.points)) <= NEAR
+    straights = _straights(np.any(near, axis=(1, 2)), progressing)
     gain = float(world_settings(record)["formation"]["gain"])
     found = [
         time_constant(time[a:b], size[a:b])
@@ -70,14 +72,12 @@ def measure(record: Record) -> Measures:
     largest = np.abs(course.values).max(axis=1)
     after = straights[1:]  # the first straight follows the start, not a bend
     measures = {
-        "peak": float(largest[under_way].max()),
-        "after_bends": float(np.median([size[a] for a, _ in after])) if after else math.nan,
-        "end_of_straights": float(np.median([size[b - 1] for _, b in after]))
-        if after
-        else math.nan,
-        "risen": _share([size[a] > size[b - 1] for (a, _), (_, b) in _pairs(straights)]),
+        "peak": float(largest[progressing].max()),
+        "after_bends": _median([size[a] for a, _ in after]),
+        "end_of_straights": _median([size[b - 1] for _, b in after]),
+        "risen": _share([size[a] > size[b - 1] for (_, b), (a, _) in pairwise(straights)]),
         "fallen": _share([size[b - 1] < size[a] for a, b in straights]),
-        "time_constant": float(np.median(found)) if found else math.nan,
+        "time_constant": _median(found),
         "theory": 1.0 / (gain * record.robots),
         "final": float(largest[-1]),
     }
@@ -89,30 +89,21 @@ def measure(record: Record) -> Measures:
 
 def corners(points: FloatArray) -> FloatArray:
     """Stations [m] of the corners of a line (P, 2)."""
-    way = np.diff(points, axis=0)
-    heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
-    place = np.cumsum(np.hypot(way[:, 0], way[:, 1]))[:-1]
+    leg = np.diff(points, axis=0)
+    heading = np.unwrap(np.arctan2(leg[:, 1], leg[:, 0]))
+    place = np.cumsum(np.hypot(leg[:, 0], leg[:, 1]))[:-1]
     return np.asarray(place[np.abs(np.diff(heading)) > SHARP])
 
 
-def _in_bend(station: FloatArray, places: FloatArray) -> NDArray[np.bool_]:
-    """Whether any robot is near a corner, (K,), for stations (K, N)."""
-    near = np.abs(station[:, :, None] - places) <= NEAR
-    return np.asarray(near.any(axis=(1, 2)))
-
-
-def _straights(bend: NDArray[np.bool_], under_way: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Stretches of moments [a, b) outside bends, with all robots under way."""
-    free = np.concatenate(([False], ~bend & under_way, [False]))
+def _straights(bend: NDArray[np.bool_], progressing: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Stretches of moments [a, b) with no robot in a bend and none at its goal yet."""
+    free = np.concatenate(([False], ~bend & progressing, [False]))
     change = np.flatnonzero(np.diff(free.astype(np.int8)))
     return [(int(a), int(b)) for a, b in change.reshape(-1, 2) if b - a > 1]
 
 
-def _pairs(
-    straights: Sequence[tuple[int, int]],
-) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-    """Every straight after the first, with the one before it."""
-    return list(zip(straights[1:], straights[:-1], strict=True))
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values)) if values else math.nan
 
 
 def _share(values: Sequence[bool | np.bool_]) -> float:
@@ -120,18 +111,17 @@ def _share(values: Sequence[bool | np.bool_]) -> float:
     return 100.0 * float(np.mean(np.array(values))) if values else math.nan
 
 
-def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
+def conclude_bends(arms: Table) -> Sequence[Verdict]:
     """Errors rise in bends and fall after, with the theory's time constant, to zero at the end."""
     paper = arms[0]
-    after, before = (estimate(column(paper, name)) for name in ("after_bends", "end_of_straights"))
-    risen, fallen = (estimate(column(paper, name)) for name in ("risen", "fallen"))
+    after, before = (estimated(paper, name) for name in ("after_bends", "end_of_straights"))
+    risen, fallen = (estimated(paper, name) for name in ("risen", "fallen"))
     ratios = [estimate([run["time_constant"] / run["theory"] for run in runs]) for runs in arms]
     near = [abs(one.median - 1.0) <= TOLERANCE for one in ratios]
-    final = estimate(column(paper, "final"))
+    final = estimated(paper, "final")
     each = "; ".join(
-        f"{arm.label}: {estimate(column(runs, 'time_constant')).text(1, 's')} of "
-        f"{runs[0]['theory']:.1f} s"
-        for arm, runs in zip(STUDY.arms, arms, strict=True)
+        f"{arm.label}: {estimated(runs, 'time_constant').text(1, 's')} of {runs[0]['theory']:.1f} s"
+        for arm, runs in zip(BENDS.arms, arms, strict=True)
     )
     return (
         Verdict(
@@ -140,7 +130,7 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             f"root mean square error after a bend {after.text(2, 'm')}, at the end of the straight "
             f"that follows {before.text(2, 'm')}; it rose in {risen.text(0, '%')} of the "
             f"bends and fell on {fallen.text(0, '%')} of the straights; peak of one robot "
-            f"{estimate(column(paper, 'peak')).text(2, 'm')}",
+            f"{estimated(paper, 'peak').text(2, 'm')}",
             outcome(
                 after.low > before.high and risen.median > 50.0 and fallen.median > 50.0,
                 after.median > before.median,
@@ -152,7 +142,7 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             "in words only",
             each,
             outcome(all(near), any(near)),
-            "The paper's alpha and waypoints are lost; the time constant is that of our alpha.",
+            "The paper's alpha and waypoints are unknown; the time constant is that of our alpha.",
         ),
         Verdict(
             "Formation errors converge to zero by the end (Fig. 2b)",
@@ -163,16 +153,16 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
     )
 
 
-def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
+def draw_bends(figure: Figure, labels: Sequence[str], arms: Table) -> None:
     """Root mean square error along the way, median and range of the seeds, with the bends."""
     prepared(figure, "Formation errors spike in bends and converge after them", height=3.3)
     axis = figure.subplots()
-    for k, (arm, runs) in enumerate(zip(STUDY.arms, arms, strict=True)):
+    for k, (label, runs) in enumerate(zip(labels, arms, strict=True)):
         at = np.array([[run[f"at_{s}"] for s in STATIONS] for run in runs])
-        middle = [float(np.median(column_)) for column_ in at.T]
+        middle = [float(np.median(values)) for values in at.T]
         low, high = np.min(at, axis=0), np.max(at, axis=0)
         axis.fill_between(STATIONS, low, high, color=CYCLE[k], alpha=0.2, linewidth=0.0)
-        axis.plot(STATIONS, middle, color=CYCLE[k], label=arm.label, linestyle=("-", "--", ":")[k])
+        axis.plot(STATIONS, middle, color=CYCLE[k], label=label, linestyle=("-", "--", ":")[k])
     for place in corners(np.array(load_world(WORLD).reference)):
         axis.axvspan(place - NEAR, place + NEAR, color=QUIET, alpha=0.13, linewidth=0.0)
     axis.axvspan(0, 0, color=QUIET, alpha=0.13, label="corner of the reference path")
@@ -185,7 +175,7 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
 
 _WIDE = "formation.limits=[0.5, 1.5]"
 
-STUDY = Study(
+BENDS = Study(
     name="bends",
     title="Formation errors in bends",
     claim="Formation errors spike in bends and converge after them.",
@@ -194,7 +184,7 @@ STUDY = Study(
         Arm("α = 0.05/s", WORLD, ("formation.gain=0.05", _WIDE)),
         Arm("α = 0.1/s", WORLD, ("formation.gain=0.1", _WIDE)),
     ),
-    measure=measure,
-    conclude=conclude,
-    draw=draw,
+    measure=measure_bends,
+    conclude=conclude_bends,
+    draw=draw_bends,
 )

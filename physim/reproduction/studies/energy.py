@@ -16,29 +16,35 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import column_over_time, world_settings
 from physim.plots.style import CYCLE, INK, MARKERS
 from physim.record import Record
-from physim.reproduction.studies.drawing import arms_down, prepared
-from physim.reproduction.studies.estimates import column, estimate, freely, outcome, share_text
+from physim.reproduction.studies.drawing import arms_down, points, prepared
+from physim.reproduction.studies.estimates import (
+    column,
+    count,
+    estimate,
+    estimated,
+    outcome,
+    share_text,
+)
 from physim.reproduction.studies.fits import time_constant
 from physim.reproduction.studies.straight_road import (
+    SETTLED,
     energies,
     formation_sums,
-    lateness,
-    neighbour_matrix,
+    linear_course,
+    relative_stations,
+    settings_and_stations,
     world_text,
 )
-from physim.reproduction.study import Arm, Measures, Study, Verdict
+from physim.reproduction.study import Arm, Measures, Study, Table, Verdict
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 GAIN = 0.05
 """[1/s] alpha"""
-SETTLED = 4.0
-"""[s] by then every robot has turned onto its lane, whatever its heading was"""
-SMALLEST = 1e-3
+SMALLEST_ENERGY = 1e-3
 """[-] of the energy at the start: below this nothing is measured"""
 EXACT = 1e-9
 """[-] what rounding may make of a step's change of W, relative to it"""
@@ -46,25 +52,26 @@ CLOSE = 0.05
 """[-] by which the decay may differ from (10) where it is not exact"""
 
 
-def measure(record: Record) -> Measures:
+def measure_energy(record: Record) -> Measures:
     """Worst step against the discrete form; slope and time constant of W against (10)."""
-    gain = float(world_settings(record)["formation"]["gain"])
-    matrix = neighbour_matrix(record)
-    time, station = column_over_time(record, "reference_station")
+    gain, matrix, time, place = settings_and_stations(record)
     begin = int(np.searchsorted(time, SETTLED))
-    ahead = lateness(record, station)
-    energy = energies(ahead, matrix)
-    rate = -2.0 * gain * np.square(formation_sums(ahead, matrix)).sum(axis=1)  # (10)
+    energy = energies(place, matrix)
+    rate = -2.0 * gain * np.square(formation_sums(place, matrix)).sum(axis=1)  # (10)
     used = np.arange(begin, len(time) - 1)
-    used = used[energy[used] > SMALLEST * energy[0]]
+    used = used[energy[used] > SMALLEST_ENERGY * energy[0]]
     slope = (energy[used + 1] - energy[used - 1]) / (time[used + 1] - time[used - 1])
-    fitted = time_constant(time[used], energy[used])
-    ratio = float(np.sum(slope * rate[used]) / np.sum(rate[used] ** 2)) if len(used) else math.nan
+    theory = math.nan
+    if len(used):
+        course = linear_course(place[used[0]], gain, matrix, time[used] - time[used[0]])
+        theory = time_constant(time[used], energies(course, matrix))
     return {
         "worst_step": worst_step(record, matrix, gain),
-        "slope_ratio": ratio,
-        "time_constant": fitted,
-        "theory": decay_of(ahead[used], time[used], matrix, gain),
+        "slope_ratio": float(np.sum(slope * rate[used]) / np.sum(rate[used] ** 2))
+        if len(used)
+        else math.nan,
+        "time_constant": time_constant(time[used], energy[used]),
+        "theory": theory,
         "growth": float(np.max(np.diff(energy[used]), initial=-math.inf) / energy[0]),
     }
 
@@ -75,44 +82,30 @@ def worst_step(record: Record, matrix: FloatArray, gain: float) -> float:
     nan where not all robots decide at every step.
     """
     rows = record.updates
-    if len(rows) % record.robots or not _every_step(record):
+    every_step = (rows["next_step"] == rows["step"] + 1).all()
+    if len(rows) % record.robots or not every_step:
         return math.nan
     rows = rows[np.lexsort((rows["robot"], rows["step"]))]
-    ahead = lateness(record, rows["reference_station"].reshape(-1, record.robots))
-    sums = formation_sums(ahead, matrix)
-    energy = energies(ahead, matrix)
+    place = relative_stations(record, rows["reference_station"].reshape(-1, record.robots))
+    sums, energy = formation_sums(place, matrix), energies(place, matrix)
     square = np.square(sums[:, None, :] - sums[:, :, None])
     dt = record.dt
     change = -2.0 * gain * dt * np.square(sums).sum(axis=1)
     change += 0.5 * (gain * dt) ** 2 * np.einsum("ij,kij->k", matrix, square)
-    used = energy[:-1] > SMALLEST * energy[0]
+    used = energy[:-1] > SMALLEST_ENERGY * energy[0]
     return float(np.max(np.abs(np.diff(energy) - change[:-1])[used] / np.abs(change[:-1])[used]))
 
 
-def _every_step(record: Record) -> bool:
-    return bool((record.updates["next_step"] == record.updates["step"] + 1).all())
-
-
-def decay_of(ahead: FloatArray, time: FloatArray, matrix: FloatArray, gain: float) -> float:
-    """Time constant [s] that W would have over these times by (7) and (8), fitted likewise."""
-    if not len(time):
-        return math.nan
-    laplacian = np.diag(matrix.sum(axis=1)) - matrix
-    rates, modes = np.linalg.eigh(laplacian)
-    course = (np.exp(-gain * np.outer(time - time[0], rates)) * (modes.T @ ahead[0])) @ modes.T
-    return time_constant(time, energies(course, matrix))
-
-
-def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
+def conclude_energy(arms: Table) -> Sequence[Verdict]:
     """The discrete form step by step, the slope of W, its decay, and whether it ever grows."""
-    exact = [run["worst_step"] for runs_ in arms for run in runs_]
+    exact = [run["worst_step"] for runs in arms for run in runs]
     worst = max((one for one in exact if not math.isnan(one)), default=math.nan)
-    slopes = [estimate(column(mine, "slope_ratio")) for mine in arms]
+    slopes = [estimated(mine, "slope_ratio") for mine in arms]
     decays = [estimate([r["time_constant"] / r["theory"] for r in mine]) for mine in arms]
     near = [abs(one.median - 1.0) <= CLOSE for one in (*slopes, *decays)]
     driven = arms[-1]
     ideal = [run for mine in arms[:-1] for run in mine]
-    falls = freely(ideal, "growth", lambda value: value <= 0.0)
+    falls = count(ideal, "growth", lambda value: value <= 0.0)
     grown = estimate([100.0 * max(0.0, value) for value in column(driven, "growth")])
     return (
         Verdict(
@@ -127,7 +120,7 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             "dW/dt = -2 alpha sum S_i^2",
             f"measured over theory, robots that first turn onto their lanes: dW/dt "
             f"{slopes[-1].text(3)}, time constant of W {decays[-1].text(3)} "
-            f"({estimate(column(driven, 'time_constant')).text(2, 's')})",
+            f"({estimated(driven, 'time_constant').text(2, 's')})",
             outcome(all(near), any(near)),
         ),
         Verdict(
@@ -138,29 +131,22 @@ def conclude(arms: Sequence[Sequence[Measures]]) -> Sequence[Verdict]:
             f"{grown.text(3)} % of W at the start",
             outcome(
                 falls[0] == falls[1] and grown.high <= 0.0,
-                falls[0] == falls[1] and grown.high <= 100.0 * SMALLEST,
+                falls[0] == falls[1] and grown.high <= 100.0 * SMALLEST_ENERGY,
             ),
         ),
     )
 
 
-def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
+def draw_energy(figure: Figure, labels: Sequence[str], arms: Table) -> None:
     """Slope and time constant of W over those of (10), a row for every arm."""
     prepared(figure, "Formation energy W falls as (10) says", height=2.9)
     axis = figure.subplots()
-    labels = [arm.label for arm in STUDY.arms]
-    rows = (("slope_ratio", None, -0.16, "slope dW/dt"),
-            ("time_constant", "theory", 0.16, "time constant of W"))  # fmt: skip
-    for k, (name, over, shift, label) in enumerate(rows):
-        for row, mine in enumerate(arms):
-            values = [r[name] / (r[over] if over else 1.0) for r in mine]
-            one = estimate(values)
-            axis.errorbar(
-                [one.median], [row + shift],
-                xerr=[[one.median - one.low], [one.high - one.median]],
-                color=CYCLE[k], marker=MARKERS[k], markersize=5.0, capsize=3.0,
-                label=label if row == 0 else None, linestyle="none",
-            )  # fmt: skip
+    slopes = [column(mine, "slope_ratio") for mine in arms]
+    decays = [[run["time_constant"] / run["theory"] for run in mine] for mine in arms]
+    rows = ((slopes, -0.16, "slope dW/dt"), (decays, 0.16, "time constant of W"))
+    for k, (columns, shift, label) in enumerate(rows):
+        places = [row + shift for row in range(len(arms))]
+        points(axis, places, columns, CYCLE[k], MARKERS[k], label, across=True)
     axis.axvline(1.0, color=INK, linewidth=0.8, linestyle=(0, (4, 2)), zorder=1.5)
     low, high = axis.get_xlim()
     reach = max(0.06, 1.0 - low, high - 1.0)
@@ -177,22 +163,24 @@ def draw(figure: Figure, arms: Sequence[Sequence[Measures]]) -> None:
     figure.legend(loc="outside lower left", ncols=2)
 
 
-def _arm(label: str, **settings: object) -> Arm:
+def _lanes(label: str, **settings: object) -> Arm:
     text = partial(world_text, name="straight road", gain=GAIN, **settings)  # type: ignore[arg-type]
     return Arm(label, "straight road, four lanes", text=text)
 
 
-STUDY = Study(
+ENERGY = Study(
     name="energy",
     title="Formation energy",
     claim="On a straight road the formation energy W falls by (10).",
     arms=(
-        _arm("ideal, all decide\nevery step of 0.05 s", step=0.05, period=0.05),
-        _arm("ideal, step 0.05 s,\ntwo neighbours each", step=0.05, period=0.05, neighbours="ring"),
-        _arm("ideal, all decide\nevery step of 0.01 s", period=0.01),
-        _arm("random headings,\ndecide every 0.1 s", heading="random"),
+        _lanes("ideal, all decide\nevery step of 0.05 s", step=0.05, period=0.05),
+        _lanes(
+            "ideal, step 0.05 s,\ntwo neighbours each", step=0.05, period=0.05, neighbours="ring"
+        ),
+        _lanes("ideal, all decide\nevery step of 0.01 s", period=0.01),
+        _lanes("random headings,\ndecide every 0.1 s", heading="random"),
     ),
-    measure=measure,
-    conclude=conclude,
-    draw=draw,
+    measure=measure_energy,
+    conclude=conclude_energy,
+    draw=draw_energy,
 )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from physim.reproduction.study import Measures, Outcome
+from physim.reproduction.study import Outcome, Runs
 from physim.validation.seeds import CONFIDENCE, clopper_pearson
 
 
@@ -30,7 +30,7 @@ class Estimate:
         shown = rounded[0]
         if len(set(rounded)) > 1:
             shown += f" [{rounded[1]}, {rounded[2]}]"
-        return f"{shown} {unit}".strip()
+        return shown if shown == "never" else f"{shown} {unit}".strip()
 
 
 def estimate(values: Iterable[float]) -> Estimate:
@@ -65,20 +65,40 @@ def _rank(n: int) -> int:
         beyond += 1
 
 
-def column(runs: Sequence[Measures], name: str) -> list[float]:
+def column(runs: Runs, name: str) -> list[float]:
     """One measure of every run of an arm, in the order of seeds."""
     return [float(run[name]) for run in runs]
 
 
-def freely(runs: Sequence[Measures], name: str, fine: Callable[[float], bool]) -> tuple[int, int]:
+def estimated(runs: Runs, name: str) -> Estimate:
+    """Median and interval of one measure of an arm."""
+    return estimate(column(runs, name))
+
+
+def count(runs: Runs, name: str, is_fine: Callable[[float], bool]) -> tuple[int, int]:
     """Number of runs whose measure is fine, and of all runs."""
-    return sum(fine(value) for value in column(runs, name)), len(runs)
+    return sum(is_fine(value) for value in column(runs, name)), len(runs)
+
+
+def contact_free(runs: Runs) -> tuple[int, int]:
+    """Number of runs without any contact, and of all runs."""
+    return count(runs, "contacts", lambda value: value == 0.0)
+
+
+def arrived(runs: Runs) -> tuple[int, int]:
+    """Number of runs in which all robots arrived, and of all runs."""
+    return count(runs, "finished", lambda value: value > 0.0)
 
 
 def share_text(good: int, of: int) -> str:
     """ "19 of 20 [75 %, 100 %]", the interval by Clopper and Pearson."""
     low, high = clopper_pearson(good, of)
     return f"{good} of {of} [{100 * low:.0f} %, {100 * high:.0f} %]"
+
+
+def free_text(runs: Runs) -> str:
+    """Share of the runs without any contact, as text."""
+    return share_text(*contact_free(runs))
 
 
 def outcome(met: bool, partly: bool = False) -> Outcome:

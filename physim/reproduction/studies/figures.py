@@ -6,29 +6,24 @@ import math
 
 import numpy as np
 
-from physim.metrics import evaluations, messages, updates_per_second
+from physim.metrics import evaluations
 from physim.metrics import measure as take
 from physim.metrics.modes import time_under_way
 from physim.record import Record
+
+GROUP = (
+    "contacts", "shortest_distance", "shortest_boundary_distance", "farthest_distance", "finished",
+    "time_to_finish", "danger_share", "mode_switches", "averaged_speed_min", "formation_error_peak",
+    "updates_per_second", "messages",
+)  # fmt: skip
+"""Metrics that experiments with a group compare."""
 
 
 def figures(record: Record, *names: str) -> dict[str, float]:
     """Metrics by name; nan where one has no meaning for the run."""
     found = take(record, names)
     values = {name: found[name].value if name in found else None for name in names}
-    return {name: _number(value) for name, value in values.items()}
-
-
-def safety(record: Record) -> dict[str, float]:
-    """Contacts, and the shortest distance [m] of any robot to another or to a wall."""
-    found = figures(record, "contacts", "shortest_distance", "shortest_boundary_distance")
-    kept = (found["shortest_distance"], found["shortest_boundary_distance"])
-    known = [value for value in kept if not math.isnan(value)]
-    return {
-        "contacts": found["contacts"],
-        "kept": min(known) if known else math.nan,
-        "between_robots": found["shortest_distance"],
-    }
+    return {name: math.nan if value is None else float(value) for name, value in values.items()}
 
 
 def rule_shares(record: Record) -> dict[str, float]:
@@ -42,17 +37,22 @@ def rule_shares(record: Record) -> dict[str, float]:
     return found
 
 
-def work(record: Record) -> dict[str, float]:
-    """Updates, messages and collision times worked out, each a second of a robot under way."""
-    seconds = float(time_under_way(record).sum())
-    updates = updates_per_second(record)
-    each = seconds if seconds > 0.0 else math.nan
+def measure_group(record: Record) -> dict[str, float]:
+    """What experiments with a group compare: safety, arrival, modes, formation and work.
+
+    ``kept`` is the shortest distance [m] of any robot to another or to a wall; ``updates``,
+    ``messages`` and ``evaluations`` (collision times computed) are per robot and second until it
+    has arrived.
+    """
+    found = figures(record, *GROUP)
+    distances = (found["shortest_distance"], found["shortest_boundary_distance"])
+    seconds = float(time_under_way(record).sum()) or math.nan
+    computed = evaluations(record)
     return {
-        "updates": math.nan if updates is None else updates.value,
-        "messages": _number(messages(record)) / each,
-        "evaluations": _number(evaluations(record)) / each,
+        **found,
+        "kept": min((value for value in distances if not math.isnan(value)), default=math.nan),
+        "updates": found["updates_per_second"],
+        "messages": found["messages"] / seconds,
+        "evaluations": (math.nan if computed is None else computed) / seconds,
+        **rule_shares(record),
     }
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else float(value)

@@ -1,7 +1,9 @@
-"""A world for the formation alone: a straight road, a lane for each robot, errors at the start.
+"""A world for the formation alone, and its linear theory: four robots on a straight road.
 
-The lanes lie so far apart that no robot comes near another or a wall, so the robots keep in safe
-mode and (7) alone sets their speeds; the limits of these are so wide that they don't bind.
+The robots have errors at the start. Their lanes lie so far apart that no robot comes near another
+or a wall, so they keep in safe mode and (7) alone sets their speeds; the limits of these are so
+wide that they do not bind. For ideal motion (8) on a straight road, (7) makes the errors e follow
+the linear law de/dt = -alpha L e, L the Laplacian of the graph of neighbours.
 """
 
 from __future__ import annotations
@@ -11,9 +13,11 @@ import json
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import desired_leads, world_settings
+from physim.metrics import column_over_time, desired_leads, world_settings
 from physim.record import Record
 
+SETTLED = 4.0
+"""[s] by then every robot has turned onto its lane, whatever its heading was"""
 LANES = (6.0, 2.0, -2.0, -6.0)
 """[m] lane of each robot, left of the middle positive"""
 LEADS = (0.0, -3.0, -1.0, -4.0)
@@ -75,18 +79,35 @@ def neighbour_matrix(record: Record) -> FloatArray:
     return listed
 
 
-def lateness(record: Record, station: FloatArray) -> FloatArray:
+def settings_and_stations(
+    record: Record,
+) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    """Gain alpha [1/s], matrix of neighbours, decision times (K,) [s], relative stations (K, N)."""
+    time, station = column_over_time(record, "reference_station")
+    gain = float(world_settings(record)["formation"]["gain"])
+    return gain, neighbour_matrix(record), time, relative_stations(record, station)
+
+
+def relative_stations(record: Record, station: FloatArray) -> FloatArray:
     """Stations (K, N) less the desired leads (N,): equal where the formation is perfect."""
     leads = desired_leads(record)
     return np.asarray(station - (0.0 if leads is None else leads))
 
 
-def formation_sums(ahead: FloatArray, matrix: FloatArray) -> FloatArray:
+def linear_course(
+    start: FloatArray, gain: float, matrix: FloatArray, time: FloatArray
+) -> FloatArray:
+    """Errors (K, N) by the linear theory, from those at the start (N,)."""
+    rates, modes = np.linalg.eigh(np.diag(matrix.sum(axis=1)) - matrix)
+    return np.asarray((np.exp(-gain * np.outer(time, rates)) * (modes.T @ start)) @ modes.T)
+
+
+def formation_sums(place: FloatArray, matrix: FloatArray) -> FloatArray:
     """S_i (K, N): the inner sums of (10), positive for a robot that is behind."""
-    return np.asarray(ahead @ matrix - ahead * matrix.sum(axis=1))
+    return np.asarray(place @ matrix - place * matrix.sum(axis=1))
 
 
-def energies(ahead: FloatArray, matrix: FloatArray) -> FloatArray:
+def energies(place: FloatArray, matrix: FloatArray) -> FloatArray:
     """W (K,) [m^2] by (9)."""
-    square = np.square(ahead[:, None, :] - ahead[:, :, None])
+    square = np.square(place[:, None, :] - place[:, :, None])
     return np.asarray(0.5 * np.einsum("ij,kij->k", matrix, square))

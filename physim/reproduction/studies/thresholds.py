@@ -1,25 +1,19 @@
 """What the thresholds of the collision time trade: time in danger mode, speeds, distances.
 
-The paper's five thresholds are lost. Long ones give Figure 8's shares of danger mode and break the
-speeds of Figure 7 and the distances of Figure 6; short ones keep those and leave robots in safe
+The paper's five thresholds are unknown. Long ones give Figure 8's shares of danger mode and break
+the speeds of Figure 7 and the distances of Figure 6; short ones keep those and leave robots in safe
 mode.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from physim.plots.style import WIDTH
-from physim.record import Record
 from physim.reproduction.claims import tolerances as tol
-from physim.reproduction.studies.drawing import prepared, rows_of_measures
-from physim.reproduction.studies.estimates import column, estimate, freely, outcome
-from physim.reproduction.studies.figures import figures, safety
-from physim.reproduction.study import Arm, Measures, Study, Verdict
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from physim.reproduction.studies.drawing import rows_of_measures
+from physim.reproduction.studies.estimates import contact_free, estimated, outcome
+from physim.reproduction.studies.figures import measure_group
+from physim.reproduction.study import Arm, Study, Table, Verdict
 
 TIMES = ((0.5, 1.0), (1.0, 2.0), (1.5, 3.0), (2.0, 4.0), (3.0, 6.0))
 """[s] time_low and time_high of each arm"""
@@ -27,25 +21,13 @@ HORIZON = 10.0
 SLOWEST, FASTEST = 0.8, 1.3
 """[m/s] of Figure 7c"""
 
-Runs = Sequence[Measures]
 
-
-def measure(record: Record) -> Measures:
-    """Share of danger mode, speeds averaged over 10 s, largest distance, safety."""
-    names = ("finished", "danger_share", "averaged_speed_min", "farthest_distance")
-    return {**safety(record), **figures(record, *names)}
-
-
-def _free(runs: Runs) -> tuple[int, int]:
-    return freely(runs, "contacts", lambda value: value == 0.0)
-
-
-def conclude(arms: Sequence[Runs]) -> Sequence[Verdict]:
+def conclude_thresholds(arms: Table) -> Sequence[Verdict]:
     """Can mostly danger mode, the speeds and the distances be had together?"""
-    told, together = [], []
+    measured, together = [], []
     for (low, high), runs in zip(TIMES, arms, strict=True):
         share, speed, far = (
-            estimate(column(runs, name))
+            estimated(runs, name)
             for name in ("danger_share", "averaged_speed_min", "farthest_distance")
         )
         together.append(
@@ -53,42 +35,25 @@ def conclude(arms: Sequence[Runs]) -> Sequence[Verdict]:
             and speed.median >= SLOWEST
             and far.median <= tol.FARTHEST
         )
-        told.append(
+        measured.append(
             f"{low:g}/{high:g} s: danger mode {100.0 * share.median:.0f} % of the time, slowest "
             f"average {speed.text(2, 'm/s')}, farthest {far.text(1, 'm')}, free of contact "
-            "{} of {}".format(*_free(runs))
+            "{} of {}".format(*contact_free(runs))
         )
     return (
         Verdict(
             "Mostly danger mode (Fig. 8), averaged speeds of at least 0.8 m/s (Fig. 7c) and no "
             "more than 21.5 m between robots (Fig. 6c), all at once",
             "Figs. 6 to 8 are of one run",
-            "; ".join(told),
+            "; ".join(measured),
             outcome(any(together)),
-            "With our paths they cannot be had together: who avoids slows down, and the group "
-            "stretches.",
+            "With our paths the three exclude each other: robots that avoid others slow down, and "
+            "the group stretches.",
         ),
     )
 
 
-def draw(figure: Figure, arms: Sequence[Runs]) -> None:
-    """Danger mode, slowest average, largest and shortest distance of every pair of thresholds."""
-    prepared(figure, "Thresholds of the collision time", height=3.2, width=WIDTH)
-    rows_of_measures(
-        figure,
-        [arm.label for arm in STUDY.arms],
-        arms,
-        (
-            ("danger_share", "share of time\nin danger mode [–]", False),
-            ("averaged_speed_min", "slowest speed over\n10 s [m/s]", False),
-            ("farthest_distance", "largest distance\n[m]", False),
-            ("between_robots", "shortest distance\nbetween robots [m]", False),
-        ),
-        ["{} of {} free\nof contact".format(*_free(mine)) for mine in arms],
-    )
-
-
-STUDY = Study(
+THRESHOLDS = Study(
     name="thresholds",
     title="Thresholds of the collision time",
     claim="What long and short thresholds of the collision time cost.",
@@ -104,7 +69,17 @@ STUDY = Study(
         )
         for low, high in TIMES
     ),
-    measure=measure,
-    conclude=conclude,
-    draw=draw,
+    measure=measure_group,
+    conclude=conclude_thresholds,
+    draw=rows_of_measures(
+        "Thresholds of the collision time",
+        3.2,
+        (
+            ("danger_share", "share of time\nin danger mode [–]"),
+            ("averaged_speed_min", "slowest speed over\n10 s [m/s]"),
+            ("farthest_distance", "largest distance\n[m]"),
+            ("shortest_distance", "shortest distance\nbetween robots [m]"),
+        ),
+        lambda runs: "{} of {} free\nof contact".format(*contact_free(runs)),
+    ),
 )

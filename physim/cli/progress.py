@@ -8,8 +8,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from physim.simulation import Simulation
 
 REFRESH_SECONDS = 0.1
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C or SIGTERM ended."""
 
 
 class Bar:
@@ -48,7 +54,15 @@ class Bar:
         text = note() if callable(note) else note
         self.progress.update(self.task, completed=done, note=text)
 
-    def close(self) -> None:
+    def simulated(self, simulation: Simulation, factor: float) -> None:
+        """Show how far a simulation is, and how many times faster than what it simulates."""
+        self.update(simulation.time, lambda: f"{factor:.0f} x real time")
+
+    def __enter__(self) -> Bar:
+        """Return the bar, which is on the screen already."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
         """Take the bar off the screen."""
         if self.shown:
             self.progress.stop()

@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/run.py",
+        "physim/cli/rerun.py",
         "ready",
         "build_scene(world, seed)",
         "build_scene(world)",
@@ -80,7 +80,7 @@ EDITS = (
     Edit(
         "cli",
         "physim/cli/output.py",
-        "people",
+        "text_stream",
         "sys.stderr if json == STDOUT else sys.stdout",
         "sys.stdout",
         "JSON on standard output stands alone",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/arguments/types.py",
+        "physim/cli/values.py",
         "seed_range",
         "if ends[1] <= ends[0]:",
         "if False:",
@@ -97,9 +97,9 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/arguments/types.py",
-        "whole",
-        "if not 0 <= value <= LARGEST_NUMBER:",
+        "physim/cli/values.py",
+        "whole_from",
+        "if not least <= value <= most:",
         "if False:",
         "a seed is a whole number from 0",
         "tests/cli/test_bad_input.py::test_faulty_seed",

@@ -225,28 +225,20 @@ def flag(name: str, text: str) -> Callable[[Action], Action]:
     return option(name, is_flag=True, help=text)
 
 
-def seed_option(action: Action) -> Action:
-    """Add ``--seed`` of a world."""
-    text = "seed, instead of the world's own"
-    return option("--seed", type=WHOLE, metavar="N", help=text)(action)
-
-
-def set_option(each: str = "the world") -> Callable[[Action], Action]:
-    """Add ``--set``."""
-    return option(
-        "--set", "overrides", multiple=True, metavar="KEY=VALUE",
-        help=f"change one value of {each}, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
-        "formation=null (may be repeated)",
-    )  # fmt: skip
-
-
-def changes(each: str = "the world") -> Callable[[Action], Action]:
+def changes(each: str = "the world", controller: bool = True) -> Callable[[Action], Action]:
     """Add the options that change a world before it is run: seed, controller and values."""
 
     def add(action: Action) -> Action:
-        text = "a registered controller (physim list) or your own as module:Class"
-        controller = option("--controller", metavar="NAME", help=text)
-        return seed_option(controller(set_option(each)(action)))
+        action = option(
+            "--set", "overrides", multiple=True, metavar="KEY=VALUE",
+            help=f"change one value of {each}, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
+            "formation=null (may be repeated)",
+        )(action)  # fmt: skip
+        if controller:
+            text = "a registered controller (physim list) or your own as module:Class"
+            action = option("--controller", metavar="NAME", help=text)(action)
+        text = "seed, instead of the world's own"
+        return option("--seed", type=WHOLE, metavar="N", help=text)(action)
 
     return add
 

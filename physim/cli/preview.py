@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TextIO
 import click
 
 from physim.cli.output import inputs, new_file
-from physim.cli.parser import Options, command, flag, option, seed_option, set_option
+from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import INTERRUPTED, interrupts
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 )
 @flag("--watch", "draw again whenever the world is saved, until Ctrl-C")
 @flag("--force", "write over an existing picture")
-@seed_option
-@set_option()  # fmt: skip
+@changes(controller=False)  # fmt: skip
 def preview(options: Options) -> int:
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
     the narrowest place, and the width along the reference path.

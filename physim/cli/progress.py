@@ -24,6 +24,7 @@ class Bar:
     def __init__(self, title: str, total: float, unit: str, quiet: bool) -> None:
         self.shown = not quiet and sys.stderr.isatty()
         self.due = 0.0
+        self.complete = False
         if not self.shown:
             return
         from rich.console import Console
@@ -41,10 +42,12 @@ class Bar:
         self.progress.start()
         self.task = self.progress.add_task(title, total=total, note="")
 
-    def total(self, total: float) -> None:
-        """Say how much work there is in all."""
+    def count(self, done: int, total: int, note: str = "") -> None:
+        """Show how much is done of what there is in all."""
+        self.complete = done == total
         if self.shown:
             self.progress.update(self.task, total=total)
+        self.update(done, note)
 
     def update(self, done: float, note: Callable[[], str] | str = "") -> None:
         """Show how far the work is; cheap when nothing is due."""

@@ -75,16 +75,12 @@ def reproduce(options: Options) -> int:
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     folder = _folder(options.output, plan, options.force)
 
-    def progress(done: int, total: int, note: str) -> None:
-        bar.total(total)
-        bar.update(done, note)
-
     with interrupts() as interrupt:
         _warm_up(plan, options.quiet)
         with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
             report = run_all(
                 plan, folder, workers=options.workers or worker_count(), command=_command(options),
-                stop=interrupt, progress=progress,
+                stop=interrupt, progress=bar.count,
             )  # fmt: skip
         for name, text in pages(report, folder).items():
             write_text(folder / name, text)

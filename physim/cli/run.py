@@ -87,7 +87,8 @@ def run(options: Options) -> int:
             film = folder / "video.mp4"
             made = write_video(record, film, options.quiet, lambda: interrupt.count > already)
             if made != film:
-                _say(f"{made.name} is cut short; {_again(folder)} makes the whole video", options)
+                again = f"physim video {shlex.quote(str(folder / 'record.h5'))}"
+                _say(f"{made.name} is cut short; {again} makes the whole video", options)
         stopped = stopped or bool(interrupt.count)
     if options.quiet:
         for deep in summary.deep_contacts:
@@ -136,10 +137,6 @@ def _simulate(
 def _say(text: str, options: Options) -> None:
     if not options.quiet:
         print(text, file=sys.stderr, flush=True)
-
-
-def _again(folder: Path) -> str:
-    return f"physim video {shlex.quote(str(folder / 'record.h5'))}"
 
 
 def _code(summary: Summary, stopped: bool) -> int:

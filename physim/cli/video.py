@@ -105,8 +105,9 @@ def video(options: Options) -> int:
 
 def _check_times(start: float, end: float, records: list[Record]) -> None:
     """Raise PhysimError unless --from comes before --to, and before the end of the longest run."""
-    over = max(float(record.time[-1]) for record in records)
-    if not start < min(end, over) and (start, over) != (0.0, 0.0):
+    over = max([0.0, *(float(time) for record in records for time in record.time[-1:])])
+    last = min(end, over)
+    if not start < last and (start, last) != (0.0, 0.0):
         to = "" if math.isinf(end) else f", --to {end:g}"
         raise PhysimError(
             f"--from {start:g}{to}: nothing to show; --from must be before --to, and before the "
@@ -126,14 +127,6 @@ def write_video(
 
     short = path.with_name(f"{path.stem}{CUT_SHORT}{path.suffix}")
     regular(short)
-    done, of = 0, 1
-
-    def progress(now: int, total: int) -> None:
-        nonlocal done, of
-        done, of = now, total
-        bar.total(total)
-        bar.update(now)
-
     with Bar("video", 1.0, "frames", quiet) as bar:
-        render(record, path, progress=progress, stop=stop, cut_short=short, **film)
-    return path if done == of else short
+        render(record, path, progress=bar.count, stop=stop, cut_short=short, **film)
+    return path if bar.complete else short

@@ -165,7 +165,7 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
         return crash_test(cases, seed, **more, progress=lambda done: (told(done), press())[0])
 
     monkeypatch.chdir(here)
-    monkeypatch.setattr("physim.cli.crashtest.crash_test", pressed)
+    monkeypatch.setattr("physim.crashtest.crash_test", pressed)
     done = physim("crashtest", "--cases", 5000, "--json", "found.json", capture=capsys)
     assert done.code == 130
     found = json.loads((here / "found.json").read_text())

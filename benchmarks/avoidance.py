@@ -24,7 +24,7 @@ import numpy as np
 
 import physim
 from physim import metrics
-from physim.cli.arguments.types import seed_range
+from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record

@@ -13,7 +13,7 @@ import math
 import statistics
 
 import physim
-from physim.cli.arguments.types import seed_range
+from physim.cli.values import seed_range
 from physim.metrics import contact_episodes, grazes
 from physim.record import Record
 from physim.scene_builder import is_random

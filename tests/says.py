@@ -1,7 +1,8 @@
-"""A controller made of a function, for runs of `tests.roads`."""
+"""A controller made of a function, for runs of `tests.roads`; and whether an error says enough."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -22,3 +23,18 @@ class Says:
         self.asked.append((observation.index, round(observation.time / observation.dt)))
         answer: Decision = self.answer(observation)
         return answer
+
+
+def check_error(told: str, place: str, *parts: str) -> None:
+    """An error of one line that begins with its place and says each of the parts, whole.
+
+    A part is a key, what was given, or what is allowed; not how the sentence puts it.
+    """
+    assert told.endswith("\n")
+    assert told.count("\n") == 1, told
+    assert "Traceback" not in told
+    after = "" if place.endswith(":") else r"(?![\w.])"
+    assert re.match(re.escape(place) + after, told), told
+    for part in parts:
+        whole = rf"(?<![\w.-]){re.escape(part)}(?![\w-]|\.\d)"
+        assert re.search(whole, told), f"{part} is not said: {told}"

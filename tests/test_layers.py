@@ -223,7 +223,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "imageio": ("physim.video",),
         "rich": ("physim.cli",),
         "numba": ("physim.compiled", "physim.linking", "physim.kept"),
-        "argparse": ("physim.cli",),
+        "click": ("physim.cli",),
     }
     for line, name in imports(module):
         rooms = allowed.get(name.split(".")[0])

@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 fine, 1 ran but an expectation failed or there was contact, 2 bad input or output that cannot
     be written, 3 checks disagree, 70 a fault in physim, after its traceback, 130 interrupted.
 
-    Every error is told on standard error, a line each, and begins with where the fault lies: the
+    Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
     try:
@@ -31,13 +31,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception:
         import traceback
 
-        _tell(traceback.format_exc().rstrip())
-        _tell("physim: this is a fault in physim, not in what it was given; please report it")
+        _print_error(traceback.format_exc().rstrip())
+        _print_error("physim: this is a fault in physim itself, not in its input; please report it")
         return FAULT
 
 
 def _with_streams(arguments: Sequence[str] | None) -> int:
-    """Run, and tell of outputs that take nothing more."""
+    """Run, and report outputs that take nothing more."""
     code = 0
     try:
         try:
@@ -52,7 +52,7 @@ def _with_streams(arguments: Sequence[str] | None) -> int:
             raise
         _silence(sys.stdout)
         where = "standard output" if error.filename is None else os.fsdecode(error.filename)
-        _tell(f"{where}: cannot be written ({error.strerror})")
+        _print_error(f"{where}: cannot be written ({error.strerror})")
         return 2
     return code
 
@@ -61,24 +61,18 @@ def _main(arguments: Sequence[str] | None) -> int:
     from physim.errors import PhysimError
 
     try:
-        from physim.cli.parser import build_parser
+        from physim.cli.parser import run_command
 
-        parser = build_parser()
-        options = parser.parse_args(arguments)
-        if options.action is None:
-            parser.print_help()
-            return 0
-        code: int = options.action(options)
+        return run_command(sys.argv[1:] if arguments is None else arguments)
     except PhysimError as error:
-        _tell(str(error))
+        _print_error(str(error))
         return 2
     except KeyboardInterrupt:
-        _tell("interrupted")
+        _print_error("interrupted")
         return 130
-    return code
 
 
-def _tell(text: str) -> None:
+def _print_error(text: str) -> None:
     try:
         print(text, file=sys.stderr, flush=True)
     except OSError:  # it is full or closed, too: the exit code has to say it

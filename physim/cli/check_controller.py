@@ -2,39 +2,99 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from physim.cli.compiling import tell_compiling
+import click
+
+from physim.cli.compiling import announce_compiling
+from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar
+from physim.cli.values import number_from
 from physim.errors import Fault, Location, WorldError, plural
-from physim.scene_builder import build_scene
-from physim.testing.candidate import Candidate, candidate
-from physim.testing.check import SECONDS, Examined, examined, places
-from physim.testing.situations import SITUATIONS
-from physim.warm_up import is_warm, warm_up
-from physim.world_file import Document, apply_overrides, load_world, located, read_document
+
+if TYPE_CHECKING:
+    from physim.testing.candidate import Candidate
+    from physim.testing.check import Examined
+    from physim.world_file import Document
 
 FOUND = 1
 COMPILING = 25
 """[s] about, for all that a run needs"""
 
 
-def check_controller_command(options: argparse.Namespace) -> int:
-    """Check a controller and print what is found; returns the exit code."""
+@command("check-controller", "does a controller keep to what every run relies on?")
+@click.argument(
+    "controller",
+    metavar="CONTROLLER",
+    help="a registered controller (physim list) or your own as module:Class",
+)
+@option(
+    "--world",
+    "worlds",
+    multiple=True,
+    metavar="WORLD",
+    help="a world file, or the name of a shipped world, instead of all shipped worlds (may be "
+    "repeated)",
+)
+@option(
+    "--seconds",
+    type=number_from(0.001, 1e6),
+    metavar="S",
+    help="simulated time of each world [s] (2)",
+)
+@option(
+    "--set",
+    "overrides",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="a setting of the controller, instead of those in the worlds, e.g. "
+    "controller.look_ahead=3.0 (may be repeated)",
+)
+@flag("--json", "print everything as JSON instead")  # fmt: skip
+def check_controller_command(options: Options) -> int:
+    """Let a controller decide for the first seconds of worlds and in awkward situations, ask it for
+    the same decisions again in other ways, and report what comes out otherwise. Worlds whose robots
+    it refuses are reported and left out.
+
+    rules, each finding names the one that is broken:
+      raises       decide raises nothing
+      decision     it returns a Decision with commands within the limits
+      repeats      the same settings, observation and memory give the same decision
+      state        nothing is kept on the object, its class or module: that is memory
+      order        whoever else is asked, and in whatever order, changes nothing
+      memory       the memory handed over is not written into
+      copies       memory can be copied and pickled, and a copy does as well
+      observation  nothing is written into what is seen
+      batch        the batch form, where there is one, decides as the plain form
+      batch_order  and does so robot by robot, too
+
+    situations beside the worlds: nobody in sight, no wall in sight, at the end of the path, facing
+    backwards, overlapping
+
+    exit codes:
+      0    nothing was found
+      1    a line a finding: rule, world, robot, time, and what is wrong
+      2    bad input: one line says what and where
+      130  interrupted (Ctrl-C)
+
+    examples:
+      physim check-controller my_module:MyController
+      physim check-controller my_module:MyController --world my_world.yaml --seconds 20
+      physim check-controller mode_switching --set controller.look_ahead=3.0 --json
+    """
+    from physim.testing.check import SECONDS, examined, places
+    from physim.testing.situations import SITUATIONS
+
     chosen = _chosen(options)
-    worlds = places(options.worlds)
+    worlds = places(options.worlds or None)
     _prepare()
-    bar = Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False)
     parts: list[Examined] = []
-    try:
+    with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
         for part in examined(chosen, worlds, options.seconds or SECONDS):
             parts.append(part)
             bar.update(len(parts), part.world)
-    finally:
-        bar.close()
     if options.json:
         print(json.dumps(json_of(chosen.name, parts), indent=1))
     else:
@@ -42,8 +102,11 @@ def check_controller_command(options: argparse.Namespace) -> int:
     return FOUND if any(part.findings for part in parts) else 0
 
 
-def _chosen(options: argparse.Namespace) -> Candidate:
+def _chosen(options: Options) -> Candidate:
     """Find the controller and check its settings; each fault with its place."""
+    from physim.testing.candidate import candidate
+    from physim.world_file import Document, located, read_document
+
     document = Document("--set", read_document("controller: {}", "--set").root)
     settings, document = _settings(document, options.overrides)
     chosen = candidate(options.controller, settings or None)
@@ -57,6 +120,8 @@ def _chosen(options: argparse.Namespace) -> Candidate:
 
 def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str, Any], Document]:
     """Settings that the command line gives. Raises WorldError for what is none."""
+    from physim.world_file import apply_overrides, located
+
     document = apply_overrides(document, overrides)
     values = document.values()
     settings = values.pop("controller", None) or {}
@@ -82,8 +147,12 @@ def _ends(values: object) -> list[Location]:
 
 def _prepare() -> None:
     """Compile the kernels where that is still to be done, and say so."""
+    from physim.scene_builder import build_scene
+    from physim.warm_up import is_warm, warm_up
+    from physim.world_file import load_world
+
     if not is_warm():
-        tell_compiling("all that a run needs", COMPILING, quiet=False)
+        announce_compiling("all that a run needs", COMPILING, quiet=False)
         warm_up(build_scene(load_world("straight")))
 
 

@@ -2,75 +2,95 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from physim.cli.compiling import tell_compiling
-from physim.cli.output import a_folder, new_file, new_json, people, write_json
-from physim.cli.progress import Bar, interrupts
-from physim.crashtest import crash_test
-from physim.crashtest.foresight import is_warm
-from physim.crashtest.report import Report, text
-from physim.errors import PhysimError
+from physim.cli.compiling import announce_compiling
+from physim.cli.output import new_json, remove_earlier, text_stream, write_json
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.values import WHOLE, whole_from
 
-DISAGREE, INTERRUPTED = 3, 130
+if TYPE_CHECKING:
+    from physim.crashtest.report import Report
+
+DISAGREE = 3
 COMPILING = 15
 """[s] about, for the collision checks"""
 
 
-def crashtest(options: argparse.Namespace) -> int:
-    """Throw cases and tell how engine and analysis agree; returns the exit code."""
+@command("crashtest", "random shapes: does the engine agree with analysis?")
+@option(
+    "--cases",
+    type=whole_from(1, 10**9),
+    default=10_000,
+    metavar="N",
+    help="number of throws (10000)",
+)
+@option("--seed", type=WHOLE, default=0, metavar="N", help="seed of the throws (0)")
+@option(
+    "--json",
+    type=Path,
+    metavar="FILE",
+    help="write the figures to FILE (-: standard output) as JSON",
+)
+@option(
+    "-o",
+    "--output",
+    type=Path,
+    metavar="DIR",
+    help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
+)
+@flag("--force", "write over FILE, and over the worlds in DIR")
+@flag("--quiet", "print neither progress nor table")  # fmt: skip
+def crashtest(options: Options) -> int:
+    """Throw random footprints at each other and at walls, at constant (v, omega), and compare the
+    first physical contact of each throw with its collision time. Every case on which they differ
+    for no known reason is written as a world that physim run replays.
+
+    exit codes:
+      0    no case is unexplained
+      2    bad input
+      3    engine and analysis disagree: every unexplained case is reported and written as a world
+      130  interrupted (Ctrl-C): the cases so far are reported and written
+
+    examples:
+      physim crashtest
+      physim crashtest --cases 100000 --seed 1 --json crashtest.json
+    """
+    from physim.crashtest.foresight import is_warm
+    from physim.crashtest.report import text
+
     folder = options.output or Path(f"crashtest-{options.seed}")
     new_json(options.json, options.force)
-    _clear(folder, options.force)
+    earlier = sorted(folder.glob("case-*.yaml"))
+    remove_earlier(folder, earlier, options.force, what="worlds of an earlier crash test")
     if not is_warm():
-        tell_compiling("the collision checks", COMPILING, options.quiet)
-    report = _thrown(options, folder)
+        announce_compiling("the collision checks", COMPILING, options.quiet)
+    report = _simulate_throws(options, folder)
     write_json(options.json, report.to_json())
     if not options.quiet:
         if report.interrupted:
-            print(f"{_cut(report)}; the results so far:", file=sys.stderr, flush=True)
-        print(text(report), end="", file=people(options.json))
+            cut = f"interrupted after {report.cases:,} of {report.asked:,} cases"
+            print(f"{cut}; the results so far:", file=sys.stderr, flush=True)
+        print(text(report), end="", file=text_stream(options.json))
     if report.interrupted:
         return INTERRUPTED
     return DISAGREE if report.unexplained else 0
 
 
-def _thrown(options: argparse.Namespace, folder: Path) -> Report:
-    bar = Bar("crash test", options.cases, "cases", options.quiet)
+def _simulate_throws(options: Options, folder: Path) -> Report:
+    from physim.crashtest import crash_test
+
     started = time.monotonic()
 
     def progress(done: int) -> None:
         bar.update(done, lambda: f"{done / (time.monotonic() - started):.0f}/s")
 
-    with interrupts() as interrupt:
-        try:
-            return crash_test(
-                options.cases, options.seed, folder=folder, progress=progress, stop=interrupt
-            )
-        finally:
-            bar.close()
-
-
-def _clear(folder: Path, force: bool) -> None:
-    """Take away the worlds of an earlier test. Raises PhysimError without ``force``."""
-    a_folder(folder)
-    earlier = sorted(folder.glob("case-*.yaml"))
-    for file in earlier:
-        new_file(file, True)
-    if earlier and not force:
-        raise PhysimError(
-            f"{folder}: holds worlds of an earlier crash test ({earlier[0].name}); "
-            "use --force to write over them, or -o for another folder"
+    quiet = options.quiet
+    with interrupts() as interrupt, Bar("crash test", options.cases, "cases", quiet) as bar:
+        return crash_test(
+            options.cases, options.seed, folder=folder, progress=progress, stop=interrupt
         )
-    try:
-        for file in earlier:
-            file.unlink()
-    except OSError as error:
-        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
-
-
-def _cut(report: Report) -> str:
-    return f"interrupted after {report.cases:,} of {report.asked:,} cases"

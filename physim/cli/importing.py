@@ -2,35 +2,117 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from physim.checking import Finding, check_world
+import click
+
 from physim.cli.output import its_folder, new_file, write_text
-from physim.cli.schema_file import check_schema, put_schema, written
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.schema_file import check_schema, write_schema
+from physim.cli.values import COUNT, DISTANCE, POSITIVE, OneOf, Value, pair, size
 from physim.errors import PhysimError
-from physim.importing import Imported, Options, import_world
 
+if TYPE_CHECKING:
+    from physim.checking import Finding
+    from physim.importing import Imported
+
+FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
+LINES, PATH = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "origin", "goal", "robots", "lanes",
     "robot", "name",
 )  # fmt: skip
 
 
-def import_command(options: argparse.Namespace) -> int:
-    """Make a world of a source; returns the exit code."""
+@command("import", "a world from a track, map, drawing or polygons")
+@click.argument("source", metavar="SOURCE", type=Path, help="the file to import")
+@option("-o", "--output", type=Path, metavar="WORLD", required=True, help="the world file to write")
+@flag("--force", "write over an existing file")
+@option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix or content)")
+@option("--name", metavar="NAME", help="name of the world (default: that of the source)")
+@option(
+    "--scale",
+    type=POSITIVE,
+    metavar="M",
+    section=LINES,
+    help="metres per unit of the source (default: 1; svg: the document's real-world units)",
+)
+@option(
+    "--tolerance",
+    type=POSITIVE,
+    metavar="M",
+    section=LINES,
+    help="[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
+)
+@option(
+    "--specks",
+    type=DISTANCE,
+    metavar="M2",
+    section=LINES,
+    help="[m²] occupied patches of a map up to this area are left out (default: 2 cells)",
+)
+@option(
+    "--start",
+    type=DISTANCE,
+    metavar="S",
+    section=LINES,
+    help="[m] station at which a closed track is cut open (0)",
+)
+@option(
+    "--gap", type=POSITIVE, metavar="M", section=LINES, help="[m] of road left out at the cut (2)"
+)
+@option(
+    "--from",
+    "origin",
+    type=Value(pair),
+    metavar="X,Y",
+    section=PATH,
+    help="[m] where the path begins (default: as drawn, else far from its end)",
+)
+@option("--to", "goal", type=Value(pair), metavar="X,Y", section=PATH, help="[m] where it ends")
+@option("--robots", type=COUNT, metavar="N", section=PATH, help="robots (default: as drawn, or 1)")
+@option("--lanes", type=COUNT, metavar="K", section=PATH, help="robots abreast (1)")
+@option(
+    "--robot",
+    type=Value(size),
+    metavar="L,W",
+    section=PATH,
+    help="[m] length and width of a robot (default: as large as passes, at most 1.8,1.0)",
+)
+@flag("--quiet", "no report")  # fmt: skip
+def import_command(options: Options) -> int:
+    """Make a world from a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON, and list every line
+    that was dropped or repaired. Beside it goes world.schema.json, by which editors complete keys.
+
+    formats, by suffix or content:
+      track     centreline and widths, columns x_m, y_m, w_tr_right_m, w_tr_left_m (.csv)
+      ros-map   map.yaml with its image, PGM or PNG (.yaml)
+      svg       drawing with layers or ids boundary, obstacle, path, robot (.svg)
+      wkt       polygons and lines as well-known text (.wkt)
+      geojson   the same as GeoJSON in metres (.geojson, .json)
+
+    exit codes:
+      0    the world is written; it loads and its scene builds
+      2    bad input: one message says what and where, and nothing is written
+      130  interrupted (Ctrl-C): no world is written
+
+    examples:
+      physim import track.csv -o track.yaml --robots 6 --lanes 2
+      physim import map.yaml -o office.yaml --robots 5 --from 1,2 --to 14.5,-3
+      physim import plan.svg -o plan.yaml --scale 0.1
+    """
+    from physim import importing
+
     source, output = options.source, options.output
     _check_output(source, output, options.force)
-    imported = import_world(source, Options(**{key: getattr(options, key) for key in ASKED}))
+    asked = importing.Options(**{key: getattr(options, key) for key in ASKED})
+    imported = importing.import_world(source, asked)
     write_text(output, imported.text)
-    schema, kept = put_schema(output, options.force)
+    written = write_schema(output, options.force)
     if not options.quiet:
-        told = [
-            _report(source, imported),
-            *_doubts(output, options.lanes or 1),
-            written(output, schema, kept),
-        ]
-        print("\n".join(told))
+        lines = [*_report(source, imported), *_doubts(output, options.lanes or 1), written]
+        print("\n".join(lines))
     return 0
 
 
@@ -42,18 +124,20 @@ def _check_output(source: Path, output: Path, force: bool) -> None:
     check_schema(output, force)
 
 
-def _report(source: Path, imported: Imported) -> str:
-    lines = [f"{source}: {imported.kind}"]
-    lines += [f"  {fact}" for fact in imported.facts]
-    if imported.changes:
-        lines += ["dropped or repaired:", *(f"  {change}" for change in imported.changes)]
-    else:
-        lines.append("dropped or repaired: nothing")
-    return "\n".join(lines)
+def _report(source: Path, imported: Imported) -> list[str]:
+    changes = "" if imported.changes else " nothing"
+    return [
+        f"{source}: {imported.kind}",
+        *(f"  {fact}" for fact in imported.facts),
+        f"dropped or repaired:{changes}",
+        *(f"  {change}" for change in imported.changes),
+    ]
 
 
 def _doubts(world: Path, lanes: int) -> list[str]:
     """What `physim check` says of a world just written, what concerns the whole group first."""
+    from physim.checking import check_world
+
     found = check_world(world)
     order = ("formation", "robots")
 
@@ -61,7 +145,7 @@ def _doubts(world: Path, lanes: int) -> list[str]:
         return next((k for k, key in enumerate(order) if finding.key.startswith(key)), len(order))
 
     said = [*found.errors, *sorted(found.warnings, key=rank)]
-    told = [f"  {one}" for one in said]
+    lines = [f"  {one}" for one in said]
     if lanes > 1 and any(one.key.startswith("formation") for one in said):
-        told.append("  --lanes 1 has fewer places where paths come close")
-    return ["the check of the world says:", *told] if told else []
+        lines.append("  --lanes 1 has fewer places where paths come close")
+    return ["the check of the world says:", *lines] if lines else []

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
@@ -31,24 +33,56 @@ def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
     when it cannot be written, or when one of ``inputs`` would be written over. With ``force`` the
     earlier run's own files are removed, others are left alone.
     """
-    a_folder(folder)
     earlier = [folder / name for name in FILES if os.path.lexists(folder / name)]
+    remove_earlier(folder, earlier, force, *inputs, what="an earlier run")
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(13, "Permission denied")
+    return folder
+
+
+def remove_earlier(
+    folder: Path, earlier: Sequence[Path], force: bool, *inputs: Path, what: str
+) -> None:
+    """Remove from a folder the files of an earlier command, or nothing.
+
+    Raises PhysimError where there are any and ``force`` is not set, where one is no regular file
+    or one of ``inputs``, and where it is no folder.
+    """
+    a_folder(folder)
     for file in earlier:
         new_file(file, True, *inputs)
     if earlier and not force:
         raise PhysimError(
-            f"{folder}: holds an earlier run ({earlier[0].name}); "
+            f"{folder}: holds {what} ({earlier[0].name}); "
             "use --force to write over it, or -o for another folder"
         )
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK | os.X_OK):
-            raise PermissionError(13, "Permission denied")
+    with writing(folder):
         for file in earlier:
             file.unlink()
+
+
+def empty_folder(folder: Path, force: bool, *files: Path, option: str = "-o") -> None:
+    """Raise PhysimError unless ``files`` may be written in a folder: an empty one, or by force."""
+    a_folder(folder, option)
+    for file in files:
+        regular(file)
+    with writing(folder):
+        if not force and folder.exists() and any(folder.iterdir()):
+            raise PhysimError(
+                f"{folder}: is not empty; use --force to write over it, "
+                f"or {option} for another folder"
+            )
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """What is written to a path; an OSError becomes a PhysimError that names it."""
+    try:
+        yield
     except OSError as error:
-        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
-    return folder
+        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
 
 
 def a_folder(path: Path, option: str = "-o") -> None:
@@ -123,7 +157,7 @@ def write_json(path: Path | None, text: str) -> None:
         write_text(path, text)
 
 
-def people(json: Path | None) -> TextIO:
+def text_stream(json: Path | None) -> TextIO:
     """Stream of the text for people: standard error where the JSON takes standard output."""
     return sys.stderr if json == STDOUT else sys.stdout
 
@@ -132,14 +166,12 @@ def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
     regular(path)
     part = path.with_name(f".{path.name}.part")
-    try:
+    with writing(path):
         try:
             part.write_text(text, encoding="utf-8")
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
             part.unlink(missing_ok=True)
-    except OSError as error:
-        raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None
 
 
 def _same(one: Path, other: Path) -> bool:

@@ -1,93 +1,305 @@
-"""The parser of all commands; their arguments are in `physim.cli.arguments`."""
+"""The commands: how they are declared, their help, and mistakes in what follows their names.
+
+A command stands in a module of its own, arguments and code together. Its docstring is its help: one
+paragraph, then exit codes and examples as they are printed. Such a module imports what is heavy
+within its functions, so that help comes at once.
+"""
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Sequence
-from typing import Any, NoReturn
+import inspect
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from types import SimpleNamespace
+from typing import Any, TypeVar
 
-from physim.cli import mistakes
+import click
 
-DESCRIPTION = """\
-Run worlds of polygon robots in corridors on real rigid-body physics, and see
-what happened.
+from physim.cli.values import MOST_SHOWN, WHOLE, quoted
+from physim.errors import PhysimError, nearest
 
-see a run:
-  physim list                        worlds and controllers that come with it
-  physim run three_robots            run one: record, video, summary in runs/
-make a world of your own:
-  physim new my_world                one to begin with, every key explained
-  physim import plan.svg -o my.yaml  one from a track, map, drawing, polygons
-  physim check my_world.yaml         its faults, and the room on each path
-  physim preview my_world.yaml       a picture of it, before anything runs
-look at what a run recorded (RECORD is runs/NAME-SEED/record.h5):
-  physim summary RECORD              contacts, distances, collision times
-  physim plot RECORD                 the same as pictures
-  physim video RECORD                the video again, slower or faster
-judge a controller, and what its runs show:
-  physim check-controller my:Mine    does it keep to what every run relies on?
-  physim validate RECORD             contacts, exact checks, responsibility
-  physim crashtest                   does the engine agree with the analysis?
-  physim reproduce                   the figures of the paper, measured again
+GROUPS = {
+    "run": {
+        "list": "physim.cli.listing:listing",
+        "run": "physim.cli.run:run",
+        "summary": "physim.cli.summary:summary",
+        "plot": "physim.cli.plot:plot",
+        "video": "physim.cli.video:video",
+    },
+    "judge": {
+        "validate": "physim.cli.validate:validate_command",
+        "check-controller": "physim.cli.check_controller:check_controller_command",
+        "crashtest": "physim.cli.crashtest:crashtest",
+    },
+    "author": {
+        "new": "physim.cli.new:new",
+        "import": "physim.cli.importing:import_command",
+        "check": "physim.cli.check:check_command",
+        "preview": "physim.cli.preview:preview",
+        "schema": "physim.cli.schema:schema",
+    },
+    "study": {"reproduce": "physim.cli.reproduce:reproduce"},
+}
+"""By job, the commands in the order of the help: where each is defined."""
+COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}
+
+HEAD = """\
+Usage: physim [-h] [--version] COMMAND ...
+Run worlds of polygon robots in corridors on rigid-body physics, and judge them.
+
+"""
+TAIL = """
+exit codes: 0 fine, 1 contact or not as expected, 2 bad input, 3 the checks
+            disagree, 70 a fault in physim, 130 interrupted (Ctrl-C)
+To begin: physim run three_robots. A command explained: physim COMMAND --help
 """
 
-EPILOG = """\
-exit codes:
-  0    done, and nothing is wrong
-  1    ran, but an expectation failed or there was contact (run, validate)
-  2    bad input, or no place to write to: a line a fault says where and what
-  3    the checks disagree with each other (validate, crashtest)
-  70   a fault in physim itself, after its traceback: please report it
-  130  interrupted (Ctrl-C)
-
-physim COMMAND --help tells the options of a command, its exit codes and examples.
-"""
+Options = SimpleNamespace
+"""The options and arguments of a command, by name."""
+Action = TypeVar("Action", bound=Callable[..., Any])
 
 
-class Parser(argparse.ArgumentParser):
-    """Argument parser whose errors are one line, with the way to the help."""
+class Option(click.Option):
+    """Option that may stand in a section of the help; it takes no other option for its value."""
 
-    def error(self, message: str) -> NoReturn:
-        """Print one line and exit with 2."""
-        mistakes.refuse(mistakes.told(message, self), self.prog)
+    def __init__(self, *names: Any, section: str = "Options", **attributes: Any) -> None:
+        super().__init__(*names, **attributes)
+        self.section = section
 
-    def parse_known_args(  # type: ignore[override]
-        self, args: Sequence[str] | None = None, namespace: Any = None
-    ) -> tuple[Any, list[str]]:
-        """As argparse does, but each command itself refuses what it does not know."""
-        found, extra = super().parse_known_args(args, namespace)
-        if extra:
-            mistakes.refuse(mistakes.unknown(extra, self), self.prog)
-        return found, extra
-
-
-class TopParser(Parser):
-    """The parser of the commands: what stands before a command is its own."""
-
-    def parse_known_args(  # type: ignore[override]
-        self, args: Sequence[str] | None = None, namespace: Any = None
-    ) -> tuple[Any, list[str]]:
-        """Refuse options of commands that stand before the command."""
-        import sys
-
-        args = sys.argv[1:] if args is None else list(args)
-        own = mistakes.options_of(self)
-        if args and args[0].startswith("-") and not any(o.startswith(args[0]) for o in own):
-            option = mistakes.shown(args[0].partition("=")[0])
-            told = f"{option}: stands before the command; write physim COMMAND ... {option}"
-            mistakes.refuse(told, self.prog)
-        return super().parse_known_args(args, namespace)
+    def type_cast_value(self, ctx: click.Context, value: Any) -> Any:
+        """Read the value; raises UsageError where another option stands in its place."""
+        known = _options(ctx)
+        for given in value if self.multiple else (value,):
+            if isinstance(given, str) and given.partition("=")[0] in known:
+                raise click.BadOptionUsage(self.opts[0], "", ctx)
+        return super().type_cast_value(ctx, value)
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Parser of all commands; each sets ``action`` to the function that does it, else None."""
-    from physim._version import __version__
-    from physim.cli.arguments import add_commands
+class Command(click.Command):
+    """A command that returns its exit code; its mistakes are one line each."""
 
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = TopParser("physim", description=DESCRIPTION, epilog=EPILOG, formatter_class=raw)
-    parser.add_argument("--version", action="version", version=f"physim {__version__}")
-    parser.set_defaults(action=None)
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", parser_class=Parser)
-    add_commands(commands)
-    return parser
+    allow_extra_args = True  # to name the first of them
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments. Raises UsageError in the words of all errors."""
+        try:
+            rest = super().parse_args(ctx, list(args))
+        except click.NoSuchOption as error:
+            name = error.option_name
+            meant = [option for option in _options(ctx) if option.startswith(name)]
+            if len(meant) != 1:
+                raise _explained(error, ctx, args) from None
+            words = (word.partition("=") for word in args)
+            whole = [(meant[0] if word == name else word) + eq + value for word, eq, value in words]
+            return self.parse_args(ctx, whole)
+        except click.UsageError as error:
+            raise _explained(error, ctx, args) from None
+        if rest:
+            takes = " and ".join(_name(p) for p in self.params if isinstance(p, click.Argument))
+            raise click.UsageError(
+                f"{quoted(rest[0])}: is one too many; {ctx.command_path} takes "
+                f"{takes or 'options'} alone", ctx,
+            )  # fmt: skip
+        return rest
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Do what the command is for; returns the exit code."""
+        return self.callback(Options(**ctx.params)) if self.callback is not None else 0
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the first paragraph of the docstring."""
+        formatter.write_paragraph()
+        formatter.write_text(inspect.cleandoc(self.help or "").partition("\n\n")[0])
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options by sections."""
+        sections: dict[str, list[tuple[str, str]]] = {}
+        for param in self.get_params(ctx):
+            if isinstance(param, click.Option) and (record := param.get_help_record(ctx)):
+                sections.setdefault(getattr(param, "section", "Options"), []).append(record)
+        for title, records in sections.items():
+            with formatter.section(title):
+                formatter.write_dl(records)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the rest of the docstring as it stands."""
+        formatter.write(f"\n{inspect.cleandoc(self.help or '').partition(chr(10) * 2)[2]}\n")
+
+
+class Commands(click.Group):
+    """All commands, each imported when it is asked for."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """All names, in the order of the help."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command."""
+        if cmd_name not in COMMANDS:
+            return None
+        module, _, name = COMMANDS[cmd_name].partition(":")
+        found: click.Command = getattr(import_module(module), name)
+        return found
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command that is named. Raises UsageError with all that there are."""
+        if args[0] not in COMMANDS:
+            raise click.UsageError(
+                f"physim {quoted(args[0])}: no such command; there are {', '.join(COMMANDS)}"
+                f"{nearest(args[0][:MOST_SHOWN], list(COMMANDS))}", ctx,
+            )  # fmt: skip
+        return super().resolve_command(ctx, args)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read what stands before the command. Raises UsageError for options of commands."""
+        try:
+            return super().parse_args(ctx, list(args))
+        except click.NoSuchOption as error:
+            option = quoted(error.option_name)
+            raise click.UsageError(
+                f"{option}: stands before the command; write physim COMMAND ... {option}", ctx
+            ) from None
+        except click.UsageError as error:
+            raise _explained(error, ctx, args) from None
+
+    def format_help(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands by groups, on one screen."""
+        formatter.write(HEAD)
+        for title, group in GROUPS.items():
+            for name in group:
+                found = self.get_command(ctx, name)
+                summary = found.short_help if found is not None else ""
+                formatter.write(f"{title:<8}{name:<18}{summary}\n")
+                title = ""
+        formatter.write(TAIL)
+
+
+@click.group(
+    "physim",
+    cls=Commands,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.option("--version", is_flag=True, help="print the version")
+@click.pass_context
+def commands(ctx: click.Context, version: bool) -> None:
+    """All commands of physim."""
+    if version:
+        from physim._version import __version__
+
+        click.echo(f"physim {__version__}")
+        ctx.exit()
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run the command that the arguments name; returns its exit code.
+
+    Raises PhysimError, one line, for arguments that it does not take.
+    """
+    try:
+        with commands.make_context("physim", list(arguments)) as ctx:
+            return int(commands.invoke(ctx) or 0)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.UsageError as error:
+        path = error.ctx.command_path if error.ctx is not None else "physim"
+        raise PhysimError(f"{error.message} (see {path} --help)") from None
+
+
+def command(name: str, summary: str) -> Callable[[Callable[[Options], int]], Command]:
+    """Make a command of a function, whose docstring is the help; ``summary`` is its line in it."""
+    return click.command(name, cls=Command, short_help=summary)
+
+
+def option(*names: str, **attributes: Any) -> Callable[[Action], Action]:
+    """Add an option, as `click.option`; ``section`` names its section of the help."""
+    return click.option(*names, cls=Option, **attributes)
+
+
+def flag(name: str, text: str) -> Callable[[Action], Action]:
+    """Add an option without a value."""
+    return option(name, is_flag=True, help=text)
+
+
+def changes(each: str = "the world", controller: bool = True) -> Callable[[Action], Action]:
+    """Add the options that change a world before it is run: seed, controller and values."""
+
+    def add(action: Action) -> Action:
+        action = option(
+            "--set", "overrides", multiple=True, metavar="KEY=VALUE",
+            help=f"change one value of {each}, e.g. robots.0.limits.v=1.2, or leave one out, e.g. "
+            "formation=null (may be repeated)",
+        )(action)  # fmt: skip
+        if controller:
+            text = "a registered controller (physim list) or your own as module:Class"
+            action = option("--controller", metavar="NAME", help=text)(action)
+        text = "seed, instead of the world's own"
+        return option("--seed", type=WHOLE, metavar="N", help=text)(action)
+
+    return add
+
+
+def _explained(error: click.UsageError, ctx: click.Context, args: list[str]) -> click.UsageError:
+    """The same mistake in one line: the option, what was given, what is allowed."""
+    text = error.message
+    if isinstance(error, click.NoSuchOption):
+        text = _unknown(error.option_name, ctx)
+    elif isinstance(error, click.BadOptionUsage):
+        text = _misused(error.option_name, ctx, args)
+    elif isinstance(error, click.MissingParameter):
+        text = f"{ctx.command_path}: {_missing(ctx, args)}"
+    elif isinstance(error, click.BadParameter) and error.param is not None:
+        text = f"{_name(error.param)} {error.message}"
+    return click.UsageError(text, ctx)
+
+
+def _unknown(name: str, ctx: click.Context) -> str:
+    """An option that a command does not have, or the beginning of several."""
+    known = _options(ctx)
+    if meant := [option for option in known if option.startswith(name)]:
+        return f"{name}: may be any of {', '.join(meant)}; write it out"
+    words = {option.strip("-"): option for option in sorted(known)}
+    close = nearest(name.strip("-")[:MOST_SHOWN], list(words))
+    for word, written in words.items():
+        close = close.replace(f'"{word}"', f'"{written}"')
+    return f"{quoted(name)}: {ctx.command_path} has no such option{close}"
+
+
+def _misused(name: str, ctx: click.Context, args: list[str]) -> str:
+    """A flag with a value, or an option without one."""
+    option = _options(ctx)[name]
+    if option.is_flag:
+        given = next(word for word in args if word.startswith(f"{name}="))
+        return f"{name}: takes no value; given {quoted(given.partition('=')[2])}"
+    name = _name(option)
+    if isinstance(option.type, click.Choice):
+        return f"{name}: its value is missing; must be one of {', '.join(option.type.choices)}"
+    return f"{name}: its {option.metavar} is missing; {name} {option.metavar}: {option.help}"
+
+
+def _missing(ctx: click.Context, args: list[str]) -> str:
+    """All that is required and was not given."""
+    ctx.resilient_parsing = True  # goes on to the end
+    click.Command.parse_args(ctx.command, ctx, list(args))
+    names = [
+        _name(param) for param in ctx.command.params
+        if param.required and ctx.params.get(param.name or "") in (None, ())
+    ]  # fmt: skip
+    return f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} missing"
+
+
+def _options(ctx: click.Context) -> dict[str, click.Option]:
+    """Every option of a command by its names."""
+    params = ctx.command.get_params(ctx)
+    return {name: p for p in params if isinstance(p, click.Option) for name in p.opts}
+
+
+def _name(param: click.Parameter) -> str:
+    """A parameter as errors name it: ``-o/--output``, ``WORLD``."""
+    if isinstance(param, click.Option):
+        return "/".join(param.opts)
+    return param.human_readable_name.strip("[].")

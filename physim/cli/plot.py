@@ -2,29 +2,74 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from pathlib import Path
 
-from physim.cli.mistakes import shown
+import click
+
 from physim.cli.output import a_folder, new_file
-from physim.cli.progress import interrupts
-from physim.errors import PhysimError, nearest, plural
-from physim.plots import draw, names, not_replaced
-from physim.record import Record
-
-INTERRUPTED = 130
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import INTERRUPTED, interrupts
+from physim.cli.values import POSITIVE, OneOf, not_among
+from physim.errors import PhysimError, plural
 
 
-def plot(options: argparse.Namespace) -> int:
-    """Draw pictures of a record; returns the exit code."""
+@command("plot", "draw the figures of a record")
+@click.argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+@option(
+    "--only",
+    metavar="NAMES",
+    help="figures to draw, as listed below, with commas between (default: all)",
+)
+@option(
+    "-o",
+    "--output",
+    type=Path,
+    metavar="DIR",
+    help="folder for the pictures (default: that of the record)",
+)
+@option(
+    "--format", type=OneOf(("png", "svg", "pdf")), default="png", help="kind of the pictures (png)"
+)
+@flag("--force", "write over existing pictures")
+@option(
+    "--snapshots", type=POSITIVE, metavar="S",
+    help="simulated seconds between the robots in trajectories (default: about ten in the run)",
+)  # fmt: skip
+def plot(options: Options) -> int:
+    """Draw the figures of the paper, and more, from a record alone.
+
+    figures (docs/FIGURES.md tells what each shows and how it is worked out):
+      trajectories     paths, trajectories and snapshots on the map (Figs. 1a, 2a, 3a, 6a, 6b)
+      deviation        deviation of each robot from its path (Figs. 1b, 2c, 7d)
+      speeds           rotational and forward speeds averaged over 10 s (Figs. 1c, 7b, 7c)
+      formation        formation errors and energy (Figs. 2b, 7a)
+      width            corridor width along the path of the first robot (Fig. 4)
+      distances        distances between robots, and to walls (Figs. 3b, 6c)
+      collision_times  collision times at the decisions (Figs. 3c, 6d)
+      modes            modes of each robot over time (Fig. 8)
+      prediction       predicted against actual time to contact
+    and those that installed packages register as physim.plots
+
+    exit codes:
+      0    drawn
+      2    bad input: one message says what and where
+      130  interrupted (Ctrl-C): pictures that were done by then stay, no half ones
+
+    examples:
+      physim plot runs/ten_robots-21/record.h5
+      physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
+    """
+    from physim.plots import draw, names, not_replaced
+    from physim.record import Record
+
     known = only = names()
     if options.only is not None:
         only = tuple(name.strip() for name in options.only.split(","))
     folder = options.output or options.record.parent
     for name in only:
         if name not in known:
-            close = nearest(name[:100], list(known))
-            raise PhysimError(f"--only {shown(name)}: must be one of {', '.join(known)}{close}")
+            raise PhysimError(f"--only {not_among(name, list(known))}")
     a_folder(folder)
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,

@@ -8,8 +8,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from physim.simulation import Simulation
 
 REFRESH_SECONDS = 0.1
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C or SIGTERM ended."""
 
 
 class Bar:
@@ -18,6 +24,7 @@ class Bar:
     def __init__(self, title: str, total: float, unit: str, quiet: bool) -> None:
         self.shown = not quiet and sys.stderr.isatty()
         self.due = 0.0
+        self.complete = False
         if not self.shown:
             return
         from rich.console import Console
@@ -35,10 +42,12 @@ class Bar:
         self.progress.start()
         self.task = self.progress.add_task(title, total=total, note="")
 
-    def total(self, total: float) -> None:
-        """Say how much work there is in all."""
+    def count(self, done: int, total: int, note: str = "") -> None:
+        """Show how much is done of what there is in all."""
+        self.complete = done == total
         if self.shown:
             self.progress.update(self.task, total=total)
+        self.update(done, note)
 
     def update(self, done: float, note: Callable[[], str] | str = "") -> None:
         """Show how far the work is; cheap when nothing is due."""
@@ -48,7 +57,15 @@ class Bar:
         text = note() if callable(note) else note
         self.progress.update(self.task, completed=done, note=text)
 
-    def close(self) -> None:
+    def simulated(self, simulation: Simulation, factor: float) -> None:
+        """Show how far a simulation is, and how many times faster than what it simulates."""
+        self.update(simulation.time, lambda: f"{factor:.0f} x real time")
+
+    def __enter__(self) -> Bar:
+        """Return the bar, which is on the screen already."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
         """Take the bar off the screen."""
         if self.shown:
             self.progress.stop()

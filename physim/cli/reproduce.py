@@ -2,45 +2,86 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from physim.cli.compiling import tell_compiling
-from physim.cli.output import a_folder, regular, write_text
-from physim.cli.progress import Bar, interrupts
+from physim.cli.compiling import announce_compiling
+from physim.cli.output import empty_folder, write_text, writing
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.values import whole_from
 from physim.errors import PhysimError, plural
-from physim.reproduction.plan import PICTURES, Plan, make_plan
-from physim.reproduction.report import Report
-from physim.reproduction.reproduce import PAGES, pages
-from physim.reproduction.reproduce import reproduce as run_all
-from physim.reproduction.runner import worker_count
-from physim.reproduction.study import Outcome
 
-INTERRUPTED = 130
+if TYPE_CHECKING:
+    from physim.reproduction.plan import Plan
+    from physim.reproduction.report import Report
+
 COMPILING = 30
 """[s] about, for all that its jobs need"""
 
 
-def reproduce(options: argparse.Namespace) -> int:
-    """Reproduce the paper, or one figure of it; returns the exit code."""
+@command("reproduce", "the paper's figures again, reported beside measured")
+@option("--figure", metavar="N", help="only what this figure of the paper needs")
+@option("--study", metavar="NAME", help="only this study of a claim that the paper makes in words")
+@option(
+    "-o",
+    "--output",
+    type=Path,
+    metavar="DIR",
+    default=Path("reproduction"),
+    help="folder to write to (reproduction)",
+)
+@flag("--quick", "few seeds: some minutes instead of half an hour")
+@flag("--no-video", "leave the videos out")
+@option(
+    "--workers",
+    type=whole_from(1, 64),
+    metavar="N",
+    help="processes, 1 to 64 (as many as cores, at most 8)",
+)
+@flag("--force", "write over an existing DIR")
+@flag("--quiet", "print neither progress nor verdicts")  # fmt: skip
+def reproduce(options: Options) -> int:
+    """Run the experiments of the paper, draw its figures, make the videos, and write what it
+    reports beside what is measured, with a verdict for every claim.
+
+    figures: 1, 2, 3, 3a, 4, 6, 7, 8 (5 is the flow chart of the rules)
+    studies: alpha, energy, bends, routes, avoidance, switching, hysteresis,
+             thresholds, updates, operation
+
+    written to DIR:
+      reproduction.html   one page with everything in it; videos beside it
+      REPRODUCTION.md     the same as Markdown
+      reproduction.json   the same as values
+      figures/, WORLD/    pictures; record and video of each world
+
+    exit codes:
+      0    done, whatever the verdicts
+      2    bad input
+      130  interrupted (Ctrl-C): the pages hold what was done by then
+
+    examples:
+      physim reproduce --quick
+      physim reproduce --figure 6 -o fig6
+    """
+    if options.figure is not None and options.study is not None:
+        raise PhysimError("--study: does not go together with --figure")
+    from physim.reproduction.plan import make_plan
+    from physim.reproduction.reproduce import PAGES, pages
+    from physim.reproduction.reproduce import reproduce as run_all
+    from physim.reproduction.runner import worker_count
+
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     folder = _folder(options.output, plan, options.force)
-    bar = Bar("reproduce", 1.0, "jobs", options.quiet)
-
-    def progress(done: int, total: int, note: str) -> None:
-        bar.total(total)
-        bar.update(done, note)
 
     with interrupts() as interrupt:
         _warm_up(plan, options.quiet)
-        try:
+        with Bar("reproduce", 1.0, "jobs", options.quiet) as bar:
             report = run_all(
                 plan, folder, workers=options.workers or worker_count(), command=_command(options),
-                stop=interrupt, progress=progress,
+                stop=interrupt, progress=bar.count,
             )  # fmt: skip
-        finally:
-            bar.close()
         for name, text in pages(report, folder).items():
             write_text(folder / name, text)
     if not options.quiet:
@@ -51,20 +92,15 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def _folder(folder: Path, plan: Plan, force: bool) -> Path:
     """Make the folders to write to. Raises PhysimError where there is something already."""
-    a_folder(folder)
-    for name in (PICTURES, *plan.worlds, *PAGES):
-        regular(folder / name)
-    if folder.is_dir() and any(folder.iterdir()) and not force:
-        raise PhysimError(
-            f"{folder}: is not empty; use --force to write over it, or -o for another folder"
-        )
-    try:
+    from physim.reproduction.plan import PICTURES
+    from physim.reproduction.reproduce import PAGES
+
+    empty_folder(folder, force, *(folder / name for name in (PICTURES, *plan.worlds, *PAGES)))
+    with writing(folder):
         for name in (PICTURES, *plan.worlds):
             (folder / name).mkdir(parents=True, exist_ok=True)
         for old in (*(folder / name for name in PAGES), *(folder / PICTURES).glob("*.png")):
             old.unlink(missing_ok=True)
-    except OSError as error:
-        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return folder
 
 
@@ -74,11 +110,11 @@ def _warm_up(plan: Plan, quiet: bool) -> None:
 
     cold = not is_warm()
     if cold:
-        tell_compiling("controller, distances and collision times", COMPILING, quiet)
+        announce_compiling("controller, distances and collision times", COMPILING, quiet)
         warm_up()
 
 
-def _command(options: argparse.Namespace) -> str:
+def _command(options: Options) -> str:
     """The command as it may be typed again."""
     words = ["physim", "reproduce"]
     for name in ("figure", "study"):
@@ -91,12 +127,14 @@ def _command(options: argparse.Namespace) -> str:
 
 def _verdicts(report: Report) -> str:
     """A line for every claim that is not met, and the count of all."""
+    from physim.reproduction.study import Outcome
+
     lines = []
     for section in report.sections:
         for row in section.rows:
             if row.outcome is not Outcome.MET:
-                told = f"{row.outcome.value:<10}  {section.short}: {row.claim}"
-                lines.append(f"{told}: reported {row.reported}, measured {row.measured}")
+                line = f"{row.outcome.value:<10}  {section.short}: {row.claim}"
+                lines.append(f"{line}: reported {row.reported}, measured {row.measured}")
     rows = report.rows
     count = ", ".join(f"{sum(r.outcome is one for r in rows)} {one.value}" for one in Outcome)
     return "\n".join([*lines, f"{plural(len(rows), 'claim')}: {count}"]) + "\n"

@@ -2,39 +2,73 @@
 
 from __future__ import annotations
 
-import argparse
 import shlex
 import sys
-from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from physim.cli.compiling import tell_compiling
+import click
+
 from physim.cli.output import FILES, inputs, output_folder, write_text
-from physim.cli.progress import Bar, Interrupt, interrupts
+from physim.cli.parser import Options, changes, command, flag, option
+from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
 from physim.cli.video import write_video
-from physim.control import Controller
-from physim.errors import PhysimError, WorldError
-from physim.record import Record
-from physim.recording import LateError, record_run
-from physim.registry import CONTROLLER, OBSERVER, make_by_defaults, make_part
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.stages import Observer
-from physim.summary import Summary, summarise, table
-from physim.warm_up import is_warm, warm_up
-from physim.world import World
-from physim.world_file import located, read_world
-from physim.world_file.nodes import Document
+from physim.errors import PhysimError
 
-FAILED, INTERRUPTED = 1, 130
-COMPILING = 25
-"""[s] about, for all that a run needs"""
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from physim.record import Record
+    from physim.recording import LateError
+    from physim.simulation import Simulation
+    from physim.stages import Observer
+    from physim.summary import Summary
+
+FAILED = 1
 
 
-def run(options: argparse.Namespace) -> int:
-    """Run a world; returns the exit code."""
-    simulation = _set_up(options)
+@command("run", "run a world: record, video and summary")
+@click.argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
+@option("-o", "--output", type=Path, metavar="DIR", help="output folder (default: runs/NAME-SEED)")
+@flag("--force", "write over an earlier run in DIR")
+@changes()
+@option(
+    "--observer",
+    "observers",
+    multiple=True,
+    metavar="NAME",
+    help="let a registered observer (physim list) or your own, as module:Class, look on (may be "
+    "repeated)",
+)
+@flag("--no-video", "leave the video out")
+@flag("--quiet", "print neither progress nor table")  # fmt: skip
+def run(options: Options) -> int:
+    """Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.
+
+    exit codes:
+      0    ran, and everything under "expect:" in the world held
+      1    ran, but an expectation failed
+      2    bad input: one line a fault says what and where
+      130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
+           cuts the video short, which is then kept as video.cut_short.mp4
+
+    keys for --set: worlds/README.md tells all; physim new writes a world with each explained
+
+    examples:
+      physim run ten_robots
+      physim run ten_robots --seed 3 --no-video -o /tmp/seed3
+      physim run my_world.yaml --set time.duration=20.0 --set controller.beta=0.3
+      physim run my_world.yaml --controller my_module:MyController
+      physim run my_world.yaml --observer my_module:MyObserver
+    """
+    from physim.cli.rerun import ready
+    from physim.summary import summarise, table
+    from physim.world_file import read_world
+
+    world, document = read_world(
+        options.world, overrides=options.overrides, controller=options.controller
+    )
+    simulation = ready(world, document, options.seed, options)
     observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
@@ -53,7 +87,8 @@ def run(options: argparse.Namespace) -> int:
             film = folder / "video.mp4"
             made = write_video(record, film, options.quiet, lambda: interrupt.count > already)
             if made != film:
-                _say(f"{made.name} is cut short; {_again(folder)} makes the whole video", options)
+                again = f"physim video {shlex.quote(str(folder / 'record.h5'))}"
+                _say(f"{made.name} is cut short; {again} makes the whole video", options)
         stopped = stopped or bool(interrupt.count)
     if options.quiet:
         for deep in summary.deep_contacts:
@@ -66,50 +101,15 @@ def run(options: argparse.Namespace) -> int:
     return _code(summary, stopped)
 
 
-def _set_up(options: argparse.Namespace) -> Simulation:
-    """Read and check the world; every fault with its place in the file."""
-    world, document = read_world(
-        options.world, overrides=options.overrides, controller=options.controller
-    )
-    return ready(world, document, options.seed, options)
-
-
 def _observer(name: str) -> Observer:
     """An observer by name, or of a class of one's own."""
+    from physim.registry import OBSERVER, make_by_defaults
+
     try:
         made: Observer = make_by_defaults(OBSERVER, name, trusted=True)
     except PhysimError as error:
         raise PhysimError(f"--observer: {error}") from None
     return made
-
-
-def ready(
-    world: World, document: Document, seed: int | None, options: argparse.Namespace
-) -> Simulation:
-    """Simulation of a world that was read, with the kernels loaded or compiled."""
-    try:
-        scene = build_scene(world, seed)
-    except WorldError as error:
-        raise located(error.faults, document) from None
-
-    def controller() -> Controller:
-        choice, trusted = world.controller, options.controller is not None
-        made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
-        return made
-
-    simulation = Simulation(scene, controller=controller())
-    _prepare(scene, controller(), options)
-    return simulation
-
-
-def _prepare(scene: Scene, controller: Controller, options: argparse.Namespace) -> None:
-    """Compile the kernels where that is still to be done, and say so; load them otherwise."""
-    cold = not is_warm()
-    if cold:
-        tell_compiling("controller and distances", COMPILING, options.quiet)
-    seconds = warm_up(scene, controller)
-    if cold:
-        _say(f"compiled in {seconds:.0f} s and kept for later runs", options)
 
 
 def _simulate(
@@ -120,31 +120,23 @@ def _simulate(
     interrupt: Interrupt,
 ) -> tuple[Record, LateError | None]:
     """Record of the run; with it what failed in an observer after the last step."""
+    from physim.recording import LateError, record_run
+
     scene = simulation.scene
-    bar = Bar(scene.world.name, scene.steps * scene.dt, "s", quiet)
-
-    def progress(now: Simulation, factor: float) -> None:
-        bar.update(now.time, lambda: f"{factor:.0f} x real time")
-
     try:
-        record = record_run(
-            simulation, observers=observers, path=folder / "record.h5", progress=progress,
-            stop=interrupt,
-        )  # fmt: skip
+        with Bar(scene.world.name, scene.steps * scene.dt, "s", quiet) as bar:
+            record = record_run(
+                simulation, observers=observers, path=folder / "record.h5",
+                progress=bar.simulated, stop=interrupt,
+            )  # fmt: skip
         return record, None
     except LateError as error:
         return error.record, error
-    finally:
-        bar.close()
 
 
-def _say(text: str, options: argparse.Namespace) -> None:
+def _say(text: str, options: Options) -> None:
     if not options.quiet:
         print(text, file=sys.stderr, flush=True)
-
-
-def _again(folder: Path) -> str:
-    return f"physim video {shlex.quote(str(folder / 'record.h5'))}"
 
 
 def _code(summary: Summary, stopped: bool) -> int:

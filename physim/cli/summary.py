@@ -2,23 +2,46 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import textwrap
 from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+import click
+
+from physim.cli.parser import Options, command, flag
 from physim.errors import PhysimError
-from physim.metrics import DEFINITIONS, Definition, own_metrics
-from physim.record import Record
-from physim.summary import summarise, table
+
+if TYPE_CHECKING:
+    from physim.metrics import Definition
 
 LINE = 96
 """Characters a line of the definitions."""
 
 
-def summary(options: argparse.Namespace) -> int:
-    """Print the summary of a record, or what its metrics are; returns the exit code."""
+@command("summary", "figures of a record: contacts, distances, times")
+@click.argument("record", metavar="[RECORD]", required=False, type=Path, help="record.h5 of a run")
+@flag("--json", "print everything as JSON instead")
+@flag("--definitions", "print what each metric means instead, with its unit and equation or figure")
+def summary(options: Options) -> int:
+    """Print contacts, distances, collision times, formation errors and modes of a record, and
+    whether what its world expects held.
+
+    exit codes:
+      0    printed, whatever it says
+      2    bad input: one message says what and where
+
+    examples:
+      physim summary runs/ten_robots-21/record.h5
+      physim summary out/record.h5 --json > figures.json
+      physim summary --definitions
+    """
+    from physim.metrics import DEFINITIONS, own_metrics
+    from physim.record import Record
+    from physim.summary import summarise, table
+
     if options.definitions:
         if options.record is not None:
             raise PhysimError("--definitions: goes without a record: it tells what the metrics are")
@@ -50,8 +73,8 @@ def _definitions(known: Mapping[str, Definition]) -> str:
 
 
 def _definitions_json(known: Mapping[str, Definition]) -> str:
-    told = {
+    entries = {
         name: {"unit": one.unit, "meaning": one.meaning, "source": one.source}
         for name, one in known.items()
     }
-    return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(entries, indent=2, ensure_ascii=False) + "\n"

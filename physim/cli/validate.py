@@ -2,34 +2,74 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from physim.cli import rerun
-from physim.cli.compiling import tell_compiling
-from physim.cli.output import inputs, new_json, people, write_json
-from physim.cli.progress import interrupts
+import click
+
+from physim.cli.compiling import announce_compiling
+from physim.cli.output import inputs, new_json, text_stream, write_json
+from physim.cli.parser import Options, changes, command, flag, option
+from physim.cli.progress import INTERRUPTED, interrupts
+from physim.cli.values import Value, seed_range
 from physim.errors import PhysimError
-from physim.record import Record
-from physim.scene_builder import is_random
-from physim.validation import Validation, is_warm, report, validate, warning_lines
-from physim.validation.as_json import json_of_seeds, json_of_validation
-from physim.validation.rerun import compare_runs
-from physim.validation.seeds import SeedResult, SeedStudy, seed_line, seeds_text
-from physim.validation.validation import missing, validate_again
-from physim.world import World
-from physim.world_file.nodes import Document
-from physim.world_file.shipped import SUFFIXES
 
-INTERRUPTED = 130
+if TYPE_CHECKING:
+    from physim.record import Record
+    from physim.validation import Validation
+    from physim.validation.seeds import SeedStudy
+    from physim.world import World
+    from physim.world_file.nodes import Document
+
 COMPILING = 15
 """[s] about, for the checks"""
 
 
-def validate_command(options: argparse.Namespace) -> int:
-    """Validate a world or a record; returns the exit code."""
+@command("validate", "contacts of a run, exact checks, who was responsible")
+@click.argument(
+    "given",
+    metavar="WORLD|RECORD",
+    help="record.h5 of a run; or a world file or the name of a shipped world, to run and judge",
+)
+@option(
+    "--json",
+    type=Path,
+    metavar="FILE",
+    help="write everything to FILE (-: standard output) as JSON",
+)
+@flag("--force", "write over an existing FILE")
+@option("--world", metavar="WORLD", help="check that the record was made from WORLD")
+@option(
+    "--seeds",
+    type=Value(seed_range),
+    metavar="A:B",
+    help="run the world with each of the seeds A to B - 1, and report how many are contact-free",
+)
+@flag("--rerun", "simulate the world inside RECORD again: does it give this very run?")
+@changes()
+@flag("--quiet", "print the verdict alone")  # fmt: skip
+def validate_command(options: Options) -> int:
+    """Hold the physical contacts of a run against exact distances and collision times, and report
+    every contact: who, where, and who was responsible.
+
+    exit codes:
+      0    contact-free and as the world expects, and physics and geometry agree at every step
+      1    contacts, or not as the world expects
+      2    bad input: one message says what and where
+      3    the checks disagree: something is wrong with physics, geometry or the record
+      130  interrupted (Ctrl-C): with --seeds, the seeds so far are reported and written
+
+    examples:
+      physim validate runs/ten_robots-21/record.h5
+      physim validate runs/ten_robots-21/record.h5 --rerun --world ten_robots
+      physim validate three_robots --controller path_following
+      physim validate my_world.yaml --seeds 1:101 --json seeds.json
+    """
+    from physim.cli import rerun
+    from physim.record import Record
+
     new_json(options.json, options.force, *inputs(options.given, options.world))
     if not is_record(options.given):
         if options.world is not None:
@@ -44,6 +84,8 @@ def validate_command(options: argparse.Namespace) -> int:
 
 def is_record(given: str) -> bool:
     """Whether an argument names a record rather than a world."""
+    from physim.world_file.shipped import SUFFIXES
+
     path = Path(given)
     if path.suffix in SUFFIXES:
         return False
@@ -56,10 +98,15 @@ def is_record(given: str) -> bool:
     return path.suffix in (".h5", ".hdf5") or path.is_dir()
 
 
-def _validate_record(record: Record, options: argparse.Namespace) -> int:
+def _validate_record(record: Record, options: Options) -> int:
+    from physim.cli import rerun
+    from physim.cli.made_from import check_origin
+    from physim.validation.rerun import compare_runs
+    from physim.validation.validation import missing, validate_again
+
     if options.world is not None:
         world, _ = rerun.world_given(options, options.world)
-        rerun.check_origin(record, world, options.world)
+        check_origin(record, world, options.world)
     if options.seeds is not None:
         return _validate_world(*rerun.world_inside(options, record), options)
     if options.seed is not None:
@@ -70,17 +117,19 @@ def _validate_record(record: Record, options: argparse.Namespace) -> int:
     if changes and options.world is None:
         raise PhysimError("--set, --controller: go with a world, with --world, or --rerun")
     if not again:
-        return _told(_judged(record, str(record.path), options), options)
+        return _report(_judged(record, str(record.path), options), options)
     with rerun.run_of_record(record, options) as full:
         if lacking:
-            return _told(validate_again(record, full, str(record.path)), options)
+            return _report(validate_again(record, full, str(record.path)), options)
         found = _judged(record, str(record.path), options)
-        return _told(replace(found, rerun=compare_runs(record, full)), options)
+        return _report(replace(found, rerun=compare_runs(record, full)), options)
 
 
-def _validate_world(world: World, document: Document, options: argparse.Namespace) -> int:
+def _validate_world(world: World, document: Document, options: Options) -> int:
+    from physim.scene_builder import is_random
+
     if options.seeds is None:
-        return _told(_run_and_validate(world, document, options.seed, options), options)
+        return _report(_run_and_validate(world, document, options.seed, options), options)
     if options.seed is not None:
         raise PhysimError("--seed: does not go together with --seeds")
     if not is_random(world):
@@ -88,14 +137,17 @@ def _validate_world(world: World, document: Document, options: argparse.Namespac
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
             "and no rate.\n",
-            file=people(options.json),
+            file=text_stream(options.json),
         )
-        return _told(found, options)
+        return _report(found, options)
     return _validate_seeds(world, document, options)
 
 
-def _validate_seeds(world: World, document: Document, options: argparse.Namespace) -> int:
+def _validate_seeds(world: World, document: Document, options: Options) -> int:
     """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
+    from physim.cli import rerun
+    from physim.validation.seeds import SeedResult, SeedStudy, seed_line
+
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Validation | None = None
@@ -109,7 +161,7 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
             if worst is None or found.code > worst.code:
                 worst = found
             if not options.quiet:
-                print(seed_line(results[-1]), flush=True, file=people(options.json))
+                print(seed_line(results[-1]), flush=True, file=text_stream(options.json))
             if interrupt():
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
@@ -117,12 +169,16 @@ def _validate_seeds(world: World, document: Document, options: argparse.Namespac
         below = "; the results so far:" if results else ""
         print(f"interrupted after {len(results)} of {study.asked} seeds{below}", file=sys.stderr)
     if results:
-        _tell_study(study, worst, options)
+        _report_study(study, worst, options)
     return INTERRUPTED if interrupt() else study.code
 
 
-def _tell_study(study: SeedStudy, worst: Validation | None, options: argparse.Namespace) -> None:
-    out = people(options.json)
+def _report_study(study: SeedStudy, worst: Validation | None, options: Options) -> None:
+    from physim.validation import report
+    from physim.validation.as_json import json_of_seeds
+    from physim.validation.seeds import seeds_text
+
+    out = text_stream(options.json)
     if worst is not None and worst.code and not options.quiet:
         print("\n" + report(worst), end="", file=out)
     print(("" if options.quiet else "\n") + seeds_text(study), end="", file=out)
@@ -130,21 +186,28 @@ def _tell_study(study: SeedStudy, worst: Validation | None, options: argparse.Na
 
 
 def _run_and_validate(
-    world: World, document: Document, seed: int | None, options: argparse.Namespace
+    world: World, document: Document, seed: int | None, options: Options
 ) -> Validation:
+    from physim.cli import rerun
+
     with rerun.run_world(world, document, seed, options) as record:
         return _judged(record, f"simulated just now from {document.source}", options)
 
 
-def _judged(record: Record, source: str, options: argparse.Namespace) -> Validation:
+def _judged(record: Record, source: str, options: Options) -> Validation:
+    from physim.validation import is_warm, validate
+
     if not is_warm():
-        tell_compiling("the checks of the validation", COMPILING, options.quiet)
+        announce_compiling("the checks of the validation", COMPILING, options.quiet)
     return validate(record, source=source)
 
 
-def _told(found: Validation, options: argparse.Namespace) -> int:
+def _report(found: Validation, options: Options) -> int:
+    from physim.validation import report, warning_lines
+    from physim.validation.as_json import json_of_validation
+
     write_json(options.json, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]
-    told = "\n".join(short) + "\n" if options.quiet else report(found)
-    print(told, end="", file=people(options.json))
+    text = "\n".join(short) + "\n" if options.quiet else report(found)
+    print(text, end="", file=text_stream(options.json))
     return found.code

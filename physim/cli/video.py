@@ -2,34 +2,99 @@
 
 from __future__ import annotations
 
-import argparse
+import math
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from physim.cli.output import CUT_SHORT, new_file, regular
-from physim.cli.progress import Bar, interrupts
-from physim.record import Record
-from physim.video import render
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.values import number_from, whole_from
+from physim.errors import PhysimError
 
-INTERRUPTED = 130
+if TYPE_CHECKING:
+    from physim.record import Record
 
 
-def video(options: argparse.Namespace) -> int:
-    """Make the video of a record; returns the exit code."""
+@command("video", "make the video of a record, slower or faster")
+@click.argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+@option(
+    "-o",
+    "--output",
+    type=Path,
+    metavar="FILE",
+    help="film, ending in .mp4 (default: video.mp4 beside the record, or beside.mp4)",
+)
+@option(
+    "--beside",
+    type=Path,
+    metavar="RECORD",
+    help="another run, shown on the right; titles say in what the two worlds differ",
+)
+@option(
+    "--from",
+    "start",
+    type=number_from(0.0, 1e9),
+    default=0.0,
+    metavar="T",
+    help="simulated time at which the film begins [s] (0)",
+)
+@option(
+    "--to",
+    "end",
+    type=number_from(0.0, 1e9),
+    default=math.inf,
+    metavar="T",
+    help="simulated time at which it ends [s] (default: the end of the run)",
+)
+@flag("--force", "write over an existing file")
+@option(
+    "--fps",
+    type=whole_from(1, 240),
+    default=25,
+    metavar="N",
+    help="frames a second of video, 1 to 240 (25)",
+)
+@option(
+    "--speed",
+    type=number_from(0.001, 1e6),
+    metavar="X",
+    help="simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
+    "video lasts at most 80 s)",
+)
+@flag("--quiet", "no progress bar")  # fmt: skip
+def video(options: Options) -> int:
+    """Make the video of a record: 1280 x 720, H.264 in MP4.
+
+    exit codes:
+      0    the video is made
+      2    bad input: one message says what and where
+      130  interrupted (Ctrl-C): the film so far is kept as video.cut_short.mp4
+
+    examples:
+      physim video runs/ten_robots-21/record.h5 --force
+      physim video out/record.h5 --speed 1 -o slow.mp4
+      physim video with/record.h5 --beside without/record.h5    # with/beside.mp4
+      physim video out/record.h5 --from 40 --to 75 -o part.mp4
+    """
+    from physim.record import Record
+
     inputs = [options.record] if options.beside is None else [options.record, options.beside]
     name = "video.mp4" if options.beside is None else "beside.mp4"
     output = options.output or options.record.parent / name
     new_file(output, options.force, *inputs)
     with interrupts() as interrupt, ExitStack() as opened:
         records = [opened.enter_context(Record.load(path)) for path in inputs]
-        film = partial(
-            render, fps=options.fps, speed=options.speed, start=options.start, end=options.end,
-            beside=records[1] if len(records) > 1 else None,
+        _check_times(options.start, options.end, records)
+        made = write_video(
+            records[0], output, options.quiet, interrupt, fps=options.fps, speed=options.speed,
+            start=options.start, end=options.end, beside=records[1] if len(records) > 1 else None,
         )  # fmt: skip
-        made = write_video(records[0], output, options.quiet, interrupt, film)
     if made != output:
         print(f"interrupted; the film so far is {made}", file=sys.stderr)
         return INTERRUPTED
@@ -38,31 +103,30 @@ def video(options: argparse.Namespace) -> int:
     return 0
 
 
+def _check_times(start: float, end: float, records: list[Record]) -> None:
+    """Raise PhysimError unless --from comes before --to, and before the end of the longest run."""
+    over = max([0.0, *(float(time) for record in records for time in record.time[-1:])])
+    last = min(end, over)
+    if not start < last and (start, last) != (0.0, 0.0):
+        to = "" if math.isinf(end) else f", --to {end:g}"
+        raise PhysimError(
+            f"--from {start:g}{to}: nothing to show; --from must be before --to, and before the "
+            f"end of the run at {over:g} s"
+        )
+
+
 def write_video(
-    record: Record,
-    path: Path,
-    quiet: bool,
-    stop: Callable[[], bool],
-    film: Callable[..., int] = render,
+    record: Record, path: Path, quiet: bool, stop: Callable[[], bool], **film: Any
 ) -> Path:
-    """Render with a progress bar; returns the file. ``film`` is `render`, or a partial of it.
+    """Render with a progress bar; returns the file. ``film`` goes to `physim.video.render`.
 
     ``stop`` ends it early: then a film that plays, under another name that says that it is cut
     short, and ``path`` stays as it was.
     """
+    from physim.video import render
+
     short = path.with_name(f"{path.stem}{CUT_SHORT}{path.suffix}")
     regular(short)
-    bar = Bar("video", 1.0, "frames", quiet)
-    done, of = 0, 1
-
-    def progress(now: int, total: int) -> None:
-        nonlocal done, of
-        done, of = now, total
-        bar.total(total)
-        bar.update(now)
-
-    try:
-        film(record, path, progress=progress, stop=stop, cut_short=short)
-    finally:
-        bar.close()
-    return path if done == of else short
+    with Bar("video", 1.0, "frames", quiet) as bar:
+        render(record, path, progress=bar.count, stop=stop, cut_short=short, **film)
+    return path if bar.complete else short

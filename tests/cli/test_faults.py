@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from physim.cli import FAULT, listing, main
+from physim.cli import FAULT, main
+from physim.cli.listing import listing
 
 
 @pytest.mark.parametrize("error", [IndexError("beyond the end"), ValueError("x"), OSError("odd")])
@@ -14,7 +15,7 @@ def test_a_fault_in_physim(
     def broken(options: object) -> int:
         raise error
 
-    monkeypatch.setattr(listing, "listing", broken)
+    monkeypatch.setattr(listing, "callback", broken)
     assert main(["list"]) == FAULT == 70
     err = capsys.readouterr().err
     assert err.startswith("Traceback (most recent call last):\n")
@@ -27,7 +28,7 @@ def test_ends_that_are_no_fault(monkeypatch: pytest.MonkeyPatch, error: BaseExce
     def ended(options: object) -> int:
         raise error
 
-    monkeypatch.setattr(listing, "listing", ended)
+    monkeypatch.setattr(listing, "callback", ended)
     if isinstance(error, SystemExit):
         with pytest.raises(SystemExit):
             main(["list"])

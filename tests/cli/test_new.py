@@ -95,7 +95,7 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["a", "-o", "world.schema.json"], "is the name of the schema; choose another one"),
         (["a", "-o", "b", "--project", "c"], "give one of them"),
         (["taken"], "taken.yaml: exists; use --force to write over it, or -o for another file"),
-        (["--project", "full"], "full: is not empty; choose another folder, or use --force"),
+        (["--project", "full"], "full: is not empty; use --force"),
         (["--project", "taken.yaml"], "taken.yaml: is a file; --project takes a folder"),
         (["--project", "taken.yaml/x"], "cannot be written (Not a directory)"),
         (["a/b", "--project", "new"], "names a place"),

@@ -15,6 +15,7 @@ from physim.crashtest import crash_test
 from physim.errors import PhysimError
 from tests.cli.commands import SMALL, command, environment, physim, tree
 from tests.records import make_record
+from tests.says import check_error
 
 TRACK = "x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,4,4\n20,0,4,4\n40,0,4,4\n"
 
@@ -56,8 +57,8 @@ def test_a_file_that_exists_is_kept_without_force(
     before = tree(here)
     done = physim(*written(name), capture=capsys)
     another = "folder" if name == "plot" else "file"
-    told = f"{out}: exists; use --force to write over it, or {option} for another {another}\n"
-    assert done == (2, "", told)
+    assert (done.code, done.out) == (2, "")
+    check_error(done.err, f"{out}:", "exists", "--force", f"{option} for another {another}")
     assert tree(here) == before
 
 
@@ -86,8 +87,8 @@ def test_no_link_or_pipe_is_written_over(
     before = set(os.listdir(here))
     done = physim(*written(name), "--force", capture=capsys)
     what = "a named pipe" if kind == "pipe" else "a link"
-    told = f"{out}: is not a regular file but {what}, which is not written over\n"
-    assert done == (2, "", told)
+    assert (done.code, done.out) == (2, "")
+    check_error(done.err, f"{out}:", "not a regular file", what)
     assert set(os.listdir(here)) == before
     assert (here / "other").read_text() == "mine"
 
@@ -109,7 +110,7 @@ def test_no_device_is_written_over(
     assert not path.exists()
 
 
-@pytest.mark.parametrize("way", ["same", "dot", "link", "hard link"])
+@pytest.mark.parametrize("path", ["same", "dot", "link", "hard link"])
 @pytest.mark.parametrize(
     ("arguments", "option"),
     [
@@ -121,23 +122,22 @@ def test_no_device_is_written_over(
     ],
 )
 def test_what_is_read_is_never_written_over(
-    arguments: list[str], option: str, way: str, here: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], option: str, path: str, here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     name = {"preview": "in.svg", "video": "in.mp4", "import": "in.yaml"}.get(arguments[0], "in.h5")
     given = here / name
     given.write_text(SMALL)
     out = {"same": name, "dot": f"./x/../{name}", "link": f"link-{name}", "hard link": f"2{name}"}
     (here / "x").mkdir()
-    if way == "link":
+    if path == "link":
         (here / f"link-{name}").symlink_to(given)
-    if way == "hard link":
+    if path == "hard link":
         (here / f"2{name}").hardlink_to(given)
     before = tree(here)
-    words = [{"IN": name, "OUT": out[way]}.get(word, word) for word in arguments]
+    words = [{"IN": name, "OUT": out[path]}.get(word, word) for word in arguments]
     done = physim(*words, "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    where = Path(out[way])
-    assert done.err == f"{where}: is what is read; {option} takes another file\n"
+    check_error(done.err, f"{Path(out[path])}:", "read", f"{option} takes another file")
     assert tree(here) == before
 
 
@@ -187,10 +187,7 @@ def test_worlds_of_an_earlier_crash_test_are_kept_without_force(
     before = tree(here)
     done = physim("crashtest", "--cases", 5, capture=capsys)
     assert (done.code, done.out) == (2, "")
-    assert done.err == (
-        "crashtest-0: holds worlds of an earlier crash test (case-000001.yaml); use --force to "
-        "write over them, or -o for another folder\n"
-    )
+    check_error(done.err, "crashtest-0:", "case-000001.yaml", "--force", "-o")
     assert tree(here) == before
     assert physim("crashtest", "--cases", 5, "--force", "--quiet", capture=capsys).code == 0
     assert set(before) - set(tree(here)) == {"crashtest-0/case-000001.yaml"}

@@ -174,6 +174,6 @@ def test_lanes_that_come_close_in_a_sharp_bend_are_told(
 
 
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:
-    from physim.cli.arguments.importing import FORMATS as OFFERED
+    from physim.cli.importing import FORMATS as OFFERED
 
     assert OFFERED == FORMATS

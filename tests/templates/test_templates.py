@@ -10,7 +10,7 @@ import shapely
 import yaml
 from jsonschema import Draft7Validator
 
-from physim.cli.arguments.new import TEMPLATES
+from physim.cli.new import TEMPLATES
 from physim.controllers.settings import ModeSwitchingSettings
 from physim.recording import simulate
 from physim.scene_builder import build_scene

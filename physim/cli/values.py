@@ -1,0 +1,132 @@
+"""Values on the command line: each type reads a text, or says what is allowed in its place."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+MOST_SHOWN = 60
+"""Characters of what was given that an error repeats."""
+LARGEST_NUMBER = 10**15
+
+
+def quoted(text: str) -> str:
+    """What was given, in quotes where it would not be seen as one word."""
+    text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    text = text if len(text) <= MOST_SHOWN else text[: MOST_SHOWN - 1] + "…"
+    return text if text and re.fullmatch(r"[^\s\"']+", text) else f'"{text}"'
+
+
+class Value(click.ParamType[Any]):
+    """Type of an option whose value a function reads.
+
+    The function raises ValueError with what is allowed, e.g. ``a number greater than 0``.
+    """
+
+    name = "value"
+
+    def __init__(self, read: Callable[[str], Any]) -> None:
+        self.read = read
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read a value; a default that is no text stays as it is."""
+        if not isinstance(value, str):
+            return value
+        try:
+            return self.read(value)
+        except ValueError as error:
+            self.fail(f"{quoted(value)}: must be {error}", param, ctx)
+
+
+class OneOf(click.Choice[str]):
+    """Type of an option that takes one of several words."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the word, or name all that are allowed and the nearest one."""
+        if value not in self.choices:
+            self.fail(not_among(value, list(self.choices)), param, ctx)
+        return str(value)
+
+
+def not_among(given: str, allowed: list[str]) -> str:
+    """``GIVEN: must be one of ALLOWED``, and the nearest one."""
+    from physim.errors import nearest
+
+    close = nearest(given[:MOST_SHOWN], allowed)
+    return f"{quoted(given)}: must be one of {', '.join(allowed)}{close}"
+
+
+def whole_from(least: int, most: int, allowed: str = "") -> Value:
+    """Type of whole numbers between two bounds, both allowed."""
+
+    def read(text: str) -> int:
+        value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
+        if not least <= value <= most:
+            raise ValueError(allowed or f"a whole number from {least} to {most}")
+        return value
+
+    return Value(read)
+
+
+def number_from(least: float, most: float = sys.float_info.max, allowed: str = "") -> Value:
+    """Type of numbers between two bounds, both allowed."""
+
+    def read(text: str) -> float:
+        value = _number(text)
+        if not least <= value <= most:
+            raise ValueError(allowed or f"a number from {least:.15g} to {most:.15g}")
+        return value
+
+    return Value(read)
+
+
+WHOLE = whole_from(0, LARGEST_NUMBER, "a whole number from 0 to 10^15")
+COUNT = whole_from(1, 10_000)
+POSITIVE = number_from(math.nextafter(0.0, 1.0), allowed="a number greater than 0")
+DISTANCE = number_from(0.0, allowed="a number of 0 or more")
+
+
+def seed_range(text: str) -> tuple[int, int]:
+    """Read seeds A:B, half-open. Raises ValueError with what is allowed."""
+    first, _, last = text.partition(":")
+    try:
+        ends = (WHOLE.read(first), WHOLE.read(last))
+    except ValueError:
+        raise ValueError("A:B, two whole numbers from 0 to 10^15, as 1:101") from None
+    if ends[1] <= ends[0]:
+        raise ValueError("A:B with A below B: it goes from A to B - 1")
+    return ends
+
+
+def pair(text: str) -> tuple[float, float]:
+    """Read X,Y, two finite numbers. Raises ValueError with what is allowed."""
+    x, y = _numbers(text)
+    if not (abs(x) <= LARGEST_NUMBER and abs(y) <= LARGEST_NUMBER):
+        raise ValueError("X,Y, two numbers [m], as 14.5,-3")
+    return x, y
+
+
+def size(text: str) -> tuple[float, float]:
+    """Read LENGTH,WIDTH, two numbers greater than 0. Raises ValueError with what is allowed."""
+    length, width = _numbers(text)
+    if not (0.0 < length <= 1000.0 and 0.0 < width <= 1000.0):
+        raise ValueError("LENGTH,WIDTH, two numbers above 0, at most 1000 [m], as 1.8,1.0")
+    return length, width
+
+
+def _numbers(text: str) -> tuple[float, float]:
+    first, _, last = text.partition(",")
+    return _number(first), _number(last)
+
+
+def _number(text: str) -> float:
+    """Number, or NaN, which no bounds hold."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -12,10 +12,10 @@ from physim.cli.output import inputs, new_file
 from physim.cli.progress import interrupts
 from physim.cli.watching import watch
 from physim.errors import PhysimError, WorldError
+from physim.layout import lay_out
 from physim.plots.quick_matplotlib import import_matplotlib
 from physim.preview import FORMATS, save_preview
 from physim.scene import Layout
-from physim.scene_builder import lay_out
 from physim.world_file import located, read_world
 from physim.world_file.shipped import find_world
 

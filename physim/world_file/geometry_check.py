@@ -1,7 +1,7 @@
-"""Faults of geometry, found before the run: with shapely, independent of the compiled kernels.
+"""Faults of shapes and of places: with shapely, independent of the compiled kernels.
 
-`shape_faults` looks at single shapes and needs the world alone; call it before areas or convex
-parts are worked out. `path_faults` and `start_faults` look at where everything is.
+An outline is looked at before areas or convex parts are worked out; then how far a robot moves in
+a step, and what it stands in at the start.
 """
 
 from __future__ import annotations
@@ -25,90 +25,13 @@ from physim.geometry.polygon import (
 )
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
-from physim.world import Limits, World
+from physim.world import Limits
 from physim.world.faults import shown
 
 MOST_TOLD = 3
 """Bodies that one robot overlaps which are told one by one."""
 MOST_PAIRS = 200
 """Pairs of robots which are told one by one."""
-
-
-def shape_faults(world: World) -> list[Fault]:
-    """Faults of single shapes: outlines that cross themselves or enclose nothing, and tunnelling.
-
-    Robots of the same outline are looked at once.
-    """
-    faults: list[Fault] = []
-    known: dict[Any, str] = {}
-    for i, robot in enumerate(world.robots):
-        outline = robot.outline
-        if outline not in known:
-            known[outline] = outline_fault(outline)
-        if known[outline]:
-            faults.append(Fault(("robots", i, "footprint"), known[outline]))
-        if robot.start is not None and (message := outline_fault(robot.start.region)):
-            faults.append(Fault(("robots", i, "start", "region"), message))
-    if world.start is not None and (message := outline_fault(world.start.region)):
-        faults.append(Fault(("start", "region"), message))
-    for k, obstacle in enumerate(world.obstacles):
-        if message := outline_fault(obstacle):
-            faults.append(Fault(("obstacles", k), message))
-    moving = [
-        Moving(i, robot.name, robot.outline, robot.limits.v, robot.limits.omega)
-        for i, robot in enumerate(world.robots)
-    ]
-    return faults or tunnelling(moving, world.time.step)
-
-
-def path_faults(world: World, paths: Sequence[ArrayLike], accessible: Any) -> list[Fault]:
-    """Paths (n, 2) without two distinct points, and boundaries that close no face.
-
-    ``accessible`` is the shapely area that robots may use, None where the boundaries bound no face
-    around the reference path.
-    """
-    faults = []
-    for i, path in enumerate(paths):
-        if len(corners_of_line(path)) < 2:
-            faults.append(Fault(("robots", i, "path"), "must have two distinct points"))
-    if accessible is None or accessible.is_empty:
-        where: Location = ("boundaries",) if world.boundaries is not None else ("corridor",)
-        message = "the boundaries close no face around the reference path; join their ends"
-        faults.append(Fault(where, message))
-    return faults
-
-
-def start_faults(
-    world: World,
-    *,
-    start: ArrayLike,
-    footprints: Sequence[ArrayLike],
-    boundaries: Sequence[ArrayLike],
-    obstacles: Sequence[ArrayLike],
-    accessible: Any,
-) -> list[Fault]:
-    """Robots that stand in or against something at the start, each with its place and numbers.
-
-    ``start`` (N, 3) poses [m, m, rad]; ``footprints`` N outlines (n, 2), robot's frame;
-    ``boundaries`` polylines and ``obstacles`` outlines as drawn, world frame; ``accessible`` as for
-    `path_faults`. Touching (distance at most ``CONTACT``) counts as overlap.
-    """
-    if accessible is None or accessible.is_empty:
-        return []
-    placed = [
-        Placed(i, world.robots[i].name, placed_outline(pose, footprint))
-        for i, (pose, footprint) in enumerate(zip(np.asarray(start), footprints, strict=True))
-    ]
-    drawn = world.boundaries is not None
-    walls = [
-        (f"boundaries[{k}]" if drawn else "the edge of the corridor", shapely.LineString(line))
-        for k, line in enumerate(map(np.asarray, boundaries))
-    ]
-    solids = [
-        (f"obstacles[{k}]", shapely.Polygon(ring))
-        for k, ring in enumerate(map(np.asarray, obstacles))
-    ]
-    return [*wall_faults(placed, walls, solids, accessible), *robot_faults(placed)]
 
 
 class Placed(NamedTuple):

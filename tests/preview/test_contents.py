@@ -8,8 +8,9 @@ import shapely
 
 from physim.geometry.corridor_width import sampled_widths, widths_at
 from physim.geometry.width import width_profile
+from physim.layout import lay_out
 from physim.preview.contents import contents
-from physim.scene_builder import build_scene, lay_out
+from physim.scene_builder import build_scene
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 from tests.preview.worlds import NARROW, ONE, shown, world

@@ -17,6 +17,7 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from physim.errors import PhysimError
+from physim.layout import lay_out
 from physim.palette import DANGER_AREA, ROBOTS
 from physim.plots.style import styled
 from physim.preview import save_preview
@@ -24,7 +25,6 @@ from physim.preview.contents import Contents
 from physim.preview.ground_plan import hexed, readable_scale, round_step
 from physim.preview.picture import make_figure, shown_of
 from physim.preview.words import metres
-from physim.scene_builder import lay_out
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 from tests.preview.worlds import (

@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/partial.py",
+        "_Reader._value",
+        "return None",
+        "raise",
+        "what is sound is looked at though something else is not",
+        "tests/checking/test_robots.py::"
+        "test_starts_are_looked_at_though_no_boundary_can_be_read",
+    ),
+    Edit(
+        "checking",
         "physim/checking/clearance.py",
         "verdict",
         "clearance > inscribed + CONTACT",
@@ -46,8 +56,8 @@ EDITS = (
         "checking",
         "physim/checking/formation.py",
         "_check_duration",
-        "min(own, sketch.speed)",
-        "sketch.speed",
+        "min(own, speed)",
+        "speed",
         "a slow robot takes longer to finish",
         "tests/checking/test_robots.py::test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
     ),
@@ -64,8 +74,8 @@ EDITS = (
         "checking",
         "physim/checking/formation_speed.py",
         "_check_slow",
-        "robot.v < low",
-        "robot.v < 0.0",
+        "top < low",
+        "top < 0.0",
         "a robot can keep up with its formation",
         "tests/checking/test_robots.py::test_a_robot_slower_than_the_formation_cannot_keep_up",
     ),

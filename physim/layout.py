@@ -70,6 +70,11 @@ class PartialLayout:
         own = self.world.reference_path is not None
         return ("reference_path",) if own else ("corridor", "centreline")
 
+    def path_key(self, i: int) -> Location:
+        """Where the path of a robot stands."""
+        is_beside = isinstance(self.world.robots[i].path, Offset)
+        return ("robots", i, "path", "offset") if is_beside else ("robots", i, "path")
+
     @cached_property
     def walls(self) -> list[Named]:
         """Boundaries as shapely lines."""
@@ -260,7 +265,7 @@ def corridor_line(world: Any) -> tuple[FloatArray | None, FloatArray | None]:
 
 
 def _paths(world: Any, reference: FloatArray | None, faults: list[Fault]) -> dict[int, FloatArray]:
-    """Waypoints (n, 2) of every sound path; a bend of s* too sharp for all is told once."""
+    """Waypoints (n, 2) of every sound path; a bend of s* too sharp for all is reported once."""
     found: dict[int, FloatArray] = {}
     sharp: set[str] = set()
     for i, robot in enumerate(world.robots):

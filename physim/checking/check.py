@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import shapely
 
@@ -33,18 +33,18 @@ from physim.checking.starts import (
     check_random_headings,
     check_start_used,
 )
-from physim.errors import Fault, WorldError
+from physim.errors import Fault, Position, WorldError
 from physim.layout import PartialLayout, partial_layout
 from physim.world.partial import sound_parts
 from physim.world_file import read_document
 from physim.world_file.collector import collector_paused
 from physim.world_file.file_text import file_text
-from physim.world_file.loading import Judged, in_order, judge, placed
+from physim.world_file.loading import Validated, in_order, placed, validate
 from physim.world_file.nodes import Document
 from physim.world_file.shipped import find_world
 
-MOST_TOLD = 100
-"""Errors, and likewise warnings, of one world that are told one by one."""
+MOST_REPORTED = 100
+"""Errors, and likewise warnings, of one world that are reported one by one."""
 
 
 def check_world(
@@ -66,21 +66,18 @@ def check_world(
             overrides = [*overrides, f"seed={seed}"]
         with collector_paused():
             document = read_document(file_text(file), str(file))
-            judged = judge(document, overrides=overrides, controller=controller)
+            checked = validate(document, overrides=overrides, controller=controller)
     except WorldError as error:
         return _refused(error, str(path))
-    found = Diagnostics(errors=judged.faults, warnings=[*judged.document.doubts, *judged.doubts])
-    profiles = _check_geometry(judged, found)
-    document = judged.document
-    errors = [*zip(document.faults, document.fault_positions, strict=True)]
-    errors += placed(_distinct(found.errors), document)
-    source = document.source
+    document = checked.document
+    found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
+    profiles = _check_geometry(checked, found)
     return Findings(
-        file=printable(source),
-        errors=_capped([Finding.of(fault, at, source) for fault, at in in_order(errors)], source),
-        warnings=_capped(_warnings(found.warnings, document), source),
+        file=printable(document.source),
+        errors=_located(found.errors, document, document.faults),
+        warnings=_located(found.warnings, document),
         clearance=profiles,
-        world=judged.world,
+        world=checked.world,
     )
 
 
@@ -96,12 +93,12 @@ def _refused(error: WorldError, file: str) -> Findings:
     )
 
 
-def _check_geometry(judged: Judged, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
+def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
     """Everything that lies in where things are; what cannot be read is passed over."""
-    whole = judged.world is not None
+    whole = checked.world is not None
     try:
-        laid = partial_layout(judged.world or sound_parts(judged.values), is_whole=whole)
-        return _check_layout(laid, judged, found)
+        laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
+        return _check_layout(laid, checked, found)
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
         found.error((), f"the geometry is beyond what can be computed ({reason})")
@@ -109,15 +106,15 @@ def _check_geometry(judged: Judged, found: Diagnostics) -> tuple[ClearanceProfil
 
 
 def _check_layout(
-    laid: PartialLayout, judged: Judged, found: Diagnostics
+    laid: PartialLayout, checked: Validated, found: Diagnostics
 ) -> tuple[ClearanceProfile, ...]:
     safe_distance, low, speed = (
-        setting(laid, judged.controller, key) for key in ("safe_distance", "boundary_low", "speed")
+        setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
     )
     check_footprints(laid, found)
     check_boundaries(laid, found)
     found.errors += laid.faults
-    check_start_used(judged.world, found)
+    check_start_used(checked.world, found)
     check_reference(laid, found)
     check_random_headings(laid, found)
     check_expected(laid, found)
@@ -137,19 +134,15 @@ def _check_layout(
     return profiles
 
 
-def _distinct(faults: list[Fault]) -> list[Fault]:
-    """Faults without those told twice."""
-    return list(dict.fromkeys(faults))
-
-
-def _warnings(faults: list[Fault], document: Document) -> list[Finding]:
-    told = in_order(placed(_distinct(faults), document))
-    return [Finding.of(fault, position, document.source) for fault, position in told]
-
-
-def _capped(findings: list[Finding], source: str) -> tuple[Finding, ...]:
-    if len(findings) <= MOST_TOLD:
-        return tuple(findings)
-    left = len(findings) - MOST_TOLD + 1
-    more = Finding(source, None, None, "", f"and {left} more; mend these first")
-    return (*findings[: MOST_TOLD - 1], more)
+def _located(
+    faults: list[Fault], document: Document, others: Iterable[tuple[Fault, Position]] = ()
+) -> tuple[Finding, ...]:
+    """Each fault once, at its place, in the order of the file, and ``others`` that have theirs."""
+    source = document.source
+    pairs = in_order([*others, *placed(dict.fromkeys(faults), document)])
+    found = [Finding.of(fault, position, source) for fault, position in pairs]
+    if len(found) > MOST_REPORTED:
+        left = len(found) - MOST_REPORTED + 1
+        more = Finding(source, None, None, "", f"and {left} more; mend these first")
+        found = [*found[: MOST_REPORTED - 1], more]
+    return tuple(found)

@@ -9,12 +9,11 @@ import shapely
 
 from physim.checking.clearance import ClearanceProfile
 from physim.checking.findings import Diagnostics
-from physim.checking.paths import path_key
 from physim.errors import ControllerError, plural
 from physim.geometry.area import Area
 from physim.layout import PartialLayout
 from physim.registry import settings_model
-from physim.world.faults import shown
+from physim.world.faults import describe
 
 NEARLY_ALL = 0.95
 """Share of a path over which a robot in danger is taken to be in danger for good"""
@@ -71,7 +70,7 @@ def check_always_danger(
     found.warn(
         ("controller", "boundary_low"),
         f"below {threshold:.4g} m from a boundary a robot is in danger mode, and "
-        f"{shown(first.robot)} has at most {room_there:.4g} m beside it on "
+        f"{describe(first.robot)} has at most {room_there:.4g} m beside it on "
         f"its path{others}: danger for good, so it may never arrive; set boundary_low below "
         "that, or widen the road",
     )
@@ -96,8 +95,8 @@ def check_turning_room(
     first = tight[0]
     others = f" (of {plural(len(tight) - 1, 'more robot')} too)" if len(tight) > 1 else ""
     found.warn(
-        path_key(laid, first.number),
-        f"the path of {shown(first.robot)}{others} lies in the danger area, "
+        laid.path_key(first.number),
+        f"the path of {describe(first.robot)}{others} lies in the danger area, "
         f"less than {first.safe_distance:.4g} m from a wall, over {first.danger_share:.0%} of its "
         f"length, and no place is more than {roomiest:.4g} m from the walls, too little to turn "
         f"in the safe area, which takes {first.circumscribed:.4g} m more than the safe distance: "

@@ -14,7 +14,7 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.layout import PartialLayout
 from physim.tolerances import CONTACT
-from physim.world.faults import shown
+from physim.world.faults import describe
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -198,4 +198,4 @@ def _is_before(line: shapely.LineString, position: FloatArray, reach: float) -> 
 
 
 def _name(laid: PartialLayout, number: int) -> str:
-    return shown(laid.names[number])
+    return describe(laid.names[number])

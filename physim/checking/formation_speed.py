@@ -23,7 +23,7 @@ from physim.checking.findings import MOST_ALIKE, Diagnostics
 from physim.checking.formation import listed_leads, start_stations
 from physim.geometry.shapes import FloatArray
 from physim.layout import PartialLayout
-from physim.world.faults import shown
+from physim.world.faults import describe
 
 LAST_SHARE = 0.1
 """Share of the initial error sums at which (7) should be within the limits again."""
@@ -58,7 +58,7 @@ def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
     for i in slow[:MOST_ALIKE]:
         found.warn(
             ("robots", i, "limits", "v"),
-            f"{shown(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
+            f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
             f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
             "the least speed of the formation",
         )

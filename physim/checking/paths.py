@@ -7,14 +7,14 @@ import shapely
 
 from physim.checking.clearance import NOT, ClearanceProfile, inscribed_radius
 from physim.checking.findings import MOST_ALIKE, Diagnostics
-from physim.errors import Location, plural
+from physim.errors import plural
 from physim.geometry.corridor import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.layout import PartialLayout, corridor_line
 from physim.tolerances import CONTACT, LENGTH
 from physim.world import Offset
-from physim.world.faults import shown
+from physim.world.faults import describe
 
 SHORTEST = 1.0
 """[m] A path or reference path shorter than this is hardly meant."""
@@ -28,12 +28,6 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
             _check_offset_folds(laid, i, path, found)
         else:
             _check_sense(laid, i, path, found)
-
-
-def path_key(laid: PartialLayout, i: int) -> Location:
-    """Where the path of a robot stands."""
-    is_beside = isinstance(laid.world.robots[i].path, Offset)
-    return ("robots", i, "path", "offset") if is_beside else ("robots", i, "path")
 
 
 def _check_inside(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
@@ -54,14 +48,14 @@ def _check_inside(laid: PartialLayout, i: int, path: FloatArray, found: Diagnost
     through = next((name for name, solid in laid.solids if solid.covers(middle)), None)
     if through is not None:
         found.warn(
-            path_key(laid, i),
-            f"the path of {shown(laid.names[i])} leads through {through} {place}; the robot will "
-            "have to find its way round; lead the path round it",
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} leads through {through} {place}; the robot "
+            "will have to find its way round; lead the path round it",
         )
     else:
         found.error(
-            path_key(laid, i),
-            f"the path of {shown(laid.names[i])} leaves the accessible area {place}; keep it "
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} leaves the accessible area {place}; keep it "
             "between the boundaries",
         )
 
@@ -74,10 +68,11 @@ def _check_offset_folds(laid: PartialLayout, i: int, path: FloatArray, found: Di
     if turned.any():
         x, y = path[int(np.argmax(turned))]
         found.warn(
-            path_key(laid, i),
+            laid.path_key(i),
             f"{laid.world.robots[i].path.offset:g} m to the side, the path of "
-            f"{shown(laid.names[i])} runs backwards near ({x:.6g}, {y:.6g}), where the reference "
-            "path bends more tightly than that; use a smaller offset, or waypoints of its own",
+            f"{describe(laid.names[i])} runs backwards near ({x:.6g}, {y:.6g}), where the "
+            "reference path bends more tightly than that; use a smaller offset, or waypoints of "
+            "its own",
         )
 
 
@@ -89,15 +84,15 @@ def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnosti
     line = shapely.LineString(path)
     if line.length < SHORTEST:
         found.warn(
-            path_key(laid, i),
-            f"the path of {shown(laid.names[i])} is only {line.length:.4g} m long; lengths are in "
-            "metres",
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} is only {line.length:.4g} m long; lengths are "
+            "in metres",
         )
     first, last = (reference.project(shapely.Point(path[k])) for k in (0, -1))
     if last < first - LENGTH and not _is_ring(path):
         found.warn(
-            path_key(laid, i),
-            f"the path of {shown(laid.names[i])} runs against the reference path, from station "
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} runs against the reference path, from station "
             f"{first:.2f} m back to {last:.2f} m; are the waypoints in order?",
         )
 
@@ -157,7 +152,7 @@ def check_width(laid: PartialLayout, found: Diagnostics) -> set[int]:
         is_listed = isinstance(laid.world.corridor.width, tuple)
         found.error(
             ("corridor", "width", k) if is_listed else ("corridor", "width"),
-            f"{width:.4g} m at ({x:.6g}, {y:.6g}) is too narrow: {shown(laid.names[worst])}"
+            f"{width:.4g} m at ({x:.6g}, {y:.6g}) is too narrow: {describe(laid.names[worst])}"
             f" needs more than {needed[worst]:.4g} m however it is turned{more}; widen the "
             "corridor, or make the robots smaller",
         )
@@ -192,12 +187,12 @@ def check_room(
         first = group[0]
         others = f", shared with {len(group) - 1} more," if len(group) > 1 else ","
         message = (
-            f"{shown(first.robot)} does not fit at station {station:.2f} m of "
+            f"{describe(first.robot)} does not fit at station {station:.2f} m of "
             f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name}, while the "
             f"footprint reaches {first.inscribed:.4g} m from the reference point even at its "
             "narrowest"
         )
-        where = path_key(laid, first.number)
+        where = laid.path_key(first.number)
         if first.safe_distance is not None:
             found.warn(
                 where,
@@ -235,8 +230,8 @@ def check_passage(
         rooms = [_part_of(known[r], end) for end in ends]
         if rooms[0] is None or rooms[0] != rooms[1]:
             found.error(
-                path_key(laid, profile.number),
-                f"there is no way for {shown(profile.robot)} from its start to the end of its "
+                laid.path_key(profile.number),
+                f"there is no way for {describe(profile.robot)} from its start to the end of its "
                 f"path: somewhere the room is narrower than {2.0 * r:.4g} m, the narrowest that "
                 "the robot can pass; widen the place, or make the robot smaller",
             )

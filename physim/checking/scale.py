@@ -11,7 +11,7 @@ from physim.checking.findings import MOST_ALIKE, Diagnostics
 from physim.checking.starts import is_drawn
 from physim.errors import Location
 from physim.layout import PartialLayout, corridor_line
-from physim.world.faults import shown
+from physim.world.faults import describe
 
 LONGEST_ROBOT = 30.0
 """[m] A longer robot is likely given in millimetres or centimetres."""
@@ -90,7 +90,7 @@ def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
 
 def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
     where: Location = ("robots", i)
-    robot, name = laid.world.robots[i], shown(laid.names[i])
+    robot, name = laid.world.robots[i], describe(laid.names[i])
     if i in laid.footprints:
         outline = laid.footprints[i]
         size = float(np.ptp(outline, axis=0).max())

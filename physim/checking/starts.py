@@ -13,7 +13,7 @@ from physim.geometry.shapes import FloatArray
 from physim.layout import PartialLayout
 from physim.tolerances import LENGTH
 from physim.world import World
-from physim.world.faults import shown
+from physim.world.faults import describe
 from physim.world_file.geometry_check import Placed, placed_outline
 
 
@@ -48,8 +48,8 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
     if gaps[k] < least - LENGTH:
         found.warn(
             ("expect", "min_distance"),
-            f"{shown(names[one[k]])} and {shown(names[other[k]])} are {gaps[k]:.4g} m apart at the "
-            f"start, so {least:.6g} m cannot hold",
+            f"{describe(names[one[k]])} and {describe(names[other[k]])} are {gaps[k]:.4g} m apart "
+            f"at the start, so {least:.6g} m cannot hold",
         )
 
 
@@ -91,7 +91,7 @@ def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
     ]
     others = [*laid.walls, *laid.solids]
     tree = shapely.STRtree([*(shape for _, shape in others), *(p.shape for p in turning)])
-    names = [*(name for name, _ in others), *(shown(p.name) for p in turning)]
+    names = [*(name for name, _ in others), *(describe(p.name) for p in turning)]
     shapes = [p.shape for p in turning]
     met: dict[int, str] = {}
     for i, k in np.transpose(tree.query(shapes, predicate="intersects")):
@@ -102,7 +102,7 @@ def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
     for index, name in sorted(met.items()):
         found.warn(
             ("robots", index, "pose", 2),
-            f"random; with this seed {shown(laid.names[index])} starts free, with another "
+            f"random; with this seed {describe(laid.names[index])} starts free, with another "
             f"it may touch {name}; leave room to turn, or write a heading",
         )
 
@@ -123,7 +123,7 @@ def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
         if away > pi / 2.0 + 1e-6 and abs(pose[2]) <= 2.0 * pi:
             found.warn(
                 ("robots", i, "pose", 2),
-                f"{shown(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
+                f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
                 f"its path, which goes {along:.4g} rad there; it will have to turn round",
             )
 

@@ -26,12 +26,12 @@ from physim.geometry.polygon import (
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
 from physim.world import Limits
-from physim.world.faults import shown
+from physim.world.faults import describe
 
-MOST_TOLD = 3
-"""Bodies that one robot overlaps which are told one by one."""
+MOST_REPORTED = 3
+"""Bodies that one robot overlaps which are reported one by one."""
 MOST_PAIRS = 200
-"""Pairs of robots which are told one by one."""
+"""Pairs of robots which are reported one by one."""
 
 
 class Placed(NamedTuple):
@@ -122,16 +122,16 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
         where = ("robots", robot.number, "limits")
     others = f", and {count - 1} more too far" if count > 1 else ""
     message = (
-        f"{shown(robot.name)} could move {speed * step:.4g} m in one step of "
+        f"{describe(robot.name)} could move {speed * step:.4g} m in one step of "
         f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
         f"{robot.omega:.6g} rad/s){others}; at most {limit:.4g} m are allowed, a quarter "
-        f"of the smallest width, that of {shown(narrowest.name)}; "
+        f"of the smallest width, that of {describe(narrowest.name)}; "
         f"use a step of at most {_floored(limit / speed)} s or lower limits"
     )
     if radius > HUGE:
         message = (
-            f"{shown(robot.name)} reaches {radius:.6g} m from its reference point; lengths are in "
-            f"metres: is this one in millimetres? As it stands, {message}"
+            f"{describe(robot.name)} reaches {radius:.6g} m from its reference point; lengths are "
+            f"in metres: is this one in millimetres? As it stands, {message}"
         )
     return [Fault(where, message)]
 
@@ -151,7 +151,7 @@ def wall_faults(
     """Robots in or against a boundary or obstacle, or outside the accessible area.
 
     ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
-    ``accessible`` only contact is told.
+    ``accessible`` only contact is reported.
     """
     if not robots:
         return []
@@ -165,14 +165,14 @@ def wall_faults(
     faults = []
     for i, (number, given, shape) in enumerate(robots):
         where: Location = ("robots", number, "pose")
-        name = shown(given)
-        for k in sorted(near[i])[:MOST_TOLD]:
+        name = describe(given)
+        for k in sorted(near[i])[:MOST_REPORTED]:
             if k < len(walls):
-                told = _boundary_message(shape, *walls[k], accessible)
+                contact = _boundary_message(shape, *walls[k], accessible)
             else:
                 label, solid = solids[k - len(walls)]
-                told = _overlap(shape, solid, label)
-            faults.append(Fault(where, f"{name} {told} at the start; move it away"))
+                contact = _overlap(shape, solid, label)
+            faults.append(Fault(where, f"{name} {contact} at the start; move it away"))
         if not near[i] and accessible is not None and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
@@ -200,7 +200,7 @@ def _overlap(a: Any, b: Any, label: str) -> str:
 
 
 def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
-    """Pairs of robots that overlap or touch, told at the later one."""
+    """Pairs of robots that overlap or touch, reported at the later one."""
     if not robots:
         return []
     shapes = [robot.shape for robot in robots]
@@ -209,7 +209,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     faults = []
     for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
         first, second = robots[i], robots[j]
-        told = _overlap(second.shape, first.shape, shown(first.name))
-        message = f"{shown(second.name)} {told} at the start; part them"
+        contact = _overlap(second.shape, first.shape, describe(first.name))
+        message = f"{describe(second.name)} {contact} at the start; part them"
         faults.append(Fault(("robots", second.number, "pose"), message))
     return faults

@@ -12,8 +12,7 @@ EDITS = (
         "return None",
         "raise",
         "what is sound is looked at though something else is not",
-        "tests/checking/test_robots.py::"
-        "test_starts_are_looked_at_though_no_boundary_can_be_read",
+        "tests/checking/test_robots.py::test_starts_are_looked_at_though_no_boundary_can_be_read",
     ),
     Edit(
         "checking",

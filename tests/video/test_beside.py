@@ -87,7 +87,7 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
         (SMALL, SMALL.replace("seed: 1", "seed: 2"), ("seed: 1", "seed: 2")),
         (SMALL, CONTROLLED, ("beta: default", "beta: 0.2")),
         (CONTROLLED, CONTROLLED.replace("0.2", "0.3"), ("beta: 0.2", "beta: 0.3")),
-        (CONTROLLED, SMALL + "controller: {type: path_following, look_ahead: 1.5}\n",
+        (CONTROLLED, SMALL + "controller: {type: path_following}\n",
          ("controller: mode_switching", "controller: path_following")),
         (SMALL, BLOCKED, ("8 values differ", "8 values differ")),
     ],

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from physim.author_code import broken_by
 from physim.errors import ControllerError, nearest
-from physim.world.faults import shown
+from physim.world.faults import describe as shown
 
 if TYPE_CHECKING:
     from physim.registry import Kind

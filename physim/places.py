@@ -1,8 +1,8 @@
-"""What placing robots at random rests on: the ground they stand on, and where to look for room."""
+"""What placing robots at random rests on: what is occupied, and where to look for room."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -16,21 +16,12 @@ OUTLINE_STEP = 0.25
 """[m] apart are the points of a region's outline by which its stretch of road is found"""
 
 
-class Ground:
+class Occupancy:
     """Walls, obstacles and the robots that stand already; footprints (n, 2) in their frames."""
 
-    def __init__(
-        self,
-        footprints: Sequence[FloatArray],
-        boundaries: Sequence[FloatArray],
-        obstacles: Sequence[FloatArray],
-        accessible: shapely.Polygon,
-    ) -> None:
+    def __init__(self, footprints: Sequence[FloatArray], walls: Sequence[shapely.Geometry]) -> None:
         self.footprints = [np.asarray(footprint) for footprint in footprints]
-        self.accessible = accessible
-        shapes = [shapely.LineString(line) for line in boundaries]
-        shapes += [shapely.Polygon(ring) for ring in obstacles]
-        self.walls = shapely.GeometryCollection(shapes)
+        self.walls = shapely.GeometryCollection(list(walls))
         shapely.prepare(self.walls)
         count = len(self.footprints)
         self.radius = np.array([circumscribed_radius(f) for f in self.footprints])
@@ -83,7 +74,7 @@ class Ground:
         return shapely.union_all([self.walls.buffer(gap), *shapely.buffer(standing, gap)])
 
 
-class Along:
+class PathFrame:
     """The reference path, prolonged straight on at both ends: stations, deviations, headings."""
 
     def __init__(self, reference: FloatArray) -> None:
@@ -114,7 +105,7 @@ class Along:
         return self.points[k] + (station - self.station[k])[:, None] * direction, direction
 
 
-class Spots:
+class Candidates:
     """Where to look for room for each robot of a group: anywhere in the region, or its own cell.
 
     In rows every robot has a cell, in which the middle of its footprint lies: the region's stretch
@@ -127,11 +118,11 @@ class Spots:
         start: Start,
         members: Sequence[int],
         free: shapely.Geometry,
-        along: Along,
-        paths: Sequence[FloatArray],
-        ground: Ground,
+        along: PathFrame,
+        paths: Mapping[int, FloatArray],
+        occupied: Occupancy,
     ) -> None:
-        self.start, self.along, self.ground, self.free = start, along, ground, free
+        self.start, self.along, self.occupied, self.free = start, along, occupied, free
         self.cells: dict[int, tuple[float, float, float, float]] = {}
         if start.abreast is not None:
             self._cut(members, start.abreast, paths)
@@ -150,7 +141,7 @@ class Spots:
 
     def _middle(self, i: int, headings: FloatArray) -> FloatArray:
         """Middle (B, 2) of footprint i from its reference point, at headings (B,)."""
-        low, high = shapely.bounds(shapely.Polygon(self.ground.footprints[i])).reshape(2, 2)
+        low, high = shapely.bounds(shapely.Polygon(self.occupied.footprints[i])).reshape(2, 2)
         x, y = 0.5 * (low + high)
         c, s = np.cos(headings), np.sin(headings)
         return np.stack([c * x - s * y, s * x + c * y], axis=1)
@@ -166,13 +157,13 @@ class Spots:
         """Corners between which the reference point of robot i must lie to be in the region."""
         low, high = np.array(self.free.bounds).reshape(2, 2)
         if self.start.heading == "along":
-            return low - self.ground.radius[i], high + self.ground.radius[i]
+            return low - self.occupied.radius[i], high + self.occupied.radius[i]
         angle = heading if self.start.heading == "random" else self.start.heading
-        bounds = shapely.bounds(self.ground.outlines(i, np.array([[0.0, 0.0, angle]]))[0])
+        bounds = shapely.bounds(self.occupied.outlines(i, np.array([[0.0, 0.0, angle]]))[0])
         low, high = low - bounds[:2], high - bounds[2:]
         return np.minimum(low, high), np.maximum(low, high)
 
-    def _cut(self, members: Sequence[int], abreast: int, paths: Sequence[FloatArray]) -> None:
+    def _cut(self, members: Sequence[int], abreast: int, paths: Mapping[int, FloatArray]) -> None:
         outline = shapely.get_coordinates(shapely.segmentize(self.free, OUTLINE_STEP))
         station, deviation = self.along.project(outline)
         rows = [members[k : k + abreast] for k in range(0, len(members), abreast)]

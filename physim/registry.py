@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from physim.author_code import broken_by, place_of, takes
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
 from physim.part_import import load_class, make_folder_importable
-from physim.world.faults import faults_of, shown, unknown_key
+from physim.world.faults import describe as shown
+from physim.world.faults import faults_of, unknown_key
 from physim.world.frozen import thawed
 
 if TYPE_CHECKING:

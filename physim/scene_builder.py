@@ -9,11 +9,9 @@ from typing import Literal
 import numpy as np
 
 from physim.errors import Fault, WorldError
-from physim.geometry.area import Area, accessible_area
-from physim.geometry.corridor import corridor_boundaries, offset_polyline
 from physim.geometry.nearby import build_nearby
 from physim.geometry.path import Path
-from physim.geometry.polygon import convex_parts, counter_clockwise, signed_area
+from physim.geometry.polygon import convex_parts, signed_area
 from physim.geometry.shapes import (
     FloatArray,
     IntArray,
@@ -21,54 +19,14 @@ from physim.geometry.shapes import (
     pack_polylines,
     pack_shapes,
 )
-from physim.scene import DENSITY, Body, FormationPlan, Layout, Scene
-from physim.start_poses import start_poses
-from physim.world import Offset, World
+from physim.layout import lay_out, placed_anew
+from physim.scene import DENSITY, Body, FormationPlan, Scene
+from physim.world import World
 from physim.world.kinds import MOST_SEED
 from physim.world.stages import DEFAULT_RANGE
-from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 
 GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
-
-
-def lay_out(world: World, seed: int | None = None) -> Layout:
-    """Resolve every length of a world, with ``seed`` or else the world's own.
-
-    Raises WorldError as `build_scene` does.
-    """
-    world = world if seed is None else world.changed(seed=seed)
-    if faults := shape_faults(world):
-        raise WorldError(faults)
-    drawn = _boundaries(world)
-    reference = np.array(world.reference)
-    obstacles = [np.array(ring) for ring in world.obstacles]
-    area = _area(list(drawn.values()), obstacles, reference)
-    outside = area.outside_stretches(reference)
-    if len(outside):
-        key = "reference_path" if world.reference_path is not None else "corridor"
-        raise WorldError([Fault((key,), _leaves(outside))])
-    footprints = [counter_clockwise(np.array(robot.outline)) for robot in world.robots]
-    paths = [_path(world, i, reference) for i in range(len(world.robots))]
-    nowhere = np.zeros((len(world.robots), 3))
-    return _placed(
-        Layout(world, drawn, obstacles, reference, area, footprints, paths, nowhere), world
-    )
-
-
-def _placed(laid: Layout, world: World) -> Layout:
-    """Layout with the robots where the seed of ``world`` puts them; WorldError where it cannot."""
-    ground = {
-        "footprints": laid.footprints,
-        "boundaries": list(laid.boundaries.values()),
-        "obstacles": laid.obstacles,
-        "accessible": laid.area.polygon,
-    }
-    start = start_poses(world, world.seed, paths=laid.paths, reference=laid.reference, **ground)
-    faults = path_faults(world, laid.paths, laid.area.polygon)
-    if faults := [*faults, *start_faults(world, start=start, **ground)]:
-        raise WorldError(faults)
-    return replace(laid, world=world, start=start)
 
 
 def build_scene(world: World, seed: int | None = None) -> Scene:
@@ -78,37 +36,34 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     that enclose nothing, a step that would tunnel, ...
     """
     laid = lay_out(world, seed)
-    world, area, start, reference = laid.world, laid.area, laid.start, laid.reference
-    drawn, obstacles, footprints, paths = (
-        laid.boundaries, laid.obstacles, laid.footprints, laid.paths,
-    )  # fmt: skip
-    parts = [convex_parts(f) for f in footprints]
+    world, footprints = laid.world, laid.footprints
     walls = pack_shapes(
-        [_segments(line) for line in drawn.values()] + [list(convex_parts(o)) for o in obstacles]
+        [_segments(line) for line in laid.boundaries.values()]
+        + [list(convex_parts(obstacle)) for obstacle in laid.obstacles]
     )
-    formation = _formation(world, start, reference)
+    formation = _formation(world, laid.start, laid.reference)
     names = [("robot", robot.name) for robot in world.robots]
-    names += [("boundary", name) for name in drawn]
-    names += [("obstacle", f"obstacle {k + 1}") for k in range(len(obstacles))]
-    packed_paths = pack_polylines(paths)
+    names += [("boundary", name) for name in laid.boundaries]
+    names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
+    paths = pack_polylines(laid.paths)
     return Scene(
         world=world,
         seed=world.seed,
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
-        shapes=pack_shapes(parts),
+        shapes=pack_shapes([convex_parts(outline) for outline in footprints]),
         walls=walls,
         nearby=build_nearby(walls, world.sensing_range, GRID_CELL),
         mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
-        start=start,
-        paths=packed_paths,
-        reference=pack_polylines([reference]),
-        outside=tuple(area.outside_stretches(path) for path in paths),
+        start=laid.start,
+        paths=paths,
+        reference=pack_polylines([laid.reference]),
+        outside=tuple(laid.area.outside_stretches(path) for path in laid.paths),
         speeds=tuple(robot.speeds for robot in world.robots),
         omegas=tuple(robot.omegas for robot in world.robots),
-        stop_station=_stop_stations(packed_paths, formation),
+        stop_station=_stop_stations(paths, formation),
         formation=formation,
         sensing_range=world.sensing_range,
         arrival_tolerance=world.arrival.tolerance,
@@ -130,7 +85,7 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))
-    laid = _placed(scene.layout, world)
+    laid = placed_anew(scene.layout, world)
     formation = _formation(world, laid.start, laid.reference)
     return replace(
         scene,
@@ -151,47 +106,6 @@ def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
 def is_random(world: World) -> bool:
     """Whether anything in the world is drawn by the seed."""
     return any(robot.pose is None or robot.pose[2] == "random" for robot in world.robots)
-
-
-def _boundaries(world: World) -> dict[str, FloatArray]:
-    """Boundary polylines by name, in the order of their ids."""
-    if world.corridor is None:
-        lines = world.boundaries or ()
-        return {f"boundary {k + 1}": np.array(line) for k, line in enumerate(lines)}
-    centreline = np.array(world.corridor.centreline)
-    width = np.broadcast_to(np.array(world.corridor.width, dtype=np.float64), len(centreline))
-    try:
-        return corridor_boundaries(centreline, width, world.corridor.end_margin)
-    except ValueError as error:
-        fault = Fault(("corridor", "centreline"), f"the centreline {error}")
-        raise WorldError([fault]) from None
-
-
-def _area(drawn: list[FloatArray], obstacles: list[FloatArray], reference: FloatArray) -> Area:
-    try:
-        return accessible_area(drawn, obstacles, reference)
-    except ValueError as error:
-        message = f"{error}; boundaries must close a face around the reference path"
-        raise WorldError([Fault(("boundaries",), message)]) from None
-
-
-def _leaves(outside: FloatArray) -> str:
-    first, last = outside[0]
-    return (
-        f"the reference path leaves the accessible area from {first:.2f} m to {last:.2f} m along "
-        "it; it must lie between the boundaries and beside the obstacles"
-    )
-
-
-def _path(world: World, i: int, reference: FloatArray) -> FloatArray:
-    path = world.robots[i].path
-    if not isinstance(path, Offset):
-        return np.array(path)
-    try:
-        return offset_polyline(reference, np.full(len(reference), path.offset))
-    except ValueError as error:
-        fault = Fault(("robots", i, "path", "offset"), f"the reference path {error}")
-        raise WorldError([fault]) from None
 
 
 def _segments(line: FloatArray) -> list[FloatArray]:

@@ -50,8 +50,9 @@ LAYERS = {
     "physim.world_file": (2, 2),
     "physim.places": (2, 2),
     "physim.start_poses": (2, 3),
-    "physim.scene_builder": (2, 4),
-    "physim.controllers": (2, 5),
+    "physim.layout": (2, 4),
+    "physim.scene_builder": (2, 5),
+    "physim.controllers": (2, 6),
     "physim.templates": (3, 0),
     "physim.checking": (3, 0),
     "physim.physics": (3, 0),
@@ -113,7 +114,7 @@ NOT_FROM_THE_RECORD = (
     "physim.simulation", "physim.recorder", "physim.recording", "physim.warm_up",
     "physim.scene_builder",
     "physim.registry",
-    "physim.start_poses", "physim.places", "physim.checking",
+    "physim.layout", "physim.start_poses", "physim.places", "physim.checking",
 )  # fmt: skip
 
 SOURCES = sorted(

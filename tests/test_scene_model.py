@@ -9,8 +9,9 @@ import shapely
 from physim import palette
 from physim.declared import NO_NUMBER, PAPER_MODES, Mode
 from physim.geometry.shapes import FloatArray
+from physim.layout import lay_out
 from physim.record import RecordWriter
-from physim.scene_builder import build_scene, lay_out
+from physim.scene_builder import build_scene
 from physim.scene_model import SceneModel, outline, region, split_at
 from physim.world import World
 from physim.world_file import load_world, parse_world

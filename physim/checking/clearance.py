@@ -16,15 +16,19 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from physim.checking.ground import Ground
+from physim.geometry.area import Area
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
+from physim.layout import PartialLayout
 from physim.tolerances import CONTACT
 
 SPACING = 0.25
 """[m] from one station of a profile to the next; waypoints are stations too"""
 MOST_STATIONS = 2_000
 """Stations of one profile; longer paths have them further apart."""
+
+Place = tuple[float, float, float, float]
+"""Station, x, y and clearance [m] of a point of a path"""
 
 ANY, ALIGNED, NOT = "fits at any heading", "fits only aligned", "does not fit"
 
@@ -56,8 +60,8 @@ class ClearanceProfile:
     """[m] largest circle about the reference point within the footprint; 0 when that is outside"""
     circumscribed: float
     """[m] smallest circle about the reference point around the footprint"""
-    narrowest: tuple[float, float, float, float]
-    """station, x, y and clearance [m] where the path has least room: the exact minimum"""
+    narrowest: Place
+    """where the path has least room: the exact minimum"""
     stretches: tuple[Stretch, ...]
     safe_distance: float | None
     """[m] L; None where the controller has none"""
@@ -113,76 +117,70 @@ def inscribed_radius(outline: FloatArray) -> float:
     return float(shape.exterior.distance(origin)) if shape.covers(origin) else 0.0
 
 
-@dataclass(frozen=True)
-class Way:
-    """Room along a path, whoever takes it: K stations."""
+def clearance_profiles(
+    laid: PartialLayout, safe_distance: float | None
+) -> tuple[ClearanceProfile, ...]:
+    """Room along the path of each robot whose path and footprint are sound.
 
-    station: FloatArray
-    """(K,) [m]"""
-    clearance: FloatArray
-    """(K,) [m]; negative outside the accessible area"""
-    narrowest: tuple[float, float, float, float]
-    """station, x, y and clearance [m]"""
-
-
-class Ways:
-    """Room along paths of one world; a path that several robots share is looked at once."""
-
-    def __init__(self, ground: Ground) -> None:
-        self._area = ground.area
-        self._pieces = _pieces([shape for _, shape in (*ground.walls, *ground.solids)])
-        self._tree = shapely.STRtree(self._pieces)
-        self._known: dict[bytes, Way] = {}
-
-    def along(self, path: FloatArray) -> Way:
-        """Room along a path (n, 2) [m]."""
+    A path that several robots share is looked at once.
+    """
+    if not laid.walls and not laid.solids:
+        return ()
+    tree = shapely.STRtree(_pieces([shape for _, shape in (*laid.walls, *laid.solids)]))
+    known: dict[bytes, tuple[FloatArray, FloatArray, Place]] = {}
+    profiles = []
+    for i, path in laid.paths.items():
+        if i not in laid.footprints:
+            continue
         key = path.tobytes()
-        if key not in self._known:
-            self._known[key] = self._look(path)
-        return self._known[key]
-
-    def _look(self, path: FloatArray) -> Way:
-        line = shapely.LineString(path)
-        stations = _stations(path)
-        points = line.interpolate(stations)
-        found = self._tree.query_nearest(points, return_distance=True, all_matches=False)
-        clearance = np.full(len(points), np.inf)
-        clearance[found[0][0]] = found[1]
-        narrowest = self._narrowest(line)
-        if self._area is not None:
-            outside = ~shapely.covers(self._area.polygon, points)
-            if outside.any():
-                clearance[outside] *= -1.0
-                k = int(np.argmin(clearance))
-                narrowest = (stations[k], points[k].x, points[k].y, clearance[k])
-        s, x, y, least = (float(value) for value in narrowest)
-        return Way(stations, clearance, (s, x, y, least))
-
-    def _narrowest(self, line: Any) -> tuple[float, float, float, float]:
-        """Station, place and clearance of the point of a path that has least room: exact."""
-        k = int(self._tree.query_nearest(line, all_matches=False)[0])
-        nearest = self._pieces[k]
-        place = shapely.get_point(shapely.shortest_line(line, nearest), 0)
-        return line.project(place), place.x, place.y, float(nearest.distance(line))
+        if key not in known:
+            known[key] = _room_along(path, tree, laid.area)
+        station, clearance, narrowest = known[key]
+        outline = laid.footprints[i]
+        r, R = inscribed_radius(outline), circumscribed_radius(outline)
+        stretches = _stretches(station, clearance, r, R)
+        profiles.append(
+            ClearanceProfile(
+                i, laid.names[i], station, clearance, r, R, narrowest, stretches, safe_distance
+            )
+        )
+    return tuple(profiles)
 
 
-def profile_of(
-    number: int, name: str, way: Way, outline: FloatArray, safe_distance: float | None
-) -> ClearanceProfile:
-    """Room along a path against the radii of the robot that takes it."""
-    r, R = inscribed_radius(outline), circumscribed_radius(outline)
-    stretches = _stretches(way.station, way.clearance, r, R)
-    return ClearanceProfile(
-        number, name, way.station, way.clearance, r, R, way.narrowest, stretches, safe_distance
-    )
+def _room_along(
+    path: FloatArray, tree: shapely.STRtree, area: Area | None
+) -> tuple[FloatArray, FloatArray, Place]:
+    """Stations (K,), clearances (K,) and the narrowest place of a path (n, 2) [m]."""
+    line = shapely.LineString(path)
+    stations = _stations(path)
+    points = line.interpolate(stations)
+    found = tree.query_nearest(points, return_distance=True, all_matches=False)
+    clearance = np.full(len(points), np.inf)
+    clearance[found[0][0]] = found[1]
+    narrowest = _narrowest(line, tree)
+    if area is not None:
+        outside = ~shapely.covers(area.polygon, points)
+        if outside.any():
+            clearance[outside] *= -1.0
+            k = int(np.argmin(clearance))
+            narrowest = (stations[k], points[k].x, points[k].y, clearance[k])
+    s, x, y, least = (float(value) for value in narrowest)
+    return stations, clearance, (s, x, y, least)
+
+
+def _narrowest(line: Any, tree: shapely.STRtree) -> Place:
+    """The point of a path that has least room: exact."""
+    nearest = tree.geometries[int(tree.query_nearest(line, all_matches=False)[0])]
+    place = shapely.get_point(shapely.shortest_line(line, nearest), 0)
+    return line.project(place), place.x, place.y, float(nearest.distance(line))
 
 
 def _stations(path: FloatArray) -> FloatArray:
     """Evenly spread stations, and those of the waypoints unless there are too many."""
-    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
-    count = int(np.clip(np.ceil(way[-1] / SPACING) + 1, 2, MOST_STATIONS))
-    even = np.linspace(0.0, way[-1], count)
-    stations = np.union1d(even, way) if len(way) <= MOST_STATIONS else even
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    count = int(np.clip(np.ceil(along[-1] / SPACING) + 1, 2, MOST_STATIONS))
+    even = np.linspace(0.0, along[-1], count)
+    stations = np.union1d(even, along) if len(along) <= MOST_STATIONS else even
     return np.asarray(stations[np.diff(stations, prepend=-1.0) > CONTACT])
 
 
@@ -203,8 +201,8 @@ def _stretches(
 ) -> tuple[Stretch, ...]:
     verdicts = [verdict(float(c), inscribed, circumscribed) for c in clearance]
     found, k = [], 0
-    for told, group in groupby(verdicts):
+    for same, group in groupby(verdicts):
         count = len(list(group))
-        found.append(Stretch(float(stations[k]), float(stations[k + count - 1]), told))
+        found.append(Stretch(float(stations[k]), float(stations[k + count - 1]), same))
         k += count
     return tuple(found)

@@ -2,51 +2,52 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
 
 from physim.checking.clearance import ClearanceProfile
-from physim.checking.ground import Ground
-from physim.checking.paths import path_key
-from physim.checking.sketch import Sketch, number
-from physim.checking.telling import Told
+from physim.checking.findings import Diagnostics
 from physim.errors import ControllerError, plural
+from physim.geometry.area import Area
+from physim.layout import PartialLayout
 from physim.registry import settings_model
-from physim.world.faults import shown
-from physim.world_file.loading import Judged
+from physim.world.faults import describe
 
 NEARLY_ALL = 0.95
 """Share of a path over which a robot in danger is taken to be in danger for good"""
 
 
-def setting(judged: Judged, key: str) -> float | None:
+def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> float | None:
     """A length among the controller's settings [m]: as set, else its default; None without one."""
     try:
-        model = settings_model(judged.controller) if judged.controller is not None else None
+        model = settings_model(controller) if controller is not None else None
     except ControllerError:
         return None
     field = model.model_fields.get(key) if model is not None else None
-    if field is None:
+    if field is None or laid.world.controller is None:
         return None
-    settings = judged.values.get("controller", {})
-    return number(settings.get(key, field.default), 1e-9, 1e6)
+    value = laid.world.controller.settings.get(key, field.default)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number and 1e-9 <= value <= 1e6 else None
 
 
-def check_safe_area(ground: Ground, safe_distance: float | None, told: Told) -> None:
+def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Diagnostics) -> None:
     """Warn where no place is as far from the boundaries as the controller wants to be."""
-    if ground.area is None or safe_distance is None:
+    if laid.area is None or safe_distance is None:
         return
-    if ground.area.polygon.buffer(-safe_distance, quad_segs=4).is_empty:
-        told.warn(
+    if laid.area.polygon.buffer(-safe_distance, quad_segs=4).is_empty:
+        found.warn(
             ("controller", "safe_distance"),
             f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
-            f"the roomiest place is {_roomiest(ground):.4g} m from them; widen the corridor, or "
+            f"the roomiest place is {_roomiest(laid.area):.4g} m from them; widen the corridor, or "
             "set safe_distance below that",
         )
 
 
 def check_always_danger(
-    sketch: Sketch, profiles: tuple[ClearanceProfile, ...], threshold: float | None, told: Told
+    profiles: tuple[ClearanceProfile, ...], threshold: float | None, found: Diagnostics
 ) -> None:
     """Warn of a distance threshold [m] for boundaries that is beyond the room beside the paths.
 
@@ -66,36 +67,36 @@ def check_always_danger(
         return
     room_there, first = max(always, key=lambda pair: pair[0])
     others = f", {plural(len(always) - 1, 'more robot')} no more" if len(always) > 1 else ""
-    told.warn(
+    found.warn(
         ("controller", "boundary_low"),
         f"below {threshold:.4g} m from a boundary a robot is in danger mode, and "
-        f"{shown(sketch.robots[first.number].name)} has at most {room_there:.4g} m beside it on "
+        f"{describe(first.robot)} has at most {room_there:.4g} m beside it on "
         f"its path{others}: danger for good, so it may never arrive; set boundary_low below "
         "that, or widen the road",
     )
 
 
 def check_turning_room(
-    sketch: Sketch, profiles: tuple[ClearanceProfile, ...], ground: Ground, told: Told
+    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
 ) -> None:
     """Warn of paths in the danger area, where no place of the safe area lets the robot turn."""
-    if ground.area is None:
+    if laid.area is None:
         return
     roomiest: float | None = None
     tight = []
     for profile in profiles:
         if profile.safe_distance is None or (profile.danger_share or 0.0) < NEARLY_ALL:
             continue
-        roomiest = _roomiest(ground) if roomiest is None else roomiest
+        roomiest = _roomiest(laid.area) if roomiest is None else roomiest
         if profile.safe_distance <= roomiest < profile.safe_distance + profile.circumscribed:
             tight.append(profile)
     if not tight or roomiest is None:
         return
     first = tight[0]
     others = f" (of {plural(len(tight) - 1, 'more robot')} too)" if len(tight) > 1 else ""
-    told.warn(
-        path_key(sketch.robots[first.number]),
-        f"the path of {shown(sketch.robots[first.number].name)}{others} lies in the danger area, "
+    found.warn(
+        laid.path_key(first.number),
+        f"the path of {describe(first.robot)}{others} lies in the danger area, "
         f"less than {first.safe_distance:.4g} m from a wall, over {first.danger_share:.0%} of its "
         f"length, and no place is more than {roomiest:.4g} m from the walls, too little to turn "
         f"in the safe area, which takes {first.circumscribed:.4g} m more than the safe distance: "
@@ -103,8 +104,6 @@ def check_turning_room(
     )
 
 
-def _roomiest(ground: Ground) -> float:
+def _roomiest(area: Area) -> float:
     """Largest distance [m] that a place of the accessible area has from the boundaries."""
-    if ground.area is None:
-        return 0.0
-    return float(shapely.maximum_inscribed_circle(ground.area.polygon, tolerance=1e-3).length)
+    return float(shapely.maximum_inscribed_circle(area.polygon, tolerance=1e-3).length)

@@ -15,17 +15,15 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from physim.checking.sketch import Sketch, number
-from physim.checking.telling import MOST_ALIKE, Told
+from physim.checking.findings import MOST_ALIKE, Diagnostics
+from physim.checking.formation import listed_leads, start_stations
 from physim.geometry.shapes import FloatArray
-from physim.world import Formation
-from physim.world.faults import shown
+from physim.layout import PartialLayout
+from physim.world.faults import describe
 
 LAST_SHARE = 0.1
 """Share of the initial error sums at which (7) should be within the limits again."""
@@ -33,51 +31,44 @@ UPDATE = 0.1
 """[s] longest update interval (14)"""
 
 
-def check_formation_speed(sketch: Sketch, values: Mapping[str, Any], told: Told) -> None:
+def check_formation_speed(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of a steady speed outside the limits, slow robots, and a gain that saturates."""
-    plan = values.get("formation")
-    if not sketch.has_formation or not isinstance(plan, Mapping) or len(sketch.robots) < 2:
+    plan = laid.world.formation
+    if plan is None or plan.speed is None or plan.limits is None or len(laid.world.robots) < 2:
         return
-    defaults = {key: field.default for key, field in Formation.model_fields.items()}
-    speed, gain = (number(plan.get(key, defaults[key]), 0.0, 1000.0) for key in ("speed", "gain"))
-    given = plan.get("limits", list(defaults["limits"]))
-    limits = given if isinstance(given, list) and len(given) == 2 else [None, None]
-    low, high = (number(value, 0.0, 1000.0) for value in limits)
-    if speed is None or low is None or high is None or low > high:
+    speed, (low, high) = plan.speed, plan.limits
+    if low > high:
         return
-    _check_slow(sketch, low, told)
+    _check_slow(laid, low, found)
     if not low <= speed <= high:
-        told.warn(
-            ("formation", "speed" if "speed" in plan else "limits"),
+        found.warn(
+            ("formation", "speed" if "speed" in plan.model_fields_set else "limits"),
             f"the steady speed, {speed:.6g} m/s, lies outside the limits, {low:.6g} to {high:.6g} "
             f"m/s: (7) holds every robot at {low if speed < low else high:.6g} m/s until errors "
             "are large; write a speed between the limits, or widen them",
         )
-    elif gain is not None:
-        _check_gain(sketch, {**defaults, **plan}, (gain, speed, low, high), told)
+    elif plan.gain is not None:
+        _check_gain(laid, found)
 
 
-def _check_slow(sketch: Sketch, low: float, told: Told) -> None:
+def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
     """Warn of robots slower than the least speed [m/s] that (7) gives the others."""
-    slow = [robot for robot in sketch.robots if robot.v is not None and robot.v < low]
-    for robot in slow[:MOST_ALIKE]:
-        told.warn(
-            ("robots", robot.number, "limits", "v"),
-            f"{shown(robot.name)} drives at most {robot.v:.6g} m/s and cannot keep up: by "
+    tops = [robot.limits.v for robot in laid.world.robots]
+    slow = [i for i, top in enumerate(tops) if top is not None and top < low]
+    for i in slow[:MOST_ALIKE]:
+        found.warn(
+            ("robots", i, "limits", "v"),
+            f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
             f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
             "the least speed of the formation",
         )
 
 
-def _check_gain(
-    sketch: Sketch,
-    plan: Mapping[str, Any],
-    speeds: tuple[float, float, float, float],
-    told: Told,
-) -> None:
-    gain, speed, low, high = speeds
+def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
+    plan = laid.world.formation
+    gain, speed, (low, high) = plan.gain, plan.speed, plan.limits
     margin = min((m for m in (high - speed, speed - low) if m > 0.0), default=0.0)
-    sums, neighbours = _error_sums(sketch, plan)
+    sums, neighbours = _error_sums(laid)
     start = float(np.abs(sums).max(initial=0.0))
     swing = neighbours * (high - low) * UPDATE
     error = max(LAST_SHARE * start, swing)
@@ -89,7 +80,7 @@ def _check_gain(
         else f"{swing:.3g} m, the change of the sum within {UPDATE:g} s that {neighbours} "
         f"neighbour{'s' if neighbours > 1 else ''} at the opposite limit can make"
     )
-    told.warn(
+    found.warn(
         ("formation", "gain"),
         f"{gain:.6g} 1/s saturates the cluster: an error sum of {margin / gain:.3g} m takes a "
         f"robot from {speed:.6g} m/s to a limit, and all beyond changes nothing; use at "
@@ -97,21 +88,21 @@ def _check_gain(
     )
 
 
-def _error_sums(sketch: Sketch, plan: Mapping[str, Any]) -> tuple[FloatArray, int]:
+def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
     """S_i (N,) [m] at the start, and the most neighbours that a robot has there; 0 if unknown."""
-    places = [robot.position for robot in sketch.robots]
-    count = len(places)
-    if sketch.reference is None or any(place is None for place in places):
+    count, plan = len(laid.world.robots), laid.world.formation
+    reference = laid.reference
+    station = None if reference is None else start_stations(laid, shapely.LineString(reference))
+    if station is None:
         return np.zeros(count), 1
-    line = shapely.LineString(sketch.reference)
-    station = np.asarray(line.project(shapely.points(np.array(places))))
-    lead = station if sketch.leads is None else sketch.leads
+    listed = listed_leads(laid)
+    lead = station if listed is None else listed
     sums, most = np.zeros(count), 0
-    pairs = _pairs(sketch, plan["neighbours"])
-    reach = number(plan["range"], 0.0, 1e6) or 0.0
+    pairs = _pairs(laid)
+    reach = plan.range or 0.0
     for i in range(count):
         near = np.abs(station - station[i]) <= reach
-        if plan["neighbours"] != "range":
+        if plan.neighbours != "range":
             near = np.ones(count, dtype=bool) if pairs is None else pairs[i]
         near[i] = False
         sums[i] = ((station - station[i]) - (lead - lead[i]))[near].sum()
@@ -119,14 +110,14 @@ def _error_sums(sketch: Sketch, plan: Mapping[str, Any]) -> tuple[FloatArray, in
     return sums, most
 
 
-def _pairs(sketch: Sketch, given: Any) -> Any:
+def _pairs(laid: PartialLayout) -> NDArray[np.bool_] | None:
     """Who keeps distance to whom (N, N), where pairs of names are listed; else None."""
-    if not isinstance(given, list):
+    given = laid.world.formation.neighbours
+    if not isinstance(given, tuple):
         return None
-    index = {robot.name: robot.number for robot in sketch.robots}
-    near = np.zeros((len(sketch.robots), len(sketch.robots)), dtype=bool)
-    for pair in given:
-        if isinstance(pair, list) and len(pair) == 2 and all(str(name) in index for name in pair):
-            i, j = (index[str(name)] for name in pair)
-            near[i, j] = near[j, i] = True
+    index = {name: i for i, name in enumerate(laid.names)}
+    near = np.zeros((len(index), len(index)), dtype=bool)
+    for a, b in given:
+        if a in index and b in index:
+            near[index[a], index[b]] = near[index[b], index[a]] = True
     return near

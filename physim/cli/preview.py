@@ -74,7 +74,7 @@ def _picture(options: Options) -> Path:
 
 def _laid_out(options: Options) -> Layout:
     """Read and check the world; every fault with its place in the file."""
-    from physim.scene_builder import lay_out
+    from physim.layout import lay_out
     from physim.world_file import located, read_world
 
     world, document = read_world(options.world, overrides=options.overrides)

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from physim.errors import Location, WorldError, nearest
+from physim.errors import Location, nearest
 from physim.importing.drawing import Drawing, Options, printable, refused
 from physim.importing.image_file import read_image
 from physim.importing.outlines import outline_map
 from physim.importing.source import read_text
-from physim.world_file import Document, read_document
+from physim.world_file import Document, located, read_document
 
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 MODES = ("trinary", "scale", "raw")
@@ -119,9 +119,7 @@ class _Yaml:
 
     def _values(self) -> dict[str, Any]:
         if self.document.faults:
-            raise WorldError(
-                list(self.document.faults), list(self.document.fault_positions)
-            ) from None
+            raise located((), self.document) from None
         values = self.document.values()
         if not isinstance(values, dict):
             raise refused(self.path, f"a map is a mapping of keys: {', '.join(KEYS)}", 1)

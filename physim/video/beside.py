@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-import yaml
 
 from physim import palette
 from physim.timeline import Timeline
@@ -17,14 +15,14 @@ from physim.video.legend import CONTACT, ROW, SIGN, draw_modes, draw_signs
 from physim.video.panel import draw_progress
 from physim.video.text import BOLD, shorten, width, write
 from physim.video.view import View
+from physim.world.differences import differences
 
 if TYPE_CHECKING:
-    pass
+    from physim.world import World
 
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
 PAD, GAP = 16, 3
-ABSENT = "default"
 MOST_NAMED = 2
 """Differing values of the two worlds that the titles name; of more the number."""
 
@@ -45,7 +43,7 @@ class Beside:
             View(timeline, ground(timeline), box, speed, fps)
             for timeline, box in zip(timelines, boxes, strict=True)
         ]
-        self._titles = differences(*(one.record.world.to_yaml() for one in timelines))
+        self._titles = titles(left.record.world, right.record.world)
         self._still = self._draw_still()
 
     def frame(self, time: float) -> Image:
@@ -105,39 +103,18 @@ class Beside:
             left += SIGN + width(shown, TEXT) + 2 * PAD
 
 
-def differences(left: str, right: str) -> tuple[str, str]:
-    """Say of two effective worlds, as text, in what they differ: a title for either.
+def titles(left: World, right: World) -> tuple[str, str]:
+    """Say of two effective worlds in what they differ: a title for either.
 
     Each is one line: the values of the keys that differ, or the number of these where they are
-    many; empty where the worlds are the same. Where a part of another name stands in a place, its
-    settings are not counted.
+    many; empty where the worlds are the same.
     """
-    first, second = (dict(_values(yaml.safe_load(text))) for text in (left, right))
-    keys = [k for k in {**first, **second} if first.get(k, ABSENT) != second.get(k, ABSENT)]
-    for part in [key.removesuffix("type") for key in keys if key.endswith(".type")]:
-        keys = [key for key in keys if key == f"{part}type" or not key.startswith(part)]
-    if len(keys) > MOST_NAMED:
-        return f"{len(keys)} values differ", f"{len(keys)} values differ"
-    told = [
-        ", ".join(f"{_word(key)}: {one.get(key, ABSENT)}" for key in keys)
-        for one in (first, second)
-    ]
-    return told[0], told[1]
-
-
-def _word(key: str) -> str:
-    """The part of a dotted key that a title needs."""
-    return key.removesuffix(".type").rsplit(".", 1)[-1]
-
-
-def _values(value: Any, key: str = "") -> list[tuple[str, str]]:
-    """Every plain value in a world with its dotted key."""
-    parts = value.items() if isinstance(value, Mapping) else enumerate(value)
-    found = []
-    for name, part in parts:
-        dotted = f"{key}.{name}" if key else str(name)
-        if isinstance(part, Mapping | list):
-            found += _values(part, dotted)
-        else:
-            found.append((dotted, str(part)))
-    return found
+    found = differences(left, right)
+    if len(found) > MOST_NAMED:
+        return f"{len(found)} values differ", f"{len(found)} values differ"
+    words = [key.removesuffix(".type").rsplit(".", 1)[-1] for key in found]
+    first, second = (
+        ", ".join(f"{word}: {pair[side]}" for word, pair in zip(words, found.values(), strict=True))
+        for side in (0, 1)
+    )
+    return first, second

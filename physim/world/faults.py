@@ -31,7 +31,7 @@ class KeyFault(Fault):
     """A fault of a key itself, not of its value: it is shown where the key stands."""
 
 
-def shown(value: Any) -> str:
+def describe(value: Any) -> str:
     """Write a given value briefly on one line, as a message shows it."""
     if value is None:
         return "nothing"
@@ -62,7 +62,7 @@ def _short(text: str) -> str:
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     """One fault per mistake of ``error``, which arose when making a ``model``.
 
-    A missing key that is evidently a misspelt one is told once, as the misspelt key.
+    A missing key that is evidently a misspelt one is reported once, as the misspelt key.
     """
     faults: list[Fault] = []
     mended: set[Location] = set()
@@ -78,8 +78,8 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
             missing.append(Fault(location, _missing(model, raw) + _misspelt_type(details)))
         else:
             choice = _choice(model, raw)
-            told = message(cast(Mapping[str, Any], details), choice)
-            faults.append(Fault(location, told + _in_millimetres(model, raw, details)))
+            what = message(cast(Mapping[str, Any], details), choice)
+            faults.append(Fault(location, what + _in_millimetres(model, raw, details)))
     return faults + [fault for fault in missing if fault.location not in mended]
 
 
@@ -119,7 +119,7 @@ def _misspelt_type(details: Mapping[str, Any]) -> str:
     given = details["input"] if details["loc"][-1] == "type" else None
     settings = given.get("settings", {}) if isinstance(given, Mapping) else {}
     near = [key for key in settings if isinstance(key, str) and _meant(key[:100], "type")]
-    return f'; {shown(near[0])} given; did you mean "type"?' if near else ""
+    return f'; {describe(near[0])} given; did you mean "type"?' if near else ""
 
 
 def _in_millimetres(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
@@ -146,19 +146,19 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     context = details.get("ctx", {})
     kind = str(details["type"])
     if kind in _NEEDED:
-        return f"{needed or _NEEDED[kind]}; given {shown(given)}{_hint(kind, given)}"
+        return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given)}"
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", context["expected"])
         near = nearest(str(given)[:100].lower(), words)
-        return f"{needed or _words(words, details)}; given {shown(given)}{near}"
+        return f"{needed or _words(words, details)}; given {describe(given)}{near}"
     if kind in _BOUNDS:
         sign, key = _BOUNDS[kind]
-        return f"must be {sign} {context[key]:.15g}; given {shown(given)}"
+        return f"must be {sign} {context[key]:.15g}; given {describe(given)}"
     if kind == "value_error":  # a rule between values, in the words of the model
         return str(context.get("error", details["msg"]))
     if kind in _SPECIAL:
         return _SPECIAL[kind](context, given)
-    return f"{details['msg']}; given {shown(given)}"
+    return f"{details['msg']}; given {describe(given)}"
 
 
 def _words(words: list[str], details: Mapping[str, Any]) -> str:

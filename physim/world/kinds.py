@@ -16,7 +16,7 @@ LARGEST_COORDINATE = 1.0e6
 MOST_POINTS = 100_000
 """Points of one polyline."""
 MANY = 100
-"""Entries of a list that may each be told as a fault."""
+"""Entries of a list that may each be reported as a fault."""
 MOST_CORNERS = 2_000
 """Corners of one footprint or obstacle."""
 MOST_NAME = 100
@@ -41,7 +41,7 @@ def _sequence(value: Any) -> Any:
 
 
 def _points(value: Any) -> Any:
-    """A long list with many entries that are no points is told once, not for each of them."""
+    """A long list with many entries that are no points is reported once, not for each of them."""
     value = _sequence(value)
     if len(value) > MOST_POINTS:
         lengths = {"max_length": MOST_POINTS, "actual_length": len(value)}

@@ -14,7 +14,7 @@ from typing import Any
 
 from physim.errors import Fault, nearest
 from physim.tolerances import LENGTH, WHOLE_STEPS
-from physim.world.faults import shown
+from physim.world.faults import describe
 from physim.world.kinds import plain
 from physim.world.robot import OMEGA_LIMIT
 
@@ -110,12 +110,12 @@ def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
         if name is not None and first.setdefault(name, i) != i:
             yield Fault(
                 ("robots", i, "name"),
-                f"{shown(name)} is the name of robots[{first[name]}] too; names must differ",
+                f"{describe(name)} is the name of robots[{first[name]}] too; names must differ",
             )
         if name is not None and WALL_NAMES.fullmatch(name):
             yield Fault(
                 ("robots", i, "name"),
-                f"{shown(name)} is what reports call a wall; give the robot another name",
+                f"{describe(name)} is what reports call a wall; give the robot another name",
             )
 
 
@@ -198,10 +198,10 @@ def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
                 there = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
                 near = nearest(name[:100], names)
                 yield Fault(
-                    (*where, m), f"no robot has the name {shown(name)}; there are {there}{near}"
+                    (*where, m), f"no robot has the name {describe(name)}; there are {there}{near}"
                 )
         if pair[0] == pair[1]:
-            yield Fault(where, f"{shown(pair[0])} cannot be its own neighbour")
+            yield Fault(where, f"{describe(pair[0])} cannot be its own neighbour")
         elif all(isinstance(name, str) for name in pair):
             if frozenset(pair) in seen:
                 yield Fault(where, "this pair is given twice")

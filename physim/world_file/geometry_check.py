@@ -1,7 +1,7 @@
-"""Faults of geometry, found before the run: with shapely, independent of the compiled kernels.
+"""Faults of shapes and of places: with shapely, independent of the compiled kernels.
 
-`shape_faults` looks at single shapes and needs the world alone; call it before areas or convex
-parts are worked out. `path_faults` and `start_faults` look at where everything is.
+An outline is looked at before areas or convex parts are worked out; then how far a robot moves in
+a step, and what it stands in at the start.
 """
 
 from __future__ import annotations
@@ -25,90 +25,13 @@ from physim.geometry.polygon import (
 )
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
-from physim.world import Limits, World
-from physim.world.faults import shown
+from physim.world import Limits
+from physim.world.faults import describe
 
-MOST_TOLD = 3
-"""Bodies that one robot overlaps which are told one by one."""
+MOST_REPORTED = 3
+"""Bodies that one robot overlaps which are reported one by one."""
 MOST_PAIRS = 200
-"""Pairs of robots which are told one by one."""
-
-
-def shape_faults(world: World) -> list[Fault]:
-    """Faults of single shapes: outlines that cross themselves or enclose nothing, and tunnelling.
-
-    Robots of the same outline are looked at once.
-    """
-    faults: list[Fault] = []
-    known: dict[Any, str] = {}
-    for i, robot in enumerate(world.robots):
-        outline = robot.outline
-        if outline not in known:
-            known[outline] = outline_fault(outline)
-        if known[outline]:
-            faults.append(Fault(("robots", i, "footprint"), known[outline]))
-        if robot.start is not None and (message := outline_fault(robot.start.region)):
-            faults.append(Fault(("robots", i, "start", "region"), message))
-    if world.start is not None and (message := outline_fault(world.start.region)):
-        faults.append(Fault(("start", "region"), message))
-    for k, obstacle in enumerate(world.obstacles):
-        if message := outline_fault(obstacle):
-            faults.append(Fault(("obstacles", k), message))
-    moving = [
-        Moving(i, robot.name, robot.outline, robot.limits.v, robot.limits.omega)
-        for i, robot in enumerate(world.robots)
-    ]
-    return faults or tunnelling(moving, world.time.step)
-
-
-def path_faults(world: World, paths: Sequence[ArrayLike], accessible: Any) -> list[Fault]:
-    """Paths (n, 2) without two distinct points, and boundaries that close no face.
-
-    ``accessible`` is the shapely area that robots may use, None where the boundaries bound no face
-    around the reference path.
-    """
-    faults = []
-    for i, path in enumerate(paths):
-        if len(corners_of_line(path)) < 2:
-            faults.append(Fault(("robots", i, "path"), "must have two distinct points"))
-    if accessible is None or accessible.is_empty:
-        where: Location = ("boundaries",) if world.boundaries is not None else ("corridor",)
-        message = "the boundaries close no face around the reference path; join their ends"
-        faults.append(Fault(where, message))
-    return faults
-
-
-def start_faults(
-    world: World,
-    *,
-    start: ArrayLike,
-    footprints: Sequence[ArrayLike],
-    boundaries: Sequence[ArrayLike],
-    obstacles: Sequence[ArrayLike],
-    accessible: Any,
-) -> list[Fault]:
-    """Robots that stand in or against something at the start, each with its place and numbers.
-
-    ``start`` (N, 3) poses [m, m, rad]; ``footprints`` N outlines (n, 2), robot's frame;
-    ``boundaries`` polylines and ``obstacles`` outlines as drawn, world frame; ``accessible`` as for
-    `path_faults`. Touching (distance at most ``CONTACT``) counts as overlap.
-    """
-    if accessible is None or accessible.is_empty:
-        return []
-    placed = [
-        Placed(i, world.robots[i].name, placed_outline(pose, footprint))
-        for i, (pose, footprint) in enumerate(zip(np.asarray(start), footprints, strict=True))
-    ]
-    drawn = world.boundaries is not None
-    walls = [
-        (f"boundaries[{k}]" if drawn else "the edge of the corridor", shapely.LineString(line))
-        for k, line in enumerate(map(np.asarray, boundaries))
-    ]
-    solids = [
-        (f"obstacles[{k}]", shapely.Polygon(ring))
-        for k, ring in enumerate(map(np.asarray, obstacles))
-    ]
-    return [*wall_faults(placed, walls, solids, accessible), *robot_faults(placed)]
+"""Pairs of robots which are reported one by one."""
 
 
 class Placed(NamedTuple):
@@ -199,16 +122,16 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
         where = ("robots", robot.number, "limits")
     others = f", and {count - 1} more too far" if count > 1 else ""
     message = (
-        f"{shown(robot.name)} could move {speed * step:.4g} m in one step of "
+        f"{describe(robot.name)} could move {speed * step:.4g} m in one step of "
         f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
         f"{robot.omega:.6g} rad/s){others}; at most {limit:.4g} m are allowed, a quarter "
-        f"of the smallest width, that of {shown(narrowest.name)}; "
+        f"of the smallest width, that of {describe(narrowest.name)}; "
         f"use a step of at most {_floored(limit / speed)} s or lower limits"
     )
     if radius > HUGE:
         message = (
-            f"{shown(robot.name)} reaches {radius:.6g} m from its reference point; lengths are in "
-            f"metres: is this one in millimetres? As it stands, {message}"
+            f"{describe(robot.name)} reaches {radius:.6g} m from its reference point; lengths are "
+            f"in metres: is this one in millimetres? As it stands, {message}"
         )
     return [Fault(where, message)]
 
@@ -228,7 +151,7 @@ def wall_faults(
     """Robots in or against a boundary or obstacle, or outside the accessible area.
 
     ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
-    ``accessible`` only contact is told.
+    ``accessible`` only contact is reported.
     """
     if not robots:
         return []
@@ -242,14 +165,14 @@ def wall_faults(
     faults = []
     for i, (number, given, shape) in enumerate(robots):
         where: Location = ("robots", number, "pose")
-        name = shown(given)
-        for k in sorted(near[i])[:MOST_TOLD]:
+        name = describe(given)
+        for k in sorted(near[i])[:MOST_REPORTED]:
             if k < len(walls):
-                told = _boundary_message(shape, *walls[k], accessible)
+                contact = _boundary_message(shape, *walls[k], accessible)
             else:
                 label, solid = solids[k - len(walls)]
-                told = _overlap(shape, solid, label)
-            faults.append(Fault(where, f"{name} {told} at the start; move it away"))
+                contact = _overlap(shape, solid, label)
+            faults.append(Fault(where, f"{name} {contact} at the start; move it away"))
         if not near[i] and accessible is not None and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
@@ -277,7 +200,7 @@ def _overlap(a: Any, b: Any, label: str) -> str:
 
 
 def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
-    """Pairs of robots that overlap or touch, told at the later one."""
+    """Pairs of robots that overlap or touch, reported at the later one."""
     if not robots:
         return []
     shapes = [robot.shape for robot in robots]
@@ -286,7 +209,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     faults = []
     for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
         first, second = robots[i], robots[j]
-        told = _overlap(second.shape, first.shape, shown(first.name))
-        message = f"{shown(second.name)} {told} at the start; part them"
+        contact = _overlap(second.shape, first.shape, describe(first.name))
+        message = f"{describe(second.name)} {contact} at the start; part them"
         faults.append(Fault(("robots", second.number, "pose"), message))
     return faults

@@ -12,14 +12,14 @@ from physim.errors import Fault, Location, Position, WorldError
 from physim.world import Robot, World
 from physim.world.faults import KeyFault
 from physim.world_file.file_text import file_text
-from physim.world_file.named_parts import judge_parts
+from physim.world_file.named_parts import check_parts
 from physim.world_file.nodes import Document, Member, Node
 from physim.world_file.overrides import apply_overrides
 from physim.world_file.reading import read_document, refused
 from physim.world_file.shipped import find_world
 
 MOST_FAULTS = 100
-"""Faults of one world that are told one by one."""
+"""Faults of one world that are reported one by one."""
 
 
 def load_world(
@@ -80,16 +80,16 @@ def world_of(
     A ``controller`` given here replaces the one of the document and may be ``module:Class``; the
     document's settings are kept only if they belong to that controller.
     """
-    judged = judge(
+    checked = validate(
         document, overrides=overrides, controller=controller, check_controller=check_controller
     )
-    if judged.world is None:
-        raise located(judged.faults, judged.document)
-    return judged.world, judged.document
+    if checked.world is None:
+        raise located(checked.faults, checked.document)
+    return checked.world, checked.document
 
 
 @dataclass(frozen=True)
-class Judged:
+class Validated:
     """A document held against the model."""
 
     document: Document
@@ -103,20 +103,20 @@ class Judged:
     """None where there is any fault"""
     controller: type[Any] | None
     """class of the controller; None where it cannot be had"""
-    doubts: tuple[Fault, ...] = ()
+    warnings: tuple[Fault, ...] = ()
     """what controller and stages warn of"""
 
 
-def judge(
+def validate(
     document: Document,
     *,
     overrides: Sequence[str] = (),
     controller: str | None = None,
     check_controller: bool = True,
-) -> Judged:
+) -> Validated:
     """Hold a document against the model, and return the faults instead of raising them.
 
-    Raises `WorldError` only where there are no values to judge: no mapping, or an override that
+    Raises `WorldError` only where there are no values to check: no mapping, or an override that
     cannot be read.
     """
     if document.root.members is None:
@@ -131,7 +131,7 @@ def judge(
     document = apply_overrides(document, overrides)
     values = document.values()
     chosen: type[Any] | None = None
-    doubts: tuple[Fault, ...] = ()
+    warnings: tuple[Fault, ...] = ()
     faults: list[Fault] = []
     world: World | None = None
     try:
@@ -141,10 +141,10 @@ def judge(
     if check_controller:
         robots = dict(enumerate(world.robots)) if world is not None else _sound_robots(values)
         sound = None if document.faults else world
-        chosen, told, doubts = judge_parts(values, controller is not None, robots, sound)
-        faults += told
+        chosen, of_parts, warnings = check_parts(values, controller is not None, robots, sound)
+        faults += of_parts
     world = None if faults or document.faults else world
-    return Judged(document, values, faults, world, chosen, doubts)
+    return Validated(document, values, faults, world, chosen, warnings)
 
 
 def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
@@ -155,11 +155,9 @@ def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
     """
     if document is None:
         return WorldError(_capped(list(faults)))
-    told = [*zip(document.faults, document.fault_positions, strict=True)]
-    told = in_order([*told, *placed(faults, document)])
-    kept = _capped([fault for fault, _ in told])
-    positions = [position for _, position in told][: len(kept)]
-    return WorldError(kept, positions)
+    found = in_order([*document.faults, *placed(faults, document)])
+    kept = _capped([fault for fault, _ in found])
+    return WorldError(kept, [position for _, position in found][: len(kept)])
 
 
 def placed(faults: Iterable[Fault], document: Document) -> list[tuple[Fault, Position]]:
@@ -167,17 +165,17 @@ def placed(faults: Iterable[Fault], document: Document) -> list[tuple[Fault, Pos
     return [
         (fault, document.position(fault.location, isinstance(fault, KeyFault)))
         for fault in faults
-        if not _is_void(fault.location, document)
+        if not _is_unreadable(fault.location, document)
     ]
 
 
-def in_order(told: list[tuple[Fault, Position]]) -> list[tuple[Fault, Position]]:
+def in_order(faults: list[tuple[Fault, Position]]) -> list[tuple[Fault, Position]]:
     """Faults in the order in which they stand in the file."""
-    return sorted(told, key=lambda pair: (pair[1].line, pair[1].column))
+    return sorted(faults, key=lambda pair: (pair[1].line, pair[1].column))
 
 
-def _is_void(location: Location, document: Document) -> bool:
-    return any(location[:n] in document.void for n in range(len(location) + 1))
+def _is_unreadable(location: Location, document: Document) -> bool:
+    return any(location[:n] in document.unreadable for n in range(len(location) + 1))
 
 
 def _capped(faults: list[Fault]) -> list[Fault]:
@@ -212,14 +210,14 @@ def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:
 
 
 __all__ = [
-    "Judged",
     "Position",
+    "Validated",
     "in_order",
-    "judge",
     "load_world",
     "located",
     "parse_world",
     "placed",
     "read_world",
+    "validate",
     "world_of",
 ]

@@ -10,7 +10,7 @@ from physim.part_checks import HOOKS, robot_faults, world_doubts, world_faults
 from physim.registry import CONTROLLER, STAGES, Kind, checked_settings, find_part, made_part
 from physim.world import ControllerChoice, Robot, World
 from physim.world.stages import MOST_STAGES
-from physim.world_file.nodes import holds_void
+from physim.world_file.nodes import holds_unreadable
 
 
 class Named(NamedTuple):
@@ -21,7 +21,7 @@ class Named(NamedTuple):
     choice: Mapping[str, Any]
 
 
-def judge_parts(
+def check_parts(
     values: Mapping[str, Any], trusted: bool, robots: Mapping[int, Robot], world: World | None
 ) -> tuple[type[Any] | None, list[Fault], tuple[Fault, ...]]:
     """Class of the controller; faults of all parts that ``values`` name; what they warn of.
@@ -31,7 +31,7 @@ def judge_parts(
     """
     controller: type[Any] | None = None
     faults: list[Fault] = []
-    doubts: list[Fault] = []
+    warnings: list[Fault] = []
     for named in _named(values):
         is_controller = named.kind is CONTROLLER
         name = named.choice.get("type")
@@ -40,16 +40,16 @@ def judge_parts(
         try:
             part = find_part(named.kind, name, trusted and is_controller)
             controller = part if is_controller else controller
-            made, told = _made(named, part)
+            made, found = _made(named, part)
             if made is not None:
-                told = robot_faults(made, robots) if is_controller else []
-                if world is not None and not told:
-                    told = world_faults(made, world, named.where)
-                    doubts += world_doubts(made, world, named.where)
-            faults += told
+                found = robot_faults(made, robots) if is_controller else []
+                if world is not None and not found:
+                    found = world_faults(made, world, named.where)
+                    warnings += world_doubts(made, world, named.where)
+            faults += found
         except ControllerError as error:
             faults.append(Fault((*named.where, "type"), str(error)))
-    return controller, faults, tuple(doubts)
+    return controller, faults, tuple(warnings)
 
 
 def _named(values: Mapping[str, Any]) -> Iterator[Named]:
@@ -70,11 +70,11 @@ def _named(values: Mapping[str, Any]) -> Iterator[Named]:
 def _made(named: Named, part: type[Any]) -> tuple[Any, list[Fault]]:
     """The part, where it has something to say of worlds, and the faults of its settings.
 
-    It is None where a setting is wrong; of one that could not even be read the document tells.
+    It is None where a setting is wrong; one that could not even be read is a fault of the document.
     """
     kind, where, choice = named
     settings = {key: value for key, value in choice.items() if key != "type"}
-    unread = {key for key, value in settings.items() if holds_void(value)}
+    unread = {key for key, value in settings.items() if holds_unreadable(value)}
     settings = {key: value for key, value in settings.items() if key not in unread}
     made, faults = checked_settings(part, settings, where)
     if faults or unread or not any(hasattr(part, hook) for hook in HOOKS):
@@ -83,4 +83,4 @@ def _made(named: Named, part: type[Any]) -> tuple[Any, list[Fault]]:
     return made_part(kind, part, made, choice["type"]), []
 
 
-__all__ = ["judge_parts"]
+__all__ = ["check_parts"]

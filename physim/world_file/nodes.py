@@ -23,18 +23,18 @@ class OverridePosition(Position):
         return self.key if self.key.startswith("--") else f"--set {self.key}"
 
 
-class Void:
-    """Stands for a value that could not be read; the fault that says why is already told."""
+class Unreadable:
+    """Stands for a value that could not be read; the fault that says why is already found."""
 
 
-VOID = Void()
+UNREADABLE = Unreadable()
 
 
-def holds_void(value: Any) -> bool:
-    """Whether a plain value is `VOID`, or a list or mapping with it inside."""
+def holds_unreadable(value: Any) -> bool:
+    """Whether a plain value is `UNREADABLE`, or a list or mapping with it inside."""
     if isinstance(value, dict | list):
-        return any(map(holds_void, value.values() if isinstance(value, dict) else value))
-    return value is VOID
+        return any(map(holds_unreadable, value.values() if isinstance(value, dict) else value))
+    return value is UNREADABLE
 
 
 @dataclass(slots=True)
@@ -75,16 +75,15 @@ class Member:
 class Document:
     """A world file as read: its tree, and what is already wrong with it.
 
-    ``faults`` and ``fault_positions`` go together. ``void`` holds the locations of values that
-    could not be read; they stand in the tree as `VOID`. ``doubts`` are warnings about its text.
+    ``faults`` have their places. ``unreadable`` holds the locations of values that could not be
+    read; they stand in the tree as `UNREADABLE`. ``warnings`` are about its text.
     """
 
     source: str
     root: Node
-    faults: tuple[Fault, ...] = ()
-    fault_positions: tuple[Position, ...] = ()
-    void: frozenset[Location] = frozenset()
-    doubts: tuple[Fault, ...] = ()
+    faults: tuple[tuple[Fault, Position], ...] = ()
+    unreadable: frozenset[Location] = frozenset()
+    warnings: tuple[Fault, ...] = ()
 
     def values(self) -> Any:
         """Return the world as dicts, lists, numbers and texts."""

@@ -10,7 +10,7 @@ from physim.errors import Fault, Location, Position, WorldError, dotted
 from physim.registry import STAGES
 from physim.world import World
 from physim.world.describe import field_at
-from physim.world.faults import shown
+from physim.world.faults import describe
 from physim.world_file.nodes import Document, Member, Node, OverridePosition
 from physim.world_file.reading import read_document
 
@@ -39,10 +39,10 @@ def apply_overrides(document: Document, overrides: Sequence[str]) -> Document:
 def _applied(document: Document, override: str) -> Document:
     key, equals, text = override.partition("=")
     key = key.strip()
-    place = OverridePosition(document.source, 1, 1, shown(key)[1:-1])
+    place = OverridePosition(document.source, 1, 1, describe(key)[1:-1])
     if not equals or not _KEY.fullmatch(key):
         message = (
-            f"{shown(override)} is not KEY=VALUE, as time.step=0.02 or robots.0.pose=[1, 2, 0]"
+            f"{describe(override)} is not KEY=VALUE, as time.step=0.02 or robots.0.pose=[1, 2, 0]"
         )
         raise WorldError([Fault((), message)], [place])
     location = _location(key)
@@ -134,9 +134,11 @@ def _placed(
         return replace(node, items=[*node.items[:part], child, *node.items[part + 1 :]])
     if node.items is not None:
         there = f"has entries 0 to {len(node.items) - 1}" if node.items else "is an empty list"
-        message = f"there is no entry {shown(part)}; this list {there}"
+        message = f"there is no entry {describe(part)}; this list {there}"
     else:
-        message = f"there is no {shown(part)} in it; it is the single value {shown(node.value)}"
+        message = (
+            f"there is no {describe(part)} in it; it is the single value {describe(node.value)}"
+        )
     raise WorldError([Fault(location[:depth], message)], [place])
 
 
@@ -145,21 +147,14 @@ def _without(
 ) -> Document:
     """Put the faults of the old text that still stand and those of the new value together."""
     depth = len(location)
-    kept = [
-        (fault, position)
-        for fault, position in zip(document.faults, document.fault_positions, strict=True)
-        if fault.location[:depth] != location
-    ]
+    kept = [pair for pair in document.faults if pair[0].location[:depth] != location]
     new = [
-        (replace(fault, location=(*location, *fault.location)), place) for fault in changed.faults
+        (replace(fault, location=(*location, *fault.location)), place)
+        for fault, _ in changed.faults
     ]
-    void = {where for where in document.void if where[:depth] != location}
-    void |= {(*location, *where) for where in changed.void}
+    unreadable = {where for where in document.unreadable if where[:depth] != location}
+    unreadable |= {(*location, *where) for where in changed.unreadable}
+    warnings = [fault for fault in document.warnings if fault.location[:depth] != location]
     return Document(
-        document.source,
-        changed.root,
-        tuple(fault for fault, _ in kept + new),
-        tuple(position for _, position in kept + new),
-        frozenset(void),
-        tuple(doubt for doubt in document.doubts if doubt.location[:depth] != location),
+        document.source, changed.root, (*kept, *new), frozenset(unreadable), tuple(warnings)
     )

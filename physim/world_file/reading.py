@@ -10,11 +10,11 @@ from typing import Any
 import yaml
 
 from physim.errors import Fault, Location, Position, WorldError
-from physim.world.faults import KeyFault, shown
+from physim.world.faults import KeyFault, describe
 from physim.world_file.collector import collector_paused
-from physim.world_file.nodes import VOID, Document, Member, Node
+from physim.world_file.nodes import UNREADABLE, Document, Member, Node
 from physim.world_file.scalars import RefusedScalarError, scalar
-from physim.world_file.syntax import glued_key, stumble
+from physim.world_file.syntax import missing_space, syntax_hint
 
 MOST_BYTES = 5_000_000
 MOST_DEPTH = 50
@@ -29,7 +29,7 @@ MOST_KEY = 100
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 _CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_GLUED_COMMENT = re.compile(r"\S#")
+_UNSPACED_COMMENT = re.compile(r"\S#")
 _TAB = re.compile(r"^ *\t[ \t]*(?=[^ \t\r\n#])", re.MULTILINE)
 
 
@@ -37,8 +37,8 @@ def read_document(text: str, source: str = "<text>") -> Document:
     """Read the text of a world file into a tree with positions.
 
     The mistakes that leave the tree whole (duplicate keys, ambiguous scalars, tags) are kept in
-    ``Document.faults``, to be told together with those of the model. Raises `WorldError` with one
-    position where the text is not YAML, is empty, or exceeds a limit.
+    ``Document.faults``, to be reported together with those of the model. Raises `WorldError` with
+    one position where the text is not YAML, is empty, or exceeds a limit.
     """
     text = text.removeprefix("\ufeff")
     if len(text) > MOST_BYTES:
@@ -49,7 +49,8 @@ def read_document(text: str, source: str = "<text>") -> Document:
         with collector_paused():
             reader.read(yaml.parse(text, Loader=Loader))
     except yaml.YAMLError as error:
-        raise _syntax_fault(error, text, source) from None
+        line, column, message = syntax_hint(error, text)
+        raise refused(source, line, column, f"not valid YAML: {message}") from None
     if reader.root is None:
         raise refused(
             source, 1, 1, "the file is empty; a world needs name, time, corridor and robots"
@@ -58,9 +59,8 @@ def read_document(text: str, source: str = "<text>") -> Document:
         source,
         reader.root,
         tuple(reader.faults),
-        tuple(reader.positions),
-        frozenset(reader.void),
-        tuple(reader.doubts),
+        frozenset(reader.unreadable),
+        tuple(reader.warnings),
     )
 
 
@@ -84,12 +84,6 @@ def _line_column(text: str, index: int) -> tuple[int, int]:
     return text.count("\n", 0, index) + 1, index - (text.rfind("\n", 0, index) + 1) + 1
 
 
-def _syntax_fault(error: yaml.YAMLError, text: str, source: str) -> WorldError:
-    """Say what the parser found, or better what caused it, where, on one line."""
-    line, column, message = stumble(error, text)
-    return refused(source, line, column, f"not valid YAML: {message}")
-
-
 @dataclass(slots=True)
 class _Open:
     """A mapping or list whose end has not come yet."""
@@ -104,7 +98,7 @@ class _Open:
     """whether the value that comes next has a place: not after a key that was refused"""
     is_block: bool = True
     """whether it is written in lines, not in brackets"""
-    is_dash_told: bool = False
+    is_dash_advised: bool = False
 
 
 @dataclass
@@ -113,10 +107,9 @@ class _Reader:
 
     source: str
     root: Node | None = None
-    faults: list[Fault] = field(default_factory=list)
-    positions: list[Position] = field(default_factory=list)
-    void: set[Location] = field(default_factory=set)
-    doubts: list[Fault] = field(default_factory=list)
+    faults: list[tuple[Fault, Position]] = field(default_factory=list)
+    unreadable: set[Location] = field(default_factory=set)
+    warnings: list[Fault] = field(default_factory=list)
     stack: list[_Open] = field(default_factory=list)
     anchors: dict[str, Node | None] = field(default_factory=dict)
     values: int = 0
@@ -143,10 +136,10 @@ class _Reader:
             raise refused(self.source, line, column, "a second document; a world file holds one")
 
     def _fault(self, fault: Fault, line: int, column: int) -> None:
-        self.faults.append(fault)
-        self.positions.append(Position(self.source, line, column))
+        self.faults.append((fault, Position(self.source, line, column)))
         if len(self.faults) >= MOST_FAULTS:
-            raise WorldError(self.faults, self.positions)
+            faults, positions = zip(*self.faults, strict=True)
+            raise WorldError(list(faults), list(positions))
 
     def _here(self) -> Location:
         """Location of the value that comes next."""
@@ -171,7 +164,7 @@ class _Reader:
 
     def _check_tag(self, event: Any, line: int, column: int) -> None:
         if event.tag is not None:
-            tag = shown(str(event.tag))
+            tag = describe(str(event.tag))
             self._fault(
                 Fault(self._here(), f"tag {tag} is not allowed; write the bare value"), line, column
             )
@@ -184,7 +177,7 @@ class _Reader:
                 self.anchors[event.anchor] = Node(line, column, event.value)
             self._key(event.value, line, column, quoted=bool(event.style))
             return
-        value: Any = VOID
+        value: Any = UNREADABLE
         if event.tag is not None:
             self._check_tag(event, line, column)
         else:
@@ -193,31 +186,31 @@ class _Reader:
             except RefusedScalarError as error:
                 if event.value or not self.stack or self.stack[-1].is_usable:
                     self._fault(Fault(self._here(), str(error)), line, column)
-        if value is VOID:
-            self.void.add(self._here())
-        elif not event.style and isinstance(value, str) and _GLUED_COMMENT.search(value):
-            self._doubt_comment(value)
+        if value is UNREADABLE:
+            self.unreadable.add(self._here())
+        elif not event.style and isinstance(value, str) and _UNSPACED_COMMENT.search(value):
+            self._check_comment(value)
         node = Node(line, column, value)
         if event.anchor is not None:
             self.anchors[event.anchor] = node
         self._put(node)
 
-    def _doubt_comment(self, text: str) -> None:
+    def _check_comment(self, text: str) -> None:
         """Warn of a comment that is none, for want of a blank: ``r1#first``."""
         here = self._here()
-        if here[-1:] != ("description",) and len(self.doubts) < MOST_FAULTS:
+        if here[-1:] != ("description",) and len(self.warnings) < MOST_FAULTS:
             message = (
-                f'{shown(text)}: the "#" belongs to the text; a comment needs a blank before it; '
-                "put the text in quotes if it is meant so"
+                f'{describe(text)}: the "#" belongs to the text; a comment needs a blank before '
+                "it; put the text in quotes if it is meant so"
             )
-            self.doubts.append(Fault(here, message))
+            self.warnings.append(Fault(here, message))
 
     def _dash_hint(self, top: _Open) -> str:
-        """What may be missing where a key of an entry of a list comes again; told once an entry."""
+        """What may be missing where a key of an entry of a list comes again; said once an entry."""
         within = self.stack[-2] if len(self.stack) > 1 else None
-        if within is None or within.node.items is None or not top.is_block or top.is_dash_told:
+        if within is None or within.node.items is None or not top.is_block or top.is_dash_advised:
             return "keep one"
-        top.is_dash_told = True
+        top.is_dash_advised = True
         return 'keep one, or put a dash before it ("- ") where the next entry of the list begins'
 
     def _key(self, text: str, line: int, column: int, quoted: bool = False) -> None:
@@ -227,14 +220,14 @@ class _Reader:
         if len(given) >= MOST_KEYS:
             raise refused(self.source, line, column, f"more than {MOST_KEYS} keys in one mapping")
         if not text.isprintable() or not 0 < len(text) <= MOST_KEY:
-            message = f"{shown(text)} cannot be a key; keys are short words"
+            message = f"{describe(text)} cannot be a key; keys are short words"
             self._fault(Fault(top.location, message), line, column)
             top.is_usable = False
-        elif not quoted and (glued := glued_key(text)) and glued not in given:
-            message = f'a space is missing after the colon; write "{glued}: …"'
-            self._fault(Fault((*top.location, glued), message), line, column + len(glued))
-            self.void.add((*top.location, glued))
-            given[glued] = Member(line, column, Node(line, column, VOID))
+        elif not quoted and (word := missing_space(text)) and word not in given:
+            message = f'a space is missing after the colon; write "{word}: …"'
+            self._fault(Fault((*top.location, word), message), line, column + len(word))
+            self.unreadable.add((*top.location, word))
+            given[word] = Member(line, column, Node(line, column, UNREADABLE))
             top.is_usable = False
         elif text == "<<":
             self._fault(
@@ -271,7 +264,7 @@ class _Reader:
             raise refused(self.source, line, column, "a list or mapping cannot be a key")
         self._check_tag(event, line, column)
         if event.tag is not None:
-            self.void.add(self._here())  # what it would have been is not judged, too
+            self.unreadable.add(self._here())  # what it would have been is not checked, too
         is_list = isinstance(event, yaml.SequenceStartEvent)
         node = Node(line, column, items=[] if is_list else None, members=None if is_list else {})
         if event.anchor is not None:

@@ -82,8 +82,8 @@ def _plain(raw: Schema, models: Schema) -> Schema:
     if len(options) == 1:
         rest = {key: value for key, value in raw.items() if key not in ("anyOf", "oneOf")}
         return _plain({**options[0], **rest}, models)
-    told = _described(raw)
-    schema: Schema = {"description": told} if told else {}
+    text = _described(raw)
+    schema: Schema = {"description": text} if text else {}
     schema |= {key: raw[key] for key in _KEPT if key in raw}
     schema |= {key: raw[bound] for bound, key in _RENAMED.items() if bound in raw}
     if options:
@@ -112,8 +112,8 @@ def _described(raw: Schema) -> str:
     default = raw.get("default")
     if default in (None, "", [], ()) or isinstance(default, dict):
         return text
-    told = default if isinstance(default, str) else json.dumps(default)
-    return f"{text}. Default: {told}"
+    usual = default if isinstance(default, str) else json.dumps(default)
+    return f"{text}. Default: {usual}"
 
 
 def _choice(

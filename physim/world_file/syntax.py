@@ -1,6 +1,6 @@
 """What a text that is not YAML lacks: the usual causes, each where it lies.
 
-A YAML parser stumbles where it can read no further, often lines behind the mistake: at the key
+A YAML parser gives up where it can read no further, often lines behind the mistake: at the key
 after a bracket that was never closed, or at the colon after a line without one. Here the mistake
 itself is looked for; where none of the usual ones is found, the parser's own words stand.
 """
@@ -19,7 +19,7 @@ _KEYS_AFTER = 3
 """Lines before the place where a parser gave up in which a missing space is looked for."""
 
 
-class Stumble(NamedTuple):
+class SyntaxHint(NamedTuple):
     """A mistake and its place, line and column from 1."""
 
     line: int
@@ -27,7 +27,7 @@ class Stumble(NamedTuple):
     message: str
 
 
-def stumble(error: yaml.YAMLError, text: str) -> Stumble:
+def syntax_hint(error: yaml.YAMLError, text: str) -> SyntaxHint:
     """Say what is wrong with a text at which PyYAML raised ``error``, in one line."""
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     problem = str(getattr(error, "problem", None) or str(error).splitlines()[0])
@@ -48,10 +48,10 @@ def stumble(error: yaml.YAMLError, text: str) -> Stumble:
     since = ""
     if context and "next token" not in context:
         since = f" {context}" + (f" that begins on line {opened[0]}" if opened is not None else "")
-    return Stumble(line, column, f"{problem}{since}{_advice(problem, lines, line, column)}")
+    return SyntaxHint(line, column, f"{problem}{since}{_advice(problem, lines, line, column)}")
 
 
-def glued_key(text: str) -> str:
+def missing_space(text: str) -> str:
     """The key in a text like ``step:0.01``, which YAML takes for one word; "" in all others."""
     found = _NO_SPACE.match(text)
     return found["key"] if found else ""
@@ -59,7 +59,7 @@ def glued_key(text: str) -> str:
 
 def _bracket(
     problem: str, lines: list[str], at: tuple[int, int], opened: tuple[int, int] | None
-) -> Stumble | None:
+) -> SyntaxHint | None:
     """A list or mapping in brackets that is not closed, or that lacks a comma."""
     flow = "',' or ']'" in problem or "',' or '}'" in problem
     is_dash = "block sequence entries are not allowed" in problem
@@ -75,22 +75,22 @@ def _bracket(
     before = (lines[line - 1] if line <= len(lines) else "")[: column - 1]
     if here == ":" and (
         key := re.search(r"[\w.]+\s*$", before)
-    ):  # what it stumbles over is the key
+    ):  # the parser points at the colon, the mistake is before the key
         column, before = key.start() + 1, before[: key.start()]
     is_within = before.strip(" -") != ""
     if here in "]}" and here:
-        return Stumble(
+        return SyntaxHint(
             *opened,
             f'"{bracket}" opened here is closed by "{here}" at {line}:{column}; '
             f'close it with "{_CLOSING[bracket]}"',
         )
     if not is_dash and (here in ("[", "{", '"', "'") or is_within):
-        return Stumble(
+        return SyntaxHint(
             line, column, f'a comma is missing before this, in the "{bracket}" opened at '
             f"{opened[0]}:{opened[1]}",
         )  # fmt: skip
     end = f"before line {line}" if line <= len(lines) else "by the end of the text"
-    return Stumble(
+    return SyntaxHint(
         *opened, f'"{bracket}" opened here is not closed {end}; add "{_CLOSING[bracket]}"'
     )
 
@@ -115,13 +115,13 @@ def _bare(line: str) -> str:
     return re.sub(r"(?:^|(?<=\s))#.*$", lambda text: " " * len(text[0]), blank)
 
 
-def _quote(context: object, problem: str, opened: tuple[int, int] | None) -> Stumble | None:
+def _quote(context: object, problem: str, opened: tuple[int, int] | None) -> SyntaxHint | None:
     if "quoted scalar" in str(context) and "unexpected" in problem and opened is not None:
-        return Stumble(*opened, "the quote opened here is not closed; add one at the end of it")
+        return SyntaxHint(*opened, "the quote opened here is not closed; add one at the end of it")
     return None
 
 
-def _early_end(lines: list[str], line: int, column: int) -> Stumble | None:
+def _early_end(lines: list[str], line: int, column: int) -> SyntaxHint | None:
     """A quoted text that ends at a quote within it: ``'it's'``."""
     text = lines[line - 1] if line <= len(lines) else ""
     if not re.match(r"[\w.;!?&/()+-]", _character(lines, line, column)):
@@ -129,7 +129,7 @@ def _early_end(lines: list[str], line: int, column: int) -> Stumble | None:
     for quoted in re.finditer(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", text):
         if quoted.end() == column - 1:
             inside, other = ("''", "double") if quoted[0][0] == "'" else ('\\"', "single")
-            return Stumble(
+            return SyntaxHint(
                 line, quoted.start() + 1, f"the text in quotes that begins here ends at "
                 f"{line}:{column - 1} already; within it write {inside} for the quote, or put "
                 f"the text in {other} quotes",
@@ -137,35 +137,37 @@ def _early_end(lines: list[str], line: int, column: int) -> Stumble | None:
     return None
 
 
-def _look_alike(lines: list[str], line: int, opened: tuple[int, int] | None) -> Stumble | None:
+def _look_alike(lines: list[str], line: int, opened: tuple[int, int] | None) -> SyntaxHint | None:
     """A character that looks like a sign of YAML and is none: a no-break space, a wide colon."""
     first = opened[0] if opened is not None else line
     for number in range(max(first, 1), min(line, len(lines)) + 1):
         for column, sign in enumerate(_bare(lines[number - 1]), start=1):
             plain = unicodedata.normalize("NFKC", sign)
             if sign != plain and len(plain) == 1 and plain in " :,[]{}#-":
-                return Stumble(
+                return SyntaxHint(
                     number, column, f"U+{ord(sign):04X} ({unicodedata.name(sign, '?').lower()}) "
                     f'stands here for "{plain}"; type a plain "{plain}"',
                 )  # fmt: skip
     return None
 
 
-def _missing_space(lines: list[str], line: int, opened: tuple[int, int] | None) -> Stumble | None:
+def _missing_space(
+    lines: list[str], line: int, opened: tuple[int, int] | None
+) -> SyntaxHint | None:
     """A key whose colon is not followed by a space, in the lines before the parser gave up."""
     first = min(opened[0] if opened is not None else line, line - _KEYS_AFTER)
     for number in range(max(first, line - 2 * _KEYS_AFTER, 1), min(line, len(lines)) + 1):
         found = _NO_SPACE.match(_bare(lines[number - 1]))
         if found:
             key, column = found["key"], found.end("key") + 1
-            return Stumble(
+            return SyntaxHint(
                 number, column, f'a space is missing after the colon; write "{key[:40]}: …"'
             )
     return None
 
 
 def _advice(problem: str, lines: list[str], line: int, column: int) -> str:
-    """What to do about a mistake that the parser itself tells well enough."""
+    """What to do about a mistake that the parser itself describes well enough."""
     if _character(lines, line, column) == "\t":
         return "; tabs separate nothing here, use spaces"
     if "mapping values are not allowed" in problem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from physim.checking import boundaries
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
 
 SECOND = "  - [[33, 4], [-3, 4], [-3, -4]]\n"
@@ -172,7 +173,7 @@ def test_a_corridor_narrower_than_the_safe_distance_has_no_safe_area(tmp_path):
 )
 def test_places_are_counted_in_words(tmp_path, monkeypatch, places, told):
     crossings = [(0.0, 0.0)] * places
-    monkeypatch.setattr("physim.checking.bends.self_crossings", lambda wall: crossings)
+    monkeypatch.setattr(boundaries, "self_crossings", lambda wall: crossings)
     _, warnings = lines(check(tmp_path, CORRIDOR))
     assert any(told in warning for warning in warnings)
 

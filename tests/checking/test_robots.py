@@ -96,10 +96,8 @@ def test_starts_are_looked_at_though_no_boundary_can_be_read(tmp_path):
 def test_a_heading_in_degrees_is_a_warning_with_its_radians(tmp_path):
     warning = only_warning(tmp_path, changed(CORRIDOR, ("1.0, 0.0]\n    path: {offset: 1.0}",
                                              "1.0, 90]\n    path: {offset: 1.0}")))  # fmt: skip
-    assert warning == (
-        "7:22 robots[0].pose[2] 90 rad is more than a full turn; headings are in radians; if "
-        "degrees are meant, write 1.5708"
-    )
+    assert warning.startswith("7:22 robots[0].pose[2] 90 rad ")
+    assert warning.endswith(" 1.5708")  # what to write
 
 
 def test_a_start_with_the_back_to_the_path_is_a_warning(tmp_path):
@@ -124,25 +122,20 @@ def test_a_path_through_a_wall_is_told_with_the_stretch(tmp_path):
     dent = "[[33, 4], [17, 4], [15, 0.5], [13, 4], [-3, 4], [-3, -4]]"
     text = changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent))
     error = only_error(tmp_path, text)
-    assert error == (
-        '11:11 robots[0].path the path of "a" leaves the accessible area from 14.71 m to 15.29 m '
-        "along it; keep it between the boundaries"
-    )
+    assert error.startswith("11:11 robots[0].path ")
+    assert all(part in error for part in ('"a"', "leaves", "14.71 m", "15.29 m"))
 
 
 def test_a_path_too_near_a_wall_is_refused_where_the_robot_would_follow_it(tmp_path):
     dent = "[[33, 4], [17, 4], [15, 1.2], [13, 4], [-3, 4], [-3, -4]]"
     text = changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent))
     follower = "controller: {type: path_following}\n"
-    assert only_error(tmp_path, text + follower) == (
-        '11:11 robots[0].path "a" does not fit at station 15.00 m of its path, at (15, 1): 0.2 m '
-        "to boundaries[1], while the footprint reaches 0.5 m from the reference point even at its "
-        "narrowest; lead the path further away, or widen the place"
-    )
+    error = only_error(tmp_path, text + follower)
+    assert error.startswith("11:11 robots[0].path ")
+    figures = ('"a"', "15.00 m", "(15, 1)", "0.2 m to boundaries[1]", "0.5 m from the reference")
+    assert all(figure in error for figure in figures)
     warning = only_warning(tmp_path, text)
-    assert warning.endswith(
-        "the controller leads it through the safe area, 1 m from the boundaries, where there is one"
-    )
+    assert all(figure in warning for figure in (*figures, "1 m from the boundaries"))
     shared = changed(text, ("{offset: -1.0}", "[[0, 1], [30, 1]]"), ("[0.0, -3.0]", "[0.0, -4.0]"))
     assert "of its path, shared with 1 more, at (15, 1)" in only_warning(tmp_path, shared)
 

@@ -268,7 +268,7 @@ def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "at"),
     [
-        (("preview", "small.yaml"), "physim.scene_builder.lay_out"),
+        (("preview", "small.yaml"), "physim.layout.lay_out"),
         (("import", "track.csv", "-o", "w.yaml"), "physim.importing.import_world"),
         (("check", "small.yaml"), "physim.checking.check_world"),
         (("new", "a"), "physim.cli.new.write_text"),

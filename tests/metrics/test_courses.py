@@ -13,11 +13,12 @@ from physim.errors import PhysimError
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.corridor_width import sampled_widths
 from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
+from physim.layout import lay_out
 from physim.metrics.width import sides_of, width_extreme
 from physim.preview.contents import contents
 from physim.record import Record, RecordWriter
 from physim.scene import Body
-from physim.scene_builder import build_scene, lay_out
+from physim.scene_builder import build_scene
 from physim.world_file import load_world
 from tests.metrics.histories import THERE, history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene

@@ -7,8 +7,9 @@ import pytest
 import shapely
 
 from physim.geometry.corridor_width import sampled_widths, widths_at
+from physim.layout import lay_out
 from physim.preview.contents import contents
-from physim.scene_builder import build_scene, lay_out
+from physim.scene_builder import build_scene
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 from tests.geometry.cases import side_distances

@@ -19,13 +19,13 @@ from matplotlib.colors import to_rgba
 
 from physim.errors import PhysimError
 from physim.labels import round_step, significant
+from physim.layout import lay_out
 from physim.palette import DANGER_AREA, ROBOTS, hexed
 from physim.plots.style import styled
 from physim.preview import save_preview
 from physim.preview.contents import Contents
 from physim.preview.ground_plan import readable_scale
 from physim.preview.picture import make_figure, shown_of
-from physim.scene_builder import lay_out
 from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 from tests.preview.worlds import (

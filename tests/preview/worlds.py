@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
+from physim.layout import lay_out
 from physim.preview.contents import Contents
 from physim.preview.picture import shown_of
-from physim.scene_builder import lay_out
 from physim.world_file import parse_world
 
 

@@ -1,38 +1,32 @@
+"""Faults of shapes and places, as the layout of a world finds them."""
+
 from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
-import shapely
 
+from physim.errors import Fault
+from physim.layout import partial_layout
 from physim.world import World
 from physim.world_file import parse_world
-from physim.world_file.geometry_check import path_faults, shape_faults, start_faults
 from tests.worlds_by_hand import STRAIGHT
 
-EDGE = np.array([[-3, -4], [33, -4], [33, 4], [-3, 4], [-3, -4]], dtype=float)
+EDGE = [[-3.0, -4.0], [33.0, -4.0], [33.0, 4.0], [-3.0, 4.0], [-3.0, -4.0]]
 
 
-def found(world: World, start=None, obstacles=(), accessible="free", paths=None):
-    poses = [[x, y, 0.0 if h == "random" else h] for x, y, h in (r.pose for r in world.robots)]
-    free = shapely.Polygon(EDGE)
-    for ring in obstacles:
-        free = free.difference(shapely.Polygon(ring))
-    free = free if accessible == "free" else accessible
-    paths = [np.array([[0, 1], [30, 1]])] * len(world.robots) if paths is None else paths
-    faults = shape_faults(world) or [
-        *path_faults(world, paths, free),
-        *start_faults(
-            world,
-            start=np.array(poses if start is None else start, dtype=float),
-            footprints=[np.array(robot.outline) for robot in world.robots],
-            boundaries=[EDGE],
-            obstacles=list(obstacles),
-            accessible=free,
-        ),
-    ]
-    return [(fault.location, fault.message) for fault in faults]
+def found(world: World) -> list[Fault]:
+    return list(partial_layout(world).faults)
+
+
+def standing(world: World, *poses: tuple[float, float, float]) -> World:
+    """The world with its robots at these poses."""
+    pairs = zip(world.robots, poses, strict=True)
+    return world.changed(robots=[{**dict(robot), "pose": pose} for robot, pose in pairs])
+
+
+def places(faults: list[Fault]) -> list[tuple]:
+    return [fault.location for fault in faults]
 
 
 @pytest.fixture
@@ -60,41 +54,38 @@ def test_a_good_world_has_no_fault(world):
     ],
 )
 def test_robots_are_apart_from_all(world, first, second, where, text):
-    block = np.array([[18, -1], [22, -1], [22, 1], [18, 1]], dtype=float)
-    faults = found(world, start=[first, second], obstacles=[block])
-    assert [location for location, _ in faults] == [("robots", where, "pose")]
-    assert text in faults[0][1]
+    block = [[18, -1], [22, -1], [22, 1], [18, 1]]
+    beside = world.changed(obstacles=[block], reference_path=[[0, 2], [30, 2]])
+    faults = found(standing(beside, first, second))
+    assert places(faults) == [("robots", where, "pose")]
+    assert text in faults[0].message
 
 
 def test_a_gap_above_the_tolerance_is_a_gap(world):
-    assert found(world, start=[(6, 1, 0), (7.8 + 2e-9, 1, 0)]) == []
+    assert found(standing(world, (6, 1, 0), (7.8 + 2e-9, 1, 0))) == []
 
 
 def test_a_wall_inside_the_area_is_named(world):
     inner = [[10.0, 0.0], [12.0, 0.0]]
-    boundaries = (tuple(map(tuple, EDGE)), tuple(map(tuple, inner)))
-    drawn = world.changed(corridor=None, boundaries=boundaries, reference_path=[[0, 1], [30, 1]])
-    faults = start_faults(
-        drawn,
-        start=[(11, 0, 0.3), (3, 0, 0)],
-        footprints=[robot.outline for robot in drawn.robots],
-        boundaries=[EDGE, np.array(inner)],
-        obstacles=[],
-        accessible=shapely.Polygon(EDGE),
-    )
-    assert [fault.location for fault in faults] == [("robots", 0, "pose")]
+    drawn = world.changed(corridor=None, boundaries=[EDGE, inner], reference_path=[[0, 1], [30, 1]])
+    faults = found(standing(drawn, (11, 0, 0.3), (3, 0, 0)))
+    assert places(faults) == [("robots", 0, "pose")]
     assert "boundaries[1]" in faults[0].message
 
 
 def test_boundaries_must_bound_a_face(world):
-    faults = found(world, accessible=None)
-    assert faults[0][0] == ("corridor",)
-    assert "close no face" in faults[0][1]
+    drawn = world.changed(corridor=None, boundaries=[EDGE[:4]], reference_path=[[0, 1], [30, 1]])
+    faults = found(drawn)
+    assert places(faults) == [("boundaries",)]
+    assert "boundaries[0] ends at (-3, -4), 8 m from its own other end" in faults[0].message
 
 
 def test_paths_need_two_points(world):
-    paths = [np.array([[0, 1], [30, 1]]), np.array([[3, 1], [3, 1], [3, 1]])]
-    assert found(world, paths=paths) == [(("robots", 1, "path"), "must have two distinct points")]
+    """Beside a bend as tight as the offset, all waypoints are one."""
+    bend = world.changed(reference_path=[[10, 0], [11, 0], [11, 1]], formation=None)
+    beside = {**dict(world.robots[1]), "path": {"offset": 1.0}}
+    faults = found(bend.changed(robots=(world.robots[0], beside)))
+    assert places(faults) == [("robots", 1, "path")]
 
 
 @pytest.mark.parametrize(
@@ -109,21 +100,20 @@ def test_paths_need_two_points(world):
 def test_outlines_are_simple(world, outline, text):
     robots = (world.robots[0].model_copy(update={"footprint": tuple(map(tuple, outline))}),)
     bad = world.changed(robots=robots, formation=None, obstacles=[outline])
-    faults = shape_faults(bad)
-    assert [fault.location for fault in faults] == [("robots", 0, "footprint"), ("obstacles", 0)]
+    faults = found(bad)
+    assert places(faults) == [("robots", 0, "footprint"), ("obstacles", 0)]
     if text != "two":
         assert text in faults[0].message
-    assert found(bad)[0] == (faults[0].location, faults[0].message)
 
 
 def test_a_step_that_would_tunnel_is_refused_and_the_largest_told(world):
     radius = math.hypot(0.9, 0.5)
     largest = 0.25 * 1.0 / (1.5 + radius * 1.6)
     just = world.changed(time={"step": largest * 0.999, "duration": largest * 9.99})
-    assert shape_faults(just) == []
+    assert found(just) == []
     over = world.changed(time={"step": largest * 1.001, "duration": largest * 10.01})
-    faults = shape_faults(over)
-    assert [fault.location for fault in faults] == [("time", "step")]
+    faults = found(over)
+    assert places(faults) == [("time", "step")]
     assert "and 1 more too far" in faults[0].message
     told = float(faults[0].message.split("use a step of at most ")[1].split(" s")[0])
     assert told <= largest
@@ -133,20 +123,20 @@ def test_a_step_that_would_tunnel_is_refused_and_the_largest_told(world):
 
 def test_one_robot_too_fast_for_a_usual_step_is_told_at_its_limits(world):
     fast = {**dict(world.robots[1]), "limits": {"v": 100.0}}
-    faults = shape_faults(world.changed(robots=(world.robots[0], fast)))
-    assert [fault.location for fault in faults] == [("robots", 1, "limits")]
+    faults = found(world.changed(robots=(world.robots[0], fast)))
+    assert places(faults) == [("robots", 1, "limits")]
 
 
 def test_a_footprint_in_millimetres_is_told_as_such(world):
     large = {**dict(world.robots[1]), "footprint": [[900.0, 500.0], [-900.0, 500.0], [0.0, -500.0]]}
-    faults = shape_faults(world.changed(robots=(world.robots[0], large)))
-    assert [fault.location for fault in faults] == [("robots", 1, "footprint")]
+    faults = found(world.changed(robots=(world.robots[0], large)))
+    assert places(faults)[0] == ("robots", 1, "footprint")
     assert "is this one in millimetres?" in faults[0].message
 
 
 def test_the_narrowest_part_of_any_robot_decides(world):
     thin = [[0, 0], [2, 0], [2, 0.05], [0.05, 0.05], [0.05, 2], [0, 2]]
     robots = (world.robots[0], world.robots[1].model_copy(update={"footprint": thin}))
-    faults = shape_faults(world.changed(robots=(robots[0], {**dict(robots[1]), "footprint": thin})))
-    assert [fault.location for fault in faults] == [("time", "step")]
+    faults = found(world.changed(robots=(robots[0], {**dict(robots[1]), "footprint": thin})))
+    assert places(faults)[0] == ("time", "step")
     assert 'that of "r2"' in faults[0].message

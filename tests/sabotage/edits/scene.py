@@ -52,10 +52,10 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
-        "lay_out",
-        "if len(outside):",
-        "if False:",
+        "physim/layout.py",
+        "_area",
+        "if not len(outside):",
+        "if True:",
         "a reference path that leaves the accessible area is refused",
         "tests/test_scene_builder.py::test_a_reference_path_that_leaves_the_area_is_refused",
     ),
@@ -98,7 +98,7 @@ EDITS = (
     Edit(
         "scene",
         "physim/places.py",
-        "Ground.room",
+        "Occupancy.room",
         "shapely.covers(free, outlines)",
         "shapely.intersects(free, outlines)",
         "robots start wholly inside their region",
@@ -107,7 +107,7 @@ EDITS = (
     Edit(
         "scene",
         "physim/places.py",
-        "Spots._cut",
+        "Candidates._cut",
         "np.linspace(station.max(), station.min(), len(rows) + 1)",
         "np.linspace(station.min(), station.max(), len(rows) + 1)[::1]",
         "the first row of robots stands in front",
@@ -116,7 +116,7 @@ EDITS = (
     Edit(
         "scene",
         "physim/places.py",
-        "Spots._cut",
+        "Candidates._cut",
         "(self._lane(paths[i], 0.5 * (low + high)), i)",
         "i",
         "in a row robots stand in the order of their paths",

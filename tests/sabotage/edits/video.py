@@ -144,10 +144,10 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/beside.py",
+        "physim/world/differences.py",
         "differences",
-        "first.get(k, ABSENT) != second.get(k, ABSENT)",
-        "k in first and k in second and first[k] != second[k]",
+        "for key in {**first, **second}",
+        "for key in {*first} & {*second}",
         "the titles name what only one of two worlds has",
         "tests/video/test_beside.py::test_titles_say_in_what_worlds_differ",
     ),

@@ -1,0 +1,39 @@
+"""In which values two worlds differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import yaml
+
+from physim.world.model import World
+
+ABSENT = "default"
+"""Stands for a value that one of the worlds does not give."""
+
+
+def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
+    """Values of two worlds that differ, as text, by their dotted keys: of ``a``, then of ``b``.
+
+    Where a part of another name stands in a place, its settings are not counted.
+    """
+    first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
+    pairs = {key: (first.get(key, ABSENT), second.get(key, ABSENT)) for key in {**first, **second}}
+    found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
+    for part in [key.removesuffix("type") for key in found if key.endswith(".type")]:
+        settings = [key for key in found if key.startswith(part) and key != f"{part}type"]
+        for key in settings:
+            del found[key]
+    return found
+
+
+def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    """Every plain value in a world with its dotted key."""
+    parts = value.items() if isinstance(value, Mapping) else enumerate(value)
+    for name, part in parts:
+        dotted = f"{key}.{name}" if key else str(name)
+        if isinstance(part, Mapping | list):
+            yield from _values(part, dotted)
+        else:
+            yield dotted, str(part)

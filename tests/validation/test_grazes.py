@@ -59,8 +59,8 @@ def test_it_is_counted_apart_and_still_is_a_contact(grazing):
     (graze,) = grazes(grazing)
     summary = physim.summarise(grazing)
     assert summary.contacts.count == 0
-    assert [one.bodies for one in summary.grazes] == [("slow", "fast")]
-    assert summary.grazes[0].time_s == graze.time
+    assert summary.grazes == (graze,)
+    assert summary.names_of(graze.a, graze.b) == ("slow", "fast")
     text = " ".join(table(summary).split())
     assert "contacts 0 grazes between samples 1, first at" in text
     (held,) = expectations(grazing)

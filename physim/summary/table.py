@@ -55,7 +55,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         *_command_rows(s),
         *_arrival_rows(s),
         *_own_rows(s),
-        *((f"expected {one.key}", _held_text(one) + _with(one, s)) for one in s.expectations),
+        *((f"expected {one.key}", f"{one}{_with(one, s)}") for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
     ]
 
@@ -205,16 +205,3 @@ def _danger_text(summary: Summary) -> str:
 
 def _with(one: Held, summary: Summary) -> str:
     return " (grazes included)" if one.key == "contacts" and summary.grazes else ""
-
-
-def _held_text(one: Held) -> str:
-    sign = "=" if one.key == "finished" else ">=" if one.key.startswith("min_") else "<="
-
-    def text(value: object) -> str:
-        if isinstance(value, bool):
-            return "true" if value else "false"
-        return (
-            "n/a" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
-        )
-
-    return f"{'held' if one.held else 'NOT HELD'}: {text(one.got)} {sign} {text(one.wanted)}"

@@ -23,7 +23,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
 from physim.tolerances import ONE_STEP, PUSHED
 from physim.validation.decisions import DecisionTable
-from physim.validation.ledger import blocks, robot_shapes
+from physim.validation.ledger import pose_blocks
 
 ULPS = 8.0
 """Roundings of a coordinate in one step, for worlds far from the origin."""
@@ -68,7 +68,7 @@ def check_motion(record: Record, table: DecisionTable) -> Motion:
     """Hold every pose against the arc from the one before; see the module for what is left out."""
     touched = _touched(record)
     checked, found = 0, []
-    for poses, first in blocks(record):
+    for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
         command = record.commands_over("applied", first, last)
         free = ~touched[first:last] & ~touched[first + 1 : last + 1]
@@ -103,7 +103,7 @@ def _off(
 def _strays(
     record: Record, table: DecisionTable, found: list[_Off], touched: NDArray[np.bool_]
 ) -> tuple[Stray, ...]:
-    shapes, strays = robot_shapes(record), []
+    shapes, strays = record.shapes, []
     for i in range(record.robots):
         mine = [tuple(column[off.robot == i] for column in off) for off in found]
         step = np.concatenate([np.zeros(0, np.int64), *(off[0] for off in mine)])

@@ -13,7 +13,7 @@ from physim.metrics import contact_episodes, grazes
 from physim.summary import table
 from physim.validation import report, validate
 from physim.validation.findings import GRAZE, REJECTED
-from physim.validation.ledger import work_out
+from physim.validation.ledger import analytic_contacts
 from physim.video.contacts import episodes
 from physim.video.ground import ground
 from physim.video.legend import GRAZE as GRAZE_SIGN
@@ -120,7 +120,7 @@ def test_grazing_a_wall():
         changes = {"robots.1.pose": f"[4.6, {y!r}, 1.1883]", "time.step": 0.03,
                    "robots.0.pose": "[20.0, -1.0, 0.0]"}  # fmt: skip
         with lane(((0.0, 0.0), (0.0, 1.5)), **changes) as record:
-            ours = work_out(record).grazes
+            ours = analytic_contacts(record).grazes
             rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
             assert rows["step"].tolist() == ours["step"].tolist()
             assert rows["b"].tolist() == ours["b"].tolist()

@@ -34,7 +34,7 @@ def _text(value: Figure) -> str:
         return "n/a"
     if isinstance(value, bool):
         return "true" if value else "false"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g} m" if isinstance(value, float) else str(value)
 
 
 def expectations(record: Record) -> list[Held]:

@@ -21,6 +21,21 @@ class Held(NamedTuple):
     """[m] for distances; None where the figure has no meaning, which counts as held"""
     held: bool
 
+    def __str__(self) -> str:
+        """``held: 2 <= 2``: how it fared, what was found, the bound."""
+        sign = "=" if self.key == "finished" else ">=" if self.key.startswith("min_") else "<="
+        return (
+            f"{'held' if self.held else 'NOT HELD'}: {_text(self.got)} {sign} {_text(self.wanted)}"
+        )
+
+
+def _text(value: Figure) -> str:
+    if value is None:
+        return "n/a"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:.4g} m" if isinstance(value, float) else str(value)
+
 
 def expectations(record: Record) -> list[Held]:
     """Expectations of the record's world, in a fixed order; empty when it has none.

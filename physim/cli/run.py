@@ -92,7 +92,7 @@ def run(options: Options) -> int:
         stopped = stopped or bool(interrupt.count)
     if options.quiet:
         for deep in summary.deep_contacts:
-            print(f"WARNING  {deep.text}", file=sys.stderr)
+            print(f"WARNING  {deep.sentence(summary.bodies)}", file=sys.stderr)
     else:
         print(table(summary), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")

@@ -2,25 +2,7 @@
 
 from __future__ import annotations
 
-from physim.summary.summary import (
-    Contacts,
-    Danger,
-    Extreme,
-    Figure,
-    Graze,
-    Summary,
-    summarise,
-)
+from physim.summary.summary import Contacts, Summary, summarise
 from physim.summary.table import table, table_rows
 
-__all__ = [
-    "Contacts",
-    "Danger",
-    "Extreme",
-    "Figure",
-    "Graze",
-    "Summary",
-    "summarise",
-    "table",
-    "table_rows",
-]
+__all__ = ["Contacts", "Summary", "summarise", "table", "table_rows"]

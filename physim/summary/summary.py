@@ -5,26 +5,35 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from typing import Any
 
-from physim import metrics
 from physim.expectations import Held, expectations
+from physim.metrics import (
+    Absent,
+    DangerShare,
+    Deep,
+    Episode,
+    Graze,
+    Metric,
+    absent,
+    contact_episodes,
+    danger_shares,
+    deep_contacts,
+    grazes,
+    measured,
+)
 from physim.record import Record
 
-
-@dataclass(frozen=True)
-class Contact:
-    """One contact episode: who touched whom, when and how hard."""
-
-    bodies: tuple[str, str]
-    begin_s: float
-    duration_s: float
-    max_depth_m: float
-    impact_newton_seconds: float
-    """[N s] impulse of the first sample: the hit"""
-    impulse_newton_seconds: float
-    """[N s] over the whole episode: the hit and all pushing after it"""
+EXTREMES = (
+    ("shortest_distance_m", "shortest_distance"),
+    ("shortest_boundary_distance_m", "shortest_boundary_distance"),
+    ("farthest_pair_m", "farthest_distance"),
+    ("shortest_collision_time_s", "shortest_collision_time"),
+    ("formation_error_peak_m", "formation_error_peak"),
+    ("formation_error_final_m", "formation_error_final"),
+)
+"""Keys of the JSON that give a metric with its time and bodies, and the metric's name."""
 
 
 @dataclass(frozen=True)
@@ -39,132 +48,43 @@ class Contacts:
     max_depth_m: float | None
     max_impact_newton_seconds: float | None
     """[N s] largest impulse in the first sample of an episode"""
-    episodes: tuple[Contact, ...]
+    episodes: tuple[Episode, ...]
     """every one, in the order of their beginning"""
 
 
 @dataclass(frozen=True)
-class Graze:
-    """One contact between two samples: apart at both, so that the engine let it pass."""
-
-    bodies: tuple[str, str]
-    time_s: float
-    """[s] of the sample after it"""
-    max_depth_m: float
-
-
-@dataclass(frozen=True)
-class DeepContact:
-    """A pair of bodies that sank deeper than `physim.tolerances.DEEP` into each other."""
-
-    bodies: tuple[str, str]
-    from_s: float
-    """[s] when it first was deeper than that"""
-    max_depth_m: float
-    time_s: float
-    """[s] of the greatest depth"""
-    place_m: tuple[float, float]
-    text: str
-    """the same in words"""
-
-
-@dataclass(frozen=True)
-class Extreme:
-    """An extreme value of a run, when it was taken and by whom (names of bodies)."""
-
-    value: float
-    time_s: float
-    bodies: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Absent:
-    """A robot that had not arrived at the end, see `metrics.absent`."""
-
-    robot: str
-    short_m: float
-    """[m] along its path from where it was to its stop station; negative when past it"""
-    tolerance_m: float
-    stands: bool
-    """it moved no more than 1 cm in the last 0.5 s"""
-    text: str
-    """the same in words"""
-
-
-@dataclass(frozen=True)
-class Commands:
-    """How many robot-steps had a command that one stage changed."""
-
-    robot_steps: int
-    """of the whole run"""
-    filtered_differs_from_nominal: int
-    applied_differs_from_filtered: int
-
-
-@dataclass(frozen=True)
-class Danger:
-    """Shares of danger mode of one robot, see `metrics.danger_shares`."""
-
-    robot: str
-    decisions: float | None
-    time: float | None
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One named metric of a run, see `metrics.DEFINITIONS`; None (in JSON absent) = not so."""
-
-    value: bool | int | float
-    unit: str
-    time_s: float | None
-    """[s] when, where it was taken at a moment"""
-    station_m: float | None
-    """[m] along the path of the body, where it belongs to a place"""
-    bodies: tuple[str, ...] | None
-    """names, where it belongs to some bodies"""
-    robots: tuple[float | None, ...] | None
-    """of each robot in file order, where each has its own"""
-
-
-@dataclass(frozen=True)
 class Summary:
-    """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here."""
+    """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here.
+
+    Bodies and robots are told by id; `names_of` gives their names.
+    """
 
     name: str
     seed: int
+    dt: float
+    """[s]"""
     robots: int
+    bodies: tuple[str, ...]
+    """names by id: robots, then boundaries, then obstacles"""
     ended: str
-    simulated_s: float
-    finished: bool
-    """all robots have arrived, judged by their motion alone"""
-    time_to_finish_s: float | None
+    metrics: dict[str, Metric]
+    """every named metric that has a meaning here"""
+    metric_faults: tuple[str, ...]
+    """why metrics that packages registered could not be computed, a line each"""
     not_arrived: tuple[Absent, ...]
     """robots that have not arrived, and why"""
     contacts: Contacts | None
     grazes: tuple[Graze, ...]
     """contacts between two samples, in the order of time; none of ``contacts``"""
-    deep_contacts: tuple[DeepContact, ...]
+    deep_contacts: tuple[Deep, ...]
     """contacts too deep to be true: from the first on the record is not physical"""
     rejected_contacts: int
-    shortest_distance_m: Extreme | None
-    shortest_boundary_distance_m: Extreme | None
-    farthest_pair_m: Extreme | None
-    shortest_collision_time_s: Extreme | None
-    formation_error_peak_m: Extreme | None
-    formation_error_final_m: Extreme | None
-    danger: tuple[Danger, ...]
-    danger_time_share: float | None
+    danger: tuple[DangerShare, ...]
+    """of each robot"""
     modes: tuple[str, ...]
     """words of the modes that the controller declares"""
-    decisions: int | None
-    messages: int | None
-    collision_time_evaluations: int | None
-    commands: Commands
-    mean_speed_m_per_s: float | None
-    metrics: dict[str, Figure]
-    """every named metric that has a meaning here"""
-    metric_faults: tuple[str, ...]
-    """why metrics that packages registered could not be had, a line each"""
+    robot_steps: int
+    """of the whole run"""
     expectations: tuple[Held, ...]
     wall_clock: dict[str, float]
     """all else is the same in every run of the same world and seed"""
@@ -179,91 +99,139 @@ class Summary:
         """[-] simulated time over wall-clock time, where it is known."""
         return self.wall_clock.get("factor")
 
+    def value(self, metric: str) -> Any:
+        """Value of a named metric; None where it has no meaning here."""
+        found = self.metrics.get(metric)
+        return None if found is None else found.value
+
+    def names_of(self, *ids: int) -> tuple[str, ...]:
+        """Names of bodies."""
+        return tuple(self.bodies[i] for i in ids)
+
     def to_json(self) -> str:
         """JSON text with units in the keys; what is not a finite number is null."""
-        return json.dumps(_plain(self), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        tree = {
+            "name": self.name,
+            "seed": self.seed,
+            "robots": self.robots,
+            "ended": self.ended,
+            "simulated_s": self.value("simulated_time"),
+            "finished": self.value("finished"),
+            "time_to_finish_s": self.value("time_to_finish"),
+            "not_arrived": [self._absent(one) for one in self.not_arrived],
+            "contacts": self._contacts(),
+            "grazes": [
+                {"bodies": self.names_of(g.a, g.b), "time_s": g.time, "max_depth_m": g.depth}
+                for g in self.grazes
+            ],
+            "deep_contacts": [self._deep(one) for one in self.deep_contacts],
+            "rejected_contacts": self.rejected_contacts,
+            **{key: self._extreme(metric) for key, metric in EXTREMES},
+            "danger": [
+                {"robot": self.bodies[d.robot], "decisions": d.decisions, "time": d.time}
+                for d in self.danger
+            ],
+            "danger_time_share": self.value("danger_share"),
+            "modes": self.modes,
+            "decisions": self.value("decisions"),
+            "messages": self.value("messages"),
+            "collision_time_evaluations": self.value("collision_time_evaluations"),
+            "commands": {
+                "robot_steps": self.robot_steps,
+                "filtered_differs_from_nominal": self.value("filtered_steps"),
+                "applied_differs_from_filtered": self.value("disturbed_steps"),
+            },
+            "mean_speed_m_per_s": self.value("mean_speed"),
+            "metrics": {name: self._metric(self.metrics[name]) for name in sorted(self.metrics)},
+            "metric_faults": self.metric_faults,
+            "expectations": [dict(sorted(one._asdict().items())) for one in self.expectations],
+            "wall_clock": dict(sorted(self.wall_clock.items())),
+        }
+        return json.dumps(_finite(tree), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def _contacts(self) -> dict[str, Any] | None:
+        if self.contacts is None:
+            return None
+        episodes = [
+            {
+                "bodies": self.names_of(e.a, e.b),
+                "begin_s": e.time,
+                "duration_s": e.samples * self.dt,
+                "max_depth_m": e.depth,
+                "impact_newton_seconds": e.impact,
+                "impulse_newton_seconds": e.impulse,
+            }
+            for e in self.contacts.episodes
+        ]
+        return {**vars(self.contacts), "episodes": episodes}
+
+    def _absent(self, one: Absent) -> dict[str, Any]:
+        name = self.bodies[one.robot]
+        return {
+            "robot": name,
+            "short_m": one.short,
+            "tolerance_m": one.tolerance,
+            "stands": one.stands,
+            "text": one.sentence(name),
+        }
+
+    def _deep(self, one: Deep) -> dict[str, Any]:
+        return {
+            "bodies": self.names_of(one.a, one.b),
+            "from_s": one.time,
+            "max_depth_m": one.depth,
+            "time_s": one.depth_time,
+            "place_m": one.place,
+            "text": one.sentence(self.bodies),
+        }
+
+    def _extreme(self, metric: str) -> dict[str, Any] | None:
+        """A metric that was taken at a moment."""
+        if (one := self.metrics.get(metric)) is None:
+            return None
+        return {"value": one.value, "time_s": one.time, "bodies": self.names_of(*one.bodies)}
+
+    def _metric(self, one: Metric) -> dict[str, Any]:
+        """A metric with its unit; what it does not have is left out."""
+        given = {
+            "value": one.value,
+            "unit": one.unit,
+            "time_s": one.time,
+            "station_m": one.station,
+            "bodies": self.names_of(*one.bodies) or None,
+            "robots": one.robots,
+        }
+        return {key: value for key, value in given.items() if value is not None}
 
 
 def summarise(record: Record) -> Summary:
-    """Work out the summary of a run from its record alone. Raises RecordError if it is damaged."""
-    names = [body.name for body in record.bodies]
-
-    def named(moment: metrics.Moment | None) -> Extreme | None:
-        if moment is None:
-            return None
-        who = [i for i in (moment.a, moment.b) if i is not None]
-        return Extreme(moment.value, moment.time, tuple(names[i] for i in who))
-
-    shares = metrics.danger_shares(record)
-    found, faults = metrics.measured(record)
+    """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
+    found, faults = measured(record)
+    recorded = "contacts" in record.tables
     return Summary(
         name=record.name,
         seed=record.seed,
+        dt=record.dt,
         robots=record.robots,
+        bodies=tuple(body.name for body in record.bodies),
         ended=record.ended,
-        simulated_s=record.steps_run * record.dt,
-        finished=metrics.finished(record),
-        time_to_finish_s=metrics.time_to_finish(record),
-        not_arrived=tuple(
-            Absent(names[a.robot], a.short, a.tolerance, a.stands, a.sentence(names[a.robot]))
-            for a in metrics.absent(record)
-        ),
-        contacts=(
-            _contacts(metrics.contact_episodes(record), names, record.dt)
-            if "contacts" in record.tables
-            else None
-        ),
-        grazes=tuple(
-            Graze((names[g.a], names[g.b]), g.time, g.depth) for g in metrics.grazes(record)
-        ),
-        deep_contacts=tuple(
-            DeepContact(
-                (names[d.a], names[d.b]), d.time, d.depth, d.depth_time, d.place, d.sentence(names)
-            )
-            for d in metrics.deep_contacts(record)
-        ),
-        rejected_contacts=record.rejected_contacts,
-        shortest_distance_m=named(metrics.shortest_distance(record)),
-        shortest_boundary_distance_m=named(metrics.shortest_boundary_distance(record)),
-        farthest_pair_m=named(metrics.farthest_pair(record)),
-        shortest_collision_time_s=named(metrics.shortest_collision_time(record)),
-        formation_error_peak_m=named(metrics.formation_error_peak(record)),
-        formation_error_final_m=named(metrics.formation_error_final(record)),
-        danger=tuple(Danger(names[s.robot], s.decisions, s.time) for s in shares),
-        danger_time_share=metrics.danger_time_share(record),
-        modes=tuple(str(mode) for mode in record.modes),
-        decisions=metrics.decisions(record),
-        messages=metrics.messages(record),
-        collision_time_evaluations=metrics.evaluations(record),
-        commands=Commands(
-            record.steps_run * record.robots,
-            metrics.filtered_steps(record),
-            metrics.disturbed_steps(record),
-        ),
-        mean_speed_m_per_s=metrics.mean_speed(record),
-        metrics={
-            name: Figure(
-                metric.value,
-                metric.unit,
-                metric.time,
-                metric.station,
-                tuple(names[i] for i in metric.bodies) or None,
-                metric.robots,
-            )
-            for name, metric in found.items()
-        },
+        metrics=found,
         metric_faults=faults,
+        not_arrived=absent(record),
+        contacts=_contacts(contact_episodes(record)) if recorded else None,
+        grazes=grazes(record),
+        deep_contacts=deep_contacts(record),
+        rejected_contacts=record.rejected_contacts,
+        danger=danger_shares(record),
+        modes=tuple(str(mode) for mode in record.modes),
+        robot_steps=record.steps_run * record.robots,
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
     )
 
 
-def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: float) -> Contacts:
+def _contacts(episodes: Sequence[Episode]) -> Contacts:
     robots = sum(episode.robots for episode in episodes)
-    told = tuple(
-        Contact((names[e.a], names[e.b]), e.time, e.samples * dt, e.depth, e.impact, e.impulse)
-        for e in episodes
-    )
     return Contacts(
         count=len(episodes),
         between_robots=robots,
@@ -271,23 +239,14 @@ def _contacts(episodes: tuple[metrics.Episode, ...], names: Sequence[str], dt: f
         first_s=episodes[0].time if episodes else None,
         max_depth_m=max((episode.depth for episode in episodes), default=None),
         max_impact_newton_seconds=max((episode.impact for episode in episodes), default=None),
-        episodes=told,
+        episodes=tuple(episodes),
     )
 
 
-def _plain(value: Any) -> Any:
+def _finite(value: Any) -> Any:
     """Value in types that JSON knows; infinite and NaN become None."""
-    if isinstance(value, Figure):
-        given = ((field.name, getattr(value, field.name)) for field in fields(value))
-        return {name: _plain(part) for name, part in given if part is not None}
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, Held):
-        return _plain(value._asdict())
     if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in sorted(value.items())}
+        return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float):
-        return float(value) if math.isfinite(value) else None
-    return value
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from physim.record import Record
+from physim.validation.decisions import DecisionTable
 from physim.validation.mismatch import Mismatches
 
 
-def check_announced(record: Record, found: Mismatches) -> None:
+def check_schedule(record: Record, table: DecisionTable, found: Mismatches) -> None:
     """Hold the step of every decision against what the one before announced.
 
     A run whose robots were told what to do from outside has no decisions at all.
@@ -16,7 +17,7 @@ def check_announced(record: Record, found: Mismatches) -> None:
     rows = record.updates
     if not record.steps_run or (not len(rows) and len(record.commands)):
         return
-    order = np.argsort(rows["robot"], kind="stable")
+    order = table.decisions.order
     robot, step, due = (rows[name][order] for name in ("robot", "step", "next_step"))
     begins = np.diff(robot, prepend=-1) != 0
     for k in np.flatnonzero(begins & (step != 0)).tolist():

@@ -1,4 +1,4 @@
-"""Responsibility in words: who ran into whom, who had to keep clear and why, why it did not."""
+"""Responsibility in words: who ran into whom, who had to keep clear and why it did not."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import math
 
 from physim.declared import AT_STOP
 from physim.tolerances import PUSH
-from physim.validation.contact_report import ContactReport, GrazeReport
+from physim.validation.contact_report import ContactReport, SweptContactReport
 from physim.validation.numbers import joined, length, short
-from physim.validation.sides import Side
+from physim.validation.sides import RobotInContact
 
 
-def who_words(one: ContactReport | GrazeReport, names: list[str]) -> str:
+def describe_bodies(one: ContactReport | SweptContactReport, names: list[str]) -> str:
     """``front of r2 against rear left of r1``, the one that ran into the other first."""
     sides = sorted(one.sides, key=lambda side: not (side.responsible or _by_third(side, one)))
     words = [f"{side.part} of {names[side.body]}" for side in sides]
@@ -20,7 +20,7 @@ def who_words(one: ContactReport | GrazeReport, names: list[str]) -> str:
     return " against ".join(words)
 
 
-def charge_words(one: ContactReport | GrazeReport, names: list[str]) -> str:
+def describe_responsibility(one: ContactReport | SweptContactReport, names: list[str]) -> str:
     """``r2: it was 1.2 m behind r1 …``, who had to keep clear, and why."""
     pushed = [side for side in one.sides if side.pushed_by is not None]
     if pushed:
@@ -44,7 +44,7 @@ def charge_words(one: ContactReport | GrazeReport, names: list[str]) -> str:
     return f"{who}: it was behind {other} when they touched; the two changed places just before."
 
 
-def finding_words(one: ContactReport, names: list[str]) -> str:
+def describe_cause(one: ContactReport, names: list[str]) -> str:
     """Why it was not avoided, as far as the record shows."""
     pushed = next((side for side in one.sides if _by_third(side, one)), None)
     if pushed is not None and pushed.pushed_by is not None:
@@ -84,12 +84,12 @@ def finding_words(one: ContactReport, names: list[str]) -> str:
     return " ".join(said)
 
 
-def _by_third(side: Side, one: ContactReport | GrazeReport) -> bool:
-    """Whether another robot than the two brought this one into the contact."""
+def _by_third(side: RobotInContact, one: ContactReport | SweptContactReport) -> bool:
+    """Whether a robot other than the two brought this one into the contact."""
     return side.pushed_by is not None and side.pushed_by not in (one.a, one.b)
 
 
-def _push(side: Side, one: ContactReport | GrazeReport, names: list[str]) -> str:
+def _push(side: RobotInContact, one: ContactReport | SweptContactReport, names: list[str]) -> str:
     """Who is charged in place of a robot, and why."""
     name, other = names[side.body], names[one.a + one.b - side.body]
     by = names[side.pushed_by] if side.pushed_by is not None else ""

@@ -1,4 +1,4 @@
-"""The checks of a validation in words: what was held against what, and what does not agree."""
+"""The checks of a validation in words: what was compared with what, and what does not agree."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from physim.errors import plural
 from physim.tolerances import ONE_STEP
 from physim.validation.findings import UNEXPLAINED
 from physim.validation.mismatch import SLACK
-from physim.validation.numbers import joined, names_of, wrapped
+from physim.validation.numbers import joined, wrapped
 from physim.validation.validation import Validation, confusions
 
 SHOWN = 20
-"""Disagreements of one sort that are told one by one"""
+"""Disagreements of one sort that are listed one by one"""
 
 
 def check_lines(validation: Validation) -> list[str]:
-    """What was checked, and how it came out."""
+    """What was checked, and the result."""
     comparison, run = validation.comparison, validation.run
     pad = 34 * " "
     lines = [
@@ -42,7 +42,7 @@ def check_lines(validation: Validation) -> list[str]:
     )
     said += _decisions(validation)
     if not validation.origin.held:
-        said.append("World: the record holds no text of its world; nothing is held against it.")
+        said.append("World: the record holds no text of its world; nothing is compared with it.")
     if run.robots == 1:
         said.append("A single robot: there are no pairs of robots.")
     said += _again(validation)
@@ -50,7 +50,7 @@ def check_lines(validation: Validation) -> list[str]:
 
 
 def _decisions(validation: Validation) -> list[str]:
-    """What was worked out of decisions, commands and the end, and what was not."""
+    """What was computed of decisions, commands and the end, and what was not."""
     found = validation.recomputed
     parts = ["stations and formation errors"]
     if found.replayed:
@@ -58,14 +58,14 @@ def _decisions(validation: Validation) -> list[str]:
         parts.append(f"{found.replayed:,} made again by {kind} from what it saw")
     if found.columns:
         columns = joined([name.replace("_", " ") for name in found.columns])
-        parts.append(f"{columns} worked out from the shapes")
+        parts.append(f"{columns} computed from the shapes")
     wrong = len(found.mismatches)
-    came_out = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
+    result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
     lines = [
         f"Decisions: {found.decisions:,}: {'; '.join(parts)}. Commands, their limits and stages, "
-        f"arrival and the end of the run: {came_out}."
+        f"arrival and the end of the run: {result}."
     ]
-    return [*lines, *(f"Not worked out: {told}." for told in found.left_out)]
+    return [*lines, *(f"Not computed: {what}." for what in found.left_out)]
 
 
 def _again(validation: Validation) -> list[str]:
@@ -85,14 +85,14 @@ def _again(validation: Validation) -> list[str]:
     up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
     made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
     return [
-        f"Simulated again by other versions than made the record ({made or 'not told'}): the same "
+        f"Simulated again by other versions than made the record ({made or 'unknown'}): the same "
         f"within {SLACK:g}{up_to}."
     ]
 
 
 def disagreement_lines(validation: Validation) -> list[str]:
     """Every disagreement on a line of its own, `SHOWN` of each sort."""
-    names = names_of(validation)
+    names = validation.names
     sorts = [
         [f"unexplained: {told}" for told in validation.origin.differences],
         [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
@@ -157,25 +157,9 @@ def _mispredicted(validation: Validation, names: list[str]) -> list[str]:
 
 
 def expectation_lines(validation: Validation) -> list[str]:
-    """What the world expects, and what it got; nothing where it expects nothing."""
-    held = validation.expectations
-    if not held:
+    """What the world expects, and what was found; nothing where it expects nothing."""
+    if not validation.expectations:
         return []
-    lines = [f"EXPECTED: {plural(len(validation.missed), 'thing')} not so"]
-    if not validation.missed:
-        lines = ["EXPECTED: all of it"]
-    for one in held:
-        verdict = "held" if one.held else "NOT HELD"
-        lines.append(
-            f"  {one.key:<22} {shown(one.wanted):>10}  got {shown(one.got):>10}  {verdict}"
-        )
-    return lines
-
-
-def shown(value: bool | float | int | None) -> str:
-    """A figure of an expectation."""
-    if value is None:
-        return "n/a"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return str(value) if isinstance(value, int) else f"{value:.4g} m"
+    missed = len(validation.missed)
+    head = f"EXPECTED: {plural(missed, 'thing')} not so" if missed else "EXPECTED: all of it"
+    return [head, *(f"  {one.key:<22} {one}" for one in validation.expectations)]

@@ -1,8 +1,8 @@
-"""Standard columns of decisions, worked out from poses and commands: nothing of a controller's.
+"""Standard columns of decisions, computed from poses and commands: nothing of a controller's.
 
 Distance and collision time are those to the robots that the record says were considered, under the
 decision's own command and the commands that the others held; boundaries are those within range of
-sensing. Which robots the paper's controller has to consider is worked out, too: those ahead along
+sensing. Which robots the paper's controller has to consider is computed, too: those ahead along
 s* within range, both along it and straight.
 """
 
@@ -24,8 +24,10 @@ from physim.record import Record
 from physim.scene import Scene
 from physim.tolerances import LENGTH, TIME
 from physim.validation.mismatch import SLACKS, Mismatches, differs
-from physim.validation.walk import Stretch
+from physim.validation.walk import SampleBlock
 
+COLUMNS = ("distance", "boundary_distance", "collision_time")
+"""Standard columns, in the order of `standard_columns`."""
 LONGEST = 100.0
 """[s] Collision times beyond this are not looked for where a controller's horizon is not known."""
 BY = "by its pose and the robots it considered"
@@ -39,7 +41,7 @@ class Meaning:
     horizon: float
     """[s]"""
     motions: tuple[float, ...]
-    """shares of omega that they may have been worked out with: 1 arcs, 0 translation"""
+    """shares of omega that they may have been computed with: 1 arcs, 0 translation"""
     known: bool
     """whether the controller's settings say so"""
 
@@ -82,47 +84,44 @@ class StandardColumns:
     ) -> None:
         self.scene, self.meaning, self.considered = scene, meaning, considered
         names = record.updates.dtype.names or ()
-        self.columns = [
-            name for name in ("distance", "boundary_distance", "collision_time") if name in names
-        ]
+        self.columns = [name for name in COLUMNS if name in names]
 
-    def take(self, stretch: Stretch, found: Mismatches) -> None:
-        """Check the decisions of a stretch."""
-        rows = stretch.rows
+    def take(self, block: SampleBlock, found: Mismatches) -> None:
+        """Check the decisions of a block."""
+        rows = block.rows
         if not len(rows) or not self.columns:
             return
-        exact = self._exact(stretch, self.meaning.motions[0])
+        exact = self._exact(block, self.meaning.motions[0])
         for name in self.columns:
-            k = ("distance", "boundary_distance", "collision_time").index(name)
-            values = exact[:, k]
-            wrong = differs(rows[name], values, SLACKS.get(name, LENGTH))
+            wrong = differs(rows[name], exact[name], SLACKS.get(name, LENGTH))
             wrong &= ~np.isnan(rows[name])  # left out, which is the controller's own business
             if name == "collision_time" and wrong.any() and not self.meaning.known:
-                wrong &= self._refuted(stretch, exact[:, 2])
+                wrong &= self._refuted(block, exact[name])
             by = BY_COMMANDS if name == "collision_time" else BY
-            found.add_rows("/updates", name, rows, stretch.row, wrong, values, by)
+            found.add_rows("/updates", name, rows, block.row, wrong, exact[name], by)
 
-    def _refuted(self, stretch: Stretch, exact: FloatArray) -> NDArray[np.bool_]:
+    def _refuted(self, block: SampleBlock, exact: FloatArray) -> NDArray[np.bool_]:
         """Collision times that neither motion gives, where the horizon is not known."""
-        told = stretch.rows["collision_time"]
-        other = self._exact(stretch, self.meaning.motions[1])[:, 2]
+        told = block.rows["collision_time"]
+        other = self._exact(block, self.meaning.motions[1])["collision_time"]
         wrong = differs(told, exact, SLACKS["collision_time"])
         wrong &= differs(told, other, SLACKS["collision_time"])
         within = exact < self.meaning.horizon - 3.0 * TIME
         return np.asarray(wrong & (within | (told <= LONGEST)))
 
-    def _exact(self, stretch: Stretch, keep: float) -> FloatArray:
-        rows, out = stretch.rows, np.empty((len(stretch.rows), 3))
-        mine = slice(stretch.row, stretch.row + len(rows))
+    def _exact(self, block: SampleBlock, keep: float) -> dict[str, FloatArray]:
+        """Every standard column (M,) of the decisions; ``keep`` is the share of omega."""
+        rows, out = block.rows, np.empty((len(block.rows), len(COLUMNS)))
+        mine = slice(block.row, block.row + len(rows))
         command = np.stack((rows["nominal_v"], rows["nominal_omega"]), axis=1)
         scene = self.scene
         standard_columns(
-            stretch.at, rows["robot"].astype(np.int64), command, self.considered.other,
-            self.considered.start[mine], self.considered.end[mine], stretch.pose, stretch.held,
+            block.at, rows["robot"].astype(np.int64), command, self.considered.other,
+            self.considered.start[mine], self.considered.end[mine], block.pose, block.held,
             scene.shapes, scene.walls, scene.nearby, scene.sensing_range, self.meaning.horizon,
             keep, out,
         )  # fmt: skip
-        return out
+        return dict(zip(COLUMNS, out.T, strict=True))
 
 
 @compiled
@@ -172,7 +171,7 @@ def standard_columns(
         out[k, 2] = min(time, float(xi))
 
 
-def check_counts(record: Record, considered: Considered, found: Mismatches) -> None:
+def check_considered(record: Record, considered: Considered, found: Mismatches) -> None:
     """Hold the column ``considered`` against the table of that name."""
     rows, table = record.updates, record.considered
     count = considered.end - considered.start
@@ -186,18 +185,18 @@ def check_counts(record: Record, considered: Considered, found: Mismatches) -> N
 
 
 def check_priority(
-    record: Record, stretch: Stretch, reach: float, considered: Considered, found: Mismatches
+    record: Record, block: SampleBlock, reach: float, considered: Considered, found: Mismatches
 ) -> None:
     """Hold the considered robots against the paper's rule; robots that stand at their stop have
     none to consider and are left out."""
-    rows = stretch.rows
+    rows = block.rows
     rules = [rule.name for rule in record.declared.rules]
     moving = np.flatnonzero(rows["rule"] != (rules.index("stop") if "stop" in rules else -2))
-    mine = stretch.row + moving
+    mine = block.row + moving
     wrong = wrongly_considered(
-        stretch.at[moving], rows["robot"][moving].astype(np.int64), considered.other,
-        considered.start[mine], considered.end[mine], stretch.pose,
-        np.ascontiguousarray(stretch.course[:, :, 2]), reach,
+        block.at[moving], rows["robot"][moving].astype(np.int64), considered.other,
+        considered.start[mine], considered.end[mine], block.pose,
+        np.ascontiguousarray(block.reference_station), reach,
     )  # fmt: skip
     for k in np.flatnonzero(wrong >= 0).tolist():
         row, j = rows[moving[k]], int(wrong[k])

@@ -10,28 +10,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.scene import Scene
 from physim.tolerances import SHARE
-from physim.validation.mismatch import Mismatches, keys
+from physim.validation.decisions import DecisionTable
+from physim.validation.mismatch import Mismatches
 
 PARTS = ("v", "omega")
-Rows = NDArray[np.void]
 
 
 def check_commands(
-    record: Record, scene: Scene | None, stages: Sequence[str] | None, found: Mismatches
+    record: Record,
+    table: DecisionTable,
+    scene: Scene | None,
+    stages: Sequence[str] | None,
+    found: Mismatches,
 ) -> None:
     """Hold both tables of commands against each other, the limits and the stages there were.
 
     ``stages`` are words of the kinds of stages of the run ("filter", "disturbance"); None where
     that is not known.
     """
-    _same_in_both(record, found)
-    _stages(record, stages, found)
+    decided = _last_decided(record, table)
+    _same_in_both(record, table, decided, found)
+    _stages(record, decided, stages, found)
     if scene is not None:
         _limits(record, scene, found)
     late = record.commands["step"] >= max(record.steps_run, 1)
@@ -41,57 +45,50 @@ def check_commands(
         )
 
 
-def last_decided(record: Record) -> FloatArray:
-    """(R, 2) nominal command of the last decision up to each row of /commands; 0 before any."""
-    rows, table = record.updates, record.commands
-    order = np.lexsort((rows["step"], rows["robot"]))
-    span = record.steps_run + 2
-
-    def place(some: Rows) -> NDArray[np.int64]:
-        return np.asarray(some["robot"].astype(np.int64) * span + some["step"])
-
-    at = np.searchsorted(place(rows[order]), place(table), side="right") - 1
-    known = at >= 0
-    known[known] = rows["robot"][order][at[known]] == table["robot"][known]
-    command = np.zeros((len(table), 2))
-    for k, part in enumerate(PARTS):
-        command[known, k] = rows[f"nominal_{part}"][order][at[known]]
-    return command
+def _last_decided(record: Record, table: DecisionTable) -> dict[str, FloatArray]:
+    """v and omega (R,) of the last decision up to each row of /commands; 0 before any."""
+    row = table.decisions.last(record.commands["robot"], record.commands["step"])
+    known = row >= 0
+    decided = {part: np.zeros(len(row)) for part in PARTS}
+    for part, values in decided.items():
+        values[known] = record.updates[f"nominal_{part}"][row[known]]
+    return decided
 
 
-def _same_in_both(record: Record, found: Mismatches) -> None:
+def _same_in_both(
+    record: Record, table: DecisionTable, decided: dict[str, FloatArray], found: Mismatches
+) -> None:
     """Applied commands of decisions are those of their step; each row of /commands says more."""
-    rows, table = record.updates, record.commands
-    key, at = keys(record, table["step"], table["robot"]), keys(record, rows["step"], rows["robot"])
-    order = np.argsort(key)
-    place = np.searchsorted(key[order], at)
-    place[place == len(key)] = 0
-    listed = key[order][place] == at if len(key) else np.zeros(len(rows), dtype=np.bool_)
+    rows, commands = record.updates, record.commands
+    row = table.commands.at(rows["robot"], rows["step"])
+    listed = row >= 0
+    alike = np.ones(len(commands), dtype=np.bool_)
+    by = "by the table /commands and the nominal command"
     for part in PARTS:
         exact = rows[f"nominal_{part}"].copy()
-        exact[listed] = table[f"applied_{part}"][order][place[listed]]
+        exact[listed] = commands[f"applied_{part}"][row[listed]]
         wrong = rows[f"applied_{part}"] != exact
-        by = "by the table /commands and the nominal command"
         found.add_rows("/updates", f"applied_{part}", rows, 0, wrong, exact, by)
-    alike = np.ones(len(table), dtype=np.bool_)
-    for k, part in enumerate(PARTS):
         nominal, filtered, applied = (
-            table[f"{stage}_{part}"] for stage in ("nominal", "filtered", "applied")
+            commands[f"{stage}_{part}"] for stage in ("nominal", "filtered", "applied")
         )
-        alike &= (nominal == last_decided(record)[:, k]) & (filtered == nominal)
-        alike &= applied == filtered
+        alike &= (nominal == decided[part]) & (filtered == nominal) & (applied == filtered)
     for k in np.flatnonzero(alike).tolist():
         found.add(
             "/commands", None, "there", "not", "as all stages are the command last decided",
-            row=k, robot=int(table["robot"][k]), step=int(table["step"][k]),
+            row=k, robot=int(commands["robot"][k]), step=int(commands["step"][k]),
         )  # fmt: skip
 
 
-def _stages(record: Record, stages: Sequence[str] | None, found: Mismatches) -> None:
+def _stages(
+    record: Record,
+    decided: dict[str, FloatArray],
+    stages: Sequence[str] | None,
+    found: Mismatches,
+) -> None:
     """Commands may change from one stage to the next only where there is something in between."""
-    table = record.commands
-    decided = last_decided(record)
-    for k, part in enumerate(PARTS):
+    commands = record.commands
+    for part in PARTS:
         pairs = [
             ("filtered", f"nominal_{part}", "filter", "by the nominal command: there is no filter"),
             ("applied", f"filtered_{part}", "disturbance",
@@ -100,12 +97,12 @@ def _stages(record: Record, stages: Sequence[str] | None, found: Mismatches) -> 
         for stage, before, word, by in pairs:
             if stages is not None and word not in stages:
                 column = f"{stage}_{part}"
-                wrong = table[column] != table[before]
-                found.add_rows("/commands", column, table, 0, wrong, table[before], by)
+                wrong = commands[column] != commands[before]
+                found.add_rows("/commands", column, commands, 0, wrong, commands[before], by)
         if len(record.updates):
             column, by = f"nominal_{part}", "by the last decision of that robot"
-            wrong = table[column] != decided[:, k]
-            found.add_rows("/commands", column, table, 0, wrong, decided[:, k], by)
+            wrong = commands[column] != decided[part]
+            found.add_rows("/commands", column, commands, 0, wrong, decided[part], by)
 
 
 def _limits(record: Record, scene: Scene, found: Mismatches) -> None:

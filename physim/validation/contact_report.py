@@ -11,10 +11,10 @@ from physim.geometry.shapes import FloatArray
 from physim.metrics import Episode, Severity, contact_episodes, masses, severity
 from physim.record import Record
 from physim.validation.decisions import DecisionTable
-from physim.validation.ledger import Ledger
+from physim.validation.ledger import AnalyticContacts
 from physim.validation.prediction import Prediction, Predictor
 from physim.validation.pushing import Touch
-from physim.validation.sides import Side, sides_of
+from physim.validation.sides import RobotInContact, robots_in_contact
 
 MOST_EARLY = 100
 """Pairs whose earlier predictions are looked at, too."""
@@ -48,7 +48,7 @@ class ContactReport:
     """[N s] at the first sample: the impact"""
     impulse: float
     """[N s] in all"""
-    sides: tuple[Side, ...]
+    sides: tuple[RobotInContact, ...]
     """the robots, a first"""
     also_touching: tuple[int, ...]
     """bodies that one of the two was touching already when this contact began"""
@@ -61,7 +61,7 @@ class ContactReport:
 
 
 @dataclass(frozen=True)
-class GrazeReport:
+class SweptContactReport:
     """One contact between two samples: apart at both, so that the engine let the two pass."""
 
     a: int
@@ -74,31 +74,33 @@ class GrazeReport:
     """from a to b"""
     depth: float
     """[m] greatest within the step"""
-    sides: tuple[Side, ...]
+    sides: tuple[RobotInContact, ...]
     """the robots, a first"""
     responsible: tuple[int, ...]
     """robots that were responsible; a third one where it pushed one of the two"""
 
 
-def graze_reports(record: Record, table: DecisionTable) -> tuple[GrazeReport, ...]:
+def swept_contact_reports(record: Record, table: DecisionTable) -> tuple[SweptContactReport, ...]:
     """Report every recorded contact between two samples, in the order of time."""
     reports = []
     for row in record.contacts[record.contacts["kind"] == Kind.SWEPT]:
         a, b, step = (int(row[key]) for key in ("a", "b", "step"))
         x, y, nx, ny, depth = (float(row[key]) for key in ("x", "y", "nx", "ny", "depth"))
-        sides, charged = sides_of(record, table, Touch(a, b, step, (x, y), (nx, ny)))
-        reports.append(GrazeReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides, charged))
+        sides, charged = robots_in_contact(record, table, Touch(a, b, step, (x, y), (nx, ny)))
+        reports.append(
+            SweptContactReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides, charged)
+        )
     return tuple(reports)
 
 
 def contact_reports(
-    record: Record, ledger: Ledger, table: DecisionTable, predictor: Predictor
+    record: Record, analytic: AnalyticContacts, table: DecisionTable, predictor: Predictor
 ) -> tuple[ContactReport, ...]:
     """Report every contact episode of a record, in the order of their beginning."""
     episodes = contact_episodes(record)
-    key = (ledger.touching["step"], ledger.touching["a"], ledger.touching["b"])
+    key = (analytic.touching["step"], analytic.touching["a"], analytic.touching["b"])
     entries = dict(
-        zip(zip(*(k.tolist() for k in key), strict=True), ledger.touching["entry"], strict=True)
+        zip(zip(*(k.tolist() for k in key), strict=True), analytic.touching["entry"], strict=True)
     )
     seen: set[tuple[int, int]] = set()
     mass = masses(record)
@@ -135,7 +137,7 @@ def _report(
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
     impact = severity(record, episode, mass)
     prediction = predictor.predict(a, b, step, touched, impact.closing, earlier)
-    sides, charged = sides_of(record, table, Touch(a, b, step, point, normal))
+    sides, charged = robots_in_contact(record, table, Touch(a, b, step, point, normal))
     return ContactReport(
         number, a, b, episode.time, point,
         float(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from physim.tolerances import CONTACT
-from physim.validation.blame_text import charge_words, finding_words, who_words
+from physim.validation.blame_text import describe_bodies, describe_cause, describe_responsibility
 from physim.validation.contact_report import ContactReport
-from physim.validation.numbers import HUGE, joined, length, names_of, short, wrapped
-from physim.validation.sides import Side
+from physim.validation.numbers import HUGE, joined, length, short, wrapped
+from physim.validation.sides import RobotInContact
 from physim.validation.validation import Validation
 
 SHOWN = 8
@@ -23,7 +23,7 @@ def opening(validation: Validation) -> list[str]:
 
 
 def _sentences(validation: Validation) -> list[str]:
-    run, names, near = validation.run, names_of(validation), validation.near_misses
+    run, names, near = validation.run, validation.names, validation.near_misses
     if not validation.contacts and validation.grazes:
         return [f"No contact at a sample in {run.seconds:.2f} s.", *_grazes(validation)]
     if not validation.contacts:
@@ -46,8 +46,8 @@ def _sentences(validation: Validation) -> list[str]:
     said = [
         f"{robots} between robots, {len(validation.contacts) - robots} with boundaries or "
         f"obstacles, in {run.seconds:.2f} s.",
-        f"First at {first.time:.2f} s: {who_words(first, names)}. "
-        f"Responsible is {charge_words(first, names)} {finding_words(first, names)}",
+        f"First at {first.time:.2f} s: {describe_bodies(first, names)}. "
+        f"Responsible is {describe_responsibility(first, names)} {describe_cause(first, names)}",
     ]
     if len(validation.contacts) > 1:
         shares = [
@@ -68,21 +68,21 @@ def _grazes(validation: Validation) -> list[str]:
     """What happened between samples; nothing where nothing did."""
     if not validation.grazes:
         return []
-    names, first = names_of(validation), validation.grazes[0]
+    names, first = validation.names, validation.grazes[0]
     count = len(validation.grazes)
     times = "once" if count == 1 else f"{count} times"
     return [
         f"Between samples, where the engine does not look, bodies touched {times}; touching is a "
         "contact all the same.",
         f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
-        f"{who_words(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
-        f"{first.place[1]:.3f}) m. Responsible is {charge_words(first, names)}",
+        f"{describe_bodies(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
+        f"{first.place[1]:.3f}) m. Responsible is {describe_responsibility(first, names)}",
     ]
 
 
 def table_lines(validation: Validation) -> list[str]:
     """One line for each pair that touched."""
-    names = names_of(validation)
+    names = validation.names
     pairs: dict[tuple[int, int], list[ContactReport]] = {}
     for one in validation.contacts:
         pairs.setdefault((one.a, one.b), []).append(one)
@@ -121,7 +121,7 @@ def first_of_pairs(validation: Validation) -> list[ContactReport]:
 
 
 def _contact(validation: Validation, one: ContactReport) -> list[str]:
-    names = names_of(validation)
+    names = validation.names
     end = "still touching at the end" if one.lasting else f"for {one.duration:.2f} s"
     hit = one.severity
     motion = f"closing at {hit.closing:.3f} m/s, sliding at {hit.sliding:.3f} m/s"
@@ -131,7 +131,7 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
     push = f", pushing with {one.impulse / one.duration:,.0f} N on average"
     lines = [
         f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
-        *_item("what", f"{who_words(one, names)}; {motion}"),
+        *_item("what", f"{describe_bodies(one, names)}; {motion}"),
         *_item(
             "where",
             f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
@@ -143,11 +143,11 @@ def _contact(validation: Validation, one: ContactReport) -> list[str]:
             f"first, {one.impulse:,.1f} N s in all",
         ),
         *_severity(one, names),
-        *_item("responsible", charge_words(one, names)),
+        *_item("responsible", describe_responsibility(one, names)),
     ]
     for side in one.sides:
         lines += _item(names[side.body], _decision(side, one))
-    lines += _item("finding", finding_words(one, names))
+    lines += _item("finding", describe_cause(one, names))
     return lines + (_item("note", before) if before else [])
 
 
@@ -169,7 +169,7 @@ def _item(label: str, text: str) -> list[str]:
     return wrapped(text, f"    {label:<11} ", 16 * " ")
 
 
-def _decision(side: Side, one: ContactReport) -> str:
+def _decision(side: RobotInContact, one: ContactReport) -> str:
     if side.decided is None:
         return "made no decision before the contact"
     mode = "" if side.mode is None else f"mode {side.mode}, "
@@ -181,7 +181,7 @@ def _decision(side: Side, one: ContactReport) -> str:
     )
 
 
-def _saw(side: Side) -> str:
+def _saw(side: RobotInContact) -> str:
     """What its controller reported to have looked at."""
     time, near, boundary = side.reported_time, side.reported_distance, side.reported_boundary
     if math.isnan(time) and math.isnan(near) and math.isnan(boundary):
@@ -206,7 +206,7 @@ def _seconds(time: float) -> str:
 
 def _before(validation: Validation, one: ContactReport) -> str:
     """What led up to this contact, and what followed between the two."""
-    names = names_of(validation)
+    names = validation.names
     notes = []
     if one.also_touching:
         notes.append(f"already touching {joined([names[i] for i in one.also_touching])}")

@@ -8,53 +8,72 @@ from numpy.typing import NDArray
 from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import IntArray
 from physim.record import Record
-from physim.validation.ledger import robot_shapes
 
 WINDOW = 2.0
 """[m] least stretch of the reference path in which a robot is looked for after its last decision"""
 
 
+class RowsByRobot:
+    """Rows of a table with the columns ``step`` and ``robot``, by robot, then step."""
+
+    def __init__(self, rows: NDArray[np.void]) -> None:
+        self._robot, self._step = rows["robot"], rows["step"]
+        self.order = np.lexsort((self._step, self._robot))
+        """(M,) row numbers, those of the first robot first, each robot's in the order of steps"""
+        self._span = int(self._step.max(initial=0)) + 2
+        self._keys = self._key(self._robot, self._step)[self.order]
+
+    def last(self, robot: IntArray | int, step: IntArray | int) -> IntArray:
+        """Number of the last row of each robot at or before each step; -1 before its first."""
+        at = np.searchsorted(self._keys, self._key(robot, step), side="right") - 1
+        if not len(self._keys):
+            return np.asarray(at)
+        row = self.order[at]
+        return np.where((at >= 0) & (self._robot[row] == robot), row, -1)
+
+    def at(self, robot: IntArray | int, step: IntArray | int) -> IntArray:
+        """Number of the row of each robot at each step; -1 where there is none."""
+        row = self.last(robot, step)
+        if not len(self._keys):
+            return row
+        return np.where((row >= 0) & (self._step[row] == step), row, -1)
+
+    def _key(self, robot: IntArray | int, step: IntArray | int) -> IntArray:
+        key = np.asarray(robot, dtype=np.int64) * self._span + np.minimum(step, self._span - 1)
+        return np.asarray(key)
+
+
 class DecisionTable:
-    """Rows of the update table by robot, and the commands that robots were driven by."""
+    """Decisions by robot, and the commands that robots were driven by."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
-        self.rows = record.updates
-        order = np.argsort(self.rows["robot"], kind="stable")
-        sorted_robots = self.rows["robot"][order]
-        edges = np.searchsorted(sorted_robots, np.arange(record.robots + 1))
-        self._index = [order[edges[i] : edges[i + 1]] for i in range(record.robots)]
-        self._steps = [self.rows["step"][index] for index in self._index]
-        changed = _keys(record, record.commands["step"], record.commands["robot"])
-        self._command_row = np.argsort(changed)
-        self._changed = changed[self._command_row]
-        self.radius = robot_shapes(record).radius
+        self.decisions = RowsByRobot(record.updates)
+        """rows of the update table"""
+        self.commands = RowsByRobot(record.commands)
+        """rows of the table of commands"""
+        self.radius = record.shapes.radius
         """(N,) [m] of the circle round each reference point that holds the footprint"""
 
     def steps(self, robot: int) -> IntArray:
         """Steps at which a robot decided, increasing."""
-        return self._steps[robot]
-
-    def of(self, robot: int) -> NDArray[np.void]:
-        """Decisions of a robot, rows of the update table in the order of steps."""
-        rows: NDArray[np.void] = self.rows[self._index[robot]]
-        return rows
+        rows = self.record.updates
+        return np.asarray(rows["step"][rows["robot"] == robot])
 
     def last(self, robot: int, step: int) -> np.void | None:
         """Last decision of a robot at or before a step; None before its first."""
-        place = int(np.searchsorted(self._steps[robot], step, side="right")) - 1
-        return None if place < 0 else self.rows[self._index[robot][place]]
+        row = int(self.decisions.last(robot, step))
+        return None if row < 0 else self.record.updates[row]
 
     def held(self, robot: int, step: int) -> tuple[float, float]:
         """Command (v [m/s], omega [rad/s]) that drives a robot over the step from a sample on.
 
         That is the applied one; 0 before its first decision.
         """
-        key = _keys(self.record, step, robot)
-        place = int(np.searchsorted(self._changed, key))
-        if place < len(self._changed) and self._changed[place] == key:
-            row = self.record.commands[self._command_row[place]]
-            return float(row["applied_v"]), float(row["applied_omega"])
+        row = int(self.commands.at(robot, step))
+        if row >= 0:
+            command = self.record.commands[row]
+            return float(command["applied_v"]), float(command["applied_omega"])
         last = self.last(robot, step)
         if last is None:
             return 0.0, 0.0
@@ -74,14 +93,7 @@ class DecisionTable:
         window = WINDOW + 2.0 * abs(float(row["applied_v"])) * seconds
         return float(track(lines, 0, x, y, float(row["reference_station"]), window)[0])
 
-
-def _keys(record: Record, step: IntArray | int, robot: IntArray | int) -> IntArray:
-    """One number for step and robot, increasing with the rows of a table."""
-    return np.asarray(np.asarray(step, dtype=np.int64) * record.robots + robot)
-
-
-def last_before(table: DecisionTable, robots: list[int], step: int) -> int | None:
-    """Step of the last decision of any of these robots before a step."""
-    rows: list[NDArray[np.void] | np.void | None] = [table.last(i, step - 1) for i in robots]
-    steps = [int(row["step"]) for row in rows if row is not None]
-    return max(steps, default=None)
+    def last_before(self, robots: list[int], step: int) -> int | None:
+        """Step of the last decision of any of these robots before a step."""
+        rows = [row for row in (self.last(i, step - 1) for i in robots) if row is not None]
+        return max((int(row["step"]) for row in rows), default=None)

@@ -10,12 +10,12 @@ from physim.record import Record
 from physim.record.layout import ARRIVED, OPTIONAL
 from physim.scene import Scene
 from physim.validation.mismatch import Mismatches
-from physim.validation.walk import Stretch
+from physim.validation.walk import SampleBlock
 
 BY = "by the poses"
 
 
-class Arrivals:
+class ArrivalCheck:
     """Judges arrival anew, from poses and stations (`physim.arrival`)."""
 
     def __init__(self, record: Record, scene: Scene) -> None:
@@ -29,17 +29,17 @@ class Arrivals:
         self.all_since: int | None = None
         """first sample at which all had arrived"""
 
-    def take(self, stretch: Stretch) -> None:
-        """Go on with the samples of a stretch."""
-        pose = np.concatenate((self.pose, stretch.pose[stretch.overlap :]))
-        station = np.concatenate((self.station, stretch.course[stretch.overlap :, :, 0]))
+    def take(self, block: SampleBlock) -> None:
+        """Continue with the samples of a block."""
+        pose = np.concatenate((self.pose, block.pose[block.overlap :]))
+        station = np.concatenate((self.station, block.station[block.overlap :]))
         known = len(self.pose)
         found = np.zeros((len(pose) - known, pose.shape[1]), dtype=np.bool_)
         near = (station[known:] >= self.least).any(axis=0)
         if near.any():
             judged = arrivals(pose[:, near], station[:, near], self.least[near], self.dt)
             found[:, near] = judged[known:]
-        first = stretch.first + stretch.overlap
+        first = block.first + block.overlap
         samples = first + np.arange(len(found))[:, None]
         away = np.where(~found, samples, -1).max(axis=0, initial=-1)
         self.away = np.maximum(self.away, away)
@@ -53,20 +53,21 @@ class Arrivals:
         return np.asarray(np.where(self.away + 1 < samples, self.away + 1, -1))
 
 
-def check_ending(record: Record, scene: Scene, told: Arrivals, found: Mismatches) -> None:
+def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Mismatches) -> None:
     """Hold ``ended`` and ``/robots/arrived`` against the poses.
 
     A run ends as soon as all robots have arrived, or when its steps are over. What a run that was
     killed noted of arrivals may be older than its last sample: it is not looked at.
     """
     last, planned = record.steps_run, scene.steps
-    if told.all_since is not None and told.all_since < last:
+    if exact.all_since is not None and exact.all_since < last:
         found.add(
-            "attribute", "steps_run", last, told.all_since, f"{BY}: all robots had arrived then"
+            "attribute", "steps_run", last, exact.all_since, f"{BY}: all robots had arrived then"
         )
-    arrived = told.all_since is not None
+    arrived = exact.all_since is not None
+    since = exact.since(record.samples)
     if record.ended == "finished" and not arrived:
-        missing = [record.names[i] for i in np.flatnonzero(told.since(record.samples) < 0)]
+        missing = [record.names[i] for i in np.flatnonzero(since < 0)]
         found.add(
             "attribute", "ended", "finished", "not", f"{BY}: {', '.join(missing)} had not arrived"
         )
@@ -76,9 +77,8 @@ def check_ending(record: Record, scene: Scene, told: Arrivals, found: Mismatches
         found.add("attribute", "steps_run", last, planned, "by the world inside")
     if record.ended == "running":
         return
-    exact = told.since(record.samples)
-    for i in np.flatnonzero(record.arrived != exact).tolist():
-        found.add(ARRIVED, None, int(record.arrived[i]), int(exact[i]), BY, row=i, robot=i)
+    for i in np.flatnonzero(record.arrived != since).tolist():
+        found.add(ARRIVED, None, int(record.arrived[i]), int(since[i]), BY, row=i, robot=i)
 
 
 def check_counts(record: Record, found: Mismatches) -> None:

@@ -1,4 +1,4 @@
-"""Single events of a record against the shapes: grazes, and false contacts that were rejected."""
+"""Single events of a record against the shapes: swept contacts, and rejected false contacts."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from physim.validation.findings import (
     UNEXPLAINED,
     Disagreement,
 )
-from physim.validation.ledger import Ledger, robot_shapes
-from physim.validation.rows import body_keys, distance_at, stretches
+from physim.validation.ledger import AnalyticContacts
+from physim.validation.rows import distances_over, places, row_keys, stretches
 
 LEAST_SLACK = 1e-8
 """[m] Two searches for the least distance of a step agree to this: each ends within 1e-9 m of it,
@@ -32,29 +32,30 @@ NEAR_TOUCH = 2.0 * CONTACT
 """[m] A least distance within this of 0 may count as touching or not."""
 
 
-def grazes(record: Record, ledger: Ledger) -> list[Disagreement]:
-    """Contacts between two samples, which the engine cannot see, by both: record and ledger.
+def check_swept_contacts(record: Record, analytic: AnalyticContacts) -> list[Disagreement]:
+    """Contacts between two samples, which the engine cannot see: the record against the shapes.
 
-    Where only one of the two has it, or their depths differ, it is unexplained.
+    Where only one of the two has it, or their depths differ, it is unexplained. Raises RecordError
+    for one before the start.
     """
-    rows, n = record.contacts[record.contacts["kind"] == Kind.SWEPT], len(record.bodies)
-    entries = dict(zip(_places(ledger.grazes), ledger.grazes["entry"].tolist(), strict=True))
-    depths = dict(zip(_places(rows), rows["depth"].tolist(), strict=True))
+    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    if (rows["step"] == 0).any():
+        raise RecordError(
+            f"{record.path or 'record in memory'}: a contact between samples in the step that ends "
+            f"at 0; steps are 1 to {record.samples - 1}"
+        )
+    swept = analytic.grazes
+    entries = dict(zip(places(swept), swept["entry"].tolist(), strict=True))
+    depths = dict(zip(places(rows), rows["depth"].tolist(), strict=True))
     found = []
     for place in sorted({*entries, *depths}):
         step, a, b = place
-        if not (0 < step < record.samples and 0 <= a < b < n and a < record.robots):
-            raise RecordError(
-                f"{record.path or 'record in memory'}: a contact between samples, of bodies {a} "
-                f"and {b} in the step that ends at {step}; bodies are 0 to {n - 1}, steps 1 to "
-                f"{record.samples - 1}"
-            )
         least = _least(record, a, b, step)
         cause, what = GRAZE, "touching between two samples, apart at both"
         if place not in depths:
-            cause, what = _missing(least), f"{what}; not in the record"
+            cause, what = _one_sided(least), f"{what}; not in the record"
         elif place not in entries:
-            cause, what = _missing(least), "contact between samples in the record, shapes apart"
+            cause, what = _one_sided(least), "contact between samples in the record, shapes apart"
         elif abs(depths[place] - max(-least, 0.0)) > LEAST_SLACK:
             cause = UNEXPLAINED
             what = (
@@ -66,50 +67,38 @@ def grazes(record: Record, ledger: Ledger) -> list[Disagreement]:
     return found
 
 
-def false_contacts(record: Record) -> list[Disagreement]:
+def check_false_contacts(record: Record) -> list[Disagreement]:
     """Contacts that the engine reported and the exact check rejected, by stretches of samples.
 
     Unexplained where the shapes touch after all, or are not as far apart as recorded.
     """
-    rows = record.false_contacts
-    n = len(record.bodies)
-    wrong = (rows["a"] < 0) | (rows["a"] >= rows["b"]) | (rows["b"] >= n)
-    wrong |= (rows["a"] >= record.robots) | (rows["step"] < 0) | (rows["step"] >= record.samples)
-    if wrong.any():
-        raise RecordError(
-            f"{record.path or 'record in memory'}: a false contact at step "
-            f"{rows['step'][wrong][0]} of bodies {rows['a'][wrong][0]} and {rows['b'][wrong][0]}"
-        )
-    noted = dict(zip(_places(rows), rows["distance"].tolist(), strict=True))
+    rows, bodies = record.false_contacts, len(record.bodies)
+    recorded = dict(zip(places(rows), rows["distance"].tolist(), strict=True))
     found = []
-    for a, b, step, steps in stretches(body_keys(rows, n), n):
-        at = [distance_at(record, a, b, step + k) for k in range(min(steps, 1000))]
+    for a, b, step, steps in stretches(row_keys(rows, bodies), bodies):
+        exact = distances_over(record, a, b, step, steps)
         cause, what = REJECTED, "contact by the engine, shapes apart; not counted"
-        for k, d in enumerate(at):
-            told = noted[step + k, a, b]
+        for k, d in enumerate(exact):
+            noted = recorded[step + k, a, b]
             if d <= CONTACT - ROUNDING:
                 cause, what = UNEXPLAINED, "contact by the engine, rejected, but the shapes touch"
-            elif abs(d - told) > DEPTH_SLACK:
+            elif abs(d - noted) > DEPTH_SLACK:
                 cause = UNEXPLAINED
-                what = f"false contact at a distance of {told:.3g} m in the record"
-        time = step * record.dt
-        found.append(Disagreement(a, b, step, steps, time, at[0], cause, what))
+                what = f"false contact at a distance of {noted:.3g} m in the record"
+        found.append(
+            Disagreement.at(record, (a, b), step, exact[0], what, steps=steps, cause=cause)
+        )
     return found
 
 
-def _places(rows: np.ndarray[tuple[int, ...], np.dtype[np.void]]) -> list[tuple[int, int, int]]:
-    """Step and bodies of each row."""
-    return list(zip(*(rows[key].tolist() for key in ("step", "a", "b")), strict=True))
-
-
-def _missing(least: float) -> str:
-    """Cause of a contact between samples that only one of two ledgers has."""
+def _one_sided(least: float) -> str:
+    """Cause of a contact between samples that only record or shapes have."""
     return TOLERANCE if math.fabs(least) <= NEAR_TOUCH else UNEXPLAINED
 
 
 def _least(record: Record, a: int, b: int, step: int) -> float:
     """Least signed distance [m] of two bodies within the step that ends at a sample."""
-    shapes = robot_shapes(record)
+    shapes = record.shapes
     old, new = record.read("/steps/pose", step - 1, step + 1)
     if b < record.robots:
         return float(least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0])

@@ -1,8 +1,10 @@
-"""What a disagreement of two ledgers is, and the causes that it may have."""
+"""A disagreement of two sources about a pair of bodies, and the causes that it may have."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+from physim.record import Record
 
 TOLERANCE = "within tolerance"
 GRAZE = "graze between samples"
@@ -10,15 +12,15 @@ REJECTED = "rejected false contact of the engine"
 UNEXPLAINED = "unexplained"
 
 ROUNDING = 1e-12
-"""[m] Two ways to work out one distance differ by less, up to 10 km from the origin."""
+"""[m] Two ways to compute one distance differ by less, up to 10 km from the origin."""
 
 DEPTH_SLACK = 1e-9
-"""[m] How well a recorded depth or distance must agree with the one worked out here."""
+"""[m] How well a recorded depth or distance must agree with the one computed here."""
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """A stretch of consecutive samples over which two ledgers disagree about a pair."""
+    """A stretch of consecutive samples over which two sources disagree about a pair."""
 
     a: int
     b: int | None
@@ -28,10 +30,25 @@ class Disagreement:
     steps: int
     """number of samples"""
     time: float
-    """[s] of the first sample; of a graze, of its first touch"""
+    """[s] of the first sample; of a swept contact, of its first touch"""
     distance: float
-    """[m] signed, at the first sample, from the poses; of a graze the least between its samples;
-    NaN where no distance is in question"""
+    """[m] signed, at the first sample, from the poses; of a swept contact the least between its
+    samples; NaN where no distance is in question"""
     cause: str
     what: str
     """what each of the two says"""
+
+    @classmethod
+    def at(
+        cls,
+        record: Record,
+        pair: tuple[int, int | None],
+        step: int,
+        distance: float,
+        what: str,
+        *,
+        steps: int = 1,
+        cause: str = UNEXPLAINED,
+    ) -> Disagreement:
+        """One that begins at a sample of a record, without a cause unless one is given."""
+        return cls(*pair, int(step), steps, float(step * record.dt), float(distance), cause, what)

@@ -1,4 +1,4 @@
-"""The analytic ledgers of a run: contacts and near approaches worked out from the poses alone.
+"""The analytic contacts of a run: contacts and near approaches computed from the poses alone.
 
 Every pair robot-robot and robot-boundary is followed over every step, block by block, so memory
 stays flat however long the run. Footprints and walls come from the record; what the engine said
@@ -45,7 +45,7 @@ class Approach:
 
 
 @dataclass
-class Ledger:
+class AnalyticContacts:
     """What the geometry says of K samples."""
 
     reach: float
@@ -60,11 +60,6 @@ class Ledger:
     approaches: list[Approach] = field(default_factory=list)
 
 
-def robot_shapes(record: Record) -> Shapes:
-    """Footprints of the N robots as the analytic checks use them, from the record."""
-    return record.shapes
-
-
 def near_reach(record: Record, shapes: Shapes) -> float:
     """[m] what counts as near: the largest radius of a robot, about half its length.
 
@@ -72,7 +67,7 @@ def near_reach(record: Record, shapes: Shapes) -> float:
     between samples is left out.
     """
     fastest = 0.0
-    for poses, _ in blocks(record):
+    for poses, _ in pose_blocks(record):
         if len(poses) > 1:
             moved = np.abs(np.diff(poses, axis=0))
             way = np.hypot(moved[..., 0], moved[..., 1]) + shapes.radius * moved[..., 2]
@@ -80,7 +75,7 @@ def near_reach(record: Record, shapes: Shapes) -> float:
     return max(float(shapes.radius.max()), 2.0 * fastest + 1e-6)
 
 
-def blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
+def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
     """Poses (B, N, 3) of consecutive samples and the number of the first; each block begins with
     the last sample of the one before."""
     size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.robots))
@@ -90,22 +85,25 @@ def blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
             yield np.ascontiguousarray(record.read("/steps/pose", first, last)), first
 
 
-def work_out(record: Record) -> Ledger:
-    """Ledger of a record that holds the poses of every step. Raises RecordError if damaged."""
-    shapes, walls = robot_shapes(record), record.walls
+def analytic_contacts(record: Record) -> AnalyticContacts:
+    """Compute the contacts and approaches of a record that holds the poses of every step.
+
+    Raises RecordError if it is damaged.
+    """
+    shapes, walls = record.shapes, record.walls
     reach = near_reach(record, shapes)
     bodies = len(walls.body_start) - 1
     touching, grazes = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)]
     running: dict[tuple[int, int], Approach] = {}
     done: list[Approach] = []
-    for poses, start in blocks(record):
+    for poses, start in pose_blocks(record):
         rows = near_rows(poses, start, shapes, walls, reach, record.dt)
         touching.append(rows[rows["distance"] <= CONTACT])
         grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
         follow(rows, running, done)
     done += running.values()
     done.sort(key=lambda approach: (approach.distance, approach.step, approach.a, approach.b))
-    return Ledger(
+    return AnalyticContacts(
         reach, record.samples, record.robots * (record.robots - 1) // 2, record.robots * bodies,
         np.concatenate(touching), np.concatenate(grazes), done,
     )  # fmt: skip
@@ -126,7 +124,7 @@ def near_rows(
     def boundaries(who: IntArray, values: FloatArray) -> int:
         return scan_walls(poses, first, shapes, walls, reach, dt, who, values)
 
-    found = [_filled(robots), _filled(boundaries)]
+    found = [filled(robots, 2), filled(boundaries, 2)]
     rows = np.zeros(sum(len(who) for who, _ in found), NEAR)
     who = np.concatenate([pair[0] for pair in found])
     values = np.concatenate([pair[1] for pair in found])
@@ -159,11 +157,13 @@ def follow(
         running[a, b] = now
 
 
-def _filled(scan: Callable[[IntArray, FloatArray], int]) -> tuple[IntArray, FloatArray]:
-    """Output of a scan, with as much room as it needs."""
+def filled(
+    scan: Callable[[IntArray, FloatArray], int], columns: int
+) -> tuple[IntArray, FloatArray]:
+    """Output of a scan, (C, 3) and (C, ``columns``), with as much room as it needs."""
     room = 1024
     while True:
-        who, values = np.empty((room, 3), dtype=np.int64), np.empty((room, 2))
+        who, values = np.empty((room, 3), dtype=np.int64), np.empty((room, columns))
         count = scan(who, values)
         if count != FULL:
             return who[:count], values[:count]

@@ -1,4 +1,4 @@
-"""Values of a record that are not those worked out anew: one for each robot and column."""
+"""Values of a record that are not those computed anew: one for each robot and column."""
 
 from __future__ import annotations
 
@@ -9,21 +9,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import plural
-from physim.geometry.shapes import IntArray
 from physim.record import Record
 from physim.tolerances import LENGTH, TIME
 
 Value = bool | int | float | str
 
 SLACK = LENGTH
-"""[m, rad, m/s] How well a value must agree with the one worked out here."""
+"""[m, rad, m/s] How well a value must agree with the one computed here."""
 SLACKS = {"collision_time": TIME}
 """[s] of columns that are no lengths, angles or speeds"""
 
 
 @dataclass(frozen=True)
 class Mismatch:
-    """A value that is not the one worked out, and how many more there are of its robot and column.
+    """A value that is not the one computed, and how many more there are of its robot and column.
 
     ``table`` is a dataset of the record, or ``attribute``; what is about no row, column, robot or
     time has None there.
@@ -39,7 +38,7 @@ class Mismatch:
     told: Value
     """in the record"""
     exact: Value
-    """worked out"""
+    """computed"""
     by: str
     """from what"""
     count: int = 1
@@ -133,7 +132,7 @@ class Mismatches:
         exact: dict[str, NDArray[Any]],
         by: str,
     ) -> None:
-        """Hold columns of rows (M,) against those worked out, each within its slack."""
+        """Hold columns of rows (M,) against those computed, each within its slack."""
         for column, values in exact.items():
             wrong = differs(rows[column], values, SLACKS.get(column, SLACK))
             self.add_rows(table, column, rows, first, wrong, values, by)
@@ -145,17 +144,6 @@ def differs(told: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_
     with np.errstate(invalid="ignore"):
         alike = (told == exact) | (np.isnan(told) & np.isnan(exact))
         return np.asarray(~(alike | (np.abs(np.subtract(told, exact)) <= slack)))
-
-
-def by_step(rows: NDArray[np.void], first: int, last: int) -> slice:
-    """Rows of steps ``first`` to ``last - 1``."""
-    low, high = np.searchsorted(rows["step"], (first, last))
-    return slice(int(low), int(high))
-
-
-def keys(record: Record, step: IntArray | int, robot: IntArray | int) -> IntArray:
-    """One number for step and robot, increasing with step, then robot."""
-    return np.asarray(np.asarray(step, dtype=np.int64) * record.robots + robot)
 
 
 def plain(value: Any) -> Value:

@@ -23,7 +23,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
 from physim.tolerances import ONE_STEP, PUSHED
 from physim.validation.decisions import DecisionTable
-from physim.validation.ledger import blocks, robot_shapes
+from physim.validation.ledger import pose_blocks
 
 ULPS = 8.0
 """Roundings of a coordinate in one step, for worlds far from the origin."""
@@ -56,7 +56,7 @@ class Motion:
 
 
 class _Off(NamedTuple):
-    """Steps of robots that end elsewhere than the arc."""
+    """Steps (M,) of robots that end elsewhere than the arc."""
 
     step: IntArray
     robot: IntArray
@@ -68,13 +68,14 @@ def check_motion(record: Record, table: DecisionTable) -> Motion:
     """Hold every pose against the arc from the one before; see the module for what is left out."""
     touched = _touched(record)
     checked, found = 0, []
-    for poses, first in blocks(record):
+    for poses, first in pose_blocks(record):
         last = first + len(poses) - 1
         command = record.commands_over("applied", first, last)
         free = ~touched[first:last] & ~touched[first + 1 : last + 1]
         checked += int(free.sum())
         found.append(_off(poses, first, command, record.dt, free))
-    return Motion(checked, _strays(record, table, found, touched))
+    off = _Off(*(np.concatenate(column) for column in zip(*found, strict=True)))
+    return Motion(checked, _strays(record, table, off, touched))
 
 
 def _touched(record: Record) -> NDArray[np.bool_]:
@@ -101,13 +102,12 @@ def _off(
 
 
 def _strays(
-    record: Record, table: DecisionTable, found: list[_Off], touched: NDArray[np.bool_]
+    record: Record, table: DecisionTable, off: _Off, touched: NDArray[np.bool_]
 ) -> tuple[Stray, ...]:
-    shapes, strays = robot_shapes(record), []
+    shapes, strays = record.shapes, []
     for i in range(record.robots):
-        mine = [tuple(column[off.robot == i] for column in off) for off in found]
-        step = np.concatenate([np.zeros(0, np.int64), *(off[0] for off in mine)])
-        gap, turn = (np.concatenate([np.zeros(0), *(off[k] for off in mine)]) for k in (2, 3))
+        mine = off.robot == i
+        step, gap, turn = off.step[mine], off.gap[mine], off.turn[mine]
         shift = np.maximum(gap, turn * shapes.radius[i])
         kept = np.array(
             [

@@ -1,15 +1,16 @@
 """Near misses: the smallest distances and collision times that did not end in contact.
 
 Distances are over all samples, one for each approach: a stretch of time over which a pair is
-nearer than the ledger's reach. Collision times are those of the deciding robot with every other
-body at every decision, under the commands that all hold from then on, worked out here; one for
-each stretch of decisions of a pair. Approaches that end in contact, at a sample or between two,
-are left out: they are contacts.
+nearer than the reach of the analytic contacts. Collision times are those of the deciding robot
+with every other body at every decision, under the commands that all hold from then on, computed
+here; one for each stretch of decisions of a pair. Approaches that end in contact, at a sample or
+between two, are left out: they are contacts.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,8 @@ from physim.metrics import contact_episodes, grazes
 from physim.record import Record
 from physim.tolerances import CONTACT
 from physim.validation.decisions import DecisionTable
-from physim.validation.ledger import Ledger, blocks, robot_shapes
-from physim.validation.recorded import Exact
+from physim.validation.ledger import AnalyticContacts, filled, pose_blocks
+from physim.validation.recorded import SMALLEST, Exact
 from physim.validation.scan import FULL, walls_about
 
 SHOWN = 10
@@ -65,12 +66,14 @@ class NearMisses:
     """smallest distance of a robot and a boundary or obstacle"""
 
 
-def near_misses(record: Record, ledger: Ledger, table: DecisionTable, exact: Exact) -> NearMisses:
+def near_misses(
+    record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Exact
+) -> NearMisses:
     """Find the near misses of a record with the poses of every step; all by the shapes."""
-    grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in ledger.grazes]
+    grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in analytic.grazes]
     distances = [
         NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
-        for near in ledger.approaches
+        for near in analytic.approaches
         if near.distance > CONTACT
         and not any((near.a, near.b) == (a, b) and near.first <= s <= near.last + 1
                     for a, b, s in grazed)
@@ -78,9 +81,8 @@ def near_misses(record: Record, ledger: Ledger, table: DecisionTable, exact: Exa
     return NearMisses(
         tuple(_with_order(table, one) for one in distances[:SHOWN]),
         tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
-        ledger.reach,
-        _least(record, exact, "clearance", "clearance_step", "clearance_other"),
-        _least(record, exact, "boundary_clearance", "boundary_step", "boundary_other"),
+        analytic.reach,
+        *(_least(record, exact, columns) for columns, _ in SMALLEST),
     )
 
 
@@ -92,7 +94,8 @@ def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
     return replace(one, behind=one.b if ahead else one.a)
 
 
-def _least(record: Record, exact: Exact, value: str, step: str, other: str) -> NearMiss | None:
+def _least(record: Record, exact: Exact, columns: tuple[str, str, str]) -> NearMiss | None:
+    value, step, other = columns
     rows = exact.extremes.rows
     who = int(np.argmin(rows[value]))
     row = rows[who]
@@ -114,7 +117,7 @@ def decision_times(
     who: IntArray,
     values: FloatArray,
 ) -> int:
-    """Write step, robot, other body and collision time [s] of every pair that meets in time.
+    """Write step, bodies a < b (C, 3) and collision time [s] (C, 1) of every pair that meets.
 
     ``rows`` are those of `DECIDED` in the order of steps, ``poses`` (B, N, 3) those from step
     ``start`` on, ``command`` (B, N, 2) what drives the robots from there on. Returns how many, or
@@ -145,30 +148,25 @@ def decision_times(
                 who[count, 0] = rows[k].step
                 who[count, 1] = min(i, j)
                 who[count, 2] = max(i, j)
-                values[count] = xi
+                values[count, 0] = xi
                 count += 1
     return count
 
 
 def _times(record: Record) -> tuple[NearMiss, ...]:
-    shapes, walls = robot_shapes(record), record.walls
+    shapes, walls = record.shapes, record.walls
     decided = np.zeros(len(record.updates), dtype=DECIDED)
     for name in DECIDED.names or ():
         decided[name] = record.updates[name]
     who, values = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)]
-    for poses, start in blocks(record):
+    for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         first, last = np.searchsorted(decided["step"], [start, end])
         rows, command = decided[first:last], record.commands_over("applied", start, end)
-        room = 256
-        while True:
-            some, xi = np.empty((room, 3), dtype=np.int64), np.empty(room)
-            count = decision_times(rows, poses, start, command, shapes, walls, LOOK, some, xi)
-            if count != FULL:
-                break
-            room *= 4
-        who.append(some[:count])
-        values.append(xi[:count])
+        scan = partial(decision_times, rows, poses, start, command, shapes, walls, LOOK)
+        some, times = filled(scan, 1)
+        who.append(some)
+        values.append(times[:, 0])
     return _smallest(record, np.concatenate(who), np.concatenate(values))
 
 

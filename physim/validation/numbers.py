@@ -1,4 +1,4 @@
-"""Small pieces of text that the parts of the report share."""
+"""Lengths, times and lists in words, as the parts of the report share them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,10 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from physim.validation.validation import Validation
-
 COLUMNS = 100
 HUGE = 1e6
-"""[m, s] from here on values are told in powers of ten: no run has such, a controller may say so"""
-
-
-def names_of(validation: Validation) -> list[str]:
-    """Name of every body by id."""
-    return [body.name for body in validation.run.bodies]
+"""[m, s] from here on values are written in powers of ten: no run has such, a controller may
+report one."""
 
 
 def listed(words: Sequence[str], most: int) -> str:

@@ -87,7 +87,7 @@ def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:
         return None, str(error).splitlines()[0]
 
 
-def check_origin(record: Record, inside: Inside) -> Origin:
+def compare_with_world(record: Record, inside: Inside) -> Origin:
     """Hold what is known before the first step against the world inside.
 
     Seed, step, names, footprints, walls, paths, areas, leads, start poses and what the controller

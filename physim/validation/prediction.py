@@ -1,7 +1,7 @@
 """Collision times held against contacts: when was a contact due, and when did it come?
 
 A prediction is made at a decision of one of the two bodies: collision time (11) of the pair under
-the commands that both hold from then on, worked out here from poses and commands, plus the time
+the commands that both hold from then on, computed here from poses and commands, plus the time
 then. After the last decision before a contact both keep their commands, so the contact must come
 when it was predicted, to TIME = 1e-6 s, and be seen at the sample after that. Slack: between two
 samples bodies move on the chord, not on the arc (`tolerances.chord`), which shifts a contact by
@@ -24,8 +24,7 @@ from physim.geometry.motion import arc
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, Shapes
 from physim.record import Record
-from physim.validation.decisions import DecisionTable, last_before
-from physim.validation.ledger import robot_shapes
+from physim.validation.decisions import DecisionTable
 
 HORIZON = 10.0
 """[s] how far ahead one query looks; a contact later than that takes several"""
@@ -105,7 +104,7 @@ class Predictor:
     def __init__(self, record: Record, table: DecisionTable) -> None:
         self.record = record
         self.table = table
-        self.shapes = robot_shapes(record)
+        self.shapes = record.shapes
 
     def poses(self, step: int) -> FloatArray:
         """(N, 3) at a sample."""
@@ -141,7 +140,7 @@ class Predictor:
         """
         dt, found = self.record.dt, step * self.record.dt
         robots = [i for i in (a, b) if i < self.record.robots]
-        made = last_before(self.table, robots, step)
+        made = self.table.last_before(robots, step)
         if made is None:
             return Prediction(a, b, step, found, touched, None, None, 0.0, NO_DECISION)
         gap = tolerances.CONTACT

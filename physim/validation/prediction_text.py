@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from physim.validation.contact_text import SHOWN, first_of_pairs
-from physim.validation.numbers import names_of, short
+from physim.validation.numbers import short
 from physim.validation.prediction import AGREES, DISAGREES, Early
 from physim.validation.validation import Validation
 
@@ -28,7 +28,7 @@ def prediction_lines(validation: Validation) -> list[str]:
 
 
 def _table(validation: Validation) -> list[str]:
-    names = names_of(validation)
+    names = validation.names
     lines = [
         f"  {'':<4}{'predicted at':>13}{'contact due':>14}{'touched':>14}{'seen at':>10}"
         f"{'error':>12}   pair"

@@ -1,4 +1,4 @@
-"""All that a record says of decisions, commands and its end, worked out anew from its poses."""
+"""All that a record says of decisions, commands and its end, computed anew from its poses."""
 
 from __future__ import annotations
 
@@ -9,22 +9,21 @@ import numpy as np
 from physim.declared import Declared
 from physim.record import Record
 from physim.registry import CONTROLLER, SENSING, shipped_parts
-from physim.validation.announced import check_announced
+from physim.validation.announced import check_schedule
 from physim.validation.columns import (
     Considered,
     Meaning,
     StandardColumns,
+    check_considered,
     check_priority,
 )
-from physim.validation.columns import (
-    check_counts as check_considered,
-)
 from physim.validation.commands import check_commands
-from physim.validation.ending import Arrivals, check_counts, check_ending
+from physim.validation.decisions import DecisionTable
+from physim.validation.ending import ArrivalCheck, check_counts, check_ending
 from physim.validation.mismatch import Mismatch, Mismatches
 from physim.validation.origin import Inside
 from physim.validation.replay import Replay
-from physim.validation.walk import Stretch, walk
+from physim.validation.walk import SampleBlock, sample_blocks
 
 PAPER = "mode_switching"
 """Name of the controller whose considered robots follow the paper's rule of priority."""
@@ -32,39 +31,39 @@ PAPER = "mode_switching"
 
 @dataclass(frozen=True)
 class Recomputed:
-    """What was worked out anew, and what does not agree."""
+    """What was computed anew, and what does not agree."""
 
     decisions: int
     replayed: int
     """of these, how many were made again by the world's own controller"""
     columns: tuple[str, ...]
-    """standard columns of decisions that were worked out from the geometry"""
+    """standard columns of decisions that were computed from the geometry"""
     left_out: tuple[str, ...]
-    """what could not be worked out, and why"""
+    """what could not be computed, and why"""
     mismatches: tuple[Mismatch, ...]
 
 
-def recompute(record: Record, inside: Inside) -> Recomputed:
+def recompute(record: Record, inside: Inside, table: DecisionTable) -> Recomputed:
     """Hold everything that follows from poses, commands and the world inside against the record."""
     found, scene = Mismatches(record), inside.scene
     considered = Considered(record)
     replay, columns, left_out = _checkers(record, inside, considered)
     by_rule = replay is not None and scene is not None and scene.world.controller.type == PAPER
-    arrivals = None if scene is None else Arrivals(record, scene)
-    check_announced(record, found)
+    arrivals = None if scene is None else ArrivalCheck(record, scene)
+    check_schedule(record, table, found)
     check_considered(record, considered, found)
-    check_commands(record, scene, inside.stages, found)
+    check_commands(record, table, scene, inside.stages, found)
     check_counts(record, found)
-    for stretch in walk(record):
-        _stations(record, stretch, found)
+    for block in sample_blocks(record):
+        _stations(record, block, found)
         if arrivals is not None:
-            arrivals.take(stretch)
+            arrivals.take(block)
         if columns is not None:
-            columns.take(stretch, found)
+            columns.take(block, found)
         if by_rule and scene is not None:
-            check_priority(record, stretch, scene.sensing_range, considered, found)
+            check_priority(record, block, scene.sensing_range, considered, found)
         if replay is not None:
-            replay.take(stretch, found)
+            replay.take(block, found)
     if arrivals is not None and scene is not None:
         check_ending(record, scene, arrivals, found)
     if replay is not None and replay.broken is not None:
@@ -106,15 +105,14 @@ def _checkers(
     return Replay(record, scene, own, considered), columns, []
 
 
-def _stations(record: Record, stretch: Stretch, found: Mismatches) -> None:
+def _stations(record: Record, block: SampleBlock, found: Mismatches) -> None:
     """Stations and formation errors of decisions against the poses."""
-    rows, at = stretch.rows, stretch.at
-    mine = stretch.course[at, rows["robot"]]
-    station = stretch.course[at, :, 2]
-    lead = record.lead
-    error = (station.mean(axis=1) - mine[:, 2]) - (lead.mean() - lead[rows["robot"]])
-    exact = {"station": mine[:, 0], "deviation": mine[:, 1], "reference_station": mine[:, 2]}
-    found.add_columns("/updates", rows, stretch.row, exact, "by its pose")
+    rows, lead = block.rows, record.lead
+    station, deviation, reference = block.course[block.at, rows["robot"]].T
+    mean = block.reference_station[block.at].mean(axis=1)
+    error = (mean - reference) - (lead.mean() - lead[rows["robot"]])
+    exact = {"station": station, "deviation": deviation, "reference_station": reference}
+    found.add_columns("/updates", rows, block.row, exact, "by its pose")
     found.add_columns(
-        "/updates", rows, stretch.row, {"formation_error": np.asarray(error)}, "by all poses"
+        "/updates", rows, block.row, {"formation_error": np.asarray(error)}, "by all poses"
     )

@@ -1,4 +1,4 @@
-"""The distances in a record against exact ones, worked out anew at every sample of every robot."""
+"""The distances in a record against exact ones, computed anew at every sample of every robot."""
 
 from __future__ import annotations
 
@@ -12,12 +12,19 @@ from physim.geometry.nearby import build_nearby
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.record.extremes import Extremes
-from physim.validation.findings import DEPTH_SLACK, UNEXPLAINED, Disagreement
-from physim.validation.ledger import blocks, robot_shapes
+from physim.record.layout import NO_EXTREME
+from physim.validation.findings import DEPTH_SLACK, Disagreement
+from physim.validation.ledger import AnalyticContacts, pose_blocks
+from physim.validation.mismatch import differs
 from physim.validation.rows import distance_at
 
 REACH, CELL = 10.0, 2.0
 """[m] of the look-up of walls: a matter of speed, not of values"""
+SMALLEST = (
+    (("clearance", "clearance_step", "clearance_other"), "nearest robot"),
+    (("boundary_clearance", "boundary_step", "boundary_other"), "nearest boundary"),
+)
+"""Columns of a row of extremes: value, sample and other body; and what they are about."""
 
 
 @dataclass(frozen=True)
@@ -32,12 +39,12 @@ class Exact:
 
 
 def exact_distances(record: Record) -> Exact:
-    """Work out every distance of a record with the poses of every step, block by block."""
-    shapes, walls = robot_shapes(record), record.walls
+    """Compute every distance of a record with the poses of every step, block by block."""
+    shapes, walls = record.shapes, record.walls
     nearby = build_nearby(walls, REACH, CELL)
     extremes = Extremes(record.robots)
     found: list[Disagreement] = []
-    for poses, start in blocks(record):
+    for poses, start in pose_blocks(record):
         first = 0 if start == 0 else 1
         block = clearances(poses[first:], shapes, walls, nearby)
         step = np.arange(start + first, start + len(poses))
@@ -47,89 +54,102 @@ def exact_distances(record: Record) -> Exact:
             ("/steps/boundary_clearance", block.boundary_clearance, block.boundary_other,
              "nearest boundary"),
         ):  # fmt: skip
-            told = record.read(path, start + first, start + len(poses))
-            found += _differences(record, step, told, exact, others, what)
+            recorded = record.read(path, start + first, start + len(poses))
+            found += _differences(record, step, recorded, exact, others, what)
     return Exact(extremes, tuple(found))
 
 
 def _differences(
-    record: Record, step: IntArray, told: FloatArray, exact: FloatArray, others: IntArray, what: str
+    record: Record,
+    step: IntArray,
+    recorded: FloatArray,
+    exact: FloatArray,
+    others: IntArray,
+    what: str,
 ) -> list[Disagreement]:
-    wrong = _differ(told, exact)
+    wrong = differs(recorded, exact, DEPTH_SLACK)
     found = []
     for i in np.flatnonzero(wrong.any(axis=0)).tolist():
         k = int(np.argmax(wrong[:, i]))
-        count = int(np.count_nonzero(wrong[:, i]))
         text = (
-            f"distance to the {what} {told[k, i]:.9g} m in the record, "
+            f"distance to the {what} {recorded[k, i]:.9g} m in the record, "
             f"{exact[k, i]:.9g} m by the shapes"
         )
-        found.append(
-            _one(record, i, int(others[k, i]), int(step[k]), float(exact[k, i]), text, count)
-        )
+        pair = _pair(i, int(others[k, i]))
+        count = int(np.count_nonzero(wrong[:, i]))
+        found.append(Disagreement.at(record, pair, step[k], exact[k, i], text, steps=count))
     return found
 
 
-def recorded_extremes(record: Record, exact: Exact, reach: float) -> list[Disagreement]:
+def check_extremes(record: Record, analytic: AnalyticContacts, exact: Exact) -> list[Disagreement]:
     """Where ``/extremes`` and ``/extremes_farthest`` are not those of the shapes.
 
-    Values below ``reach`` [m] are held against the ledger elsewhere. A run that was killed has
-    notes only up to its last burst of writing: they are left out.
+    Smallest distances within reach of the analytic contacts are held against their approaches,
+    which another code finds than notes them during a run, all else against the exact distances.
+    A run that was killed has notes only up to its last burst of writing: they are left out.
     """
     if record.ended == "running":
         return []
-    found = []
-    for value, when, who, most in (
-        ("clearance", "clearance_step", "clearance_other", "nearest robot"),
-        ("boundary_clearance", "boundary_step", "boundary_other", "nearest boundary"),
-    ):
-        for i, (told, true) in enumerate(zip(record.extremes, exact.extremes.rows, strict=True)):
-            what = f"smallest distance to the {most}"
-            if _differ(told[value], true[value]) and min(told[value], true[value]) <= reach:
-                continue
-            found += _moment(record, i, told, true, (value, when, who), what)
-    told, true = record.farthest, exact.extremes.farthest
-    i = max(int(told["a"]), 0)
-    found += _moment(record, i, told, true, ("farthest", "step", "b"), "largest distance of robots")
+    found, near = [], _nearest(record, analytic)
+    for i, (noted, true) in enumerate(zip(record.extremes, exact.extremes.rows, strict=True)):
+        for columns, what in SMALLEST:
+            within = min(noted[columns[0]], near[i][columns[0]]) <= analytic.reach
+            row, none = (near[i], f"over {analytic.reach:.3g} m") if within else (true, "none")
+            text = f"smallest distance to the {what}"
+            found += _moment(record, i, noted, row, columns, text, none)
+    noted, true = record.farthest, exact.extremes.farthest
+    columns, text = ("farthest", "step", "b"), "largest distance of robots"
+    found += _moment(record, max(int(noted["a"]), 0), noted, true, columns, text, "none")
     return found
+
+
+def _nearest(record: Record, analytic: AnalyticContacts) -> NDArray[np.void]:
+    """Smallest distances of each robot by its approaches, as rows of extremes (N,)."""
+    near: NDArray[np.void] = np.full(record.robots, NO_EXTREME)
+    for one in reversed(analytic.approaches):  # ends with the nearest
+        columns, _ = SMALLEST[one.b >= record.robots]
+        for me, other in ((one.a, one.b), (one.b, one.a)):
+            if me < record.robots:
+                for column, value in zip(columns, (one.distance, one.step, other), strict=True):
+                    near[column][me] = value
+    return near
 
 
 def _moment(
     record: Record,
     i: int,
-    told: NDArray[np.void] | np.void,
+    noted: NDArray[np.void] | np.void,
     true: NDArray[np.void] | np.void,
     columns: tuple[str, str, str],
     what: str,
+    none: str,
 ) -> list[Disagreement]:
-    """Disagreement about one extreme value, or about when and of whom it was; or none."""
+    """Disagreement about one extreme value, or about when and of whom it was; or none.
+
+    ``none`` is what is said where the shapes have no such value.
+    """
     value, when, who = columns
-    noted, exact, at, it = float(told[value]), float(true[value]), int(told[when]), int(told[who])
-    if not _differ(noted, exact):
+    exact, at, other = float(true[value]), int(noted[when]), int(noted[who])
+    if not differs(noted[value], exact, DEPTH_SLACK):
         if not np.isfinite(exact):
             return []
-        if 0 <= at < record.samples and it >= 0 and it != i:
-            there = distance_at(record, min(i, it), max(i, it), at)
+        if 0 <= at < record.samples and other >= 0 and other != i:
+            there = distance_at(record, min(i, other), max(i, other), at)
             if abs(there - exact) <= DEPTH_SLACK:
                 return []
             text = f"{what}: at this sample in the record, but the shapes are {there:.9g} m apart"
-            return [_one(record, i, it, at, exact, f"{text} then")]
-    true_at, true_it = int(true[when]), int(true[who])
+            return [Disagreement.at(record, _pair(i, other), at, exact, f"{text} then")]
     names = [body.name for body in record.bodies]
-    of = f"{names[true_it]} at {true_at * record.dt:.2f} s" if true_it >= 0 else "nothing"
-    its = f"{names[it]} at {at * record.dt:.2f} s" if it >= 0 else "nothing"
-    text = f"{what} {noted:.9g} m ({its}) in the record, {exact:.9g} m ({of}) by the shapes"
-    return [_one(record, i, true_it, max(true_at, 0), exact, text)]
+    recorded, shapes = (
+        f"{row[value]:.9g} m ({names[row[who]]} at {row[when] * record.dt:.2f} s)"
+        if row[who] >= 0
+        else absent
+        for row, absent in ((noted, f"{noted[value]:.9g} m (of nothing)"), (true, none))
+    )
+    text = f"{what} {recorded} in the record, {shapes} by the shapes"
+    return [Disagreement.at(record, _pair(i, int(true[who])), max(int(true[when]), 0), exact, text)]
 
 
-def _one(
-    record: Record, i: int, it: int, step: int, exact: float, what: str, count: int = 1
-) -> Disagreement:
-    a, b = (i, None) if it < 0 or it == i else (min(i, it), max(i, it))
-    return Disagreement(a, b, step, count, step * record.dt, exact, UNEXPLAINED, what)
-
-
-def _differ(told: FloatArray | float, exact: FloatArray | float) -> NDArray[np.bool_]:
-    """Whether they differ by more than `DEPTH_SLACK`; infinite ones must be equal."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(~((told == exact) | (np.abs(np.subtract(told, exact)) <= DEPTH_SLACK)))
+def _pair(i: int, other: int) -> tuple[int, int | None]:
+    """Body ids of a disagreement, the lower first; one where there is no other."""
+    return (i, None) if other < 0 or other == i else (min(i, other), max(i, other))

@@ -23,7 +23,7 @@ from physim.stages import everybody, shared
 from physim.tolerances import SHARE
 from physim.validation.columns import Considered
 from physim.validation.mismatch import SLACK, SLACKS, Mismatches, Value, differs, plain
-from physim.validation.walk import Stretch
+from physim.validation.walk import SampleBlock
 
 Rows = NDArray[np.void]
 
@@ -48,9 +48,9 @@ class Replay:
         """what the controller said where it could not decide; nothing is checked from there on"""
         self.decided = 0
 
-    def take(self, stretch: Stretch, found: Mismatches) -> None:
+    def take(self, block: SampleBlock, found: Mismatches) -> None:
         """Make the decisions of a stretch again and hold the record against them."""
-        rows = stretch.rows
+        rows = block.rows
         if not len(rows) or self.broken is not None:
             return
         order = np.lexsort((rows["robot"], rows["step"]))
@@ -59,22 +59,20 @@ class Replay:
         for low, high in zip(edges, [*edges[1:], len(order)], strict=True):
             some = order[low:high]
             due = rows["robot"][some].astype(np.int64)
-            k = int(rows["step"][some[0]]) - stretch.first
+            k = int(rows["step"][some[0]]) - block.first
             try:
-                told.append(self.batch.decide_due(self._sensed(stretch, k), due, self.memory))
+                told.append(self.batch.decide_due(self._sensed(block, k), due, self.memory))
             except ControllerError as error:
                 self.broken = str(error).splitlines()[0]
                 order = order[:low]
                 break
         if told:
             self.decided += len(order)
-            self._hold(rows[order], stretch.row + order, told, found)
+            self._hold(rows[order], block.row + order, told, found)
 
-    def _sensed(self, stretch: Stretch, k: int) -> Sensed:
-        """What everybody knows at sample ``k`` of a stretch."""
-        truth = Snapshot(
-            stretch.first + k, stretch.pose[k], stretch.held[k], *stretch.course[k].T
-        )  # fmt: skip
+    def _sensed(self, block: SampleBlock, k: int) -> Sensed:
+        """What everybody knows at sample ``k`` of a block."""
+        truth = Snapshot(block.first + k, block.pose[k], block.held[k], *block.course[k].T)
         return everybody(truth, self.shared)
 
     def _hold(self, rows: Rows, number: IntArray, told: list[Decisions], found: Mismatches) -> None:

@@ -9,7 +9,7 @@ from physim.validation.checks_text import (
 )
 from physim.validation.contact_text import contact_lines, opening, table_lines
 from physim.validation.near_misses import LOOK, NearMiss
-from physim.validation.numbers import listed, names_of, wrapped
+from physim.validation.numbers import listed, wrapped
 from physim.validation.prediction_text import prediction_lines
 from physim.validation.validation import Validation
 
@@ -33,7 +33,7 @@ def report(validation: Validation) -> str:
 
 def warning_lines(validation: Validation) -> list[str]:
     """What makes the record unfit to be believed: contacts that are too deep."""
-    names = names_of(validation)
+    names = validation.names
     return [
         line
         for one in validation.deep
@@ -90,7 +90,7 @@ def _near_misses(validation: Validation) -> list[str]:
 def _near_rows(
     validation: Validation, some: tuple[NearMiss, ...], unit: str, digits: int
 ) -> list[str]:
-    names = names_of(validation)
+    names = validation.names
     lines = []
     for one in some:
         duty = "" if one.behind is None else f" ({names[one.behind]} had to give way)"

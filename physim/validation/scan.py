@@ -1,4 +1,4 @@
-"""Kernels of the analytic ledgers: which bodies are near each other, at samples and between them.
+"""Kernels of the analytic contacts: which bodies are near each other, at samples and between them.
 
 Between two samples position and angle go linearly, as the engine moves them. Discs leave out only
 what is farther than ``reach``.

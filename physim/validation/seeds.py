@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physim.errors import plural
-from physim.validation.contact_report import ContactReport, GrazeReport
+from physim.validation.contact_report import ContactReport, SweptContactReport
 from physim.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 
 CONFIDENCE = 0.95
@@ -42,11 +42,11 @@ class SeedResult:
     def of(cls, seed: int, found: Validation) -> SeedResult:
         """Result of one seed."""
         first = ""
-        touches: list[ContactReport | GrazeReport] = [*found.contacts[:1], *found.grazes[:1]]
+        touches: list[ContactReport | SweptContactReport] = [*found.contacts[:1], *found.grazes[:1]]
         touches.sort(key=lambda one: one.time)
         if touches:
             one = touches[0]
-            names = [body.name for body in found.run.bodies]
+            names = found.names
             who = " and ".join(names[i] for i in one.responsible)
             first = (
                 f"{names[one.a]} and {names[one.b]} at {one.time:.2f} s near "

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Side:
+class RobotInContact:
     """One robot in a contact."""
 
     body: int
@@ -68,9 +68,9 @@ class Side:
     responsible: bool
 
 
-def sides_of(
+def robots_in_contact(
     record: Record, table: DecisionTable, touch: Touch
-) -> tuple[tuple[Side, ...], tuple[int, ...]]:
+) -> tuple[tuple[RobotInContact, ...], tuple[int, ...]]:
     """Robots of a contact, a first, and the ids of those that were responsible for it."""
     a, b, step = touch.a, touch.b, touch.step
     robots = [i for i in (a, b) if i < record.robots]
@@ -110,13 +110,13 @@ def _side(
     behind: float | None,
     pusher: int | None,
     responsible: bool,
-) -> Side:
+) -> RobotInContact:
     step, point = touch.step, touch.point
     pose = record.read("/steps/pose", step, step + 1)[0, i]
     vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
     row = table.last(i, step - 1)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
-    return Side(
+    return RobotInContact(
         body=i,
         part=_part(pose, point),
         speed=math.hypot(vx, vy),

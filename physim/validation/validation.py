@@ -1,4 +1,4 @@
-"""Validate a record: the ledgers, their comparison, the contacts, and the verdict."""
+"""Validate a record: both kinds of contacts, their comparison, the reports, and the verdict."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from physim.scene import Body
 from physim.validation.comparison import Comparison, Confusion, compare
 from physim.validation.contact_report import (
     ContactReport,
-    GrazeReport,
+    SweptContactReport,
     contact_reports,
-    graze_reports,
+    swept_contact_reports,
 )
 from physim.validation.decisions import DecisionTable
 from physim.validation.ending import check_counts
-from physim.validation.ledger import Ledger, work_out
+from physim.validation.ledger import analytic_contacts
 from physim.validation.mismatch import Mismatches
 from physim.validation.motion import Motion, check_motion
 from physim.validation.near_misses import NearMisses, near_misses
-from physim.validation.origin import Origin, check_origin, world_inside
+from physim.validation.origin import Origin, compare_with_world, world_inside
 from physim.validation.prediction import DISAGREES, Predictor
 from physim.validation.recomputed import Recomputed, recompute
 from physim.validation.recorded import exact_distances
@@ -67,7 +67,7 @@ class Validation:
     comparison: Comparison
     contacts: tuple[ContactReport, ...]
     """at samples, where the engine sees them"""
-    grazes: tuple[GrazeReport, ...]
+    grazes: tuple[SweptContactReport, ...]
     """between two samples"""
     near_misses: NearMisses
     motion: Motion
@@ -75,13 +75,18 @@ class Validation:
     origin: Origin
     """whether the record is that of the world inside it"""
     recomputed: Recomputed
-    """decisions, commands and the end of the run, worked out anew"""
+    """decisions, commands and the end of the run, computed anew"""
     expectations: tuple[Held, ...]
     """what the world inside expects of a run, as far as it can be said of this one"""
     deep: tuple[Deep, ...]
     """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
     rerun: Rerun | None = None
     """the run simulated again, where it was"""
+
+    @property
+    def names(self) -> list[str]:
+        """Name of every body by id."""
+        return [body.name for body in self.run.bodies]
 
     @property
     def mispredicted(self) -> tuple[ContactReport, ...]:
@@ -113,11 +118,11 @@ class Validation:
             times = "once" if count == 1 else f"{count} times"
             found.append(f"poses do not follow the commands, {times}")
         found += self.origin.differences[:1]
-        names = [body.name for body in self.run.bodies]
         if wrong := self.recomputed.mismatches:
-            found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(names)}")
+            found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(self.names)}")
         if self.rerun is not None and self.rerun.difference is not None:
-            found.append(f"simulated again it is another run, {self.rerun.difference.line(names)}")
+            difference = self.rerun.difference.line(self.names)
+            found.append(f"simulated again it is another run, {difference}")
         return found
 
     def _touching(self) -> str:
@@ -157,15 +162,15 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     """
     check_complete(record)
     inside = world_inside(record)
-    ledger: Ledger = work_out(record)
+    analytic = analytic_contacts(record)
     table = DecisionTable(record)
     exact = exact_distances(record)
-    comparison = compare(record, ledger, exact)
-    contacts = contact_reports(record, ledger, table, Predictor(record, table))
+    comparison = compare(record, analytic, exact)
+    contacts = contact_reports(record, analytic, table, Predictor(record, table))
     return Validation(
-        _run(record, source), comparison, contacts, graze_reports(record, table),
-        near_misses(record, ledger, table, exact), check_motion(record, table),
-        check_origin(record, inside), recompute(record, inside), _expectations(record),
+        _run(record, source), comparison, contacts, swept_contact_reports(record, table),
+        near_misses(record, analytic, table, exact), check_motion(record, table),
+        compare_with_world(record, inside), recompute(record, inside, table), _expectations(record),
         deep_contacts(record),
     )  # fmt: skip
 
@@ -196,7 +201,7 @@ def validate_again(record: Record, again: Record, source: str) -> Validation:
     )  # fmt: skip
     wrong = (*counts.found, *found.recomputed.mismatches)
     return replace(
-        found, run=run, origin=check_origin(record, world_inside(record)),
+        found, run=run, origin=compare_with_world(record, world_inside(record)),
         recomputed=replace(found.recomputed, mismatches=wrong),
         rerun=compare_runs(record, again),
     )  # fmt: skip

@@ -1,7 +1,7 @@
-"""One walk over a record: poses, stations and decisions, block by block.
+"""The samples of a record with stations and decisions, block by block.
 
-Whatever is worked out at every sample takes part in the same walk, so poses are read and robots are
-followed along their paths once, and memory stays flat.
+Whatever is computed at every sample shares these blocks, so poses are read and robots are followed
+along their paths once, and memory stays flat.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.tracking import Tracking
 from physim.record import Record
-from physim.validation.ledger import blocks, robot_shapes
+from physim.validation.ledger import pose_blocks
 
 
-class Stretch(NamedTuple):
+class SampleBlock(NamedTuple):
     """B consecutive samples of a record and the decisions made at them."""
 
     first: int
@@ -26,7 +26,7 @@ class Stretch(NamedTuple):
     pose: FloatArray
     """(B, N, 3)"""
     course: FloatArray
-    """(B, N, 3) station, deviation, reference station [m], worked out from the poses"""
+    """(B, N, 3) station, deviation, reference station [m], computed from the poses"""
     held: FloatArray
     """(B, N, 2) nominal commands held before each of these steps: what a snapshot tells"""
     rows: NDArray[np.void]
@@ -34,7 +34,17 @@ class Stretch(NamedTuple):
     row: int
     """number of the first of them in the table"""
     overlap: int
-    """samples at its beginning that belong to the stretch before: 0 or 1"""
+    """samples at its beginning that belong to the block before: 0 or 1"""
+
+    @property
+    def station(self) -> FloatArray:
+        """(B, N) [m] along the own path."""
+        return self.course[:, :, 0]
+
+    @property
+    def reference_station(self) -> FloatArray:
+        """(B, N) [m] along s*."""
+        return self.course[:, :, 2]
 
     @property
     def at(self) -> NDArray[np.int64]:
@@ -42,11 +52,11 @@ class Stretch(NamedTuple):
         return np.asarray(self.rows["step"] - self.first, dtype=np.int64)
 
 
-def walk(record: Record) -> Iterator[Stretch]:
-    """Go over a record that holds the poses of every step. Each decision comes once."""
-    updates, radius = record.updates, robot_shapes(record).radius
+def sample_blocks(record: Record) -> Iterator[SampleBlock]:
+    """Blocks of a record that holds the poses of every step. Each decision comes once."""
+    updates, radius = record.updates, record.shapes.radius
     tracking = None
-    for pose, first in blocks(record):
+    for pose, first in pose_blocks(record):
         if tracking is None:
             tracking = Tracking(record.paths, record.reference, radius, pose[0])
         course = tracking.course(pose)  # its first sample is the last of the block before: it stays
@@ -54,4 +64,4 @@ def walk(record: Record) -> Iterator[Stretch]:
         end = last if last >= record.samples else last - 1
         low, high = (int(k) for k in np.searchsorted(updates["step"], (first, end)))
         held = read_only(record.commands_over("nominal", first - 1, last - 1))
-        yield Stretch(first, pose, course, held, updates[low:high], low, 0 if first == 0 else 1)
+        yield SampleBlock(first, pose, course, held, updates[low:high], low, 0 if first == 0 else 1)

@@ -70,7 +70,7 @@ def test_what_is_so_agrees_with_slow_oracles(straight):
     found, text = judged(lambda told: told, straight)
     assert found.recomputed.mismatches == ()
     assert found.recomputed.columns == ("distance", "boundary_distance", "collision_time")
-    assert "distance, boundary distance and collision time worked out from the shapes" in text
+    assert "distance, boundary distance and collision time computed from the shapes" in text
     assert "Honest was given from Python" in text  # so modes and rules are not decided again
 
 

@@ -7,9 +7,10 @@ import pytest
 
 import physim
 from physim.arrival import arrivals, since
-from physim.validation import validate, walk
-from physim.validation.ending import Arrivals
+from physim.validation import validate
+from physim.validation.ending import ArrivalCheck
 from physim.validation.origin import world_inside
+from physim.validation.walk import sample_blocks
 from tests.forgeries.runs import LANE, killed
 from tests.forgeries.tools import attribute, cells, cut
 from tests.validation.test_tampered import tampered
@@ -27,14 +28,14 @@ def test_arrivals_block_by_block(finished, monkeypatch, size):
     monkeypatch.setattr("physim.validation.ledger.BLOCK_POSES", size * finished.robots)
     monkeypatch.setattr("physim.validation.ledger.LEAST_STEPS", 1)
     scene = world_inside(finished).scene
-    told, station = Arrivals(finished, scene), []
-    for stretch in walk.walk(finished):
-        told.take(stretch)
-        station.append(stretch.course[stretch.overlap :, :, 0])
+    found, station = ArrivalCheck(finished, scene), []
+    for block in sample_blocks(finished):
+        found.take(block)
+        station.append(block.station[block.overlap :])
     least = scene.stop_station - scene.arrival_tolerance
     whole = arrivals(finished.pose, np.concatenate(station), least, finished.dt)
-    assert told.all_since == finished.steps_run == int(np.argmax(whole.all(axis=1)))
-    assert told.since(finished.samples).tolist() == since(whole).tolist()
+    assert found.all_since == finished.steps_run == int(np.argmax(whole.all(axis=1)))
+    assert found.since(finished.samples).tolist() == since(whole).tolist()
     assert finished.arrived.tolist() == since(whole).tolist()
 
 

@@ -145,7 +145,7 @@ def test_a_controller_without_modes_is_told_without_them():
     record = physim.simulate(physim.parse_world(LANE), controller=Plain())
     assert set(record.updates["mode"]) == {-1}
     summary = summarise(record)
-    assert summary.danger_time_share is None
+    assert summary.value("danger_share") is None
     assert not {"danger_share", "safe_share", "mode_switches"} & set(summary.metrics)
     found = validate(record)
     assert "safe mode" not in report(found)

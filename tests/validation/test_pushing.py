@@ -12,7 +12,7 @@ import physim
 from physim.contacts import Phase
 from physim.validation import report, validate
 from physim.validation.as_json import json_of_validation
-from physim.validation.blame_text import finding_words
+from physim.validation.blame_text import describe_cause
 from physim.validation.decisions import DecisionTable
 from physim.validation.pushing import Touch, pushed_by
 from tests.validation.runs import LANE, Drivers, edited
@@ -151,5 +151,5 @@ def test_a_standing_robot_that_nobody_is_seen_to_push(tmp_path, pushed_along):
         found = validate(alone)
     one = next(one for one in found.contacts if one.b >= 2)
     assert one.responsible == (0,)
-    said = finding_words(one, [body.name for body in found.run.bodies])
+    said = describe_cause(one, [body.name for body in found.run.bodies])
     assert said.endswith("stander stood by command, and the record shows nobody that pushed it.")

@@ -81,7 +81,7 @@ def test_tables_count_every_pair_and_step(rear_end):
 def test_smallest_approach_is_that_of_the_summary(apart):
     near = validate(apart).near_misses
     summary = physim.summarise(apart)
-    assert near.smallest_robots.value == summary.shortest_distance_m.value
+    assert near.smallest_robots.value == summary.value("shortest_distance")
 
 
 def test_the_report_names_everything(rear_end):

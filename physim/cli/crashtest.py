@@ -12,7 +12,7 @@ from physim.cli.output import a_folder, new_file, new_json, people, write_json
 from physim.cli.progress import Bar, interrupts
 from physim.crashtest import crash_test
 from physim.crashtest.foresight import is_warm
-from physim.crashtest.report import Report, text
+from physim.crashtest.report import CrashReport, text
 from physim.errors import PhysimError
 
 DISAGREE, INTERRUPTED = 3, 130
@@ -38,7 +38,7 @@ def crashtest(options: argparse.Namespace) -> int:
     return DISAGREE if report.unexplained else 0
 
 
-def _thrown(options: argparse.Namespace, folder: Path) -> Report:
+def _thrown(options: argparse.Namespace, folder: Path) -> CrashReport:
     bar = Bar("crash test", options.cases, "cases", options.quiet)
     started = time.monotonic()
 
@@ -72,5 +72,5 @@ def _clear(folder: Path, force: bool) -> None:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
 
 
-def _cut(report: Report) -> str:
+def _cut(report: CrashReport) -> str:
     return f"interrupted after {report.cases:,} of {report.asked:,} cases"

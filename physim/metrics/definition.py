@@ -16,8 +16,8 @@ Found = bool | int | float | Moment | Place | Each | None
 """What finding a metric gives; None where it has no meaning."""
 
 
-class Run:
-    """A record with the courses that several metrics share, each worked out once."""
+class Courses:
+    """A record with the courses over time that several metrics share, each worked out once."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
@@ -48,7 +48,7 @@ class Definition:
     meaning: str
     source: str
     """equation or figure of the paper; "-" for none"""
-    find: Callable[[Run], Found]
+    find: Callable[[Courses], Found]
 
 
 @dataclass(frozen=True)

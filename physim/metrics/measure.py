@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from physim.errors import PhysimError, nearest
-from physim.metrics.definition import Definition, Metric, Run
+from physim.metrics.definition import Courses, Definition, Metric
 from physim.metrics.own import own_metrics
 from physim.metrics.registry import DEFINITIONS
 from physim.metrics.values import Each, Moment, Place
@@ -24,21 +24,21 @@ def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Met
         if faults:
             raise PhysimError(faults[0])
         return found
-    known, run = dict(DEFINITIONS), Run(record)
+    known, run = dict(DEFINITIONS), Courses(record)
     wanted = list(names)
     if not known.keys() >= set(wanted):
         known = definitions()
-    taken = {name: _taken(_known(name, known), run) for name in wanted}
+    taken = {name: _metric(_known(name, known), run) for name in wanted}
     return {name: metric for name, metric in taken.items() if metric is not None}
 
 
 def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
-    """Take all metrics of a run, and tell in a line each why registered ones failed."""
-    run, found, own = Run(record), {}, own_metrics(DEFINITIONS)
+    """Take all metrics of a run; with a line for each registered one that failed."""
+    run, found, own = Courses(record), {}, own_metrics(DEFINITIONS)
     faults = list(own.faults)
     for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
         try:
-            metric = _taken(what, run)
+            metric = _metric(what, run)
         except PhysimError as error:
             if name in DEFINITIONS:
                 raise
@@ -69,7 +69,7 @@ def _known(name: str, known: Mapping[str, Definition]) -> Definition:
     raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')
 
 
-def _taken(what: Definition, run: Run) -> Metric | None:
+def _metric(what: Definition, run: Courses) -> Metric | None:
     found = what.find(run)
     if found is None:
         return None

@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics import contacts, distances, effort, formation, modes, motion, way, width
-from physim.metrics.definition import Definition, Found, Run
+from physim.metrics.definition import Courses, Definition, Found
 from physim.metrics.values import Moment, Place
 from physim.record import Record
 
@@ -44,23 +44,23 @@ def _deepest_contact(record: Record) -> Moment | None:
     return Moment(deepest.depth, deepest.step, deepest.time, deepest.a, deepest.b)
 
 
-def _energy(run: Run, last: bool) -> float | None:
+def _energy(run: Courses, last: bool) -> float | None:
     course = run.energy
     if course is None or not len(course.values):
         return None
     return float(course.values[-1] if last else course.values.max())
 
 
-def _averaged(run: Run, values: FloatArray, largest: bool) -> Moment | None:
+def _averaged(run: Courses, values: FloatArray, largest: bool) -> Moment | None:
     return motion.averaged_extreme(run.averaged.time, values, run.record.dt, largest)
 
 
-def _width(run: Run, largest: bool) -> Place | None:
+def _width(run: Courses, largest: bool) -> Place | None:
     return None if run.width is None else width.width_extreme(run.width, 0, largest)
 
 
-def _of(find: Callable[[Record], Found]) -> Callable[[Run], Found]:
-    """Turn a function of a record into one of a `Run`."""
+def _of(find: Callable[[Record], Found]) -> Callable[[Courses], Found]:
+    """Turn a function of a record into one of `Courses`."""
     return lambda run: find(run.record)
 
 
@@ -146,31 +146,33 @@ _ALL = (
         "Figs. 1b, 2c, 7d", _of(motion.deviation_peak),
     ),
     Definition(
-        "deviation_rms", "m", "root mean square deviation from the own path, time under way",
+        "deviation_rms", "m", "root mean square deviation from the own path, over the active time",
         "Figs. 1b, 2c, 7d", _of(motion.deviation_rms),
     ),
     Definition(
-        "mean_speed", "m/s", "mean applied forward speed over the time under way", "Fig. 7c",
+        "mean_speed", "m/s", "mean applied forward speed over the active time", "Fig. 7c",
         _of(motion.mean_speed),
     ),
     Definition(
         "averaged_speed_min", "m/s",
-        "smallest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        "smallest forward speed averaged over 10 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=False),
     ),
     Definition(
         "averaged_speed_max", "m/s",
-        "largest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        "largest forward speed averaged over 10 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=True),
     ),
     Definition(
         "averaged_rotation_min", "rad/s",
-        "smallest rotational speed averaged over 10 s under way: fastest turn to the right",
+        "smallest rotational speed averaged over 10 s, all of them active: fastest turn to the "
+        "right",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=False),
     ),
     Definition(
         "averaged_rotation_max", "rad/s",
-        "largest rotational speed averaged over 10 s under way: fastest turn to the left",
+        "largest rotational speed averaged over 10 s, all of them active: fastest turn to the "
+        "left",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=True),
     ),
     Definition(
@@ -183,21 +185,21 @@ _ALL = (
         "Fig. 4", lambda run: _width(run, largest=True),
     ),
     Definition(
-        "danger_share", "-", "share of modes declared as danger in the time under way",
+        "danger_share", "-", "share of modes declared as danger in the active time",
         "Figs. 5, 8",
         lambda run: modes.share_of_modes(run.record, danger=True),
     ),
     Definition(
-        "safe_share", "-", "share of all other modes in the time under way", "Figs. 5, 8",
+        "safe_share", "-", "share of all other modes in the active time", "Figs. 5, 8",
         lambda run: modes.share_of_modes(run.record, danger=False),
     ),
     Definition(
-        "mode_switches", "1/min", "changes between safe and danger mode a minute under way",
+        "mode_switches", "1/min", "changes between safe and danger mode a minute of active time",
         "Figs. 5, 8", _of(modes.mode_switches),
     ),
     Definition("decisions", "-", "decisions of all robots", "(14)", _of(effort.decisions)),
     Definition(
-        "updates_per_second", "1/s", "decisions a second of a robot under way", "(14)",
+        "updates_per_second", "1/s", "decisions a second of an active robot", "(14)",
         _of(effort.updates_per_second),
     ),
     Definition(
@@ -205,7 +207,7 @@ _ALL = (
         _of(effort.messages),
     ),
     Definition(
-        "collision_time_evaluations", "-", "collision times worked out by the decisions",
+        "collision_time_evaluations", "-", "collision times computed for the decisions",
         "(11), (14)", _of(effort.evaluations),
     ),
     Definition(

@@ -1,6 +1,6 @@
 """How severe contacts are: closing speed, change of speed of each body, energy lost.
 
-All three are about the first sample of a contact, the impact. Pushing after it is told by the
+All three are about the first sample of a contact, the impact. Pushing after it shows in the
 impulse of the whole contact.
 
 - Closing speed [m/s]: of the contact point of one body against that of the other, along the normal,
@@ -30,7 +30,6 @@ from physim.contacts import touching
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.metrics.contacts import Episode
-from physim.metrics.settings import world_settings
 from physim.record import Record
 from physim.scene import DENSITY
 
@@ -72,7 +71,7 @@ def masses(record: Record) -> FloatArray | None:
 
     A robot without a mass of its own has `DENSITY` over the area of its footprint.
     """
-    robots = world_settings(record).get("robots")
+    robots = record.world_settings.get("robots")
     if not isinstance(robots, list) or len(robots) != record.robots:
         return None
     area = [sum(abs(signed_area(part)) for part in parts) for parts in record.footprints]
@@ -104,6 +103,6 @@ def _first_row(record: Record, episode: Episode) -> np.void | NDArray[np.void]:
 
 
 def _elasticity(record: Record) -> float:
-    physics = world_settings(record).get("physics")
+    physics = record.world_settings.get("physics")
     value = physics.get("elasticity") if isinstance(physics, dict) else None
     return float(value) if isinstance(value, int | float) else 0.0

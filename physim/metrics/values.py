@@ -45,7 +45,7 @@ class Place:
 
 @dataclass(frozen=True)
 class DangerShare:
-    """How much of its way one robot was in danger mode (Fig. 8); None before its first decision."""
+    """How much of its active time a robot was in danger mode (Fig. 8); None without decisions."""
 
     robot: int
     decisions: float | None

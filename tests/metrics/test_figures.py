@@ -168,11 +168,11 @@ def test_commands_that_differ_are_counted_by_stage() -> None:
     assert metrics.disturbed_steps(record) == 2
 
 
-def test_a_run_without_decisions_is_told_by_its_motion_and_its_commands() -> None:
+def test_a_run_without_decisions_is_measured_by_its_motion_and_its_commands() -> None:
     told = [(step, 0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0) for step in range(6)]
     record = history(robots=1, steps_run=20, commands=told, arrived=[10])
     assert metrics.mean_speed(record) == pytest.approx(6 / 10)
-    assert metrics.steps_under_way(record).tolist() == [10]
+    assert metrics.active_steps(record).tolist() == [10]
     assert metrics.danger_time_share(record) is None
 
 

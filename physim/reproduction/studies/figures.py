@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.metrics import evaluations, messages, updates_per_second
 from physim.metrics import measure as take
-from physim.metrics.modes import time_under_way
+from physim.metrics.way import active_time
 from physim.record import Record
 
 
@@ -44,7 +44,7 @@ def rule_shares(record: Record) -> dict[str, float]:
 
 def work(record: Record) -> dict[str, float]:
     """Updates, messages and collision times worked out, each a second of a robot under way."""
-    seconds = float(time_under_way(record).sum())
+    seconds = float(active_time(record).sum())
     updates = updates_per_second(record)
     each = seconds if seconds > 0.0 else math.nan
     return {

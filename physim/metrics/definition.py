@@ -4,38 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from typing import TYPE_CHECKING
 
-from physim.metrics.formation import formation_energy
-from physim.metrics.motion import AveragedSpeeds, averaged_speeds
-from physim.metrics.values import Each, Moment, Place, Series
-from physim.metrics.width import Width, corridor_width
-from physim.record import Record
+from physim.metrics.values import Each, Moment, Place
+
+if TYPE_CHECKING:
+    from physim.metrics.registry import Courses
 
 Found = bool | int | float | Moment | Place | Each | None
 """What finding a metric gives; None where it has no meaning."""
-
-
-class Courses:
-    """A record with the courses over time that several metrics share, each worked out once."""
-
-    def __init__(self, record: Record) -> None:
-        self.record = record
-
-    @cached_property
-    def averaged(self) -> AveragedSpeeds:
-        """Speeds averaged over 10 s."""
-        return averaged_speeds(self.record)
-
-    @cached_property
-    def energy(self) -> Series | None:
-        """Formation energy W."""
-        return formation_energy(self.record)
-
-    @cached_property
-    def width(self) -> Width | None:
-        """Width along the first robot's path."""
-        return corridor_width(self.record) if self.record.robots else None
 
 
 @dataclass(frozen=True)

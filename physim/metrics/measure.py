@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from physim.errors import PhysimError, nearest
-from physim.metrics.definition import Courses, Definition, Metric
+from physim.metrics.definition import Definition, Metric
 from physim.metrics.own import own_metrics
-from physim.metrics.registry import DEFINITIONS
+from physim.metrics.registry import DEFINITIONS, Courses
 from physim.metrics.values import Each, Moment, Place
 from physim.record import Record
 

@@ -18,12 +18,15 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from importlib.metadata import entry_points
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.author_code import asked, broken_by
 from physim.errors import PhysimError
 from physim.metrics.answers import checked_value
-from physim.metrics.definition import Courses, Definition, Found
+from physim.metrics.definition import Definition, Found
+
+if TYPE_CHECKING:
+    from physim.metrics.registry import Courses
 
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 

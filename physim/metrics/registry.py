@@ -8,28 +8,82 @@ collision times, modes, deviations, peak and end of formation errors.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from types import MappingProxyType
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics import contacts, distances, effort, formation, modes, motion, way, width
-from physim.metrics.definition import Courses, Definition, Found
-from physim.metrics.values import Moment, Place
+from physim.metrics.contacts import contact_episodes, grazes
+from physim.metrics.definition import Definition, Found
+from physim.metrics.distances import (
+    farthest_pair,
+    shortest_boundary_distance,
+    shortest_collision_time,
+    shortest_distance,
+)
+from physim.metrics.effort import (
+    decisions,
+    disturbed_steps,
+    evaluations,
+    filtered_steps,
+    messages,
+    updates_per_second,
+)
+from physim.metrics.formation import (
+    formation_energy,
+    formation_error_final,
+    formation_error_peak,
+    formation_error_rms,
+)
+from physim.metrics.modes import mode_switches, share_of_modes
+from physim.metrics.motion import (
+    AveragedSpeeds,
+    averaged_extreme,
+    averaged_speeds,
+    deviation_peak,
+    deviation_rms,
+    mean_speed,
+)
+from physim.metrics.values import Moment, Place, Series
+from physim.metrics.way import finished, time_to_finish
+from physim.metrics.width import Width, corridor_width, width_extreme
 from physim.record import Record
+
+
+class Courses:
+    """A record with the courses over time that several metrics share, each worked out once."""
+
+    def __init__(self, record: Record) -> None:
+        self.record = record
+
+    @cached_property
+    def averaged(self) -> AveragedSpeeds:
+        """Speeds averaged over 10 s."""
+        return averaged_speeds(self.record)
+
+    @cached_property
+    def energy(self) -> Series | None:
+        """Formation energy W."""
+        return formation_energy(self.record)
+
+    @cached_property
+    def width(self) -> Width | None:
+        """Width along the first robot's path."""
+        return corridor_width(self.record) if self.record.robots else None
 
 
 def _contacts(record: Record, robots: bool | None = None) -> int | None:
     if (robots and record.robots < 2) or "contacts" not in record.tables:
         return None
-    episodes = contacts.contact_episodes(record)
+    episodes = contact_episodes(record)
     return sum(robots is None or episode.robots is robots for episode in episodes)
 
 
 def _grazes(record: Record) -> int | None:
-    return len(contacts.grazes(record)) if "contacts" in record.tables else None
+    return len(grazes(record)) if "contacts" in record.tables else None
 
 
 def _first_contact(record: Record) -> Moment | None:
-    episodes = contacts.contact_episodes(record)
+    episodes = contact_episodes(record)
     if not episodes:
         return None
     first = episodes[0]
@@ -37,7 +91,7 @@ def _first_contact(record: Record) -> Moment | None:
 
 
 def _deepest_contact(record: Record) -> Moment | None:
-    episodes = contacts.contact_episodes(record)
+    episodes = contact_episodes(record)
     if not episodes:
         return None
     deepest = max(episodes, key=lambda episode: episode.depth)
@@ -52,11 +106,11 @@ def _energy(run: Courses, last: bool) -> float | None:
 
 
 def _averaged(run: Courses, values: FloatArray, largest: bool) -> Moment | None:
-    return motion.averaged_extreme(run.averaged.time, values, run.record.dt, largest)
+    return averaged_extreme(run.averaged.time, values, run.record.dt, largest)
 
 
 def _width(run: Courses, largest: bool) -> Place | None:
-    return None if run.width is None else width.width_extreme(run.width, 0, largest)
+    return None if run.width is None else width_extreme(run.width, 0, largest)
 
 
 def _of(find: Callable[[Record], Found]) -> Callable[[Courses], Found]:
@@ -72,12 +126,12 @@ _ALL = (
     Definition(
         "finished", "-",
         "whether every robot stood at its stop station at the end, judged by its motion", "-",
-        _of(way.finished),
+        _of(finished),
     ),
     Definition(
         "time_to_finish", "s", "time at which the last robot stood at its stop station for good",
         "Section 1",
-        _of(way.time_to_finish),
+        _of(time_to_finish),
     ),
     Definition(
         "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch", "-",
@@ -104,33 +158,33 @@ _ALL = (
     ),
     Definition(
         "shortest_distance", "m", "shortest distance between two robots; negative = depth",
-        "(11), Figs. 3b, 6c", _of(distances.shortest_distance),
+        "(11), Figs. 3b, 6c", _of(shortest_distance),
     ),
     Definition(
         "shortest_boundary_distance", "m",
         "shortest distance of a robot to a boundary or obstacle; negative = depth", "(11)",
-        _of(distances.shortest_boundary_distance),
+        _of(shortest_boundary_distance),
     ),
     Definition(
         "farthest_distance", "m", "largest distance between the shapes of two robots", "Fig. 6c",
-        _of(distances.farthest_pair),
+        _of(farthest_pair),
     ),
     Definition(
         "shortest_collision_time", "s", "shortest collision time that decided, at any decision",
-        "(11), Figs. 3c, 6d", _of(distances.shortest_collision_time),
+        "(11), Figs. 3c, 6d", _of(shortest_collision_time),
     ),
     Definition(
         "formation_error_peak", "m", "largest size of a formation error at a decision",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_peak),
+        "(10), Figs. 2b, 7a", _of(formation_error_peak),
     ),
     Definition(
         "formation_error_final", "m",
         "largest size of the formation errors at each robot's last decision",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_final),
+        "(10), Figs. 2b, 7a", _of(formation_error_final),
     ),
     Definition(
         "formation_error_rms", "m", "root mean square of the formation errors over time",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_rms),
+        "(10), Figs. 2b, 7a", _of(formation_error_rms),
     ),
     Definition(
         "formation_energy_peak", "m^2", "largest formation energy W", "(9)",
@@ -143,15 +197,15 @@ _ALL = (
     Definition(
         "deviation_peak", "m",
         "deviation of greatest size from the own path at a decision; left positive",
-        "Figs. 1b, 2c, 7d", _of(motion.deviation_peak),
+        "Figs. 1b, 2c, 7d", _of(deviation_peak),
     ),
     Definition(
         "deviation_rms", "m", "root mean square deviation from the own path, over the active time",
-        "Figs. 1b, 2c, 7d", _of(motion.deviation_rms),
+        "Figs. 1b, 2c, 7d", _of(deviation_rms),
     ),
     Definition(
         "mean_speed", "m/s", "mean applied forward speed over the active time", "Fig. 7c",
-        _of(motion.mean_speed),
+        _of(mean_speed),
     ),
     Definition(
         "averaged_speed_min", "m/s",
@@ -187,36 +241,36 @@ _ALL = (
     Definition(
         "danger_share", "-", "share of modes declared as danger in the active time",
         "Figs. 5, 8",
-        lambda run: modes.share_of_modes(run.record, danger=True),
+        lambda run: share_of_modes(run.record, danger=True),
     ),
     Definition(
         "safe_share", "-", "share of all other modes in the active time", "Figs. 5, 8",
-        lambda run: modes.share_of_modes(run.record, danger=False),
+        lambda run: share_of_modes(run.record, danger=False),
     ),
     Definition(
         "mode_switches", "1/min", "changes between safe and danger mode a minute of active time",
-        "Figs. 5, 8", _of(modes.mode_switches),
+        "Figs. 5, 8", _of(mode_switches),
     ),
-    Definition("decisions", "-", "decisions of all robots", "(14)", _of(effort.decisions)),
+    Definition("decisions", "-", "decisions of all robots", "(14)", _of(decisions)),
     Definition(
         "updates_per_second", "1/s", "decisions a second of an active robot", "(14)",
-        _of(effort.updates_per_second),
+        _of(updates_per_second),
     ),
     Definition(
         "messages", "-", "messages: one for each considered robot and decision", "(14)",
-        _of(effort.messages),
+        _of(messages),
     ),
     Definition(
         "collision_time_evaluations", "-", "collision times computed for the decisions",
-        "(11), (14)", _of(effort.evaluations),
+        "(11), (14)", _of(evaluations),
     ),
     Definition(
         "filtered_steps", "-", "robot-steps over which the filtered command differs from the "
-        "nominal one", "-", _of(effort.filtered_steps),
+        "nominal one", "-", _of(filtered_steps),
     ),
     Definition(
         "disturbed_steps", "-", "robot-steps over which the applied command differs from the "
-        "filtered one", "-", _of(effort.disturbed_steps),
+        "filtered one", "-", _of(disturbed_steps),
     ),
 )  # fmt: skip
 

@@ -19,9 +19,16 @@ parentheses refer to the paper.
 
 from __future__ import annotations
 
-from physim.metrics.contacts import Episode, Graze, contact_episodes, grazes
+from physim.metrics.contacts import (
+    Episode,
+    Graze,
+    Severity,
+    contact_episodes,
+    grazes,
+    masses,
+    severity,
+)
 from physim.metrics.deep import Deep, deep_contacts
-from physim.metrics.definition import Definition, Metric
 from physim.metrics.distances import (
     collision_times,
     farthest_pair,
@@ -48,7 +55,6 @@ from physim.metrics.formation import (
     formation_errors,
     has_formation,
 )
-from physim.metrics.measure import definition, definitions, measure, measured
 from physim.metrics.modes import (
     danger_shares,
     danger_time_share,
@@ -65,9 +71,8 @@ from physim.metrics.motion import (
     mean_speed,
 )
 from physim.metrics.own import own_metrics, own_part
-from physim.metrics.registry import DEFINITIONS
-from physim.metrics.severity import Severity, masses, severity
-from physim.metrics.values import DangerShare, Each, Moment, Place, Series
+from physim.metrics.registry import DEFINITIONS, definition, definitions, measure, measured
+from physim.metrics.values import DangerShare, Definition, Each, Metric, Moment, Place, Series
 from physim.metrics.way import (
     Absent,
     absent,

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from physim.author_code import kind_of
-from physim.metrics.definition import Found
-from physim.metrics.values import Each, Moment, Place
+from physim.metrics.values import Each, Found, Moment, Place
 from physim.record import Record
 
 

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from physim.author_code import asked, broken_by
 from physim.errors import PhysimError
 from physim.metrics.answers import checked_value
-from physim.metrics.definition import Definition, Found
+from physim.metrics.values import Definition, Found
 
 if TYPE_CHECKING:
     from physim.metrics.registry import Courses

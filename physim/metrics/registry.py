@@ -7,13 +7,13 @@ collision times, modes, deviations, peak and end of formation errors.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from types import MappingProxyType
 
+from physim.errors import PhysimError, nearest
 from physim.geometry.shapes import FloatArray
-from physim.metrics.contacts import contact_episodes, grazes
-from physim.metrics.definition import Definition, Found
+from physim.metrics.contacts import Episode, contact_episodes, grazes
 from physim.metrics.distances import (
     farthest_pair,
     shortest_boundary_distance,
@@ -43,17 +43,23 @@ from physim.metrics.motion import (
     deviation_rms,
     mean_speed,
 )
-from physim.metrics.values import Moment, Place, Series
+from physim.metrics.own import own_metrics
+from physim.metrics.values import Definition, Each, Found, Metric, Moment, Place, Series
 from physim.metrics.way import finished, time_to_finish
 from physim.metrics.width import Width, corridor_width, width_extreme
 from physim.record import Record
 
 
 class Courses:
-    """A record with the courses over time that several metrics share, each worked out once."""
+    """A record with what several metrics share, each worked out once."""
 
     def __init__(self, record: Record) -> None:
         self.record = record
+
+    @cached_property
+    def episodes(self) -> tuple[Episode, ...]:
+        """Contact episodes."""
+        return contact_episodes(self.record)
 
     @cached_property
     def averaged(self) -> AveragedSpeeds:
@@ -71,30 +77,25 @@ class Courses:
         return corridor_width(self.record) if self.record.robots else None
 
 
-def _contacts(record: Record, robots: bool | None = None) -> int | None:
-    if (robots and record.robots < 2) or "contacts" not in record.tables:
+def _contacts(run: Courses, robots: bool | None = None) -> int | None:
+    if (robots and run.record.robots < 2) or "contacts" not in run.record.tables:
         return None
-    episodes = contact_episodes(record)
-    return sum(robots is None or episode.robots is robots for episode in episodes)
+    return sum(robots is None or episode.robots is robots for episode in run.episodes)
 
 
 def _grazes(record: Record) -> int | None:
     return len(grazes(record)) if "contacts" in record.tables else None
 
 
-def _first_contact(record: Record) -> Moment | None:
-    episodes = contact_episodes(record)
-    if not episodes:
-        return None
-    first = episodes[0]
-    return Moment(first.time, first.step, first.time, first.a, first.b)
+def _first_contact(run: Courses) -> Moment | None:
+    first = next(iter(run.episodes), None)
+    return None if first is None else Moment(first.time, first.step, first.time, first.a, first.b)
 
 
-def _deepest_contact(record: Record) -> Moment | None:
-    episodes = contact_episodes(record)
-    if not episodes:
+def _deepest_contact(run: Courses) -> Moment | None:
+    deepest = max(run.episodes, key=lambda episode: episode.depth, default=None)
+    if deepest is None:
         return None
-    deepest = max(episodes, key=lambda episode: episode.depth)
     return Moment(deepest.depth, deepest.step, deepest.time, deepest.a, deepest.b)
 
 
@@ -125,36 +126,34 @@ _ALL = (
     ),
     Definition(
         "finished", "-",
-        "whether every robot stood at its stop station at the end, judged by its motion", "-",
-        _of(finished),
+        "whether every robot stood at its stop station at the end, judged by its motion",
+        "-", _of(finished),
     ),
     Definition(
         "time_to_finish", "s", "time at which the last robot stood at its stop station for good",
-        "Section 1",
-        _of(time_to_finish),
+        "Section 1", _of(time_to_finish),
     ),
     Definition(
-        "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch", "-",
-        _of(_contacts),
+        "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch",
+        "-", _contacts,
     ),
     Definition(
         "contacts_between_robots", "-", "contact episodes of two robots", "-",
-        lambda run: _contacts(run.record, True),
+        lambda run: _contacts(run, True),
     ),
     Definition(
         "contacts_with_boundaries", "-", "contact episodes of a robot and a boundary or obstacle",
-        "-", lambda run: _contacts(run.record, False),
+        "-", lambda run: _contacts(run, False),
     ),
     Definition(
         "grazes", "-", "contacts between two samples: apart at both, touching within the step", "-",
-        lambda run: _grazes(run.record),
+        _of(_grazes),
     ),
     Definition(
-        "first_contact", "s", "time of the first sample of the first contact", "-",
-        _of(_first_contact),
+        "first_contact", "s", "time of the first sample of the first contact", "-", _first_contact,
     ),
     Definition(
-        "deepest_contact", "m", "greatest depth of any contact", "-", _of(_deepest_contact),
+        "deepest_contact", "m", "greatest depth of any contact", "-", _deepest_contact,
     ),
     Definition(
         "shortest_distance", "m", "shortest distance between two robots; negative = depth",
@@ -240,8 +239,7 @@ _ALL = (
     ),
     Definition(
         "danger_share", "-", "share of modes declared as danger in the active time",
-        "Figs. 5, 8",
-        lambda run: share_of_modes(run.record, danger=True),
+        "Figs. 5, 8", lambda run: share_of_modes(run.record, danger=True),
     ),
     Definition(
         "safe_share", "-", "share of all other modes in the active time", "Figs. 5, 8",
@@ -276,3 +274,74 @@ _ALL = (
 
 DEFINITIONS = MappingProxyType({one.name: one for one in _ALL})
 """Every metric by name, in the order of reports."""
+
+
+def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Metric]:
+    """Take metrics of a run from its record alone: all, or those of ``names``, in their order.
+
+    All are physim's own (`DEFINITIONS`) and those that packages registered. Metrics that have no
+    meaning for the run are left out. Raises PhysimError for an unknown name and for a registered
+    metric that fails, RecordError for a damaged record.
+    """
+    if names is None:
+        found, faults = measured(record)
+        if faults:
+            raise PhysimError(faults[0])
+        return found
+    known, run = dict(DEFINITIONS), Courses(record)
+    wanted = list(names)
+    if not known.keys() >= set(wanted):
+        known = definitions()
+    taken = {name: _metric(_known(name, known), run) for name in wanted}
+    return {name: metric for name, metric in taken.items() if metric is not None}
+
+
+def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
+    """Take all metrics of a run; with a line for each registered one that failed."""
+    run, found, own = Courses(record), {}, own_metrics(DEFINITIONS)
+    faults = list(own.faults)
+    for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
+        try:
+            metric = _metric(what, run)
+        except PhysimError as error:
+            if name in DEFINITIONS:
+                raise
+            faults.append(str(error))
+            continue
+        if metric is not None:
+            found[name] = metric
+    return found, tuple(faults)
+
+
+def definitions() -> dict[str, Definition]:
+    """Every metric by name: physim's own, then those that packages registered and can be used."""
+    return {**DEFINITIONS, **own_metrics(DEFINITIONS).definitions}
+
+
+def definition(name: str) -> Definition:
+    """Definition of a metric. Raises PhysimError, with the nearest one, for an unknown name."""
+    return DEFINITIONS[name] if name in DEFINITIONS else _known(name, definitions())
+
+
+def _known(name: str, known: Mapping[str, Definition]) -> Definition:
+    if name in known:
+        return known[name]
+    for fault in own_metrics(DEFINITIONS).faults:
+        if f'"{name}"' in fault:
+            raise PhysimError(fault)
+    close = nearest(name[:100], list(known))
+    raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')
+
+
+def _metric(what: Definition, run: Courses) -> Metric | None:
+    found = what.find(run)
+    if found is None:
+        return None
+    if isinstance(found, Moment):
+        bodies = (found.a,) if found.b is None else (found.a, found.b)
+        return Metric(what, found.value, time=found.time, bodies=bodies)
+    if isinstance(found, Place):
+        return Metric(what, found.value, station=found.station, bodies=(found.robot,))
+    if isinstance(found, Each):
+        return Metric(what, found.value, robots=found.robots)
+    return Metric(what, found)

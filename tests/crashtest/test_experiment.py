@@ -44,7 +44,8 @@ def test_engine_and_analysis_agree(report: CrashReport) -> None:
     assert lag["least"] > -1e-3
     assert lag["most"] < 1.0
     assert lag["median"] == pytest.approx(0.5, abs=0.1)
-    assert text(report).endswith("agree: 0 of 550 cases (seed 5) unexplained\n")
+    verdict = text(report).splitlines()[-1]
+    assert all(part in verdict for part in ("agree", " 0 of 550 ", "seed 5", "unexplained"))
 
 
 def test_swept_contacts_are_where_the_collision_time_says(report: CrashReport) -> None:
@@ -105,7 +106,8 @@ def test_a_broken_check_is_found_out(
     share = 0.3 if broken in (sabotage.without_rotation, sabotage.smaller) else 0.9
     assert len(found.unexplained) > share * hits
     assert all(one.reason for one in found.unexplained)
-    assert f"checks disagree: {len(found.unexplained)} of 550 cases" in text(found)
+    verdict = text(found).splitlines()[-1]
+    assert all(part in verdict for part in ("disagree", f" {len(found.unexplained)} of 550 "))
 
 
 def test_without_the_guard_the_engines_false_contacts_are_reported(
@@ -119,9 +121,9 @@ def test_without_the_guard_the_engines_false_contacts_are_reported(
     found = crash_test(cases, seed)
     near, far = found.unexplained  # one between the skins of the engine's shapes, one far off
     assert (near.number, near.kind, near.collision_time) == (71, "graze", None)
-    assert near.reason.endswith("where the shapes are 1.85e-09 m apart")
+    assert "1.85e-09 m" in near.reason
     assert (far.number, far.kind, far.collision_time) == (190, "side by side", None)
-    assert far.reason.endswith("where the shapes are 0.00337 m apart")
+    assert "0.00337 m" in far.reason
 
 
 # Worlds of failing cases

@@ -14,7 +14,7 @@ from physim.cli.progress import INTERRUPTED, Bar, interrupts
 from physim.cli.values import WHOLE, whole_from
 
 if TYPE_CHECKING:
-    from physim.crashtest.report import Report
+    from physim.crashtest.report import CrashReport
 
 DISAGREE = 3
 COMPILING = 15
@@ -81,7 +81,7 @@ def crashtest(options: Options) -> int:
     return DISAGREE if report.unexplained else 0
 
 
-def _simulate_throws(options: Options, folder: Path) -> Report:
+def _simulate_throws(options: Options, folder: Path) -> CrashReport:
     from physim.crashtest import crash_test
 
     started = time.monotonic()

@@ -1,13 +1,13 @@
-"""Crash test: a laboratory that must end in contacts, engine against analysis.
+"""Crash test: random cases that mostly end in contact, physics engine against analysis.
 
-Random shapes are thrown at each other at constant (v, omega) through the physics that runs every
-world; the first physical contact of each throw must lie in the sample that the collision time
-says, or the analytic contact holds no sample. See docs/CRASHTEST.md.
+Random shapes are driven into each other at constant (v, omega) by the physics that runs every
+world; the first physical contact of each case must lie in the sample that the collision time
+predicts, or the analytic contact holds no sample. See docs/CRASHTEST.md.
 """
 
 from __future__ import annotations
 
 from physim.crashtest.laboratory import crash_test
-from physim.crashtest.report import Report, Unexplained
+from physim.crashtest.report import CrashReport, Unexplained
 
-__all__ = ["Report", "Unexplained", "crash_test"]
+__all__ = ["CrashReport", "Unexplained", "crash_test"]

@@ -36,7 +36,7 @@ class Batch(NamedTuple):
     """(M + 1,) likewise of the bodies of ``walls``"""
 
 
-def place(index: int) -> tuple[float, float]:
+def place_of(index: int) -> tuple[float, float]:
     """Middle of the place of a case [m]: a spiral of squares about the origin."""
     ring = int((np.sqrt(index) + 1.0) / 2.0)
     along = index - (2 * ring - 1) ** 2 if ring else 0

@@ -1,4 +1,4 @@
-"""One throw: one or two robots, each at a constant (v, omega), perhaps with walls in the way."""
+"""One case: one or two robots, each at a constant (v, omega), perhaps with walls in the way."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from physim.crashtest.footprints import Footprint
 from physim.geometry.shapes import FloatArray
 
 STEPS = 48
-"""Steps that a throw lasts."""
+"""Steps that a case lasts."""
 
 
 class Solid(NamedTuple):
@@ -35,7 +35,7 @@ class Layout(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A throw with its number, by which it can be drawn again."""
+    """A layout with its number, by which it can be drawn again."""
 
     number: int
     kind: str

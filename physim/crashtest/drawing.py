@@ -7,9 +7,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.random import Generator
 
-from physim.crashtest import hazards, meetings
 from physim.crashtest.case import Case, Layout
-from physim.crashtest.footprints import Store
+from physim.crashtest.footprints import Footprint, Store
+from physim.crashtest.hazards import any_robot, corner, obstacle, wall, wall_end, wall_graze
+from physim.crashtest.meetings import Origin, graze, in_row, pair, pick, side_by_side
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, pack_shapes
 from physim.randomness import stream
@@ -21,44 +22,36 @@ CLEAR = 1e-8
 TRIES = 50
 """Layouts tried; the last resort is a robot pair far enough apart"""
 
-Origin = tuple[float, float]
 Draw = Callable[[Generator, Origin, float, Store], Layout]
 
 
-def _convex(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
-    a, b = (meetings.pick(rng, store.convex) for _ in range(2))
-    return meetings.pair(rng, origin, dt, a, b)
+def _two(
+    plan: Callable[[Generator, Origin, float, Footprint, Footprint], Layout],
+    choose: Callable[[Generator, Store], Footprint],
+) -> Draw:
+    """Draw two footprints, and plan how they meet."""
 
+    def draw(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
+        a, b = choose(rng, store), choose(rng, store)
+        return plan(rng, origin, dt, a, b)
 
-def _nonconvex(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
-    a, b = (meetings.pick(rng, store.nonconvex) for _ in range(2))
-    return meetings.pair(rng, origin, dt, a, b)
-
-
-def _mixed(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
-    a, b = (hazards.any_robot(rng, store) for _ in range(2))
-    return meetings.pair(rng, origin, dt, a, b)
-
-
-def _graze(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
-    a, b = (hazards.any_robot(rng, store) for _ in range(2))
-    return meetings.graze(rng, origin, dt, a, b)
+    return draw
 
 
 KINDS: dict[str, Draw] = {
-    "convex": _convex,
-    "nonconvex": _nonconvex,
-    "mixed": _mixed,
-    "side by side": meetings.side_by_side,
-    "in a row": meetings.in_row,
-    "graze": _graze,
-    "wall": hazards.wall,
-    "corner": hazards.corner,
-    "wall end": hazards.wall_end,
-    "wall graze": hazards.wall_graze,
-    "obstacle": hazards.obstacle,
+    "convex": _two(pair, lambda rng, store: pick(rng, store.convex)),
+    "nonconvex": _two(pair, lambda rng, store: pick(rng, store.nonconvex)),
+    "mixed": _two(pair, any_robot),
+    "side by side": side_by_side,
+    "in a row": in_row,
+    "graze": _two(graze, any_robot),
+    "wall": wall,
+    "corner": corner,
+    "wall end": wall_end,
+    "wall graze": wall_graze,
+    "obstacle": obstacle,
 }
-"""What is thrown, in turn."""
+"""What is drawn, in turn."""
 
 
 def draw_case(seed: int, number: int, origin: Origin, store: Store) -> Case:
@@ -72,7 +65,7 @@ def draw_case(seed: int, number: int, origin: Origin, store: Store) -> Case:
         walls = _walls(layout)
         if _is_clear(layout, walls):
             return Case(number, kind, dt, origin, layout, walls)
-    layout = meetings.side_by_side(rng, origin, dt, store)
+    layout = side_by_side(rng, origin, dt, store)
     return Case(number, kind, dt, origin, layout, ())
 
 

@@ -1,7 +1,7 @@
-"""Random footprints to throw at each other: convex, boxes, nonconvex.
+"""Random footprints of robots: convex, boxes, nonconvex.
 
 They come from a store that depends on the seed alone, since cutting an outline into convex parts
-costs more than the throw itself.
+costs more than the case itself.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ THINNEST = 0.05
 """[m] least width of a convex part"""
 
 
-Draw = Callable[[Generator], FloatArray]
+Outline = Callable[[Generator], FloatArray]
+"""Draws an outline (n, 2) [m]."""
 
 
 class Footprint(NamedTuple):
@@ -75,15 +76,17 @@ def footprint(points: FloatArray) -> Footprint:
 def build_store(seed: int) -> Store:
     """Footprints of one seed."""
 
-    def sort(name: str, draw: Draw) -> tuple[Footprint, ...]:
-        return tuple(_usable(stream(seed, f"crash test, {name}", k), draw) for k in range(STORED))
+    def draw(name: str, outline: Outline) -> tuple[Footprint, ...]:
+        return tuple(
+            _usable(stream(seed, f"crash test, {name}", k), outline) for k in range(STORED)
+        )
 
-    return Store(sort("convex", _convex), sort("boxes", box), sort("nonconvex", _nonconvex))
+    return Store(draw("convex", _convex), draw("boxes", box), draw("nonconvex", _nonconvex))
 
 
-def _usable(rng: Generator, draw: Draw) -> Footprint:
+def _usable(rng: Generator, outline: Outline) -> Footprint:
     while True:
-        points = draw(rng)
+        points = outline(rng)
         if is_simple(points):
             made = footprint(points)
             if made.width >= THINNEST:

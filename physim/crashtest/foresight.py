@@ -1,4 +1,4 @@
-"""What the analytic checks say of the cases of a batch, by kernels that never see the engine."""
+"""Contacts of the cases of a batch as analysis predicts them, by kernels without the engine."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ MOST_RENEWED = 2000
 """How often a search for a collision time that reached its cap is taken up again."""
 
 
-class Foresight(NamedTuple):
+class Prediction(NamedTuple):
     """Analysis of M cases; every motion is the exact arc from the start."""
 
     time: FloatArray
-    """(M,) collision time xi [s] within the throw, inf when there is none"""
+    """(M,) collision time xi [s] within the case, inf when there is none"""
     renewed: IntArray
     """(M,) how often the search reached its cap and went on from the lower bound it gave"""
     distance: FloatArray
     """(M, STEPS + 1) [m] signed distance at each sample"""
 
 
-class Sight(NamedTuple):
-    """How M cases stand at given times."""
+class Approach(NamedTuple):
+    """How the shapes of M cases come to touch, about given times."""
 
     gap: FloatArray
     """(M,) [m] signed distance then; NaN where there is no time"""
@@ -46,7 +46,7 @@ class Sight(NamedTuple):
     """(M,) [m] signed distance on the exact arcs at the swept contact; NaN without one"""
 
 
-class Throw(NamedTuple):
+class PackedCase(NamedTuple):
     """One case, for the kernels: robots ``first`` to ``last - 1`` and wall parts."""
 
     shapes: Shapes
@@ -59,14 +59,14 @@ class Throw(NamedTuple):
     dt: float
 
 
-def foresee(batch: Batch) -> Foresight:
+def predict(batch: Batch) -> Prediction:
     """Collision time and distances of every case."""
-    return Foresight(*_foresee(*_arrays(batch), batch.dt, STEPS))
+    return Prediction(*_predict(*_arrays(batch), batch.dt, STEPS))
 
 
-def sight(batch: Batch, time: FloatArray) -> Sight:
+def approach(batch: Batch, time: FloatArray) -> Approach:
     """How every case stands at its time [s] (M,); nothing where that is inf."""
-    return Sight(*_sight(*_arrays(batch), batch.dt, STEPS, time))
+    return Approach(*_approach(*_arrays(batch), batch.dt, STEPS, time))
 
 
 def _arrays(
@@ -79,7 +79,7 @@ def _arrays(
 
 
 @compiled
-def _throw(
+def _case(
     shapes: Shapes,
     walls: Shapes,
     start: FloatArray,
@@ -88,17 +88,17 @@ def _throw(
     first_wall: IntArray,
     dt: float,
     k: int,
-) -> Throw:
+) -> PackedCase:
     parts = np.arange(walls.body_start[first_wall[k]], walls.body_start[first_wall[k + 1]])
-    return Throw(shapes, walls, parts, start, command, first_robot[k], first_robot[k + 1], dt)
+    return PackedCase(shapes, walls, parts, start, command, first_robot[k], first_robot[k + 1], dt)
 
 
 @compiled
-def poses_at(throw: Throw, t: float) -> FloatArray:
+def poses_at(case: PackedCase, t: float) -> FloatArray:
     """Poses of the robots of a case on their arcs."""
-    pose = np.empty((throw.last - throw.first, 3))
-    for i in range(throw.first, throw.last):
-        pose[i - throw.first] = arc(throw.start[i], throw.command[i, 0], throw.command[i, 1], t)
+    pose = np.empty((case.last - case.first, 3))
+    for i in range(case.first, case.last):
+        pose[i - case.first] = arc(case.start[i], case.command[i, 0], case.command[i, 1], t)
     return pose
 
 
@@ -115,20 +115,20 @@ def point_speed(
 
 
 @compiled
-def state_at(throw: Throw, t: float) -> tuple[float, float]:
+def state_at(case: PackedCase, t: float) -> tuple[float, float]:
     """Signed distance [m] of a case, and closing speed [m/s] of its closest points."""
-    shapes, command, first = throw.shapes, throw.command, throw.first
-    pose = poses_at(throw, t)
+    shapes, command, first = case.shapes, case.command, case.first
+    pose = poses_at(case, t)
     best = np.inf
     closing = 0.0
-    for i in range(first, throw.last):
+    for i in range(first, case.last):
         one = pose[i - first]
-        if len(throw.parts):
-            d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, one, throw.walls, throw.parts)
+        if len(case.parts):
+            d, nx, ny, ax, ay, _, _ = wall_separation(shapes, i, one, case.walls, case.parts)
             if d < best:
                 best = d
                 closing = point_speed(one, command[i], ax, ay, nx, ny)
-        for j in range(i + 1, throw.last):
+        for j in range(i + 1, case.last):
             two = pose[j - first]
             d, nx, ny, ax, ay, bx, by = body_separation(shapes, i, one, shapes, j, two)
             if d < best:
@@ -139,18 +139,18 @@ def state_at(throw: Throw, t: float) -> tuple[float, float]:
 
 
 @compiled
-def time_from(throw: Throw, since: float, horizon: float) -> float:
+def time_from(case: PackedCase, since: float, horizon: float) -> float:
     """Collision time [s] counted from ``since``, up to the horizon."""
-    shapes, command, first = throw.shapes, throw.command, throw.first
-    pose = poses_at(throw, since)
+    shapes, command, first = case.shapes, case.command, case.first
+    pose = poses_at(case, since)
     found = np.inf
-    for i in range(first, throw.last):
+    for i in range(first, case.last):
         one = pose[i - first]
         twist = (command[i, 0], command[i, 1])
-        if len(throw.parts):
-            xi = collision_time_walls(shapes, i, one, twist, throw.walls, throw.parts, horizon)
+        if len(case.parts):
+            xi = collision_time_walls(shapes, i, one, twist, case.walls, case.parts, horizon)
             found = min(found, xi)
-        for j in range(i + 1, throw.last):
+        for j in range(i + 1, case.last):
             two = pose[j - first]
             other = (command[j, 0], command[j, 1])
             xi = collision_time_pair(shapes, i, one, twist, j, two, other, horizon)
@@ -159,39 +159,39 @@ def time_from(throw: Throw, since: float, horizon: float) -> float:
 
 
 @compiled
-def collision_time_of(throw: Throw, horizon: float) -> tuple[float, int]:
+def collision_time_of(case: PackedCase, horizon: float) -> tuple[float, int]:
     """Collision time [s] of a case, and how often the search went on from a lower bound.
 
     A search that reaches its cap gives a lower bound, at which the shapes are still apart.
     """
     time = 0.0
     for renewed in range(MOST_RENEWED):
-        time += time_from(throw, time, horizon - time)
-        if time == np.inf or state_at(throw, time)[0] <= CONTACT + ROUNDING:
+        time += time_from(case, time, horizon - time)
+        if time == np.inf or state_at(case, time)[0] <= CONTACT + ROUNDING:
             return time, renewed
     return time, MOST_RENEWED
 
 
 @compiled
-def swept_step(throw: Throw, step: int) -> float:
+def swept_step(case: PackedCase, step: int) -> float:
     """Time of the first contact in a step [s after its first sample], inf when there is none."""
-    first = throw.first
-    before = poses_at(throw, step * throw.dt)
-    after = poses_at(throw, (step + 1) * throw.dt)
+    first = case.first
+    before = poses_at(case, step * case.dt)
+    after = poses_at(case, (step + 1) * case.dt)
     found = np.inf
-    for i in range(first, throw.last):
+    for i in range(first, case.last):
         a, b = before[i - first], after[i - first]
-        if len(throw.parts):
-            t, _ = swept_walls(throw.shapes, i, a, b, throw.walls, throw.parts, throw.dt)
+        if len(case.parts):
+            t, _ = swept_walls(case.shapes, i, a, b, case.walls, case.parts, case.dt)
             found = min(found, t)
-        for j in range(i + 1, throw.last):
+        for j in range(i + 1, case.last):
             c, d = before[j - first], after[j - first]
-            found = min(found, swept_pair(throw.shapes, i, a, b, j, c, d, throw.dt))
+            found = min(found, swept_pair(case.shapes, i, a, b, j, c, d, case.dt))
     return found
 
 
 @compiled
-def _foresee(
+def _predict(
     shapes: Shapes,
     walls: Shapes,
     start: FloatArray,
@@ -201,21 +201,21 @@ def _foresee(
     dt: float,
     steps: int,
 ) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Arrays of a `Foresight`."""
+    """Arrays of a `Prediction`."""
     cases = len(first_robot) - 1
     time = np.empty(cases)
     renewed = np.empty(cases, np.int64)
     distance = np.empty((cases, steps + 1))
     for k in range(cases):
-        throw = _throw(shapes, walls, start, command, first_robot, first_wall, dt, k)
-        time[k], renewed[k] = collision_time_of(throw, steps * dt)
+        case = _case(shapes, walls, start, command, first_robot, first_wall, dt, k)
+        time[k], renewed[k] = collision_time_of(case, steps * dt)
         for n in range(steps + 1):
-            distance[k, n] = state_at(throw, n * dt)[0]
+            distance[k, n] = state_at(case, n * dt)[0]
     return time, renewed, distance
 
 
 @compiled
-def _sight(
+def _approach(
     shapes: Shapes,
     walls: Shapes,
     start: FloatArray,
@@ -226,7 +226,7 @@ def _sight(
     steps: int,
     time: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Arrays of a `Sight`."""
+    """Arrays of an `Approach`."""
     cases = len(time)
     gap = np.full(cases, np.nan)
     closing = np.full(cases, np.nan)
@@ -235,19 +235,19 @@ def _sight(
     for k in range(cases):
         if not time[k] < np.inf:
             continue
-        throw = _throw(shapes, walls, start, command, first_robot, first_wall, dt, k)
-        gap[k], speed = state_at(throw, time[k])
+        case = _case(shapes, walls, start, command, first_robot, first_wall, dt, k)
+        gap[k], speed = state_at(case, time[k])
         near = int(time[k] / dt)
         for n in range(max(0, near - 1), min(near + 2, steps)):
-            t = swept_step(throw, n)
+            t = swept_step(case, n)
             if t < np.inf:
                 swept[k] = n * dt + t
-                swept_gap[k], later = state_at(throw, swept[k])
+                swept_gap[k], later = state_at(case, swept[k])
                 closing[k] = min(speed, later)
                 break
     return gap, closing, swept, swept_gap
 
 
 def is_warm() -> bool:
-    """Whether the kernels of a crash test lie compiled on disk; `sight` comes last."""
-    return is_cached(_sight)
+    """Whether the kernels of a crash test lie compiled on disk; `approach` comes last."""
+    return is_cached(_approach)

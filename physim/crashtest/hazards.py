@@ -1,4 +1,4 @@
-"""Throws of one robot at something that stands: walls, corners, wall ends, obstacles.
+"""Layouts of one robot and something that stands: walls, corners, wall ends, obstacles.
 
 Planned from the meeting, like those of two robots (`meetings`).
 """
@@ -42,7 +42,7 @@ def wall(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
     inner = np.sort(rng.uniform(ends[0] + 0.1, ends[1] - 0.1, int(rng.integers(0, 4))))
     along = np.concatenate((ends[:1], inner, ends[1:]))
     along = along[np.concatenate(([True], np.diff(along) > 1e-3))]
-    return _thrown(rng, origin, dt, robot, foot + along[:, None] * direction)
+    return _facing(rng, origin, dt, robot, foot + along[:, None] * direction)
 
 
 def corner(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
@@ -54,7 +54,7 @@ def corner(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
         tip + rng.uniform(0.5, 4.0) * np.array((cos(angle), sin(angle)))
         for angle in (first, first + opening)
     ]
-    return _thrown(rng, origin, dt, robot, np.array((ends[0], tip, ends[1])))
+    return _facing(rng, origin, dt, robot, np.array((ends[0], tip, ends[1])))
 
 
 def wall_end(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
@@ -63,7 +63,7 @@ def wall_end(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
     end = _near(rng, origin, robot)
     direction, _ = _axes(rng)
     length = rng.uniform(1.0, 5.0) if rng.random() < 0.7 else rng.uniform(0.05, 0.5)
-    return _thrown(rng, origin, dt, robot, np.array((end, end + length * direction)))
+    return _facing(rng, origin, dt, robot, np.array((end, end + length * direction)))
 
 
 def obstacle(rng: Generator, origin: Origin, dt: float, store: Store) -> Layout:
@@ -109,7 +109,7 @@ def wall_graze(rng: Generator, origin: Origin, dt: float, store: Store) -> Layou
     return Layout((robot,), start, np.array([order]), lines=(line,))
 
 
-def _thrown(
+def _facing(
     rng: Generator, origin: Origin, dt: float, robot: Footprint, line: FloatArray
 ) -> Layout:
     start, orders = _approach(rng, origin, dt, robot)

@@ -1,30 +1,29 @@
-"""Run a crash test: draw, throw, foresee, judge, in blocks of cases."""
+"""Run a crash test: draw, simulate, predict and compare, in blocks of cases."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from physim.crashtest.batch import Batch, pack, place
+from physim.crashtest.batch import Batch, pack, place_of
 from physim.crashtest.case import Case
 from physim.crashtest.drawing import KINDS, TIME_STEPS, draw_case
-from physim.crashtest.footprints import Store, build_store
-from physim.crashtest.foresight import Foresight, foresee, sight
-from physim.crashtest.replay import file_name, world_of
-from physim.crashtest.report import Report, Unexplained
-from physim.crashtest.throw import NEVER, Thrown, throw
-from physim.crashtest.verdict import Judgement, Verdict, judge
+from physim.crashtest.footprints import build_store
+from physim.crashtest.foresight import Prediction, approach, predict
+from physim.crashtest.replay import case_world
+from physim.crashtest.report import CrashReport, Unexplained
+from physim.crashtest.throw import Simulated, simulate_cases
+from physim.crashtest.verdict import NEVER, Classified, Verdict, classify
 from physim.errors import PhysimError
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME, chord
 
 BLOCK = 2000
 """Cases drawn at a time; each time step among them gets a space of its own."""
-
-Foresee = Callable[[Batch], Foresight]
 
 
 def crash_test(
@@ -34,62 +33,59 @@ def crash_test(
     folder: str | os.PathLike[str] | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
-    _foresee: Foresee = foresee,
-    _guarded: bool = True,
-) -> Report:
-    """Throw ``cases`` random cases and compare first physical contacts with collision times.
+) -> CrashReport:
+    """Simulate ``cases`` random cases and compare first physical contacts with collision times.
 
     Case k depends on the seed and k alone. Each unexplained case is written as a world into
-    ``folder``, which is made when it is needed. ``progress`` is told the number of cases done;
-    when ``stop`` says True the test ends with the cases so far.
+    ``folder``, which is made when it is needed. ``progress`` is called with the number of cases
+    done; when ``stop`` returns True the test ends with the cases so far.
     """
-    report, store = Report(seed, cases), build_store(seed)
-    for first in range(0, cases, BLOCK):
-        for batch in _batches(seed, range(first, min(first + BLOCK, cases)), store):
-            _take(report, batch, throw(batch, _guarded), _foresee(batch), folder)
-            if progress is not None:
-                progress(report.cases)
-            if stop is not None and stop():
-                report.interrupted = report.cases < cases
-                return _sorted(report)
-    return _sorted(report)
-
-
-def _sorted(report: Report) -> Report:
+    report = CrashReport(seed, cases)
+    for batch in _batches(seed, cases):
+        _compare(report, batch, simulate_cases(batch), predict(batch), folder)
+        if progress is not None:
+            progress(report.cases)
+        if stop is not None and stop():
+            report.interrupted = report.cases < cases
+            break
     report.unexplained.sort(key=lambda one: one.number)
     return report
 
 
-def _batches(seed: int, numbers: range, store: Store) -> list[Batch]:
-    """Cases of a block by time step; the place of a case is its place in the block."""
-    drawn = [draw_case(seed, k, place(k % BLOCK), store) for k in numbers]
-    groups = [tuple(case for case in drawn if case.dt == dt) for dt in TIME_STEPS]
-    return [pack(dt, group) for dt, group in zip(TIME_STEPS, groups, strict=True) if group]
+def _batches(seed: int, cases: int) -> Iterator[Batch]:
+    """Cases, block after block, by time step; the place of a case is its place in the block."""
+    store = build_store(seed)
+    for first in range(0, cases, BLOCK):
+        numbers = range(first, min(first + BLOCK, cases))
+        drawn = [draw_case(seed, k, place_of(k % BLOCK), store) for k in numbers]
+        for dt in TIME_STEPS:
+            if group := tuple(case for case in drawn if case.dt == dt):
+                yield pack(dt, group)
 
 
-def _take(
-    report: Report,
+def _compare(
+    report: CrashReport,
     batch: Batch,
-    thrown: Thrown,
-    found: Foresight,
+    simulated: Simulated,
+    predicted: Prediction,
     folder: str | os.PathLike[str] | None,
 ) -> None:
-    """Judge the cases of a batch into the report."""
-    dt, xi, sample = batch.dt, found.time, thrown.sample
-    seen = sight(batch, xi)  # by the true shapes and arcs, whoever said xi
-    judgements = [
-        judge(dt, int(sample[k]), float(xi[k]), float(seen.gap[k]), found.distance[k])
+    """Compare the cases of a batch; their verdicts go into the report."""
+    dt, xi, sample = batch.dt, predicted.time, simulated.sample
+    seen = approach(batch, xi)  # by the true shapes and arcs, whoever predicted xi
+    classified = [
+        classify(dt, int(sample[k]), float(xi[k]), float(seen.gap[k]), predicted.distance[k])
         for k in range(len(batch.cases))
     ]
-    verdict = np.array([int(one.verdict) for one in judgements])
+    verdict = np.array([int(one.verdict) for one in classified])
     names = tuple(KINDS)
     report.kind.append(np.array([names.index(case.kind) for case in batch.cases]))
     report.step.append(np.full(len(verdict), TIME_STEPS.index(dt)))
     report.verdict.append(verdict)
-    report.rejected += thrown.rejected
+    report.rejected += simulated.rejected
     same = verdict == Verdict.SAME_SAMPLE
-    report.late.append(sample[same] - xi[same] / dt)
-    report.renewed += int((found.renewed > 0).sum())
+    report.lag.append(sample[same] - xi[same] / dt)
+    report.renewed += int((predicted.renewed > 0).sum())
     chords = _chords(batch)
     swept = same & (seen.swept < np.inf)
     off = np.abs(seen.swept_gap[swept]) - chords[swept]
@@ -100,7 +96,7 @@ def _take(
     report.grazes.append(np.stack((seen.swept < np.inf, chords == 0.0), axis=1)[graze])
     for k in np.flatnonzero(verdict == Verdict.UNEXPLAINED):
         report.unexplained.append(
-            _unexplained(batch.cases[k], int(sample[k]), float(xi[k]), judgements[k])
+            _unexplained(batch.cases[k], int(sample[k]), float(xi[k]), classified[k])
         )
         if folder is not None:
             _write(report, batch.cases[k], Path(folder))
@@ -112,7 +108,7 @@ def _chords(batch: Batch) -> np.ndarray:
     return np.add.reduceat(off, batch.first_robot[:-1])
 
 
-def _unexplained(case: Case, sample: int, xi: float, judgement: Judgement) -> Unexplained:
+def _unexplained(case: Case, sample: int, xi: float, classified: Classified) -> Unexplained:
     known = xi < math.inf
     return Unexplained(
         number=case.number,
@@ -121,17 +117,17 @@ def _unexplained(case: Case, sample: int, xi: float, judgement: Judgement) -> Un
         physical_sample=None if sample == NEVER else sample,
         collision_time=xi if known else None,
         expected_sample=max(0, math.ceil((xi - TIME) / case.dt)) if known else None,
-        reason=judgement.reason,
+        reason=classified.reason,
     )
 
 
-def _write(report: Report, case: Case, folder: Path) -> None:
+def _write(report: CrashReport, case: Case, folder: Path) -> None:
     """Write the world of the last unexplained case."""
     last = report.unexplained[-1]
-    path = folder / file_name(case)
+    path = folder / f"case-{case.number:06d}.yaml"
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be made ({error.strerror})") from None
-    world_of(case, report.seed, last.reason).save(path)
-    report.unexplained[-1] = Unexplained(**{**vars(last), "world": str(path)})
+    case_world(case, report.seed, last.reason).save(path)
+    report.unexplained[-1] = replace(last, world=str(path))

@@ -1,6 +1,6 @@
-"""Throws of two robots: at random, side by side, in rows, and grazing.
+"""Layouts of two robots: at random, side by side, in rows, and grazing.
 
-A throw is planned from the meeting: the poses at which the two would overlap or touch are chosen
+A layout is planned from the meeting: the poses at which the two would overlap or touch are chosen
 first, and each is taken back along its arc. All lengths [m], about the origin of the place.
 """
 

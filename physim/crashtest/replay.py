@@ -8,17 +8,18 @@ from physim.crashtest.case import STEPS, Case
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 
-ROOM = 29.0
+HALF_WIDTH = 29.0
 """[m] from the middle of the place to the boundary that closes it"""
 LEAST = 1e-6
 """[m/s, rad/s] least limit of a robot that does not use it"""
 
 
-def world_of(case: Case, seed: int, told: str) -> World:
-    """World of a case; ``told`` goes into its description."""
+def case_world(case: Case, seed: int, reason: str) -> World:
+    """World of a case; ``reason`` goes into its description."""
     layout = case.layout
     (x, y), commands = case.origin, layout.command.tolist()
-    ring = [(x - ROOM, y - ROOM), (x + ROOM, y - ROOM), (x + ROOM, y + ROOM), (x - ROOM, y + ROOM)]
+    corners = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
+    ring = [(x + i * HALF_WIDTH, y + j * HALF_WIDTH) for i, j in corners]
     robots = [
         {
             "name": f"robot {k + 1}",
@@ -31,20 +32,15 @@ def world_of(case: Case, seed: int, told: str) -> World:
     ]
     return World(
         name=f"crash-{seed}-{case.number}",
-        description=f"Crash test, seed {seed}, case {case.number} ({case.kind}): {told}",
+        description=f"Crash test, seed {seed}, case {case.number} ({case.kind}): {reason}",
         seed=seed,
         time={"step": case.dt, "duration": round(STEPS * case.dt, 12)},
         boundaries=[*(line.tolist() for line in layout.lines), [*ring, ring[0]]],
-        reference_path=[(x - 5.0, y - ROOM + 1.0), (x + 5.0, y - ROOM + 1.0)],
+        reference_path=[(x - 5.0, y - HALF_WIDTH + 1.0), (x + 5.0, y - HALF_WIDTH + 1.0)],
         robots=robots,
         controller={"type": "constant", "commands": commands},
         obstacles=[solid.outline.tolist() for solid in layout.solids],
     )
-
-
-def file_name(case: Case) -> str:
-    """Name of the world file of a case."""
-    return f"case-{case.number:06d}.yaml"
 
 
 def _ahead(pose: FloatArray) -> list[tuple[float, float]]:

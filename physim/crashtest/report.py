@@ -1,4 +1,4 @@
-"""What a crash test found: counts by kind and time step, lateness, every unexplained case."""
+"""What a crash test found: counts by kind and time step, lag, every unexplained case."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from physim.geometry.shapes import FloatArray, IntArray
 
 QUANTILES = {"least": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "most": 1.0}
 BINS = 10
-"""of the histogram of lateness over a step"""
+"""of the histogram of the lag over a step"""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Unexplained:
 
 
 @dataclass
-class Report:
+class CrashReport:
     """Outcome of a crash test; equal for equal seed and number of cases."""
 
     seed: int
@@ -47,7 +47,7 @@ class Report:
     kind: list[IntArray] = field(default_factory=list)
     step: list[IntArray] = field(default_factory=list)
     verdict: list[IntArray] = field(default_factory=list)
-    late: list[FloatArray] = field(default_factory=list)
+    lag: list[FloatArray] = field(default_factory=list)
     """share of a step by which the physical contact is later than xi, where in the same sample"""
     swept: list[FloatArray] = field(default_factory=list)
     """(M, 2) how far the swept contact is from xi [s], and the chord tolerance [m]; where the
@@ -63,11 +63,11 @@ class Report:
     renewed: int = 0
     """collision times whose search reached its cap and went on from the lower bound"""
     interrupted: bool = False
-    """whether fewer cases were judged than were asked for"""
+    """whether fewer cases were compared than were asked for"""
 
     @property
     def cases(self) -> int:
-        """Cases judged."""
+        """Cases compared."""
         return sum(map(len, self.verdict))
 
     def count(self, verdict: Verdict) -> int:
@@ -95,11 +95,11 @@ def quantiles(values: FloatArray) -> dict[str, float] | None:
     return {name: float(np.quantile(values, share)) for name, share in QUANTILES.items()}
 
 
-def _plain(report: Report) -> dict[str, Any]:
+def _plain(report: CrashReport) -> dict[str, Any]:
     kind = _joined(report.kind).astype(int)
     step = _joined(report.step).astype(int)
     verdict = _joined(report.verdict).astype(int)
-    late, swept = _joined(report.late), _joined(report.swept, 2)
+    lag, swept = _joined(report.lag), _joined(report.swept, 2)
     off, flat = swept[:, 0], swept[:, 1] == 0.0
     seen, still = _joined(report.grazes, 2).astype(bool).T
     return {
@@ -113,9 +113,9 @@ def _plain(report: Report) -> dict[str, Any]:
         "by_time_step": {f"{dt:g}": _counts(verdict[step == k]) for k, dt in enumerate(TIME_STEPS)},
         "contact_after_collision_time": {
             "unit": "share of a step",
-            "contacts": len(late),
-            "quantiles": quantiles(late),
-            "histogram": np.histogram(np.clip(late, 0.0, 1.0), BINS, (0.0, 1.0))[0].tolist(),
+            "contacts": len(lag),
+            "quantiles": quantiles(lag),
+            "histogram": np.histogram(np.clip(lag, 0.0, 1.0), BINS, (0.0, 1.0))[0].tolist(),
         },
         "swept_contact_against_collision_time": {
             "unit": "s",
@@ -132,7 +132,7 @@ def _plain(report: Report) -> dict[str, Any]:
     }
 
 
-def text(report: Report) -> str:
+def text(report: CrashReport) -> str:
     """Table for people, with the verdict as its last line."""
     found = _plain(report)
     heads = ("same sample", "no contact", "graze", "tolerance", "unexplained")
@@ -149,21 +149,21 @@ def text(report: Report) -> str:
     ]
     lines.append("")
     lines += _figures(found)
-    lines += _told(report)
+    lines += _verdict(report)
     return "\n".join(lines) + "\n"
 
 
 def _figures(found: dict[str, Any]) -> list[str]:
     lines = []
-    late = found["contact_after_collision_time"]
-    if late["quantiles"]:
-        told = ", ".join(f"{name} {value:.3f}" for name, value in late["quantiles"].items())
-        lines.append(f"physical contact after collision time, in steps: {told}")
+    lag = found["contact_after_collision_time"]["quantiles"]
+    if lag:
+        values = ", ".join(f"{name} {value:.3f}" for name, value in lag.items())
+        lines.append(f"physical contact after collision time, in steps: {values}")
     swept = found["swept_contact_against_collision_time"]
     for name in ("straight", "arcs"):
         if swept[name]["quantiles"]:
-            told = ", ".join(f"{n} {v:.1e}" for n, v in swept[name]["quantiles"].items())
-            lines.append(f"swept contact off collision time, {name} [s]: {told}")
+            values = ", ".join(f"{n} {v:.1e}" for n, v in swept[name]["quantiles"].items())
+            lines.append(f"swept contact off collision time, {name} [s]: {values}")
     lines.append(f"swept contacts beyond the chord tolerance: {swept['beyond_chord_tolerance']}")
     for name, share in found["grazes_found_by_swept_check"].items():
         lines.append(
@@ -176,19 +176,19 @@ def _figures(found: dict[str, Any]) -> list[str]:
     return lines
 
 
-MOST_TOLD = 10
-"""Unexplained cases that are told one by one; the JSON has them all."""
+MOST_LISTED = 10
+"""Unexplained cases that are listed one by one; the JSON has them all."""
 
 
-def _told(report: Report) -> list[str]:
+def _verdict(report: CrashReport) -> list[str]:
     missed = report.unexplained
     lines = [
         f"  case {one.number} ({one.kind}, step {one.dt:g} s): {one.reason}"
         + (f" -> {one.world}" if one.world else "")
-        for one in missed[:MOST_TOLD]
+        for one in missed[:MOST_LISTED]
     ]
-    if len(missed) > MOST_TOLD:
-        lines.append(f"  and {len(missed) - MOST_TOLD} more")
+    if len(missed) > MOST_LISTED:
+        lines.append(f"  and {len(missed) - MOST_LISTED} more")
     of = f"of {report.cases} cases (seed {report.seed})"
     verdict = (
         f"checks disagree: {len(missed)} {of} unexplained"

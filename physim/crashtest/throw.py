@@ -1,4 +1,4 @@
-"""Throw the cases of a batch in the physics: the same host that runs every world."""
+"""Simulate the cases of a batch by the physics that runs every world."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ import numpy as np
 from physim.contacts import Phase
 from physim.crashtest.batch import Batch
 from physim.crashtest.case import STEPS
+from physim.crashtest.verdict import NEVER
 from physim.geometry.shapes import IntArray
 from physim.physics import Physics
 
-NEVER = -1
-"""sample of a contact that does not happen"""
 
-
-class Thrown(NamedTuple):
-    """What the engine said of M cases."""
+class Simulated(NamedTuple):
+    """What the engine found in M cases."""
 
     sample: IntArray
     """(M,) of the first physical contact, or NEVER"""
@@ -25,11 +23,9 @@ class Thrown(NamedTuple):
     """false contacts of the engine that were kept out"""
 
 
-def throw(batch: Batch, guarded: bool = True) -> Thrown:
-    """Drive every robot for STEPS steps; without ``guarded`` the engine is believed blindly."""
-    physics = Physics(
-        batch.shapes, batch.walls, batch.start, batch.mass, batch.dt, _guarded=guarded
-    )
+def simulate_cases(batch: Batch) -> Simulated:
+    """Drive every robot for STEPS steps."""
+    physics = Physics(batch.shapes, batch.walls, batch.start, batch.mass, batch.dt)
     case_of = np.repeat(np.arange(len(batch.cases)), np.diff(batch.first_robot))
     sample = np.full(len(batch.cases), NEVER, dtype=np.int64)
     command = batch.command.copy()
@@ -39,7 +35,7 @@ def throw(batch: Batch, guarded: bool = True) -> Thrown:
         command = np.where(sample[case_of, None] == NEVER, batch.command, -batch.command)
         physics.step(command)
         _note(physics, case_of, sample)
-    return Thrown(sample, physics.rejected)
+    return Simulated(sample, physics.rejected)
 
 
 def _note(physics: Physics, case_of: IntArray, sample: IntArray) -> None:

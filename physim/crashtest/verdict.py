@@ -10,7 +10,7 @@ the samples, on the exact arcs; the collision time xi.
 4. P is sample ceil((xi - TIME) / dt), that is xi - TIME <= P dt < xi + dt. If it is not, then by 1
    and 2 no sample lies in the contact that begins at xi: it is a graze between samples.
 
-What fails 1, 2 or 3 by no more than the tolerance is told as such; what fails by more is
+What fails 1, 2 or 3 by no more than the tolerance is reported as such; what fails by more is
 unexplained.
 """
 
@@ -21,16 +21,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.crashtest.throw import NEVER
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, ROUNDING, TIME
+
+NEVER = -1
+"""Sample of a contact that does not happen."""
 
 
 class Verdict(IntEnum):
     """What became of a case."""
 
     SAME_SAMPLE = 0
-    """contact, in the sample that xi says"""
+    """contact, in the sample that xi predicts"""
     NO_CONTACT = 1
     """by neither"""
     GRAZE = 2
@@ -44,7 +46,7 @@ WORDS = ("same sample", "no contact", "graze between samples", "within tolerance
 """Name of each `Verdict`."""
 
 
-class Judgement(NamedTuple):
+class Classified(NamedTuple):
     """Verdict on one case, with what is wrong where it is unexplained."""
 
     verdict: Verdict
@@ -57,32 +59,35 @@ def first_sample(distance: FloatArray) -> int:
     return int(touching.argmax()) if touching.any() else NEVER
 
 
-def judge(dt: float, physical: int, xi: float, gap: float, distance: FloatArray) -> Judgement:
-    """Judge one case: sample of the first physical contact, xi [s], distance at xi and samples."""
+def classify(dt: float, physical: int, xi: float, gap: float, distance: FloatArray) -> Classified:
+    """Verdict on one case.
+
+    Of the sample of its first physical contact, xi [s], the distance at xi and at the samples [m].
+    """
     tolerance = False
     if physical != (first := first_sample(distance)):
         early = first == NEVER or NEVER < physical < first
         at = physical if early else first
         if abs(distance[at] - CONTACT) > ROUNDING:
-            return Judgement(Verdict.UNEXPLAINED, _sample_reason(early, at, float(distance[at])))
+            return Classified(Verdict.UNEXPLAINED, _sample_reason(early, at, float(distance[at])))
         tolerance = True
     before = distance[np.arange(len(distance)) * dt < xi - TIME]
     if len(before) and (least := float(before.min())) <= CONTACT:
         if least < -CONTACT:
-            return Judgement(Verdict.UNEXPLAINED, _late_reason(before, xi))
+            return Classified(Verdict.UNEXPLAINED, _late_reason(before, xi))
         tolerance = True
     if xi < np.inf and not gap <= CONTACT + ROUNDING:
-        return Judgement(
+        return Classified(
             Verdict.UNEXPLAINED,
             f"the collision time {xi:.9g} s is false: the shapes are {gap:.3g} m apart then",
         )
     if tolerance:
-        return Judgement(Verdict.TOLERANCE)
+        return Classified(Verdict.TOLERANCE)
     if xi == np.inf:
-        return Judgement(Verdict.NO_CONTACT)
+        return Classified(Verdict.NO_CONTACT)
     if physical != NEVER and physical * dt < xi + dt:
-        return Judgement(Verdict.SAME_SAMPLE)
-    return Judgement(Verdict.GRAZE)
+        return Classified(Verdict.SAME_SAMPLE)
+    return Classified(Verdict.GRAZE)
 
 
 def _sample_reason(early: bool, sample: int, distance: float) -> str:
@@ -99,8 +104,8 @@ def _sample_reason(early: bool, sample: int, distance: float) -> str:
 
 def _late_reason(before: FloatArray, xi: float) -> str:
     sample = first_sample(before)
-    told = f"{xi:.9g} s" if xi < np.inf else "never"
+    when = f"{xi:.9g} s" if xi < np.inf else "never"
     return (
-        f"the collision time is late ({told}): the shapes overlap by "
+        f"the collision time is late ({when}): the shapes overlap by "
         f"{-before[sample]:.3g} m at sample {sample}"
     )

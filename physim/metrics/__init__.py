@@ -1,12 +1,12 @@
 """Figures of one run, each from its `Record` alone.
 
-Named metrics: `measure` gives those that have a meaning for the run, `DEFINITIONS` tells each with
-unit and source::
+Named metrics: `measure` gives those that have a meaning for the run, `DEFINITIONS` describes each
+with unit and source::
 
     found = physim.metrics.measure(record)
     found["shortest_distance"].value, found["shortest_distance"].bodies
 
-Packages may register metrics of their own, see `physim.metrics.own`.
+Packages may register further metrics, see `physim.metrics.own`.
 
 Courses over time, along a path or by pair, for pictures and experiments: `formation_errors`,
 `formation_energy`, `deviations`, `averaged_speeds`, `mode_spans`, `collision_times`,
@@ -19,9 +19,16 @@ parentheses refer to the paper.
 
 from __future__ import annotations
 
-from physim.metrics.contacts import Episode, Graze, contact_episodes, grazes
+from physim.metrics.contacts import (
+    Episode,
+    Graze,
+    Severity,
+    contact_episodes,
+    grazes,
+    masses,
+    severity,
+)
 from physim.metrics.deep import Deep, deep_contacts
-from physim.metrics.definition import Definition, Metric
 from physim.metrics.distances import (
     collision_times,
     farthest_pair,
@@ -48,7 +55,6 @@ from physim.metrics.formation import (
     formation_errors,
     has_formation,
 )
-from physim.metrics.measure import definition, definitions, measure, measured
 from physim.metrics.modes import (
     danger_shares,
     danger_time_share,
@@ -65,19 +71,18 @@ from physim.metrics.motion import (
     mean_speed,
 )
 from physim.metrics.own import own_metrics, own_part
-from physim.metrics.registry import DEFINITIONS
-from physim.metrics.settings import world_settings
-from physim.metrics.severity import Severity, masses, severity
-from physim.metrics.values import DangerShare, Each, Moment, Place, Series
+from physim.metrics.registry import DEFINITIONS, definition, definitions, measure, measured
+from physim.metrics.values import DangerShare, Definition, Each, Metric, Moment, Place, Series
 from physim.metrics.way import (
     Absent,
     absent,
+    active_steps,
     arrival_steps,
     column_over_time,
     finished,
     last_decisions,
-    steps_under_way,
     time_to_finish,
+    world_settings,
 )
 from physim.metrics.width import Width, corridor_width
 
@@ -98,6 +103,7 @@ __all__ = [
     "Severity",
     "Width",
     "absent",
+    "active_steps",
     "arrival_steps",
     "averaged_speeds",
     "collision_times",
@@ -143,7 +149,6 @@ __all__ = [
     "shortest_boundary_distance",
     "shortest_collision_time",
     "shortest_distance",
-    "steps_under_way",
     "time_to_finish",
     "updates_per_second",
     "world_settings",

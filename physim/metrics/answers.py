@@ -1,4 +1,4 @@
-"""What metrics of one's own may answer, so that a summary can name every body that they name."""
+"""What registered metrics may give, so that a summary can name every body that they name."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 
 from physim.author_code import kind_of
-from physim.metrics.definition import Found
-from physim.metrics.values import Each, Moment, Place
+from physim.metrics.values import Each, Found, Moment, Place
 from physim.record import Record
 
 
-def answer(value: Any, record: Record) -> Found:
-    """An answer in plain types. Raises ValueError, which says what was given and what may be."""
+def checked_value(value: Any, record: Record) -> Found:
+    """A value in plain types. Raises ValueError, which says what was given and what is allowed."""
     if value is None:
         return None
     if isinstance(value, Moment):
@@ -51,14 +50,14 @@ def _number(given: Any, what: str) -> Any:
     value = _plain(given)
     if isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value):
         return value
-    raise ValueError(f"{what} {_shown(given)}; allowed: a finite number".strip())
+    raise ValueError(f"{what} {_text(given)}; allowed: a finite number".strip())
 
 
 def _index(given: Any, what: str, last: int) -> int:
     value = _plain(given)
     if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= last:
         return value
-    raise ValueError(f"{what} {_shown(given)}; allowed: 0 to {last}")
+    raise ValueError(f"{what} {_text(given)}; allowed: 0 to {last}")
 
 
 def _robots(given: Any, record: Record) -> tuple[float | None, ...]:
@@ -75,7 +74,7 @@ def _robots(given: Any, record: Record) -> tuple[float | None, ...]:
     return tuple(found)
 
 
-def _shown(value: Any) -> str:
+def _text(value: Any) -> str:
     try:
         text = " ".join(repr(_plain(value)).split())
     except Exception:  # of code that is not ours

@@ -1,14 +1,36 @@
-"""Contacts as episodes: who touched whom, when and how hard."""
+"""Contacts as episodes: who touched whom, when, and how severe it was.
+
+Severity is closing speed, change of speed of each body, and energy lost. All three are about the
+first sample of a contact, the impact. Pushing after it shows in the impulse of the whole contact.
+
+- Closing speed [m/s]: of the contact point of one body against that of the other, along the normal,
+  over the step that led to the contact, from the poses; 0 where they do not close. Between samples
+  bodies go straight, so it is off by at most |v| |omega| dt / 2 of each body.
+- Change of speed of a body [m/s]: impulse of the impact over its mass. That is how fast its
+  reference point, which the engine takes for the centre of mass, would change its velocity were
+  nothing else in its way: of a body that touches a third at the same sample it is an upper bound
+  as to this contact, and a lower one as to all that it undergoes.
+- Energy lost [J]: (1 - e) / 2 times impulse times closing speed, with the elasticity e of the
+  world; exact for two bodies that touch at a point without friction. What friction takes is not in
+  it, so it errs low where the world has friction.
+
+References: impulse and energy of an impact with restitution, e.g. Stronge, Impact Mechanics (2000),
+chapter 3; change of speed ("delta-v") is what crash research reports for severity.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import Kind, touching
+from physim.geometry.polygon import signed_area
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
+from physim.scene import DENSITY
 
 
 @dataclass(frozen=True)
@@ -83,3 +105,77 @@ def _episode(record: Record, run: NDArray[np.void]) -> Episode:
         a, b, b < record.robots, step, step * record.dt, len(run),
         float(run["depth"].max()), float(run["impulse"][0]), float(run["impulse"].sum()),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Severity:
+    """How hard two bodies met."""
+
+    closing: float
+    """[m/s] along the normal, just before"""
+    sliding: float
+    """[m/s] along each other, just before"""
+    changes: tuple[float, ...] | None
+    """[m/s] change of speed of each robot of the two, a first; None where masses are not known"""
+    energy: float | None
+    """[J] lost; None where the world is not known"""
+
+
+def severity(record: Record, episode: Episode, mass: FloatArray | None) -> Severity:
+    """Severity of a contact; ``mass`` (N,) [kg] as `masses` gives them.
+
+    Needs the poses of every step.
+    """
+    a, b, step = episode.a, episode.b, episode.step
+    row = _first_row(record, episode)
+    point, normal = (float(row["x"]), float(row["y"])), np.array((row["nx"], row["ny"]))
+    relative = point_velocity(record, a, step, point) - point_velocity(record, b, step, point)
+    closing = max(0.0, float(relative @ normal))
+    sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
+    if mass is None:
+        return Severity(closing, sliding, None, None)
+    changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
+    energy = 0.5 * (1.0 - _elasticity(record)) * episode.impact * closing
+    return Severity(closing, sliding, changes, energy)
+
+
+def masses(record: Record) -> FloatArray | None:
+    """(N,) [kg] of the robots, by the world inside; None where the record has no text of it.
+
+    A robot without a mass of its own has `DENSITY` over the area of its footprint.
+    """
+    robots = record.world_settings.get("robots")
+    if not isinstance(robots, list) or len(robots) != record.robots:
+        return None
+    area = [sum(abs(signed_area(part)) for part in parts) for parts in record.footprints]
+    given: list[Any] = [one.get("mass") if isinstance(one, dict) else None for one in robots]
+    return np.array(
+        [DENSITY * a if m is None else float(m) for a, m in zip(area, given, strict=True)]
+    )
+
+
+def point_velocity(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
+    """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample.
+
+    0 for what stands still, and at the start.
+    """
+    if body >= record.robots or step == 0:
+        return np.zeros(2)
+    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
+    vx, vy, omega = (now - before) / record.dt
+    x, y = point[0] - now[0], point[1] - now[1]
+    return np.array((vx - omega * y, vy + omega * x))
+
+
+def _first_row(record: Record, episode: Episode) -> np.void | NDArray[np.void]:
+    rows = record.contacts
+    low, high = np.searchsorted(rows["step"], (episode.step, episode.step + 1))
+    rows = touching(rows[low:high])
+    found: np.void = rows[(rows["a"] == episode.a) & (rows["b"] == episode.b)][0]
+    return found
+
+
+def _elasticity(record: Record) -> float:
+    physics = record.world_settings.get("physics")
+    value = physics.get("elasticity") if isinstance(physics, dict) else None
+    return float(value) if isinstance(value, int | float) else 0.0

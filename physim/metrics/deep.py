@@ -42,8 +42,7 @@ class Deep:
             f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
             f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "
             f"({x:.3f}, {y:.3f}) m); allowed are {1e3 * self.allowed:.0f} mm. The "
-            "engine could not hold them apart: how they move from there on is not what bodies "
-            "would do."
+            "engine could not hold them apart: their motion from then on is not physical."
         )
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.metrics.modes import time_under_way
 from physim.metrics.values import Each
-from physim.metrics.way import under_way
+from physim.metrics.way import active_decisions, active_time, ratio
 from physim.record import Record
 
 
@@ -21,9 +20,9 @@ def messages(record: Record) -> int | None:
 
 
 def evaluations(record: Record) -> int | None:
-    """Collision times worked out; None where the controller does not tell."""
-    told = record.column("evaluations")
-    return int(np.nansum(told)) if np.isfinite(told).any() else None
+    """Collision times worked out; None where the controller does not report them."""
+    count = record.column("evaluations")
+    return int(np.nansum(count)) if np.isfinite(count).any() else None
 
 
 def filtered_steps(record: Record) -> int:
@@ -43,10 +42,6 @@ def _differing(record: Record, one: str, other: str) -> int:
 
 
 def updates_per_second(record: Record) -> Each | None:
-    """Decisions a second under way [1/s], of a mean robot and of each, (14)."""
-    rows, _ = under_way(record)
-    count, seconds = np.bincount(rows["robot"], minlength=record.robots), time_under_way(record)
-    if not seconds.sum() > 0:
-        return None
-    each = tuple(float(c / s) if s > 0 else None for c, s in zip(count, seconds, strict=True))
-    return Each(float(count.sum() / seconds.sum()), each)
+    """Decisions a second of active time [1/s], of a mean robot and of each, (14)."""
+    rows, _ = active_decisions(record)
+    return ratio(np.bincount(rows["robot"], minlength=record.robots), active_time(record))

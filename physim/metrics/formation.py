@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.metrics.settings import world_settings
 from physim.metrics.values import Each, Moment, Series
 from physim.metrics.way import GRID, Rows, column_over_time, last_decisions
 from physim.record import Record
@@ -19,12 +18,12 @@ from physim.record import Record
 MOST_PAIRS = 30_000_000
 """Pairs of robots and moments that `formation_energy` looks at, about: bounds its time."""
 RANGE = 10.0
-"""[m] `range` of a formation that does not tell it (paper)"""
+"""[m] `range` of a formation that does not give it (paper)"""
 
 
 def has_formation(record: Record) -> bool:
     """Whether formation errors mean something: a formation, and two robots at least."""
-    return record.robots > 1 and isinstance(world_settings(record).get("formation"), Mapping)
+    return record.robots > 1 and isinstance(record.world_settings.get("formation"), Mapping)
 
 
 def formation_error_peak(record: Record) -> Moment | None:
@@ -62,10 +61,9 @@ def formation_errors(record: Record, every: float = GRID) -> Series | None:
 def formation_energy(record: Record, every: float = GRID) -> Series | None:
     """Formation energy W over time, (9): values (K,) [m^2]. None in a run without formation.
 
-    Of the stations on s* at the decisions, taken linear between them; the desired leads are those
-    that the recorded errors at the first step tell. Pairs are those of N_i: within the world's
-    ``formation.range`` along s* at that moment, all, or listed. With many robots the moments are
-    farther apart than ``every`` [s].
+    Of the stations on s* at the decisions, taken linear between them; None where a robot made none.
+    Pairs are those of N_i: within the world's ``formation.range`` along s* at that moment, all, or
+    listed. With many robots the moments are farther apart than ``every`` [s].
     """
     lead = desired_leads(record)
     if lead is None:
@@ -73,7 +71,9 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
     moments = record.steps_run * record.dt / every + 1.0
     every *= max(1.0, np.ceil(moments * record.robots**2 / MOST_PAIRS))
     time, station = column_over_time(record, "reference_station", every)
-    plan = world_settings(record)["formation"]
+    if not np.isfinite(station).all():
+        return None
+    plan = record.world_settings["formation"]
     pairs, reach = _listed(plan, record.names), float(plan.get("range", RANGE))
     energy = np.empty(len(time))
     for k, s in enumerate(station):
@@ -87,18 +87,9 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
 def desired_leads(record: Record) -> FloatArray | None:
     """Desired place of each robot on s* less the robots' mean place, (N,) [m], left of (7).
 
-    From the first step: error = (mean station - station) - (mean lead - lead). None without a
-    formation, or where the robots did not all decide then.
+    None in a run without formation.
     """
-    if not has_formation(record):
-        return None
-    rows = record.updates[: record.robots]
-    if not np.array_equal(np.sort(rows["robot"]), np.arange(record.robots)):
-        return None
-    rows = rows[np.argsort(rows["robot"])]
-    station = rows["reference_station"]
-    lead = np.asarray(rows["formation_error"] + station - station.mean())
-    return lead if len(np.unique(rows["step"])) == 1 and np.isfinite(lead).all() else None
+    return record.lead - record.lead.mean() if has_formation(record) else None
 
 
 def _listed(plan: Mapping[str, Any], names: Sequence[str]) -> FloatArray | None:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
 from physim.metrics.values import Each, Moment, Series
-from physim.metrics.way import GRID, blocks, column_over_time, steps_under_way, under_way
+from physim.metrics.way import (
+    GRID,
+    active_decisions,
+    active_steps,
+    blocks,
+    column_over_time,
+    ratio,
+)
 from physim.record import Record
 
 WINDOW = 10.0
@@ -18,7 +26,7 @@ MOST_POSES = 2_000_000
 
 
 class AveragedSpeeds(NamedTuple):
-    """Speeds averaged over a window about each moment, NaN where it is not wholly under way."""
+    """Speeds averaged over a window about each moment, NaN where not wholly active."""
 
     time: FloatArray
     """(K,) [s] middle of the window"""
@@ -47,39 +55,40 @@ def deviation_peak(record: Record) -> Moment | None:
 
 
 def deviation_rms(record: Record) -> Each | None:
-    """Root of the mean square deviation over the time under way [m], of all robots and of each."""
-    rows, held = under_way(record)
+    """Root of the mean square deviation over the active time [m], of all robots and of each."""
+    rows, held = active_decisions(record)
     held = np.where(np.isfinite(rows["deviation"]), held, 0.0)
     square = held * np.square(np.nan_to_num(rows["deviation"]))
     total = np.bincount(rows["robot"], held, record.robots)
     part = np.bincount(rows["robot"], square, record.robots)
-    if not total.sum() > 0:
+    mean = ratio(part, total)
+    if mean is None:
         return None
-    each = (float(np.sqrt(p / t)) if t > 0 else None for p, t in zip(part, total, strict=True))
-    return Each(float(np.sqrt(part.sum() / total.sum())), tuple(each))
+    each = (None if square is None else sqrt(square) for square in mean.robots)
+    return Each(sqrt(mean.value), tuple(each))
 
 
 def mean_speed(record: Record) -> float | None:
-    """Mean applied forward speed over time of all robots under way [m/s] (Fig. 7).
+    """Mean applied forward speed over time of all active robots [m/s] (Fig. 7).
 
     From the first command of each on. None where none was recorded.
     """
-    ends, begins = steps_under_way(record), np.full(record.robots, record.steps_run)
+    ends, begins = active_steps(record), np.full(record.robots, record.steps_run)
     for rows in (record.updates, record.commands):
         np.minimum.at(begins, rows["robot"], rows["step"])
-    way = total = 0.0
+    distance = total = 0.0
     for first, last in blocks(record):
         step = np.arange(first, last)[:, None]
         counts = (step >= begins) & (step < ends)
-        way += float((record.commands_over("applied", first, last)[:, :, 0] * counts).sum())
+        distance += float((record.commands_over("applied", first, last)[:, :, 0] * counts).sum())
         total += float(counts.sum())
-    return way / total if total > 0 else None
+    return distance / total if total > 0 else None
 
 
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
-    As the robots moved: the way along the heading and the turn between the ends of the window,
+    As the robots moved: the distance along the heading and the turn between the ends of the window,
     over its length. Defined where the whole window lies before the robot is at its stop station.
     """
     none = np.zeros((0, record.robots))
@@ -87,16 +96,16 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
         return AveragedSpeeds(np.zeros(0), none, none)
     stride = max(1, record.samples * record.robots // MOST_POSES)
     pose, time = record.pose[::stride], record.time[::stride]
-    way = np.concatenate((np.zeros((1, record.robots)), np.cumsum(_forward(pose), axis=0)))
+    travelled = np.concatenate((np.zeros((1, record.robots)), np.cumsum(_forward(pose), axis=0)))
     end = float(time[-1])
     count = max(0, int((end - window) / every + 1e-9) + 1)
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
     forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
-    ends_of_way = steps_under_way(record) * record.dt
+    arrival = active_steps(record) * record.dt
     for i in range(record.robots):
-        last = min(ends_of_way[i], end)
+        last = min(arrival[i], end)
         whole = middle + window / 2.0 <= last + 1e-9
-        for out, values in ((forward, way[:, i]), (rotational, pose[:, i, 2])):
+        for out, values in ((forward, travelled[:, i]), (rotational, pose[:, i, 2])):
             ends = (np.interp(middle[whole] + s * window / 2.0, time, values) for s in (1, -1))
             out[whole, i] = (next(ends) - next(ends)) / window
     return AveragedSpeeds(middle, forward, rotational)
@@ -115,7 +124,7 @@ def averaged_extreme(
 
 
 def _forward(pose: FloatArray) -> FloatArray:
-    """Way along the heading between consecutive poses (K, N, 3): (K - 1, N) [m].
+    """Distance along the heading between consecutive poses (K, N, 3): (K - 1, N) [m].
 
     The chord of the arc, lengthened to the arc (1).
     """

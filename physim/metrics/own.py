@@ -1,4 +1,4 @@
-"""Metrics of one's own: classes that packages register in the entry point group ``physim.metrics``.
+"""Further metrics: classes that packages register in the entry point group ``physim.metrics``.
 
 The name of the entry point is that of the metric::
 
@@ -10,7 +10,7 @@ The name of the entry point is that of the metric::
             return int((record.updates["applied_v"] == 0.0).sum())
 
 ``measure`` gives a number, true or false, a `Moment`, `Place` or `Each`, or None where the figure
-has no meaning for the run. What fails in it is told in one line.
+has no meaning for the run. What fails in it is reported in one line.
 """
 
 from __future__ import annotations
@@ -18,17 +18,20 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from importlib.metadata import entry_points
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.author_code import asked, broken_by
 from physim.errors import PhysimError
-from physim.metrics.answers import answer
-from physim.metrics.definition import Definition, Found, Run
+from physim.metrics.answers import checked_value
+from physim.metrics.values import Definition, Found
+
+if TYPE_CHECKING:
+    from physim.metrics.registry import Courses
 
 NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
-class Own(NamedTuple):
+class Registered(NamedTuple):
     """What packages registered."""
 
     definitions: dict[str, Definition]
@@ -37,7 +40,7 @@ class Own(NamedTuple):
     """a line for each that cannot be used"""
 
 
-def own_metrics(taken: Collection[str]) -> Own:
+def own_metrics(taken: Collection[str]) -> Registered:
     """Find the registered metrics; ``taken`` are names that they may not have."""
     found: dict[str, Definition] = {}
     faults = []
@@ -49,7 +52,7 @@ def own_metrics(taken: Collection[str]) -> Own:
             found[name] = _definition(name, part)
         except PhysimError as error:
             faults.append(str(error))
-    return Own(found, tuple(faults))
+    return Registered(found, tuple(faults))
 
 
 def own_part(kind: Any, name: str, taken: Collection[str]) -> Any:
@@ -76,28 +79,28 @@ def taken_name(kind: Any, name: str) -> str:
 
 def _definition(name: str, part: Any) -> Definition:
     lines = (type(part).__doc__ or "").strip().splitlines()
-    told = {
+    texts = {
         "unit": getattr(part, "unit", None),
         "definition": getattr(part, "definition", lines[0] if lines else None),
         "source": getattr(part, "source", "-"),
     }
-    for key, value in told.items():
+    for key, value in texts.items():
         if not (isinstance(value, str) and value.isprintable() and 0 < len(value) <= 300):
             raise PhysimError(
                 f'metric "{name}": {type(part).__name__}.{key} must be a line of text'
                 + (', "-" where there is none' if key != "definition" else "")
             )
-    unit, meaning, source = (str(value) for value in told.values())
+    unit, meaning, source = (str(value) for value in texts.values())
     return Definition(name, unit, meaning.rstrip("."), source, lambda run: _found(name, part, run))
 
 
-def _found(name: str, part: Any, run: Run) -> Found:
-    """What the metric says of a run, in plain types."""
+def _found(name: str, part: Any, run: Courses) -> Found:
+    """Value of the metric for a run, in plain types."""
     try:
         value = asked(part.measure, "measure(record)", run.record)
     except (Exception, SystemExit) as error:
         raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
     try:
-        return answer(value, run.record)
+        return checked_value(value, run.record)
     except ValueError as error:
         raise PhysimError(f'metric "{name}" gives {error}') from None

@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from physim.geometry.batch import collision_times
+from physim.geometry.batch import collision_times as times_of_pair
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.metrics.values import Moment, Series
 from physim.metrics.way import blocks
@@ -44,7 +44,7 @@ def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Seri
         near = np.flatnonzero(gap <= reach[:, i] + reach[:, j])
         if not len(near):
             continue
-        found = collision_times(
+        found = times_of_pair(
             shapes, int(i), pose[near, i], twist[near, i],
             shapes, int(j), pose[near, j], twist[near, j], horizon,
         )  # fmt: skip

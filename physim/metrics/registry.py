@@ -7,60 +7,115 @@ collision times, modes, deviations, peak and end of formation errors.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from types import MappingProxyType
 
+from physim.errors import PhysimError, nearest
 from physim.geometry.shapes import FloatArray
-from physim.metrics import contacts, distances, effort, formation, modes, motion, way, width
-from physim.metrics.definition import Definition, Found, Run
-from physim.metrics.values import Moment, Place
+from physim.metrics.contacts import Episode, contact_episodes, grazes
+from physim.metrics.distances import (
+    farthest_pair,
+    shortest_boundary_distance,
+    shortest_collision_time,
+    shortest_distance,
+)
+from physim.metrics.effort import (
+    decisions,
+    disturbed_steps,
+    evaluations,
+    filtered_steps,
+    messages,
+    updates_per_second,
+)
+from physim.metrics.formation import (
+    formation_energy,
+    formation_error_final,
+    formation_error_peak,
+    formation_error_rms,
+)
+from physim.metrics.modes import mode_switches, share_of_modes
+from physim.metrics.motion import (
+    AveragedSpeeds,
+    averaged_extreme,
+    averaged_speeds,
+    deviation_peak,
+    deviation_rms,
+    mean_speed,
+)
+from physim.metrics.own import own_metrics
+from physim.metrics.values import Definition, Each, Found, Metric, Moment, Place, Series
+from physim.metrics.way import finished, time_to_finish
+from physim.metrics.width import Width, corridor_width, width_extreme
 from physim.record import Record
 
 
-def _contacts(record: Record, robots: bool | None = None) -> int | None:
-    if (robots and record.robots < 2) or "contacts" not in record.tables:
+class Courses:
+    """A record with what several metrics share, each worked out once."""
+
+    def __init__(self, record: Record) -> None:
+        self.record = record
+
+    @cached_property
+    def episodes(self) -> tuple[Episode, ...]:
+        """Contact episodes."""
+        return contact_episodes(self.record)
+
+    @cached_property
+    def averaged(self) -> AveragedSpeeds:
+        """Speeds averaged over 10 s."""
+        return averaged_speeds(self.record)
+
+    @cached_property
+    def energy(self) -> Series | None:
+        """Formation energy W."""
+        return formation_energy(self.record)
+
+    @cached_property
+    def width(self) -> Width | None:
+        """Width along the first robot's path."""
+        return corridor_width(self.record) if self.record.robots else None
+
+
+def _contacts(run: Courses, robots: bool | None = None) -> int | None:
+    if (robots and run.record.robots < 2) or "contacts" not in run.record.tables:
         return None
-    episodes = contacts.contact_episodes(record)
-    return sum(robots is None or episode.robots is robots for episode in episodes)
+    return sum(robots is None or episode.robots is robots for episode in run.episodes)
 
 
 def _grazes(record: Record) -> int | None:
-    return len(contacts.grazes(record)) if "contacts" in record.tables else None
+    return len(grazes(record)) if "contacts" in record.tables else None
 
 
-def _first_contact(record: Record) -> Moment | None:
-    episodes = contacts.contact_episodes(record)
-    if not episodes:
+def _first_contact(run: Courses) -> Moment | None:
+    first = next(iter(run.episodes), None)
+    return None if first is None else Moment(first.time, first.step, first.time, first.a, first.b)
+
+
+def _deepest_contact(run: Courses) -> Moment | None:
+    deepest = max(run.episodes, key=lambda episode: episode.depth, default=None)
+    if deepest is None:
         return None
-    first = episodes[0]
-    return Moment(first.time, first.step, first.time, first.a, first.b)
-
-
-def _deepest_contact(record: Record) -> Moment | None:
-    episodes = contacts.contact_episodes(record)
-    if not episodes:
-        return None
-    deepest = max(episodes, key=lambda episode: episode.depth)
     return Moment(deepest.depth, deepest.step, deepest.time, deepest.a, deepest.b)
 
 
-def _energy(run: Run, last: bool) -> float | None:
+def _energy(run: Courses, last: bool) -> float | None:
     course = run.energy
     if course is None or not len(course.values):
         return None
     return float(course.values[-1] if last else course.values.max())
 
 
-def _averaged(run: Run, values: FloatArray, largest: bool) -> Moment | None:
-    return motion.averaged_extreme(run.averaged.time, values, run.record.dt, largest)
+def _averaged(run: Courses, values: FloatArray, largest: bool) -> Moment | None:
+    return averaged_extreme(run.averaged.time, values, run.record.dt, largest)
 
 
-def _width(run: Run, largest: bool) -> Place | None:
-    return None if run.width is None else width.width_extreme(run.width, 0, largest)
+def _width(run: Courses, largest: bool) -> Place | None:
+    return None if run.width is None else width_extreme(run.width, 0, largest)
 
 
-def _of(find: Callable[[Record], Found]) -> Callable[[Run], Found]:
-    """Turn a function of a record into one of a `Run`."""
+def _of(find: Callable[[Record], Found]) -> Callable[[Courses], Found]:
+    """Turn a function of a record into one of `Courses`."""
     return lambda run: find(run.record)
 
 
@@ -71,66 +126,64 @@ _ALL = (
     ),
     Definition(
         "finished", "-",
-        "whether every robot stood at its stop station at the end, judged by its motion", "-",
-        _of(way.finished),
+        "whether every robot stood at its stop station at the end, judged by its motion",
+        "-", _of(finished),
     ),
     Definition(
         "time_to_finish", "s", "time at which the last robot stood at its stop station for good",
-        "Section 1",
-        _of(way.time_to_finish),
+        "Section 1", _of(time_to_finish),
     ),
     Definition(
-        "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch", "-",
-        _of(_contacts),
+        "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch",
+        "-", _contacts,
     ),
     Definition(
         "contacts_between_robots", "-", "contact episodes of two robots", "-",
-        lambda run: _contacts(run.record, True),
+        lambda run: _contacts(run, True),
     ),
     Definition(
         "contacts_with_boundaries", "-", "contact episodes of a robot and a boundary or obstacle",
-        "-", lambda run: _contacts(run.record, False),
+        "-", lambda run: _contacts(run, False),
     ),
     Definition(
         "grazes", "-", "contacts between two samples: apart at both, touching within the step", "-",
-        lambda run: _grazes(run.record),
+        _of(_grazes),
     ),
     Definition(
-        "first_contact", "s", "time of the first sample of the first contact", "-",
-        _of(_first_contact),
+        "first_contact", "s", "time of the first sample of the first contact", "-", _first_contact,
     ),
     Definition(
-        "deepest_contact", "m", "greatest depth of any contact", "-", _of(_deepest_contact),
+        "deepest_contact", "m", "greatest depth of any contact", "-", _deepest_contact,
     ),
     Definition(
         "shortest_distance", "m", "shortest distance between two robots; negative = depth",
-        "(11), Figs. 3b, 6c", _of(distances.shortest_distance),
+        "(11), Figs. 3b, 6c", _of(shortest_distance),
     ),
     Definition(
         "shortest_boundary_distance", "m",
         "shortest distance of a robot to a boundary or obstacle; negative = depth", "(11)",
-        _of(distances.shortest_boundary_distance),
+        _of(shortest_boundary_distance),
     ),
     Definition(
         "farthest_distance", "m", "largest distance between the shapes of two robots", "Fig. 6c",
-        _of(distances.farthest_pair),
+        _of(farthest_pair),
     ),
     Definition(
         "shortest_collision_time", "s", "shortest collision time that decided, at any decision",
-        "(11), Figs. 3c, 6d", _of(distances.shortest_collision_time),
+        "(11), Figs. 3c, 6d", _of(shortest_collision_time),
     ),
     Definition(
         "formation_error_peak", "m", "largest size of a formation error at a decision",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_peak),
+        "(10), Figs. 2b, 7a", _of(formation_error_peak),
     ),
     Definition(
         "formation_error_final", "m",
         "largest size of the formation errors at each robot's last decision",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_final),
+        "(10), Figs. 2b, 7a", _of(formation_error_final),
     ),
     Definition(
         "formation_error_rms", "m", "root mean square of the formation errors over time",
-        "(10), Figs. 2b, 7a", _of(formation.formation_error_rms),
+        "(10), Figs. 2b, 7a", _of(formation_error_rms),
     ),
     Definition(
         "formation_energy_peak", "m^2", "largest formation energy W", "(9)",
@@ -143,34 +196,36 @@ _ALL = (
     Definition(
         "deviation_peak", "m",
         "deviation of greatest size from the own path at a decision; left positive",
-        "Figs. 1b, 2c, 7d", _of(motion.deviation_peak),
+        "Figs. 1b, 2c, 7d", _of(deviation_peak),
     ),
     Definition(
-        "deviation_rms", "m", "root mean square deviation from the own path, time under way",
-        "Figs. 1b, 2c, 7d", _of(motion.deviation_rms),
+        "deviation_rms", "m", "root mean square deviation from the own path, over the active time",
+        "Figs. 1b, 2c, 7d", _of(deviation_rms),
     ),
     Definition(
-        "mean_speed", "m/s", "mean applied forward speed over the time under way", "Fig. 7c",
-        _of(motion.mean_speed),
+        "mean_speed", "m/s", "mean applied forward speed over the active time", "Fig. 7c",
+        _of(mean_speed),
     ),
     Definition(
         "averaged_speed_min", "m/s",
-        "smallest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        "smallest forward speed averaged over 10 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=False),
     ),
     Definition(
         "averaged_speed_max", "m/s",
-        "largest forward speed averaged over 10 s that lie wholly under way", "Fig. 7c",
+        "largest forward speed averaged over 10 s, all of them active", "Fig. 7c",
         lambda run: _averaged(run, run.averaged.forward, largest=True),
     ),
     Definition(
         "averaged_rotation_min", "rad/s",
-        "smallest rotational speed averaged over 10 s under way: fastest turn to the right",
+        "smallest rotational speed averaged over 10 s, all of them active: fastest turn to the "
+        "right",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=False),
     ),
     Definition(
         "averaged_rotation_max", "rad/s",
-        "largest rotational speed averaged over 10 s under way: fastest turn to the left",
+        "largest rotational speed averaged over 10 s, all of them active: fastest turn to the "
+        "left",
         "Figs. 1c, 7b", lambda run: _averaged(run, run.averaged.rotational, largest=True),
     ),
     Definition(
@@ -183,40 +238,110 @@ _ALL = (
         "Fig. 4", lambda run: _width(run, largest=True),
     ),
     Definition(
-        "danger_share", "-", "share of modes declared as danger in the time under way",
-        "Figs. 5, 8",
-        lambda run: modes.share_of_modes(run.record, danger=True),
+        "danger_share", "-", "share of modes declared as danger in the active time",
+        "Figs. 5, 8", lambda run: share_of_modes(run.record, danger=True),
     ),
     Definition(
-        "safe_share", "-", "share of all other modes in the time under way", "Figs. 5, 8",
-        lambda run: modes.share_of_modes(run.record, danger=False),
+        "safe_share", "-", "share of all other modes in the active time", "Figs. 5, 8",
+        lambda run: share_of_modes(run.record, danger=False),
     ),
     Definition(
-        "mode_switches", "1/min", "changes between safe and danger mode a minute under way",
-        "Figs. 5, 8", _of(modes.mode_switches),
+        "mode_switches", "1/min", "changes between safe and danger mode a minute of active time",
+        "Figs. 5, 8", _of(mode_switches),
     ),
-    Definition("decisions", "-", "decisions of all robots", "(14)", _of(effort.decisions)),
+    Definition("decisions", "-", "decisions of all robots", "(14)", _of(decisions)),
     Definition(
-        "updates_per_second", "1/s", "decisions a second of a robot under way", "(14)",
-        _of(effort.updates_per_second),
+        "updates_per_second", "1/s", "decisions a second of an active robot", "(14)",
+        _of(updates_per_second),
     ),
     Definition(
         "messages", "-", "messages: one for each considered robot and decision", "(14)",
-        _of(effort.messages),
+        _of(messages),
     ),
     Definition(
-        "collision_time_evaluations", "-", "collision times worked out by the decisions",
-        "(11), (14)", _of(effort.evaluations),
+        "collision_time_evaluations", "-", "collision times computed for the decisions",
+        "(11), (14)", _of(evaluations),
     ),
     Definition(
         "filtered_steps", "-", "robot-steps over which the filtered command differs from the "
-        "nominal one", "-", _of(effort.filtered_steps),
+        "nominal one", "-", _of(filtered_steps),
     ),
     Definition(
         "disturbed_steps", "-", "robot-steps over which the applied command differs from the "
-        "filtered one", "-", _of(effort.disturbed_steps),
+        "filtered one", "-", _of(disturbed_steps),
     ),
 )  # fmt: skip
 
 DEFINITIONS = MappingProxyType({one.name: one for one in _ALL})
 """Every metric by name, in the order of reports."""
+
+
+def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Metric]:
+    """Take metrics of a run from its record alone: all, or those of ``names``, in their order.
+
+    All are physim's own (`DEFINITIONS`) and those that packages registered. Metrics that have no
+    meaning for the run are left out. Raises PhysimError for an unknown name and for a registered
+    metric that fails, RecordError for a damaged record.
+    """
+    if names is None:
+        found, faults = measured(record)
+        if faults:
+            raise PhysimError(faults[0])
+        return found
+    known, run = dict(DEFINITIONS), Courses(record)
+    wanted = list(names)
+    if not known.keys() >= set(wanted):
+        known = definitions()
+    taken = {name: _metric(_known(name, known), run) for name in wanted}
+    return {name: metric for name, metric in taken.items() if metric is not None}
+
+
+def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
+    """Take all metrics of a run; with a line for each registered one that failed."""
+    run, found, own = Courses(record), {}, own_metrics(DEFINITIONS)
+    faults = list(own.faults)
+    for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
+        try:
+            metric = _metric(what, run)
+        except PhysimError as error:
+            if name in DEFINITIONS:
+                raise
+            faults.append(str(error))
+            continue
+        if metric is not None:
+            found[name] = metric
+    return found, tuple(faults)
+
+
+def definitions() -> dict[str, Definition]:
+    """Every metric by name: physim's own, then those that packages registered and can be used."""
+    return {**DEFINITIONS, **own_metrics(DEFINITIONS).definitions}
+
+
+def definition(name: str) -> Definition:
+    """Definition of a metric. Raises PhysimError, with the nearest one, for an unknown name."""
+    return DEFINITIONS[name] if name in DEFINITIONS else _known(name, definitions())
+
+
+def _known(name: str, known: Mapping[str, Definition]) -> Definition:
+    if name in known:
+        return known[name]
+    for fault in own_metrics(DEFINITIONS).faults:
+        if f'"{name}"' in fault:
+            raise PhysimError(fault)
+    close = nearest(name[:100], list(known))
+    raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')
+
+
+def _metric(what: Definition, run: Courses) -> Metric | None:
+    found = what.find(run)
+    if found is None:
+        return None
+    if isinstance(found, Moment):
+        bodies = (found.a,) if found.b is None else (found.a, found.b)
+        return Metric(what, found.value, time=found.time, bodies=bodies)
+    if isinstance(found, Place):
+        return Metric(what, found.value, station=found.station, bodies=(found.robot,))
+    if isinstance(found, Each):
+        return Metric(what, found.value, robots=found.robots)
+    return Metric(what, found)

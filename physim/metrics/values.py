@@ -1,11 +1,15 @@
-"""What a figure of a run can be: a moment, shares of robots, a course over time."""
+"""What a metric is (`Definition`), what it is for one run (`Metric`), and what it may give."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from physim.geometry.shapes import FloatArray
+
+if TYPE_CHECKING:
+    from physim.metrics.registry import Courses
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class Place:
 
 @dataclass(frozen=True)
 class DangerShare:
-    """How much of its way one robot was in danger mode (Fig. 8); None before its first decision."""
+    """How much of its active time a robot was in danger mode (Fig. 8); None without decisions."""
 
     robot: int
     decisions: float | None
@@ -61,3 +65,46 @@ class Series(NamedTuple):
     """(K,) [s]"""
     values: FloatArray
     """(K, N), a column a robot, or (K,); NaN where there is no value"""
+
+
+Found = bool | int | float | Moment | Place | Each | None
+"""What finding a metric gives; None where it has no meaning."""
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What a metric is."""
+
+    name: str
+    unit: str
+    """"-" for shares and counts"""
+    meaning: str
+    source: str
+    """equation or figure of the paper; "-" for none"""
+    find: Callable[[Courses], Found]
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A metric of one run."""
+
+    definition: Definition
+    value: bool | int | float
+    time: float | None = None
+    """[s] when the value was taken, where it was at a moment"""
+    station: float | None = None
+    """[m] along the path of the robot, where the value belongs to a place"""
+    bodies: tuple[int, ...] = ()
+    """ids of the bodies that the value belongs to"""
+    robots: tuple[float | None, ...] | None = None
+    """value of each robot by index, where each has one; None where it has no meaning for it"""
+
+    @property
+    def name(self) -> str:
+        """Name in the registry."""
+        return self.definition.name
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value."""
+        return self.definition.unit

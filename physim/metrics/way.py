@@ -1,8 +1,8 @@
-"""How far robots came: who is under way, who has arrived, and what keeps the others.
+"""How far robots came: who is active, who has arrived, and what keeps the others.
 
-A robot is under way until it is at its stop station, less the world's tolerance; it has arrived
-once it stands there (see `physim.arrival`). Both are judged by places, never by what a controller
-says of itself.
+A robot is active, under way, until it is at its stop station, less the world's tolerance; it has
+arrived once it stands there (see `physim.arrival`). Both are decided by places, never by what a
+controller says of itself.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.arrival import STILL_DISTANCE, STILL_TIME
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.metrics.settings import world_settings
-from physim.metrics.values import Series
+from physim.metrics.values import Each, Series
 from physim.record import Record
 
 Rows = NDArray[np.void]
@@ -28,27 +28,27 @@ MOST_COMMANDS = 500_000
 """Commands of robots and steps that are looked at together."""
 
 
-def under_way(record: Record) -> tuple[Rows, FloatArray]:
+def active_decisions(record: Record) -> tuple[Rows, FloatArray]:
     """Decisions of robots that are not at their stop station, and the steps that each held."""
     rows = record.updates
-    rows = rows[~_there(record, rows)]
+    rows = rows[~_at_stop(record, rows)]
     until = np.minimum(rows["next_step"], record.steps_run)
     return rows, np.maximum(until - rows["step"], 0).astype(np.float64)
 
 
-def steps_under_way(record: Record) -> IntArray:
+def active_steps(record: Record) -> IntArray:
     """(N,) steps from the start until each robot was at its stop station for good.
 
     By its decisions, or by its arrival where it made none; to the end of the run where it was not.
     """
     rows, last = record.updates, np.full(record.robots, -1, dtype=np.int64)
-    there = _there(record, rows)
-    np.maximum.at(last, rows["robot"][~there], rows["step"][~there])
+    at_stop = _at_stop(record, rows)
+    np.maximum.at(last, rows["robot"][~at_stop], rows["step"][~at_stop])
     steps = np.where(record.arrived >= 0, record.arrived, record.steps_run)
     decided = np.zeros(record.robots, dtype=np.bool_)
     decided[rows["robot"]] = True
     steps = np.where(decided, record.steps_run, steps)
-    after = rows[there & (rows["step"] > last[rows["robot"]])]
+    after = rows[at_stop & (rows["step"] > last[rows["robot"]])]
     robots, first = np.unique(after["robot"], return_index=True)
     steps[robots] = after["step"][first]
     return np.asarray(steps)
@@ -59,14 +59,19 @@ def arrival_steps(record: Record) -> IntArray:
     return record.arrived
 
 
+def world_settings(record: Record) -> Mapping[str, Any]:
+    """The world of a record as plain values, see `Record.world_settings`."""
+    return record.world_settings
+
+
 def finished(record: Record) -> bool:
     """Whether all robots have arrived at their stop stations, judged by their motion."""
-    return record.robots > 0 and bool((arrival_steps(record) >= 0).all())
+    return record.robots > 0 and bool((record.arrived >= 0).all())
 
 
 def time_to_finish(record: Record) -> float | None:
     """Time at which the last robot had arrived [s]; None for a run that did not finish."""
-    return float(arrival_steps(record).max() * record.dt) if finished(record) else None
+    return float(record.arrived.max() * record.dt) if finished(record) else None
 
 
 @dataclass(frozen=True)
@@ -111,7 +116,7 @@ def absent(record: Record) -> tuple[Absent, ...]:
     short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
     return tuple(
         Absent(i, float(short[i]), tolerance, bool(still[i]))
-        for i in np.flatnonzero(arrival_steps(record) < 0).tolist()
+        for i in np.flatnonzero(record.arrived < 0).tolist()
     )
 
 
@@ -129,8 +134,8 @@ def last_stations(record: Record) -> FloatArray:
         if i in rows:
             row = record.updates[rows[i]]
             first = int(np.searchsorted(record.steps, row["step"]))
-            way = np.diff(record.pose[max(first - 1, 0) :, i, :2], axis=0)
-            near, reach = float(row["station"]), 1.0 + 2.0 * float(np.hypot(*way.T).sum())
+            moves = np.diff(record.pose[max(first - 1, 0) :, i, :2], axis=0)
+            near, reach = float(row["station"]), 1.0 + 2.0 * float(np.hypot(*moves.T).sum())
         along = np.diff(points, axis=0)
         here = record.pose[-1, i, :2] - points[:-1]
         share = np.clip((here * along).sum(axis=1) / np.square(along).sum(axis=1), 0.0, 1.0)
@@ -143,13 +148,27 @@ def last_stations(record: Record) -> FloatArray:
 
 def arrival_tolerance(record: Record) -> float:
     """[m] by which a robot that stands may be short of its stop station: the world's, or 0.1."""
-    arrival = world_settings(record).get("arrival")
-    told = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
-    if isinstance(told, int | float):
-        return float(told)
+    arrival = record.world_settings.get("arrival")
+    tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
+    if isinstance(tolerance, int | float):
+        return float(tolerance)
     from physim.world import Arrival
 
     return Arrival().tolerance
+
+
+def active_time(record: Record) -> FloatArray:
+    """(N,) [s] that the decisions of each robot held before it was at its stop station."""
+    rows, held = active_decisions(record)
+    return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
+
+
+def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:
+    """``part / whole`` (N,) of all robots together, and of each; None where there is no whole."""
+    if not whole.sum() > 0:
+        return None
+    each = (float(p / w) if w > 0 else None for p, w in zip(part, whole, strict=True))
+    return Each(float(part.sum() / whole.sum()), tuple(each))
 
 
 def last_decisions(record: Record) -> IntArray:
@@ -194,7 +213,7 @@ def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
     return Series(time, values)
 
 
-def _there(record: Record, rows: Rows) -> NDArray[np.bool_]:
+def _at_stop(record: Record, rows: Rows) -> NDArray[np.bool_]:
     """Whether each decision was made at the stop station, less the tolerance."""
     least = record.stop_station - arrival_tolerance(record)
     return np.asarray(rows["station"] >= least[rows["robot"]])

@@ -10,7 +10,6 @@ from physim.errors import PhysimError
 from physim.geometry.corridor import SIDES
 from physim.geometry.shapes import FloatArray
 from physim.geometry.width import side_feet
-from physim.metrics.settings import world_settings
 from physim.metrics.values import Place
 from physim.record import Record
 
@@ -74,7 +73,7 @@ def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, Floa
 
     None for a world without a corridor. Its caps are left out.
     """
-    corridor = world_settings(record).get("corridor") is not None
+    corridor = record.world_settings.get("corridor") is not None
     named: dict[str, FloatArray] = {}
     others = [np.zeros((0, 4))]
     for body in record.bodies[record.robots :]:

@@ -26,7 +26,8 @@ class RowBuffer:
         """
         given = np.asarray(rows, dtype=self._rows.dtype)
         if given.shape[1:] != self._rows.shape[1:]:
-            raise ValueError(f"rows {given.shape[1:]} for {self.dataset.name} {self._rows.shape}")
+            wanted = self._rows.shape[1:]
+            raise ValueError(f"{self.dataset.name}: rows {given.shape[1:]}; {wanted} expected")
         taken = 0
         while taken < len(given):
             part = given[taken : taken + len(self._rows) - self._count]

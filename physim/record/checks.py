@@ -7,6 +7,8 @@ caught here are files that break off, that are something else, or that lack or t
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -49,12 +51,11 @@ def check_layout(file: h5py.File, where: str) -> None:
     Raises RecordError that names the first part that is missing or not as it should be.
     """
     try:
-        _check_attributes(file, where)
-        _check_datasets(file, where)
-    except RecordError:
-        raise
+        fault = next(chain(_attribute_faults(file.attrs), _dataset_faults(file)), None)
     except Exception as error:  # the library raises many kinds for damaged files
         raise RecordError(f"{where}: damaged record: {_one_line(error)}") from error
+    if fault is not None:
+        raise RecordError(f"{where}: {fault}")
 
 
 def damaged(where: str, part: str, error: Exception) -> RecordError:
@@ -62,122 +63,101 @@ def damaged(where: str, part: str, error: Exception) -> RecordError:
     return RecordError(f"{where}: {part} cannot be read, the file is damaged: {_one_line(error)}")
 
 
-def _check_attributes(file: h5py.File, where: str) -> None:
-    found = file.attrs.get("format")
+def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:
+    """What is wrong with the root attributes; each is looked at only where those before are right.
+
+    An unknown minor version adds only what may be passed over; a major one is refused.
+    """
+    found = attributes.get("format")
     if not isinstance(found, str) or found != layout.FORMAT:
-        raise RecordError(
-            f"{where}: not a record of physim (no attribute format = {layout.FORMAT})"
-        )
-    _check_version(file.attrs.get("version"), where)
-    for name in layout.ATTRIBUTES:
-        if name not in file.attrs:
-            raise RecordError(f"{where}: attribute {name} is missing")
-        _check_attribute(name, file.attrs[name], where)
-
-    _check_versions(file.attrs.get("versions", "{}"), where)
-
-
-def _check_version(version: Any, where: str) -> None:
-    """An unknown minor version adds only what may be passed over; a major one is refused."""
+        yield f"not a record of physim (no attribute format = {layout.FORMAT})"
+    version = attributes.get("version")
     major, _, minor = version.partition(".") if isinstance(version, str) else ("", "", "")
-    if major == str(layout.MAJOR) and minor.isdecimal() and len(minor) < 6:
-        return
-    told = version if isinstance(version, int | np.integer) else repr(str(version)[:20])
-    raise RecordError(
-        f"{where}: record version {told}; this physim reads version {layout.MAJOR}; make the "
-        "record again"
-    )
-
-
-def _check_versions(text: Any, where: str) -> None:
-    try:
-        versions = json.loads(text)
-    except (TypeError, ValueError):
-        versions = None
-    if not isinstance(versions, dict):
-        raise RecordError(f"{where}: attribute versions is {text!r}; it must be a JSON object")
-
-
-def _check_attribute(name: str, value: Any, where: str) -> None:
-    if name == "ended" and isinstance(value, str):
-        raise RecordError(
-            f"{where}: attribute ended is a text of variable length; it must be of fixed length, "
-            f"S{layout.ENDED_BYTES}"
+    if major != str(layout.MAJOR) or not minor.isdecimal() or len(minor) > 5:
+        given = version if isinstance(version, int | np.integer) else repr(str(version)[:20])
+        yield (
+            f"record version {given}; this physim reads version {layout.MAJOR}; make the record "
+            "again"
         )
-    if name == "units" and value != layout.UNITS:
-        raise RecordError(f"{where}: attribute units is {value!r}; it must be {layout.UNITS!r}")
-    if name in ("tables", "given"):
-        _check_list(name, value, where)
-        return
-    if name in layout.TEXTS:
-        good = isinstance(value, str)
-    elif name == "ended":
-        good = isinstance(value, bytes) and value.decode() in layout.ENDED
-    else:
-        good = np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number)
-    if name == "dt":
-        good = good and value > 0
-    if not good:
-        raise RecordError(f"{where}: attribute {name} is {value!r}, which no record has")
+    for name in layout.ATTRIBUTES:
+        if name not in attributes:
+            yield f"attribute {name} is missing"
+        value = attributes[name]
+        if name == "ended" and isinstance(value, str):
+            yield (
+                "attribute ended is a text of variable length; it must be of fixed length, "
+                f"S{layout.ENDED_BYTES}"
+            )
+        if name == "units" and value != layout.UNITS:
+            yield f"attribute units is {value!r}; it must be {layout.UNITS!r}"
+        if not _is_sound(name, value):
+            yield f"attribute {name} is {value!r}, which no record has"
+    versions = attributes.get("versions", "{}")
+    if not isinstance(_from_json(versions), dict):
+        yield f"attribute versions is {versions!r}; it must be a JSON object"
 
 
-def _check_list(name: str, text: Any, where: str) -> None:
-    """``tables`` is a JSON list of table names, ``given`` one of [kind, name]."""
-    try:
-        found = json.loads(text)
-        good = isinstance(found, list)
-    except (TypeError, ValueError):
-        good = False
-    if good and name == "tables":
-        good = all(table in layout.OPTIONAL for table in found)
-    elif good:
-        good = all(
+def _is_sound(name: str, value: Any) -> bool:
+    """Whether a record may have this value of an attribute."""
+    if name == "tables":
+        found = _from_json(value)
+        return isinstance(found, list) and all(table in layout.OPTIONAL for table in found)
+    if name == "given":
+        found = _from_json(value)
+        return isinstance(found, list) and all(
             isinstance(one, list) and len(one) == 2 and all(isinstance(t, str) for t in one)
             for one in found
         )
-    if not good:
-        raise RecordError(f"{where}: attribute {name} is {text!r}, which no record has")
+    if name in layout.TEXTS:
+        return isinstance(value, str)
+    if name == "ended":
+        return isinstance(value, bytes) and value.decode() in layout.ENDED
+    is_number = np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number)
+    return bool(is_number and (name != "dt" or value > 0))
 
 
-def _check_datasets(file: h5py.File, where: str) -> None:
+def _from_json(text: Any) -> Any:
+    """What a JSON text says; None where it is none."""
+    try:
+        return json.loads(text)
+    except (TypeError, ValueError):
+        return None
+
+
+def _dataset_faults(file: h5py.File) -> Iterator[str]:
+    """What is wrong with the datasets; each is looked at only where those before are right."""
     for path in layout.DATASETS:
         if not isinstance(file.get(path), h5py.Dataset):
-            raise RecordError(f"{where}: dataset {path} is missing")
+            yield f"dataset {path} is missing"
     robots = file["/robots/stop_station"].size
     bodies = file["/bodies/id"].size
     for path in ("/bodies/kind", "/bodies/name"):
         if file[path].size != bodies or bodies < robots:
-            raise RecordError(
-                f"{where}: dataset {path} has {file[path].size} rows, /bodies/id {bodies}, for "
-                f"{robots} robots"
+            yield (
+                f"dataset {path} has {file[path].size} rows, /bodies/id {bodies}, for {robots} "
+                "robots"
             )
+    columns = [name.decode() for name in file["/columns/name"][:]]
     wanted: dict[str, tuple[tuple[int, ...], Any]] = {
-        **{path: ((), row) for path, row in _table_types(file).items()},
+        **{path: ((), row) for path, row in layout.table_types(columns).items()},
         **layout.steps_rows(robots),
     }
     for path, (shape, row) in wanted.items():
         found = file[path]
         if found.shape[1:] != shape or found.ndim != 1 + len(shape) or found.dtype != row:
-            raise RecordError(
-                f"{where}: dataset {path} has rows {found.shape[1:]} of {found.dtype}"
-            )
+            yield f"dataset {path} has rows {found.shape[1:]} of {found.dtype}"
     for path, row in (
         (layout.EXTREMES, layout.EXTREME),
         (layout.EXTREMES_FARTHEST, layout.FARTHEST),
     ):
         if file[path].dtype != row:
-            raise RecordError(f"{where}: dataset {path} has rows of {file[path].dtype}")
+            yield f"dataset {path} has rows of {file[path].dtype}"
     for path in ("/robots/lead", layout.ARRIVED):
         if file[path].shape != (robots,):
-            raise RecordError(f"{where}: dataset {path} has rows {file[path].shape}")
-    for i in range(robots):
-        if not len(file.get(layout.FOOTPRINTS.format(i), ())):
-            raise RecordError(f"{where}: group {layout.FOOTPRINTS.format(i)} is missing")
-
-
-def _table_types(file: h5py.File) -> dict[str, Any]:
-    names = [name.decode() for name in file["/columns/name"][:]]
-    return dict(layout.table_types(names))
+            yield f"dataset {path} has rows {file[path].shape}"
+    for group in map(layout.FOOTPRINTS.format, range(robots)):
+        if not len(file.get(group, ())):
+            yield f"group {group} is missing"
 
 
 def _one_line(error: Exception) -> str:

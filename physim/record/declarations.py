@@ -31,8 +31,8 @@ def read_declared(file: h5py.File, where: str) -> Declared:
     try:
         return Declared.of(SimpleNamespace(modes=modes, rules=rules, columns=columns))
     except ControllerError as error:
-        told = str(error).replace("SimpleNamespace.", "/")
-        raise RecordError(f"{where}: {told}; make the record again") from error
+        fault = str(error).replace("SimpleNamespace.", "/")
+        raise RecordError(f"{where}: {fault}; make the record again") from error
 
 
 def _texts(file: h5py.File, group: str, *fields: str) -> list[list[str]]:

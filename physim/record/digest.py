@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from physim.record import layout
+from physim.record.layout import ATTRIBUTES, DATASETS, FOOTPRINTS, STEPS, TABLES
 
 if TYPE_CHECKING:
     from physim.record.reader import Record
@@ -25,14 +25,14 @@ def digest(record: Record, file: h5py.File) -> str:
     a record in memory and its copy on disk.
     """
     total = hashlib.sha256()
-    for name in layout.ATTRIBUTES:
+    for name in ATTRIBUTES:
         total.update(f"{name}={file.attrs[name]!r}\n".encode())
     footprints = (
         f"{group}/{part}"
-        for group in map(layout.FOOTPRINTS.format, range(record.robots))
+        for group in map(FOOTPRINTS.format, range(record.robots))
         for part in sorted(file[group], key=int)
     )
-    for path in (*layout.DATASETS, *footprints):
+    for path in (*DATASETS, *footprints):
         _add(total, record, file[path], path)
     return total.hexdigest()
 
@@ -40,9 +40,9 @@ def digest(record: Record, file: h5py.File) -> str:
 def _add(total: hashlib._Hash, record: Record, dataset: h5py.Dataset, path: str) -> None:
     """Add one dataset, block by block, so that memory stays flat."""
     shape = dataset.shape
-    if path in layout.STEPS:
+    if path in STEPS:
         shape = (record.samples, *shape[1:])
-    elif path in layout.TABLES:
+    elif path in TABLES:
         shape = (len(record.read(path, check=False)),)
     total.update(f"{path} {dataset.dtype.descr} {shape}\n".encode())
     if not shape:

@@ -2,32 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import IntArray
 from physim.record import layout
 
-
-class ClearanceBlock(Protocol):
-    """Distances at B samples of N robots, as `physim.geometry.clearance` works them out."""
-
-    @property
-    def clearance(self) -> FloatArray: ...  # noqa: D102
-    @property
-    def other(self) -> IntArray: ...  # noqa: D102
-    @property
-    def boundary_clearance(self) -> FloatArray: ...  # noqa: D102
-    @property
-    def boundary_other(self) -> IntArray: ...  # noqa: D102
-    @property
-    def farthest(self) -> FloatArray: ...  # noqa: D102
-    @property
-    def farthest_a(self) -> IntArray: ...  # noqa: D102
-    @property
-    def farthest_b(self) -> IntArray: ...  # noqa: D102
+if TYPE_CHECKING:
+    from physim.geometry.clearance import Clearances
 
 
 class Extremes:
@@ -38,7 +22,7 @@ class Extremes:
         self.rows: NDArray[np.void] = np.full(robots, layout.NO_EXTREME)
         self.farthest: NDArray[np.void] = layout.NO_FARTHEST.copy()
 
-    def note(self, step: IntArray, found: ClearanceBlock) -> None:
+    def note(self, step: IntArray, found: Clearances) -> None:
         """Take the samples ``step`` (B,) into account; the earliest of equal values is kept."""
         if not len(step):
             return

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,17 +16,13 @@ from numpy.typing import NDArray
 
 from physim.declared import Mode
 from physim.errors import RecordError
-from physim.geometry.shapes import (
-    FloatArray,
-    IntArray,
-)
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
-from physim.record.commands import commands_over
 from physim.record.declarations import read_declared
 from physim.record.digest import digest
 from physim.record.recorded_scene import RecordedScene
-from physim.record.rows import NO_END, Rows, frozen
+from physim.record.rows import NO_END, frozen
 from physim.record.values import Bounds
 
 if TYPE_CHECKING:
@@ -41,11 +38,17 @@ class Record(RecordedScene):
     """
 
     def __init__(self, file: h5py.File, path: Path | None = None) -> None:
-        """Read an open file that is a record; `load` opens one and checks that first."""
+        """Read an open file. Raises RecordError where it is no record with all its parts.
+
+        ``path`` is where it lies, as messages name it; values are checked when they are read.
+        """
+        check_layout(file, _named(file, path))
+        self._begin(file, path)
+
+    def _begin(self, file: h5py.File, path: Path | None) -> None:
+        """Take what is needed at once from a file that has the layout of a record."""
         self.path = path
-        self._where = str(path) if path is not None else "record in memory"
-        self._file = file
-        attributes = file.attrs
+        attributes, where = file.attrs, _named(file, path)
         self.name = str(attributes["name"])
         self.world_text = str(attributes["world"])
         """YAML text of the effective world"""
@@ -65,34 +68,36 @@ class Record(RecordedScene):
         """the optional tables (`layout.OPTIONAL`) that the run recorded; others are empty"""
         self.given = tuple((str(kind), str(name)) for kind, name in json.loads(attributes["given"]))
         """parts that came from Python beside or in place of what the world names: kind and name"""
-        self.samples = min(len(file[path]) for path in layout.STEPS)
-        """K"""
-        self.robots = int(file["/robots/stop_station"].size)
-        """N"""
-        self._bodies = int(file["/bodies/id"].size)
-        killed = self.ended == "running"
-        last = NO_END if killed else self.steps_run
-        self.declared = read_declared(file, self._where)
+        self.declared = read_declared(file, where)
         """modes, rules and columns of the controller"""
+        killed = self.ended == "running"
         bounds = Bounds(
-            self.robots, self._bodies, last, len(self.declared.modes), len(self.declared.rules)
-        )
-        self._rows = Rows(file, self._where, bounds, self.samples)
+            int(file["/robots/stop_station"].size), int(file["/bodies/id"].size),
+            NO_END if killed else self.steps_run,
+            len(self.declared.modes), len(self.declared.rules),
+        )  # fmt: skip
+        super().__init__(file, where, bounds, min(len(file[path]) for path in layout.STEPS))
         if killed:
-            self.steps_run = max(0, self._rows.cut_tables())
+            self.steps_run = max(0, self._cut_tables())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
         """Open a record file. Raises RecordError with one line that says what is wrong with it."""
         file = open_record(Path(path))
         try:
-            check_layout(file, str(path))
             record = cls(file, Path(path))
             record.check_values()
             return record
         except BaseException:
             file.close()
             raise
+
+    @classmethod
+    def _just_made(cls, file: h5py.File) -> Record:
+        """A file that `RecordWriter` made in this process: its layout needs no check."""
+        record = cls.__new__(cls)
+        record._begin(file, None)
+        return record
 
     def check_values(self) -> None:
         """Read steps, tables and starts, which checks them. Poses are checked when they are read.
@@ -198,7 +203,26 @@ class Record(RecordedScene):
 
         [m/s, rad/s]; a robot's command is 0 before its first decision.
         """
-        return commands_over(self, stage, first, last)
+        steps = max(0, last - first)
+        held = np.zeros((steps, self.robots, 2))
+        if not steps:
+            return held
+        updates = self.updates
+        nominal = np.stack((updates["nominal_v"], updates["nominal_omega"]), axis=1)
+        at = np.zeros((steps, self.robots), dtype=np.int64)  # row + 1 of the decision that holds
+        begin = int(np.searchsorted(updates["step"], first, side="right"))
+        end = int(np.searchsorted(updates["step"], last))
+        robot, from_end = np.unique(updates["robot"][:begin][::-1], return_index=True)
+        at[0, robot] = begin - from_end
+        rows = np.arange(begin, end)
+        at[updates["step"][rows] - first, updates["robot"][rows]] = rows + 1
+        np.maximum.accumulate(at, axis=0, out=at)
+        held[at > 0] = nominal[at[at > 0] - 1]
+        table = self.commands
+        mine = table[slice(*np.searchsorted(table["step"], (first, last)))]
+        place = mine["step"] - first, mine["robot"]
+        held[place] = np.stack((mine[f"{stage}_v"], mine[f"{stage}_omega"]), axis=1)
+        return held
 
     @cached_property
     def considered(self) -> NDArray[np.void]:
@@ -248,6 +272,23 @@ class Record(RecordedScene):
         return parse_world(self.world_text, where, check_controller=False)
 
     @cached_property
+    def world_settings(self) -> Mapping[str, Any]:
+        """The effective world as plain values, as they stand in its text; empty where it has none.
+
+        For figures of a few keys, of a world that need not be valid. Raises RecordError where its
+        text is no YAML.
+        """
+        import yaml
+
+        fast = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast where it is there
+        try:
+            world = yaml.load(self.world_text, Loader=fast)
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
+            line = " ".join(str(error).split())
+            raise RecordError(f"world text of {self!r} cannot be read: {line}") from error
+        return world if isinstance(world, Mapping) else {}
+
+    @cached_property
     def versions(self) -> dict[str, str]:
         """Versions of physim and its libraries that made the record."""
         return dict(json.loads(self._file.attrs.get("versions", "{}")))
@@ -257,16 +298,6 @@ class Record(RecordedScene):
         """Figures of the wall clock; empty while running."""
         group = self._file.get(layout.WALL_CLOCK)
         return {} if group is None else {key: float(value) for key, value in group.attrs.items()}
-
-    def read(
-        self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
-    ) -> NDArray[Any]:
-        """Rows ``first`` to ``last - 1`` of a dataset, read-only, without keeping them.
-
-        Raises RecordError when they cannot be read, and, with ``check``, for values that no run
-        writes.
-        """
-        return self._rows.read(path, first, last, check=check)
 
     def digest(self) -> str:
         """SHA-256 of all but the wall clock and the versions, see `physim.record.digest`."""
@@ -286,6 +317,12 @@ class Record(RecordedScene):
         except OSError as error:
             draft.unlink(missing_ok=True)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
+
+
+def _named(file: h5py.File, path: Path | None) -> str:
+    """What messages call a file."""
+    in_memory = file.driver in ("core", "fileobj")
+    return "record in memory" if path is None and in_memory else str(path or file.filename)
 
 
 __all__ = ["Record"]

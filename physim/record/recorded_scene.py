@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray, Polylines, Shapes, pack_polylines, pack_shapes
 from physim.record import layout
-from physim.record.rows import Rows, frozen
-from physim.record.values import check_points, check_start
+from physim.record.rows import RecordFile, frozen
 from physim.scene import Body
 
 
-class RecordedScene:
+class RecordedScene(RecordFile):
     """What a `physim.record.Record` knows of its scene: lengths [m], world frame unless said."""
-
-    robots: int
-    """N"""
-    _rows: Rows
-    _bodies: int
-    _where: str
-
-    def read(self, path: str) -> NDArray[Any]:
-        """Rows of a dataset; see `physim.record.Record.read`."""
-        raise NotImplementedError
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -43,9 +30,7 @@ class RecordedScene:
     @cached_property
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
-        return tuple(
-            self._rows.parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots)
-        )
+        return tuple(self._parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots))
 
     @cached_property
     def shapes(self) -> Shapes:
@@ -55,14 +40,11 @@ class RecordedScene:
     @cached_property
     def walls(self) -> Shapes:
         """Boundaries and obstacles, world frame; body k of them has id N + k."""
-        vertices, part_start, body_start = (
-            self.read(f"/walls/{field}") for field in ("vertices", "part_start", "body_start")
-        )
-        check_points("/walls/vertices", vertices, self._where)
-        check_start("/walls/part_start", part_start, len(vertices), self._where, empty=False)
-        check_start(
-            "/walls/body_start", body_start, len(part_start) - 1, self._where,
-            empty=False, runs=self._bodies - self.robots,
+        vertices = self._points("/walls/vertices")
+        part_start = self._starts("/walls/part_start", len(vertices), empty=False)
+        body_start = self._starts(
+            "/walls/body_start", len(part_start) - 1, empty=False,
+            runs=self._bounds.bodies - self.robots,
         )  # fmt: skip
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
         runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
@@ -72,12 +54,12 @@ class RecordedScene:
     @cached_property
     def paths(self) -> Polylines:
         """Own path of each robot."""
-        return pack_polylines(self._rows.runs("/paths", self.robots))
+        return pack_polylines(self._runs("/paths", self.robots))
 
     @cached_property
     def reference(self) -> Polylines:
         """The one reference path s*."""
-        return pack_polylines(self._rows.runs("/reference", 1))
+        return pack_polylines(self._runs("/reference", 1))
 
     @cached_property
     def stop_station(self) -> FloatArray:
@@ -92,9 +74,9 @@ class RecordedScene:
     @cached_property
     def accessible(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the accessible area."""
-        return tuple(self._rows.runs("/areas/accessible"))
+        return tuple(self._runs("/areas/accessible"))
 
     @cached_property
     def safe(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the safe area."""
-        return tuple(self._rows.runs("/areas/safe"))
+        return tuple(self._runs("/areas/safe"))

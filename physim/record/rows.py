@@ -14,10 +14,10 @@ from physim.record import layout
 from physim.record.checks import damaged
 from physim.record.values import (
     Bounds,
-    check_arrived,
+    Source,
     check_extremes,
     check_points,
-    check_start,
+    check_starts,
     check_steps,
     check_table,
 )
@@ -26,17 +26,18 @@ NO_END = int(np.iinfo(np.int64).max)
 """Last step of a run that was killed: its tables are cut off instead."""
 
 
-class Rows:
+class RecordFile:
     """Datasets of an open record file, read a piece at a time.
 
     ``where`` names the file in messages, ``samples`` is how many rows the samples have.
     """
 
     def __init__(self, file: h5py.File, where: str, bounds: Bounds, samples: int) -> None:
-        self._file, self._where, self._bounds, self._samples = file, where, bounds, samples
+        self._file, self._where, self._bounds = file, where, bounds
+        self.samples, self.robots = samples, bounds.robots
         self._killed_at: int | None = None
 
-    def cut_tables(self) -> int:
+    def _cut_tables(self) -> int:
         """End tables with the last sample, as in a run that was killed; its step, -1 without any.
 
         Raises RecordError when the steps cannot be read.
@@ -48,50 +49,58 @@ class Rows:
     def read(
         self, path: str, first: int = 0, last: int | None = None, *, check: bool = True
     ) -> NDArray[Any]:
-        """Rows ``first`` to ``last - 1`` of a dataset, read-only; see `Record.read`."""
+        """Rows ``first`` to ``last - 1`` of a dataset, read-only, without keeping them.
+
+        Raises RecordError when they cannot be read, and, with ``check``, for values that no run
+        writes.
+        """
         try:
             dataset = self._file[path]
-            if dataset.ndim == 0:
-                row = np.asarray(dataset[()], dtype=dataset.dtype)
-                return frozen(self._checked(path, row, 0) if check else row)
             if path in layout.STEPS:
-                last = self._samples if last is None else min(last, self._samples)
-            rows = np.asarray(dataset[first:last])
+                last = self.samples if last is None else min(last, self.samples)
+            rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             raise damaged(self._where, path, error) from error
         if path in layout.TABLES and self._killed_at is not None:
             rows = rows[rows["step"] <= self._killed_at]
-        return frozen(self._checked(path, rows, first) if check else rows)
+        if check:
+            self._check(Source(self._where, path, first), rows)
+        return frozen(rows)
 
-    def runs(self, group: str, runs: int | None = None) -> list[FloatArray]:
+    def _check(self, source: Source, rows: NDArray[Any]) -> None:
+        """Check that rows have values such as a run writes."""
+        if source.path in layout.STEPS:
+            check_steps(source, rows)
+        elif source.path in layout.TABLES:
+            check_table(source, rows, self._bounds)
+        elif source.path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
+            check_extremes(source, rows, self._bounds)
+        elif source.path == layout.ARRIVED:
+            source.within("it", rows, -1, self._bounds.last_step)
+
+    def _points(self, path: str) -> FloatArray:
+        """Points (n, 2) [m] of a dataset."""
+        points = self.read(path)
+        check_points(Source(self._where, path), points)
+        return points
+
+    def _starts(
+        self, path: str, whole: int, *, empty: bool = True, runs: int | None = None
+    ) -> NDArray[Any]:
+        """Starts of packed runs, see `check_starts`."""
+        start = self.read(path)
+        check_starts(Source(self._where, path), start, whole, empty=empty, runs=runs)
+        return start
+
+    def _runs(self, group: str, runs: int | None = None) -> list[FloatArray]:
         """Polylines or rings of a packed group; ``runs`` of them, if that is known."""
-        points, start = self.read(f"{group}/points"), self.read(f"{group}/start")
-        check_points(f"{group}/points", points, self._where)
-        check_start(
-            f"{group}/start", start, len(points), self._where, empty=runs is None, runs=runs
-        )
+        points = self._points(f"{group}/points")
+        start = self._starts(f"{group}/start", len(points), empty=runs is None, runs=runs)
         return [points[first:last] for first, last in pairwise(start)]
 
-    def parts(self, group: str) -> tuple[FloatArray, ...]:
+    def _parts(self, group: str) -> tuple[FloatArray, ...]:
         """Polygons of a group, one dataset each, by number."""
-        found = []
-        for part in sorted(self._file[group], key=int):
-            path = f"{group}/{part}"
-            found.append(self.read(path))
-            check_points(path, found[-1], self._where)
-        return tuple(found)
-
-    def _checked(self, path: str, rows: NDArray[Any], first: int) -> NDArray[Any]:
-        """Rows as they are, when their values are such as a run writes."""
-        if path in layout.STEPS:
-            check_steps(path, rows, self._where, first)
-        elif path in layout.TABLES:
-            check_table(path, rows, self._bounds, self._where, first)
-        elif path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
-            check_extremes(path, rows, self._bounds, self._where)
-        elif path == layout.ARRIVED:
-            check_arrived(rows, self._bounds, self._where)
-        return rows
+        return tuple(self._points(f"{group}/{part}") for part in sorted(self._file[group], key=int))
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

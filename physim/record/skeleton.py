@@ -7,50 +7,22 @@ import json
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from itertools import pairwise
-from typing import Protocol
 
 import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.declared import Declared
-from physim.geometry.shapes import FloatArray, Polylines, Shapes
+from physim.geometry.shapes import FloatArray, Shapes
 from physim.record import layout
-from physim.scene import Body, FormationPlan
+from physim.scene import Scene
 
 LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
 
 
-class SceneArrays(Protocol):
-    """What the record takes from a `physim.scene.Scene`."""
-
-    @property
-    def seed(self) -> int: ...  # noqa: D102
-    @property
-    def dt(self) -> float: ...  # noqa: D102
-    @property
-    def steps(self) -> int: ...  # noqa: D102
-    @property
-    def bodies(self) -> tuple[Body, ...]: ...  # noqa: D102
-    @property
-    def shapes(self) -> Shapes: ...  # noqa: D102
-    @property
-    def walls(self) -> Shapes: ...  # noqa: D102
-    @property
-    def start(self) -> FloatArray: ...  # noqa: D102
-    @property
-    def paths(self) -> Polylines: ...  # noqa: D102
-    @property
-    def reference(self) -> Polylines: ...  # noqa: D102
-    @property
-    def stop_station(self) -> FloatArray: ...  # noqa: D102
-    @property
-    def formation(self) -> FormationPlan: ...  # noqa: D102
-
-
 def write_attributes(
     file: h5py.File,
-    scene: SceneArrays,
+    scene: Scene,
     *,
     name: str,
     world_text: str,
@@ -60,27 +32,30 @@ def write_attributes(
     given: Sequence[tuple[str, str]],
 ) -> None:
     """Set the root attributes of a run that begins."""
-    attributes = file.attrs
-    attributes["format"] = layout.FORMAT
-    attributes["version"] = layout.VERSION
-    attributes["units"] = layout.UNITS
-    attributes["name"] = name
-    attributes["world"] = world_text
-    attributes["seed"] = np.int64(scene.seed)
-    attributes["dt"] = float(scene.dt)
-    attributes["steps_planned"] = np.int64(scene.steps)
-    attributes["record_every"] = np.int64(record_every)
-    attributes["tables"] = json.dumps(list(tables))
-    attributes["given"] = json.dumps([list(one) for one in given])
-    attributes["safe_distance"] = float(safe_distance)
-    attributes["steps_run"] = np.int64(0)
-    attributes["rejected_contacts"] = np.int64(0)
-    attributes["versions"] = json.dumps(_versions())
-    attributes["ended"] = np.array(b"running", dtype=f"S{layout.ENDED_BYTES}")
+    attributes = {
+        "format": layout.FORMAT,
+        "version": layout.VERSION,
+        "units": layout.UNITS,
+        "name": name,
+        "world": world_text,
+        "seed": np.int64(scene.seed),
+        "dt": float(scene.dt),
+        "steps_planned": np.int64(scene.steps),
+        "record_every": np.int64(record_every),
+        "tables": json.dumps(list(tables)),
+        "given": json.dumps([list(one) for one in given]),
+        "safe_distance": float(safe_distance),
+        "steps_run": np.int64(0),
+        "rejected_contacts": np.int64(0),
+        "versions": json.dumps(_versions()),
+        "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
+    }
+    for key, value in attributes.items():
+        file.attrs[key] = value
 
 
 def write_scene(
-    file: h5py.File, scene: SceneArrays, accessible: Sequence[ArrayLike], safe: Sequence[ArrayLike]
+    file: h5py.File, scene: Scene, accessible: Sequence[ArrayLike], safe: Sequence[ArrayLike]
 ) -> None:
     """Write bodies, footprints, walls, paths and areas (rings (n, 2) [m], world frame)."""
     text = h5py.string_dtype("utf-8")

@@ -6,6 +6,7 @@ given and what is allowed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,14 +35,8 @@ ONCE = {
 }
 """Columns that no two rows of one step have alike."""
 
-
-class Range(NamedTuple):
-    """Least and greatest value that a column may have."""
-
-    column: str
-    low: Any
-    """a number, or one for each row"""
-    high: Any
+Range = tuple[str, Any, Any]
+"""A column, its least and its greatest value: numbers, or one for each row."""
 
 
 class Bounds(NamedTuple):
@@ -56,112 +51,132 @@ class Bounds(NamedTuple):
     """how many the controller declares"""
 
 
-def check_table(path: str, rows: NDArray[np.void], bounds: Bounds, where: str, first: int) -> None:
-    """Check rows of one of `layout.TABLES`, of which ``first`` is the number of the first.
+class Source(NamedTuple):
+    """Where rows come from, as messages name it."""
+
+    where: str
+    """the file"""
+    path: str
+    """of the dataset"""
+    first: int = 0
+    """number of the first row"""
+
+    def refuse(self, wrong: NDArray[np.bool_], fault: Callable[[int], str]) -> None:
+        """Raise RecordError for the first wrong row; ``fault`` says what is given and allowed."""
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            row = self.first + k
+            raise RecordError(
+                f"{self.where}: {self.path}, row {row}: {fault(k)}; make the record again"
+            )
+
+    def within(self, name: str, values: NDArray[Any], low: Any, high: Any) -> None:
+        """Raise RecordError for the first value out of its range."""
+
+        def fault(k: int) -> str:
+            least, most = (int(np.broadcast_to(bound, len(values))[k]) for bound in (low, high))
+            return f"{name} is {values[k]}; allowed: {least} to {most}"
+
+        self.refuse((values < low) | (values > high), fault)
+
+
+def check_table(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
+    """Check rows of one of `layout.TABLES`.
 
     Raises RecordError for the first value that is out of its range, for a number that is not
     finite and has to be, an impulse below 0, and where the rows are not in
     the order of steps or one is there twice.
     """
-    for column, low, high in _ranges(path, rows, bounds):
-        values = rows[column]
-        wrong = (values < low) | (values > high)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            least, most = (int(np.broadcast_to(v, len(rows))[k]) for v in (low, high))
-            raise _refused(where, path, first + k, f"{column} is {values[k]}", (least, most))
-    for column in FINITE[path]:
-        wrong = ~np.isfinite(rows[column])
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            given = f"{column} is {rows[column][k]}"
-            raise _refused(where, path, first + k, given, "it must be finite")
-    if path == "/contacts" and (wrong := rows["impulse"] < 0.0).any():
-        k = int(np.argmax(wrong))
-        given = f"impulse is {rows['impulse'][k]:.6g}"
-        raise _refused(where, path, first + k, given, "it must not be negative")
-    back = np.diff(rows["step"]) < 0
-    if back.any():
-        k = int(np.argmax(back)) + 1
-        given = f"step {rows['step'][k]} comes after step {rows['step'][k - 1]}"
-        raise _refused(where, path, first + k, given, "rows must be in the order of steps")
-    _check_once(path, rows, where, first)
+    for column, low, high in _ranges(source.path, rows, bounds):
+        source.within(column, rows[column], low, high)
+    for column in FINITE[source.path]:
+        _check_finite(source, column, rows[column])
+    step = rows["step"]
+    if source.path == "/contacts":
+        impulse = rows["impulse"]
+        source.refuse(
+            impulse < 0.0, lambda k: f"impulse is {impulse[k]:.6g}; it must not be negative"
+        )
+    source.refuse(
+        np.diff(step, prepend=step[:1]) < 0,
+        lambda k: (
+            f"step {step[k]} comes after step {step[k - 1]}; rows must be in the order of steps"
+        ),
+    )
+    _check_once(source, rows)
 
 
-def _check_once(path: str, rows: NDArray[np.void], where: str, first: int) -> None:
+def _check_finite(source: Source, column: str, values: NDArray[Any]) -> None:
+    source.refuse(~np.isfinite(values), lambda k: f"{column} is {values[k]}; it must be finite")
+
+
+def _check_once(source: Source, rows: NDArray[np.void]) -> None:
     """Raise RecordError for a second row of the same step and bodies."""
-    columns = [rows["step"], *(rows[name] for name in ONCE[path])]
+    names = ONCE[source.path]
+    columns = [rows["step"], *(rows[name] for name in names)]
     order = np.lexsort(columns[::-1])
-    same = np.ones(max(len(rows) - 1, 0), dtype=np.bool_)
-    for column in columns:
-        same &= np.diff(column[order]) == 0
-    if same.any():
-        k = int(order[np.argmax(same) + 1])
-        who = ", ".join(f"{name} {rows[name][k]}" for name in ONCE[path])
-        given = f"step {rows['step'][k]}, {who} again"
-        raise _refused(where, path, first + k, given, "it may be there once")
+    again = np.zeros(len(rows), dtype=np.bool_)
+    again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
+
+    def fault(k: int) -> str:
+        who = ", ".join(f"{name} {rows[name][k]}" for name in names)
+        return f"step {rows['step'][k]}, {who} again; it may be there once"
+
+    source.refuse(again, fault)
 
 
-def check_steps(path: str, rows: NDArray[Any], where: str, first: int) -> None:
+def check_steps(source: Source, rows: NDArray[Any]) -> None:
     """Check rows of one of `layout.STEPS`: steps that increase from 0, finite poses, no NaN.
 
     Raises RecordError for the first sample that is not so.
     """
-    if path == "/steps/step":
-        back = np.diff(rows) <= 0
-        if back.any():
-            k = int(np.argmax(back)) + 1
-            given = f"step {rows[k]} comes after step {rows[k - 1]}"
-            raise _refused(where, path, first + k, given, "steps must increase from 0")
-        if len(rows) and first == 0 and rows[0] != 0:
-            raise _refused(where, path, 0, f"the first step is {rows[0]}", "it must be 0")
+    if source.path == "/steps/step":
+        source.refuse(
+            np.diff(rows, prepend=rows[:1] - 1) <= 0,
+            lambda k: f"step {rows[k]} comes after step {rows[k - 1]}; steps must increase from 0",
+        )
+        if source.first == 0:
+            source.refuse(rows[:1] != 0, lambda _: f"the first step is {rows[0]}; it must be 0")
         return
-    wrong = ~np.isfinite(rows) if path == "/steps/pose" else np.isnan(rows)
-    if wrong.any():
-        k, robot, *column = (int(v) for v in np.argwhere(wrong)[0])
-        what = ("x", "y", "heading")[column[0]] if column else "distance"
-        given = f"{what} of robot {robot} is {rows[(k, robot, *column)]}"
-        must = "it must be finite" if column else "it must be a number"
-        raise _refused(where, path, first + k, given, must)
+    is_pose = source.path == "/steps/pose"
+    wrong = ~np.isfinite(rows) if is_pose else np.isnan(rows)
+
+    def fault(k: int) -> str:
+        robot, *column = (int(index) for index in np.argwhere(wrong[k])[0])
+        what = ("x", "y", "heading")[column[0]] if is_pose else "distance"
+        must = "finite" if is_pose else "a number"
+        return f"{what} of robot {robot} is {rows[(k, robot, *column)]}; it must be {must}"
+
+    source.refuse(wrong.any(axis=tuple(range(1, wrong.ndim))), fault)
 
 
-def check_extremes(path: str, rows: NDArray[np.void], bounds: Bounds, where: str) -> None:
+def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
     """Check who and when of `layout.EXTREMES` or `layout.EXTREMES_FARTHEST`; -1 is nobody, never.
 
     Raises RecordError for the first value that is out of its range, and for a distance of NaN.
     """
     rows = np.atleast_1d(rows)
     last, robots, bodies = bounds.last_step, bounds.robots, bounds.bodies
-    ranges = [("step", last), ("a", robots - 1), ("b", robots - 1)]
+    highest = {"step": last, "a": robots - 1, "b": robots - 1}
     distances = ["farthest"]
-    if path == layout.EXTREMES:
-        ranges = [("clearance_step", last), ("clearance_other", robots - 1),
-                  ("boundary_step", last), ("boundary_other", bodies - 1)]  # fmt: skip
+    if source.path == layout.EXTREMES:
+        highest = {"clearance_step": last, "clearance_other": robots - 1,
+                   "boundary_step": last, "boundary_other": bodies - 1}  # fmt: skip
         distances = ["clearance", "boundary_clearance"]
-    for column, high in ranges:
-        wrong = (rows[column] < -1) | (rows[column] > high)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            raise _refused(where, path, k, f"{column} is {rows[column][k]}", (-1, high))
+    for column, high in highest.items():
+        source.within(column, rows[column], -1, high)
     for column in distances:
-        if np.isnan(rows[column]).any():
-            k = int(np.argmax(np.isnan(rows[column])))
-            raise _refused(where, path, k, f"{column} is nan", "it must be a number")
+        _check_number(source, column, rows[column])
 
 
-def check_arrived(rows: NDArray[np.int64], bounds: Bounds, where: str) -> None:
-    """Check the samples from which on robots have arrived; -1 is never. Raises RecordError."""
-    wrong = (rows < -1) | (rows > bounds.last_step)
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        raise _refused(where, layout.ARRIVED, k, f"it is {rows[k]}", (-1, bounds.last_step))
+def _check_number(source: Source, column: str, values: NDArray[Any]) -> None:
+    source.refuse(np.isnan(values), lambda _: f"{column} is nan; it must be a number")
 
 
-def check_start(
-    path: str,
+def check_starts(
+    source: Source,
     start: NDArray[Any],
     whole: int,
-    where: str,
     *,
     empty: bool = True,
     runs: int | None = None,
@@ -171,67 +186,55 @@ def check_start(
     ``empty``: whether runs may have nothing in them; ``runs``: how many there must be, if that is
     known. Raises RecordError for the first wrong one.
     """
+    what = f"{source.where}: {source.path}"
     if start.ndim != 1 or not len(start) or not np.issubdtype(start.dtype, np.integer):
-        raise RecordError(f"{where}: {path} holds no list of starts; make the record again")
+        raise RecordError(f"{what} holds no list of starts; make the record again")
     if runs is not None and len(start) != runs + 1:
         raise RecordError(
-            f"{where}: {path}: {len(start)} rows; {runs + 1} are needed; make the record again"
+            f"{what}: {len(start)} rows; {runs + 1} are needed; make the record again"
         )
-    wrong = (start < 0) | (start > whole)
-    if wrong.any():
-        k = int(np.argmax(wrong))
-        raise _refused(where, path, k, f"it is {start[k]}", (0, whole))
-    if start[0] != 0 or start[-1] != whole:
-        k, must = (0, 0) if start[0] != 0 else (len(start) - 1, whole)
-        raise _refused(where, path, k, f"it is {start[k]}", f"it must be {must}")
-    back = np.diff(start) < (0 if empty else 1)
-    if back.any():
-        k = int(np.argmax(back)) + 1
-        given = f"{start[k]} comes after {start[k - 1]}"
-        raise _refused(where, path, k, given, "starts must increase")
+    source.within("it", start, 0, whole)
+    ends = start.copy()
+    ends[[0, -1]] = 0, whole
+    source.refuse(start != ends, lambda k: f"it is {start[k]}; it must be {ends[k]}")
+    source.refuse(
+        np.diff(start, prepend=start[:1] - 1) < (0 if empty else 1),
+        lambda k: f"{start[k]} comes after {start[k - 1]}; starts must increase",
+    )
 
 
-def check_points(path: str, points: NDArray[Any], where: str) -> None:
+def check_points(source: Source, points: NDArray[Any]) -> None:
     """Check points (n, 2) [m]. Raises RecordError for another shape, and for what is not finite."""
     if points.ndim != 2 or points.shape[1] != 2 or points.dtype != np.float64:
-        raise RecordError(f"{where}: dataset {path} holds no points (n, 2)")
+        raise RecordError(f"{source.where}: dataset {source.path} holds no points (n, 2)")
     wrong = ~np.isfinite(points)
-    if wrong.any():
-        k, column = (int(v) for v in np.argwhere(wrong)[0])
-        given = f"{'xy'[column]} is {points[k, column]}"
-        raise _refused(where, path, k, given, "it must be finite")
+
+    def fault(k: int) -> str:
+        column = int(np.argmax(wrong[k]))
+        return f"{'xy'[column]} is {points[k, column]}; it must be finite"
+
+    source.refuse(wrong.any(axis=1), fault)
 
 
 def _ranges(path: str, rows: NDArray[np.void], bounds: Bounds) -> list[Range]:
     robots, bodies, last, modes, rules = bounds
+    step: Range = ("step", 0, last)
+    robot: Range = ("robot", 0, robots - 1)
     if path == "/updates":
-        step = rows["step"]
+        at = rows["step"]
         return [
-            Range("step", 0, last),
-            Range("robot", 0, robots - 1),
-            Range("mode", NO_NUMBER, modes - 1),
-            Range("rule", NO_NUMBER, rules - 1),
-            Range("considered", 0, robots - 1),
-            Range("next_step", step + 1, step + LONGEST_HOLD),
+            step,
+            robot,
+            ("mode", NO_NUMBER, modes - 1),
+            ("rule", NO_NUMBER, rules - 1),
+            ("considered", 0, robots - 1),
+            ("next_step", at + 1, at + LONGEST_HOLD),
         ]
     if path == "/commands":
-        return [Range("step", 0, last), Range("robot", 0, robots - 1)]
+        return [step, robot]
     if path == "/considered":
-        ranges = (Range("robot", 0, robots - 1), Range("other", 0, robots - 1))
-        return [Range("step", 0, last), *ranges]
-    found = [
-        Range("step", 0, last),
-        Range("a", 0, robots - 1),
-        Range("b", rows["a"] + 1, bodies - 1),
-    ]
+        return [step, robot, ("other", 0, robots - 1)]
+    found = [step, ("a", 0, robots - 1), ("b", rows["a"] + 1, bodies - 1)]
     if path == "/contacts":
-        found += [Range("phase", min(Phase), max(Phase)), Range("kind", min(Kind), max(Kind))]
+        found += [("phase", min(Phase), max(Phase)), ("kind", min(Kind), max(Kind))]
     return found
-
-
-def _refused(
-    where: str, path: str, row: int, given: str, allowed: str | tuple[int, int]
-) -> RecordError:
-    if not isinstance(allowed, str):
-        allowed = f"allowed: {allowed[0]} to {allowed[1]}"
-    return RecordError(f"{where}: {path}, row {row}: {given}; {allowed}; make the record again")

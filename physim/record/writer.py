@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import h5py
@@ -19,14 +19,13 @@ from physim.errors import RecordError
 from physim.record import layout
 from physim.record.buffer import RowBuffer
 from physim.record.crash_safe import PAGE, CrashSafeFile
-from physim.record.extremes import ClearanceBlock, Extremes
+from physim.record.extremes import Extremes
 from physim.record.reader import Record
-from physim.record.skeleton import (
-    SceneArrays,
-    write_attributes,
-    write_declared,
-    write_scene,
-)
+from physim.record.skeleton import write_attributes, write_declared, write_scene
+from physim.scene import Scene
+
+if TYPE_CHECKING:
+    from physim.geometry.clearance import Clearances
 
 NOTHING = Declared()
 CHUNK_BYTES = 1 << 18
@@ -45,7 +44,7 @@ class RecordWriter:
     def __init__(
         self,
         path: str | os.PathLike[str] | None,
-        scene: SceneArrays,
+        scene: Scene,
         world_text: str,
         *,
         name: str | None = None,
@@ -102,7 +101,7 @@ class RecordWriter:
         except BaseException as error:
             self._abandon()
             if isinstance(error, OSError):
-                raise self._told(error) from error
+                raise self._failed(error) from error
             raise
 
     def append_steps(
@@ -136,7 +135,7 @@ class RecordWriter:
         """Set the samples (N,) from which on robots have arrived; -1 where they have not."""
         self.arrived[:] = since
 
-    def note_extremes(self, step: ArrayLike, found: ClearanceBlock) -> None:
+    def note_extremes(self, step: ArrayLike, found: Clearances) -> None:
         """Take the clearances of B physics steps into account, see `Extremes.note`."""
         self.extremes.note(np.asarray(step, dtype=np.int64), found)
 
@@ -183,7 +182,7 @@ class RecordWriter:
 
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
-        return Record(self._file) if self.path is None else Record.load(self.path)
+        return Record._just_made(self._file) if self.path is None else Record.load(self.path)
 
     def _open(self) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""
@@ -194,7 +193,7 @@ class RecordWriter:
         try:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
-            raise self._told(error) from error
+            raise self._failed(error) from error
         self._disk.holding = True
         settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
         file = h5py.File(self._disk, "w", **settings)
@@ -228,11 +227,11 @@ class RecordWriter:
         try:
             yield
         except OSError as error:
-            self._failure = self._told(error)
+            self._failure = self._failed(error)
             self._abandon()
             raise self._failure from error
 
-    def _told(self, error: OSError) -> RecordError:
+    def _failed(self, error: OSError) -> RecordError:
         return RecordError(f"{self.path}: cannot be written: {error.strerror or error}")
 
     def _abandon(self) -> None:

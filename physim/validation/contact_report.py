@@ -37,7 +37,7 @@ class ContactReport:
     normal: tuple[float, float]
     """from a to b"""
     severity: Severity
-    """of the impact, see `physim.metrics.severity`"""
+    """of the impact, see `physim.metrics.Severity`"""
     depth: float
     """[m] greatest"""
     duration: float

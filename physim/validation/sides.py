@@ -21,7 +21,7 @@ import numpy as np
 
 from physim.declared import NO_NUMBER, Mode, Rule
 from physim.geometry.shapes import FloatArray
-from physim.metrics.severity import point_velocity
+from physim.metrics.contacts import point_velocity
 from physim.record import Record
 from physim.validation.decisions import DecisionTable
 from physim.validation.pushing import Touch, pushed_by, stands

@@ -50,11 +50,8 @@ def test_json_on_standard_output_stands_alone(
 def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def broken(*arguments: object, **more: object) -> object:
-        return crash_test(*arguments, **more, _foresee=two_steps_late)  # type: ignore[arg-type]
-
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("physim.crashtest.crash_test", broken)
+    monkeypatch.setattr("physim.crashtest.laboratory.predict", two_steps_late)
     done = physim("crashtest", "--cases", 60, "--json", "found.json", capture=capsys)
     assert done.code == 3
     assert "checks disagree" in done.out.splitlines()[-1]

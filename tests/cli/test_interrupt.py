@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.crashtest import Report, crash_test
+from physim.crashtest import CrashReport, crash_test
 from physim.errors import RecordError
 from physim.physics import Physics
 from physim.record import Record
@@ -160,7 +160,7 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
     crash_test(11)
     press = interrupting(1)
 
-    def pressed(cases: int, seed: int, **more: Any) -> Report:
+    def pressed(cases: int, seed: int, **more: Any) -> CrashReport:
         told = more.pop("progress")
         return crash_test(cases, seed, **more, progress=lambda done: (told(done), press())[0])
 

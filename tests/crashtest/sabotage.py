@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from physim.crashtest.batch import Batch
-from physim.crashtest.foresight import Foresight, foresee
+from physim.crashtest.foresight import Prediction, predict
 
 
-def without_rotation(batch: Batch) -> Foresight:
+def without_rotation(batch: Batch) -> Prediction:
     """Collision times as if nobody turned; distances are right."""
     straight = batch._replace(command=batch.command * (1.0, 0.0))
-    return foresee(batch)._replace(time=foresee(straight).time)
+    return predict(batch)._replace(time=predict(straight).time)
 
 
-def smaller(batch: Batch, by: float = 0.01) -> Foresight:
+def smaller(batch: Batch, by: float = 0.01) -> Prediction:
     """Every footprint drawn in by about 1 cm on all sides, in all that is analytic."""
     shapes = batch.shapes
     vertices = shapes.vertices.copy()
@@ -23,24 +23,24 @@ def smaller(batch: Batch, by: float = 0.01) -> Foresight:
         middle = part.mean(axis=0)
         size = np.hypot(*(part - middle).T)
         vertices[first:last] = middle + (part - middle) * (1.0 - by / size.max())
-    return foresee(batch._replace(shapes=shapes._replace(vertices=vertices)))
+    return predict(batch._replace(shapes=shapes._replace(vertices=vertices)))
 
 
-def shifted(batch: Batch, steps: float) -> Foresight:
+def shifted(batch: Batch, steps: float) -> Prediction:
     """Collision times later by some steps."""
-    found = foresee(batch)
+    found = predict(batch)
     return found._replace(time=np.maximum(found.time + steps * batch.dt, 0.0))
 
 
-def two_steps_late(batch: Batch) -> Foresight:
+def two_steps_late(batch: Batch) -> Prediction:
     return shifted(batch, 2.0)
 
 
-def two_steps_early(batch: Batch) -> Foresight:
+def two_steps_early(batch: Batch) -> Prediction:
     return shifted(batch, -2.0)
 
 
-def contacts_dropped(batch: Batch) -> Foresight:
-    """No collision is ever foreseen."""
-    found = foresee(batch)
+def contacts_dropped(batch: Batch) -> Prediction:
+    """No collision is ever predicted."""
+    found = predict(batch)
     return found._replace(time=np.full_like(found.time, np.inf))

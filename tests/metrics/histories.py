@@ -32,16 +32,19 @@ def history(
     declared: Declared = DECLARED,
     commands: Sequence[tuple[Any, ...]] = (),
     tables: Sequence[str] = OPTIONAL,
+    lead: FloatArray | None = None,
 ) -> Record:
     """Record with these rows; contacts are (step, a, b, phase, depth, impulse).
 
     Updates are put in the order of steps and hold for one step unless they say otherwise; the
     command in them is nominal and applied. ``commands`` are rows of `COMMAND`; ``pose`` (K, N, 3)
-    are the samples 0 to K - 1; ``arrived`` (N,) is as in `Record.arrived`.
+    are the samples 0 to K - 1; ``arrived`` (N,) is as in `Record.arrived`, ``lead`` as in
+    `Record.lead`.
     """
-    out = RecordWriter(
-        None, make_scene(robots), world, name="by hand", declared=declared, tables=tables
-    )
+    scene = make_scene(robots)
+    if lead is not None:
+        scene.formation.lead = lead
+    out = RecordWriter(None, scene, world, name="by hand", declared=declared, tables=tables)
     rows = np.zeros(len(updates), update_type([column.name for column in declared.columns]))
     rows["mode"] = 0 if declared.modes else NO_NUMBER
     rows["rule"] = 0 if declared.rules else NO_NUMBER

@@ -94,7 +94,7 @@ def test_modes_fill_the_run_and_switches_are_counted() -> None:
     assert safe.robots == (pytest.approx(4 / 6), 0.0)
 
 
-def test_updates_per_second_is_of_robots_under_way() -> None:
+def test_updates_per_second_is_of_active_robots() -> None:
     told = [(0, 0, 0, 10), (10, 0, 0, 20), (20, 0, 3, 30), (0, 1, 0, 20)]
     rows = [{"step": s, "robot": r, "mode": m, "next_step": n} for s, r, m, n in told]
     rows[2]["station"] = THERE

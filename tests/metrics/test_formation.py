@@ -30,7 +30,7 @@ def drive(world: str, stations: FloatArray = STATIONS) -> Record:
         for step, s in zip(STEPS, stations, strict=True)
         for i in range(4)
     ]
-    return history(rows, robots=4, steps_run=20, world=world)
+    return history(rows, robots=4, steps_run=20, world=world, lead=LEAD)
 
 
 def test_errors_are_exact_at_decisions_and_linear_between() -> None:
@@ -41,7 +41,7 @@ def test_errors_are_exact_at_decisions_and_linear_between() -> None:
     assert np.allclose(errors[1], (exact[0] + exact[1]) / 2, rtol=0, atol=1e-12)
 
 
-def test_desired_leads_come_from_the_first_step() -> None:
+def test_desired_leads_are_those_of_the_record() -> None:
     lead = metrics.desired_leads(drive("formation: {}"))
     assert lead == pytest.approx(LEAD - LEAD.mean())
 
@@ -70,12 +70,27 @@ def test_energy_is_that_of_the_controller(neighbours: str, adjacency: list[Float
     ].value == pytest.approx(expected[-1])
 
 
-def test_where_not_all_decide_at_first_there_are_no_leads() -> None:
+def test_errors_are_those_of_the_recorded_leads() -> None:
+    """A robot behind its place has a positive error."""
+    record = drive("formation: {}")
+    lead = metrics.desired_leads(record)
+    assert lead is not None
+    first = record.updates[:4]
+    late = (STATIONS[0].mean() - STATIONS[0]) + lead
+    assert first["formation_error"] == pytest.approx(late)
+
+
+def test_without_a_formation_there_are_no_leads() -> None:
+    assert metrics.desired_leads(drive("name: x")) is None
+    assert metrics.formation_energy(drive("name: x")) is None
+
+
+def test_where_a_robot_never_decides_there_is_no_energy() -> None:
     rows = [{"step": 10 * i, "robot": i} for i in range(2)]
-    record = history(rows)
-    assert metrics.desired_leads(record) is None
+    record = history(rows, robots=3)
     assert metrics.formation_energy(record) is None
     assert metrics.formation_errors(record) is not None
+    assert metrics.formation_energy(history(rows)) is not None
 
 
 def test_rms_is_of_each_robot_and_of_all() -> None:

@@ -76,7 +76,7 @@ class Given:
     unit = "m"
 
     def measure(self, record):
-        from physim.metrics.values import Each, Moment, Place
+        from physim.metrics import Each, Moment, Place
         from math import inf, nan
         from pathlib import Path
         text = Path(__file__).with_name("answer.txt").read_text()

@@ -294,6 +294,22 @@ def test_other_hdf5_files(tmp_path: Path, made: Path) -> None:
     )
 
 
+@pytest.mark.parametrize("change", ["version", "dt", "/updates", "/robots/001/footprint"])
+def test_an_open_file_is_checked_too(made: Path, tmp_path: Path, change: str) -> None:
+    def leave_out(file: h5py.File) -> None:
+        (file if change.startswith("/") else file.attrs).pop(change)
+
+    copy = altered(made, tmp_path, leave_out)
+    with h5py.File(copy) as file, pytest.raises(RecordError, match=change) as caught:
+        Record(file)
+    assert str(caught.value).startswith(f"{copy}: ")
+    other = h5py.File("other", "w", driver="core", backing_store=False)
+    with other, pytest.raises(RecordError, match="record in memory: not a record"):
+        Record(other)
+    with h5py.File(made) as file:
+        assert Record(file).names == ("r1", "r2", "r3")
+
+
 @pytest.mark.parametrize("path", DATASETS)
 def test_missing_or_wrong_dataset(made: Path, tmp_path: Path, path: str) -> None:
     refused(altered(made, tmp_path, lambda file: file.pop(path)), f"dataset {path} is missing")

@@ -35,6 +35,20 @@ def tampered(made: Path, folder: Path, path: str, row: Any, value: Any, column: 
     return target
 
 
+def refused(record: Path, *parts: str) -> None:
+    """Check that loading fails with one line that names the file, then has these parts in order."""
+    with pytest.raises(RecordError) as raised:
+        Record.load(record)
+    in_order(str(raised.value), str(record), *parts)
+
+
+def in_order(message: str, *parts: str) -> None:
+    """Check that a message is one line with these parts, as whole words, one after the other."""
+    assert "\n" not in message
+    words = [rf"(?<!\w){re.escape(part)}(?!\w)" for part in parts]
+    assert re.search(".*?".join(words), message), (message, parts)
+
+
 @pytest.mark.parametrize(
     ("path", "column", "value", "allowed"),
     [
@@ -48,7 +62,7 @@ def tampered(made: Path, folder: Path, path: str, row: Any, value: Any, column: 
         ("/considered", "robot", 3, "0 to 2"),
         ("/considered", "other", -1, "0 to 2"),
         ("/considered", "step", 401, "0 to 400"),
-        ("/updates", "next_step", -5, " to "),
+        ("/updates", "next_step", -5, "to"),
         ("/contacts", "step", 401, "0 to 400"),
         ("/contacts", "a", 3, "0 to 2"),
         ("/contacts", "b", 99, "1 to 4"),
@@ -68,66 +82,56 @@ def test_values_out_of_range(
     with Record.load(made) as record:
         row = min(2, len(record.read(path)) - 1)
     bad = tampered(made, tmp_path, path, row, value, column)
-    with pytest.raises(RecordError) as raised:
-        Record.load(bad)
-    told = str(raised.value)
-    assert told.startswith(f"{bad}: {path}, row {row}: {column} is {value}; allowed: ")
-    assert allowed in told
-    assert "\n" not in told
+    refused(bad, path, f"row {row}", column, str(value), allowed)
 
 
 @pytest.mark.parametrize("command", ["summary", "plot", "video", "validate"])
 @pytest.mark.parametrize(
-    ("path", "row", "value", "column", "told"),
+    ("path", "row", "value", "column", "parts"),
     [
-        ("/updates", 2, 77, "robot", "/updates, row 2: robot is 77; allowed: 0 to 2"),
-        ("/walls/part_start", 1, 10**6, "", "/walls/part_start, row 1: it is 1000000; allowed: 0"),
-        ("/walls/body_start", 1, 50, "", "/walls/body_start, row 1: it is 50; allowed: 0"),
-        ("/paths/start", 1, 150, "", "/paths/start, row 1: it is 150; allowed: 0"),
-        ("/steps/pose", (70, 1, 0), np.nan, "", "/steps/pose, row 70: x of robot 1 is nan"),
-        ("/steps/pose", (70, 1, 2), np.inf, "", "/steps/pose, row 70: heading of robot 1 is inf"),
+        ("/updates", 2, 77, "robot", ("row 2", "robot", "77", "0 to 2")),
+        ("/walls/part_start", 1, 10**6, "", ("row 1", "1000000", "0 to")),
+        ("/walls/body_start", 1, 50, "", ("row 1", "50", "0 to")),
+        ("/paths/start", 1, 150, "", ("row 1", "150", "0 to")),
+        ("/steps/pose", (70, 1, 0), np.nan, "", ("row 70", "x", "robot 1", "nan", "finite")),
+        ("/steps/pose", (70, 1, 2), np.inf, "", ("row 70", "heading", "robot 1", "inf", "finite")),
     ],
 )
 def test_every_command_says_so_in_one_line(
     made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str,
-    path: str, row: Any, value: Any, column: str, told: str,
+    path: str, row: Any, value: Any, column: str, parts: tuple[str, ...],
 ) -> None:  # fmt: skip
     bad = tampered(made, tmp_path, path, row, value, column)
     assert main([command, str(bad)]) == 2
     _, err = capsys.readouterr()
     lines = [line for line in err.splitlines() if not line.startswith("compiling ")]
-    assert len(lines) == 1
-    assert lines[0].startswith(f"{bad}: {told}")
+    in_order("\n".join(lines), str(bad), path, *parts)
 
 
 @pytest.mark.parametrize("value", [-2, 401])
 def test_arrivals_outside_the_run(made: Path, tmp_path: Path, value: int) -> None:
     bad = tampered(made, tmp_path, "/robots/arrived", 1, value)
-    told = f"/robots/arrived, row 1: it is {value}; allowed: -1 to 400"
-    with pytest.raises(RecordError, match=told):
-        Record.load(bad)
+    refused(bad, "/robots/arrived", "row 1", str(value), "-1 to 400")
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "told"),
+    ("path", "value", "parts"),
     [
-        ("/modes/colour", b"red", "colour of \"safe\" is 'red'"),
-        ("/modes/name", b"<script>", "name '<script>'; allowed are small letters"),
-        ("/rules/words", b"\x1b[2J", 'words of "follow" must be a line of plain text'),
-        ("/columns/unit", b"km", "\"target_x\" has the unit 'km'"),
+        ("/modes/colour", b"red", ("colour", '"safe"', "'red'")),
+        ("/modes/name", b"<script>", ("name", "'<script>'", "letters")),
+        ("/rules/words", b"\x1b[2J", ("words", '"follow"', "plain text")),
+        ("/columns/unit", b"km", ('"target_x"', "unit", "'km'")),
     ],
 )
 def test_declarations_that_no_controller_makes(
-    made: Path, tmp_path: Path, path: str, value: bytes, told: str
+    made: Path, tmp_path: Path, path: str, value: bytes, parts: tuple[str, ...]
 ) -> None:
-    with pytest.raises(RecordError, match=re.escape(told)):
-        Record.load(tampered(made, tmp_path, path, 0, value))
+    refused(tampered(made, tmp_path, path, 0, value), path.rpartition("/")[0], *parts)
 
 
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/steps/step", slice(None), np.arange(401)[::-1])
-    with pytest.raises(RecordError, match="step 399 comes after step 400; steps must increase"):
-        Record.load(bad)
+    refused(bad, "/steps/step", "row 1", "399", "400", "increase")
 
 
 def test_rows_out_of_order(made: Path, tmp_path: Path) -> None:
@@ -140,15 +144,12 @@ def test_rows_out_of_order(made: Path, tmp_path: Path) -> None:
         last = rows[1]
         last["step"] = 4
         rows[1] = last
-    told = r"/false_contacts, row 1: step 4 comes after step 5; rows must be in the order"
-    with pytest.raises(RecordError, match=told):
-        Record.load(bad)
+    refused(bad, "/false_contacts", "row 1", "step 4", "step 5", "order")
 
 
 def test_a_command_that_is_no_number(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/updates", 4, np.nan, "applied_v")
-    with pytest.raises(RecordError, match="/updates, row 4: applied_v is nan; it must be finite"):
-        Record.load(bad)
+    refused(bad, "/updates", "row 4", "applied_v", "nan", "finite")
 
 
 @pytest.mark.parametrize(
@@ -169,5 +170,4 @@ def test_a_row_that_is_there_twice(
         for column in ("step", *columns):
             rows[column][1] = rows[column][0]
         file[path][...] = rows
-    with pytest.raises(RecordError, match=rf"{path}, row 1: step .*{who}.* again"):
-        Record.load(target)
+    refused(target, path, "row 1", "step", who, "once")

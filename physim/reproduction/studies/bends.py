@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.metrics import (
+    active_steps,
     column_over_time,
     formation_errors,
-    steps_under_way,
     world_settings,
 )
 from physim.plots.style import CYCLE, QUIET
@@ -57,7 +57,7 @@ def measure_bends(record: Record) -> Measures:
     course = formation_errors(record)
     if course is None:
         raise RecordError(f"{record!r} has no formation errors")
-    steps = steps_under_way(record)
+    steps = active_steps(record)
     there = np.where(steps < record.steps_run, steps * record.dt, math.inf)
     progressing = time < there.min()
     size = root_mean_square(course.values)

@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.metrics import evaluations
 from physim.metrics import measure as take
-from physim.metrics.modes import time_under_way
+from physim.metrics.way import active_time
 from physim.record import Record
 
 GROUP = (
@@ -46,7 +46,7 @@ def measure_group(record: Record) -> dict[str, float]:
     """
     found = figures(record, *GROUP)
     distances = (found["shortest_distance"], found["shortest_boundary_distance"])
-    seconds = float(time_under_way(record).sum()) or math.nan
+    seconds = float(active_time(record).sum()) or math.nan
     computed = evaluations(record)
     return {
         **found,

@@ -8,7 +8,7 @@ EDITS = (
     Edit(
         "crashtest",
         "physim/crashtest/verdict.py",
-        "judge",
+        "classify",
         "if physical != (first := first_sample(distance)):",
         "if False and physical != (first := first_sample(distance)):",
         "an engine's contact elsewhere than the shapes' is unexplained",
@@ -17,7 +17,7 @@ EDITS = (
     Edit(
         "crashtest",
         "physim/crashtest/verdict.py",
-        "judge",
+        "classify",
         "xi < np.inf and not gap <= CONTACT + ROUNDING",
         "False",
         "a collision time at which nothing touches is false",
@@ -26,16 +26,16 @@ EDITS = (
     Edit(
         "crashtest",
         "physim/crashtest/verdict.py",
-        "judge",
+        "classify",
         "* dt < xi - TIME",
         "* dt < xi - dt",
         "a collision time is not late",
-        "tests/crashtest/test_laboratory.py::test_engine_and_analysis_agree",
+        "tests/crashtest/test_experiment.py::test_engine_and_analysis_agree",
     ),
     Edit(
         "crashtest",
         "physim/crashtest/verdict.py",
-        "judge",
+        "classify",
         "abs(distance[at] - CONTACT) > ROUNDING",
         "abs(distance[at] - CONTACT) > 100 * ROUNDING",
         "rounding excuses a sample only about the contact tolerance",
@@ -49,34 +49,34 @@ EDITS = (
         "vx = v * math.cos(pose[2]) - omega * (y - pose[1])",
         "vx = v * math.cos(pose[2])",
         "a point of a turning robot moves with it",
-        "tests/crashtest/test_foresight.py::test_the_speed_of_a_point_is_that_of_its_arc",
+        "tests/crashtest/test_prediction.py::test_the_speed_of_a_point_is_that_of_its_arc",
     ),
     Edit(
         "crashtest",
         "physim/crashtest/foresight.py",
         "swept_step",
-        "(step + 1) * throw.dt",
-        "step * throw.dt",
+        "(step + 1) * case.dt",
+        "step * case.dt",
         "the swept check looks at the whole step",
-        "tests/crashtest/test_laboratory.py::test_swept_contacts_are_where_the_collision_time_says",
+        "tests/crashtest/test_experiment.py::test_swept_contacts_are_where_the_collision_time_says",
     ),
     Edit(
         "crashtest",
         "physim/crashtest/laboratory.py",
         "_batches",
-        "draw_case(seed, k, place(k % BLOCK), store)",
-        "draw_case(0, k, place(k % BLOCK), store)",
-        "another seed throws other cases",
-        "tests/crashtest/test_laboratory.py::test_without_the_guard_the_engines_false_contacts_are_told",
+        "draw_case(seed, k, place_of(k % BLOCK), store)",
+        "draw_case(0, k, place_of(k % BLOCK), store)",
+        "another seed draws other cases",
+        "tests/crashtest/test_experiment.py::test_without_the_guard_the_engines_false_contacts_are_reported",
     ),
     Edit(
         "crashtest",
         "physim/crashtest/laboratory.py",
-        "_take",
+        "_compare",
         "if folder is not None:",
         "if False:",
         "an unexplained case becomes a world",
-        "tests/crashtest/test_laboratory.py::"
+        "tests/crashtest/test_experiment.py::"
         "test_every_unexplained_case_becomes_a_world_that_replays",
     ),
     Edit(
@@ -86,7 +86,7 @@ EDITS = (
         "smallest_width(parts)",
         "10.0 * smallest_width(parts)",
         "cases keep the tunnelling rule",
-        "tests/crashtest/test_laboratory.py::"
+        "tests/crashtest/test_experiment.py::"
         "test_cases_are_clear_at_the_start_and_keep_the_tunnelling_rule",
     ),
 )

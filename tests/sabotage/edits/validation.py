@@ -314,7 +314,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/severity.py",
+        "physim/metrics/contacts.py",
         "severity",
         "0.5 * (1.0 - _elasticity(record))",
         "0.5",

@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
+from physim.importing.line import stations
 
 MOST_ROUNDS = 20
 """Times that a line is looked over; one that still crosses itself then is no road."""
@@ -32,7 +33,7 @@ def without_loops(
         loops = _loops(line)
         if not loops:
             return line, cut
-        station = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+        station = stations(line)
         pieces, at = [], 0
         for first, last, point in sorted(loops, key=lambda loop: (loop[0], -loop[1])):
             ends = np.hypot(*(line[[first + 1, last]] - point).T).sum()

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from physim.errors import Location, WorldError, nearest
+from physim.errors import Location, nearest
 from physim.importing.drawing import Drawing, Options, printable, refused
 from physim.importing.image_file import read_image
 from physim.importing.outlines import outline_map
 from physim.importing.source import read_text
-from physim.world_file import Document, read_document
+from physim.world_file import Document, located, read_document
 
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 MODES = ("trinary", "scale", "raw")
@@ -43,7 +43,10 @@ class RosMap:
 
 def read_ros_map(path: Path, options: Options) -> Drawing:
     """Read a map into a drawing: outlines of its largest free region, or of that at ``--from``."""
-    found = _Yaml(path, read_document(_text(path), printable(str(path)))).read()
+    text = read_text(path)
+    if not text.strip():
+        raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
+    found = _Yaml(path, read_document(text, printable(str(path)))).read()
     brightness, clear = read_image(found.image)
     free = _free(found, brightness, clear)
     scale = 1.0 if options.scale is None else options.scale
@@ -59,13 +62,6 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
     origin = (found.origin[0] * scale, found.origin[1] * scale, found.origin[2])
     outline_map(path, drawing, np.flipud(free), cell, origin, options)
     return drawing
-
-
-def _text(path: Path) -> str:
-    text = read_text(path)
-    if not text.strip():
-        raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
-    return text
 
 
 def _free(found: RosMap, brightness: Any, clear: Any) -> Any:
@@ -119,9 +115,7 @@ class _Yaml:
 
     def _values(self) -> dict[str, Any]:
         if self.document.faults:
-            raise WorldError(
-                list(self.document.faults), list(self.document.fault_positions)
-            ) from None
+            raise located((), self.document)
         values = self.document.values()
         if not isinstance(values, dict):
             raise refused(self.path, f"a map is a mapping of keys: {', '.join(KEYS)}", 1)

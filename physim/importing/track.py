@@ -10,7 +10,7 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, listed, place, refused, rounded
-from physim.importing.line import points_at, samples, stations
+from physim.importing.line import length_of, points_at, samples, stations
 from physim.importing.loops import CrossingError, without_loops
 from physim.importing.soundness import check_size
 from physim.importing.source import read_text
@@ -47,17 +47,13 @@ class _Road:
 
     def cut(self, start: float, length: float) -> _Road:
         """Stretch of a closed road (last point as the first) from a station of its centreline."""
-        steps = np.hypot(*np.diff(self.centre, axis=0).T)
-        station = np.concatenate(([0.0], np.cumsum(steps)))
-        total = station[-1]
-        twice = np.concatenate((station, station[1:] + total))
+        station = stations(self.centre)
+        twice = np.concatenate((station, station[1:] + station[-1]))
         inside = twice[(twice > start + 1e-6) & (twice < start + length - 1e-6)]
         at = np.concatenate(([start], inside, [start + length]))
-        parts = []
-        for line in (self.centre, self.right, self.left):
-            two = np.vstack([line, line[1:]])
-            parts.append(np.stack([np.interp(at, twice, two[:, k]) for k in (0, 1)], axis=1))
-        return _Road(*parts)
+        lines = (np.vstack([line, line[1:]]) for line in (self.centre, self.right, self.left))
+        return _Road(*(np.stack([np.interp(at, twice, line[:, k]) for k in (0, 1)], axis=1)
+                       for line in lines))  # fmt: skip
 
 
 def read_track(path: Path, options: Options) -> Drawing:
@@ -79,10 +75,9 @@ def read_track(path: Path, options: Options) -> Drawing:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
-    _tell_folds(file, drawing, road)
-    half = {"left": float(file.left.max()), "right": float(file.right.max())}
-    left = _wall(path, "left", road.left, half["left"], drawing)
-    right = _wall(path, "right", road.right, half["right"], drawing)
+    _report_folds(file, drawing, road)
+    left = _wall(path, "left", road.left, float(file.left.max()), drawing)
+    right = _wall(path, "right", road.right, float(file.right.max()), drawing)
     crossing = shapely.intersection(shapely.LineString(left), shapely.LineString(right))
     if not crossing.is_empty:
         at = place(shapely.get_coordinates(crossing)[0])
@@ -104,7 +99,7 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
     The sum of the shortest distances from the centreline to either wall, as `physim preview` has
     it: at a corner the walls keep their distance along its bisector, and lie nearer beside it.
     """
-    at = samples(float(stations(centre)[-1]), 0.1)
+    at = samples(length_of(centre), 0.1)
     points = points_at(centre, at)
     width = sum(shapely.distance(shapely.LineString(wall), shapely.points(points))
                 for wall in (left, right))  # fmt: skip
@@ -117,8 +112,8 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
     ]
 
 
-def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
-    """Tell where a wall lies much nearer to the centreline than the width that is stated."""
+def _report_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
+    """Report where a wall lies much nearer to the centreline than the width that is stated."""
     at = shapely.points(file.points)
     for side, wall, width in (("left", road.left, file.left), ("right", road.right, file.right)):
         line = shapely.LineString(wall)
@@ -202,10 +197,10 @@ def _wall(path: Path, side: str, line: FloatArray, width: float, drawing: Drawin
             f"there, or its points are noisy; {SMOOTH}",
         ) from None
     drawing.changes += listed(
-        [
-            f"{side} wall crossed itself in a tight bend at {place(point)}: loop of {length:.2f} m "
-            "cut off"
-            for point, length in loops
-        ]
+        loops,
+        lambda loop: (
+            f"{side} wall crossed itself in a tight bend at {place(loop[0])}: loop of "
+            f"{loop[1]:.2f} m cut off"
+        ),
     )
     return clean

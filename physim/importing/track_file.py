@@ -12,12 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import listed, printable, refused
+from physim.importing.drawing import LARGEST, listed, printable, refused
 from physim.importing.track_columns import COLUMNS, Columns, columns_of, is_data
 
 MOST_POINTS = 100_000
-LARGEST = 1.0e6
-"""[m] largest coordinate of a world"""
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,13 @@ import pytest
 import shapely
 
 from physim.importing import Imported, Options, import_world
-from physim.importing.stops import corners_of, least_stop_gap, stop_stations
+from physim.importing.stops import Placed, least_stop_gap, stop_stations
 from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
 from tests.importing.plans import svg
 
-BOX = corners_of((1.8, 1.0))
+BOX = (1.8, 1.0)
 CORNER = np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 10.0)])
 
 
@@ -40,12 +40,13 @@ def test_stops_are_those_of_the_scene(tmp_path: Path) -> None:
 def test_the_gap_at_the_stops(behind: float, gap: float) -> None:
     """One box at the end of the path, the other on the same leg, or 4 m before the corner."""
     poses = [(3.0 + behind, 0.0, 0.0), (3.0, 0.0, 0.0)]
-    found = least_stop_gap(CORNER, [CORNER, CORNER], poses, [BOX, BOX], 1.0)
+    robots = [Placed("r", BOX, pose, CORNER, 0.0) for pose in poses]
+    found = least_stop_gap(CORNER, robots, 1.0)
     first = shapely.box(29.5, 9.1, 30.5, 10.9)
     if behind > 10.0:
         gap = first.distance(shapely.box(25.1, -0.5, 26.9, 0.5))
     assert found == (pytest.approx(gap), 0, 1)
-    assert least_stop_gap(CORNER, [CORNER], poses[:1], [BOX], 1.0)[0] == np.inf
+    assert least_stop_gap(CORNER, robots[:1], 1.0)[0] == np.inf
 
 
 def finishes(imported: Imported) -> bool:

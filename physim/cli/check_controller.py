@@ -12,7 +12,7 @@ from physim.cli.progress import Bar
 from physim.errors import Fault, Location, WorldError, plural
 from physim.scene_builder import build_scene
 from physim.testing.candidate import Candidate, candidate
-from physim.testing.check import SECONDS, Examined, examined, places
+from physim.testing.check import SECONDS, WorldResult, check_worlds, worlds_to_try
 from physim.testing.situations import SITUATIONS
 from physim.warm_up import is_warm, warm_up
 from physim.world_file import Document, apply_overrides, load_world, located, read_document
@@ -25,12 +25,12 @@ COMPILING = 25
 def check_controller_command(options: argparse.Namespace) -> int:
     """Check a controller and print what is found; returns the exit code."""
     chosen = _chosen(options)
-    worlds = places(options.worlds)
+    worlds = worlds_to_try(options.worlds)
     _prepare()
     bar = Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False)
-    parts: list[Examined] = []
+    parts: list[WorldResult] = []
     try:
-        for part in examined(chosen, worlds, options.seconds or SECONDS):
+        for part in check_worlds(chosen, worlds, options.seconds or SECONDS):
             parts.append(part)
             bar.update(len(parts), part.world)
     finally:
@@ -87,7 +87,7 @@ def _prepare() -> None:
         warm_up(build_scene(load_world("straight")))
 
 
-def text_of(name: str, parts: list[Examined]) -> str:
+def text_of(name: str, parts: list[WorldResult]) -> str:
     """A line a finding or world left out, and a last line that sums up."""
     found = sum(len(part.findings) for part in parts)
     tried = [part for part in parts if not part.skipped]
@@ -102,7 +102,7 @@ def text_of(name: str, parts: list[Examined]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def json_of(name: str, parts: list[Examined]) -> dict[str, object]:
+def json_of(name: str, parts: list[WorldResult]) -> dict[str, object]:
     """Everything that was found, as JSON holds it."""
     return {
         "format": "physim-check-controller",

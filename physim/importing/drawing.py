@@ -90,6 +90,11 @@ class Options:
     robot: tuple[float, float] | None = None
     name: str | None = None
 
+    @property
+    def unit(self) -> float:
+        """Metres per unit of a source whose units are metres unless the user says otherwise."""
+        return 1.0 if self.scale is None else self.scale
+
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
     """Error at a source, or at a line of it (from 1)."""

@@ -109,16 +109,15 @@ def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
     end = length if ends_inside[1] else float(at.max())
     if max(begin, length - end) > MOST_TRIMMED * length or length - (end - begin) < SLIVER:
         return reference
-    if begin > SLIVER:
-        drawing.changes.append(
-            f"path enters the area at {place(points_at(reference, begin))}: the {begin:.2f} m "
-            "before that left out"
-        )
-    if length - end > SLIVER:
-        drawing.changes.append(
-            f"path leaves the area at {place(points_at(reference, end))}: the {length - end:.2f} m "
-            "after that left out"
-        )
+    for what, station, left_out, side in (
+        ("enters", begin, begin, "before"),
+        ("leaves", end, length - end, "after"),
+    ):
+        if left_out > SLIVER:
+            where = place(points_at(reference, station))
+            drawing.changes.append(
+                f"path {what} the area at {where}: the {left_out:.2f} m {side} that left out"
+            )
     return stretch(reference, begin, end)
 
 
@@ -138,16 +137,16 @@ def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None
     if options.robot is not None:
         return options.robot
     if drawing.robots:
-        spans = [_spans(robot.outline) for robot in drawing.robots]
-        return max(s[0] for s in spans), max(s[1] for s in spans)
+        width, length = np.max([_spans(robot.outline) for robot in drawing.robots], axis=0)
+        return float(length), float(width)
     return None
 
 
-def _spans(outline: FloatArray) -> tuple[float, float]:
-    """Longer and shorter side of the smallest rectangle about an outline."""
-    rectangle = np.array(shapely.Polygon(outline).minimum_rotated_rectangle.exterior.coords)
-    a, b = np.hypot(*np.diff(rectangle[:3], axis=0).T)
-    return float(max(a, b)), float(min(a, b))
+def _spans(outline: FloatArray) -> FloatArray:
+    """Shorter and longer side [m] of the smallest rectangle about an outline."""
+    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
+    corners = shapely.get_coordinates(rectangle)[:3]
+    return np.sort(np.hypot(*np.diff(corners, axis=0).T))
 
 
 def _largest_size(

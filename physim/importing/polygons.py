@@ -124,9 +124,8 @@ def degrees(path: Path, why: str, line: int | None = None) -> Exception:
 
 def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Drawing:
     """Give every part of a source its place in a drawing [m]; raises ImportSourceError."""
-    scale = 1.0 if options.scale is None else options.scale
     drawing = Drawing(kind=f"{kind} polygons")
-    drawing.facts.append(f"{scale:g} m per unit")
+    drawing.facts.append(f"{options.unit:g} m per unit")
     if not parts:
         raise refused(path, "holds no polygon and no line")
     if len(parts) > MOST_GEOMETRIES:
@@ -134,7 +133,7 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     polygons: list[Any] = []
     unused: list[str] = []
     for part in parts:
-        shape = _scaled(path, part, scale, drawing)
+        shape = _scaled(path, part, options.unit, drawing)
         if shape.geom_type in ("LineString", "LinearRing"):
             _line(drawing, part, rounded(shapely.get_coordinates(shape)), unused)
         elif shape.geom_type != "Polygon":

@@ -49,17 +49,17 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
     found = _Yaml(path, read_document(text, printable(str(path)))).read()
     brightness, clear = read_image(found.image)
     free = _free(found, brightness, clear)
-    scale = 1.0 if options.scale is None else options.scale
     drawing = Drawing(kind="ROS map")
     rows, columns = free.shape
-    cell = found.resolution * scale
+    cell = found.resolution * options.unit
     drawing.facts.append(
         f"{columns} x {rows} cells of {cell:g} m from {printable(found.image.name)}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
         "what is unknown counts as occupied"
     )
     drawing.changes += found.changes
-    origin = (found.origin[0] * scale, found.origin[1] * scale, found.origin[2])
+    x, y, yaw = found.origin
+    origin = (x * options.unit, y * options.unit, yaw)
     outline_map(path, drawing, np.flipud(free), cell, origin, options)
     return drawing
 

@@ -110,7 +110,7 @@ class _Frame:
         if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
             raise refused(path, "width, height and viewBox stretch the page; give it one scale")
         pixels = units[0]  # of one user unit
-        unit = re.sub(r"[-+0-9.eE\s]", "", look.size.get("width", "")).lower()
+        unit = re.sub(r"[-+0-9.eE\s]", "", look.width).lower()
         if options.scale is not None:
             metres = options.scale / pixels
             scale = f"{options.scale:g} m per user unit (--scale)"

@@ -58,8 +58,7 @@ class _Road:
 
 def read_track(path: Path, options: Options) -> Drawing:
     """Read a race-track CSV into a drawing with its centreline as the reference path."""
-    scale = 1.0 if options.scale is None else options.scale
-    file = read_track_file(path, read_text(path), scale)
+    file = read_track_file(path, read_text(path), options.unit)
     closed, total = _closed(file, options)
     kind = "closed" if closed else "open"
     drawing = Drawing(kind="centreline with widths (race-track convention)")
@@ -67,7 +66,7 @@ def read_track(path: Path, options: Options) -> Drawing:
     width = file.left + file.right
     drawing.facts.append(
         f"{len(file.points)} points, {total:.1f} m, {kind}, {width.min():.2f} to "
-        f"{width.max():.2f} m wide as stated; {scale:g} m per unit"
+        f"{width.max():.2f} m wide as stated; {options.unit:g} m per unit"
     )
     road = _road(file, closed)
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
@@ -142,23 +141,20 @@ def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
     steps = np.hypot(*np.diff(file.points, axis=0).T)
     gap = float(np.hypot(*(file.points[0] - file.points[-1])))
     length = float(steps.sum())
-    near = gap <= min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
+    most = min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
     if options.start is not None:
-        near = gap <= CLOSABLE_SHARE * length
-    closed = len(file.points) > 3 and near
-    return closed, float(steps.sum()) + (gap if closed else 0.0)
+        most = CLOSABLE_SHARE * length
+    closed = len(file.points) > 3 and gap <= most
+    return closed, length + (gap if closed else 0.0)
 
 
 def _road(file: TrackFile, closed: bool) -> _Road:
     """Walls at the stated widths, square to the direction from the point before to the next."""
     points, right, left = file.points, file.right, file.left
-    if closed:
-        if np.hypot(*(points[0] - points[-1])) > 1e-6:
-            points, right, left = (np.concatenate((a, a[:1])) for a in (points, right, left))
-        ahead = np.vstack([points[1:], points[1:2]])
-        behind = np.vstack([points[-2:-1], points[:-1]])
-    else:
-        ahead, behind = np.vstack([points[1:], points[-1:]]), np.vstack([points[:1], points[:-1]])
+    if closed and np.hypot(*(points[0] - points[-1])) > 1e-6:
+        points, right, left = (np.concatenate((a, a[:1])) for a in (points, right, left))
+    ahead = np.vstack([points[1:], points[1:2] if closed else points[-1:]])
+    behind = np.vstack([points[-2:-1] if closed else points[:1], points[:-1]])
     after, before = ahead - points, points - behind
     for d in (after, before):
         length = np.hypot(*d.T)

@@ -20,12 +20,11 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True)
 class TrackFile:
-    """The rows of a track: points (n, 2) [m], widths (n,) [m], and the line each stands on."""
+    """The rows of a track: points (n, 2) [m] and widths (n,) [m]."""
 
     points: FloatArray
     right: FloatArray
     left: FloatArray
-    lines: tuple[int, ...]
     changes: tuple[str, ...]
 
 
@@ -40,7 +39,6 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     columns = columns_of(path, rows)
     changes = [f"columns left out: {', '.join(columns.extra)}"] if columns.extra else []
     values: list[list[float]] = []
-    lines: list[int] = []
     repeated: list[str] = []
     for k, row in rows:
         if row.startswith("#") or not is_data(row):
@@ -53,14 +51,13 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
             repeated.append(f"line {k}: repeats the point before it, dropped")
             continue
         values.append(value)
-        lines.append(k)
         if len(values) > MOST_POINTS:
             raise refused(path, f"more than {MOST_POINTS} points", k)
     if len(values) < 2:
         raise refused(path, f"{len(values)} points; a centreline needs at least 2")
     table = np.array(values)
     changes += listed(repeated)
-    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(lines), tuple(changes))
+    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(changes))
 
 
 def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
@@ -71,13 +68,12 @@ def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
     if len(cells) <= max(order):
         raise refused(path, f"{len(cells)} values; {max(order) + 1} are needed", line)
     values = []
-    for name, k in zip(COLUMNS, order, strict=True):
+    for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
         try:
-            value = float(cells[k]) if "_" not in cells[k] else math.nan
+            values.append(float(cell) if "_" not in cell else math.nan)
         except ValueError:
-            shown = printable(cells[k][:40])
-            raise refused(path, f'{name}: "{shown}" is not a number', line) from None
-        values.append(value)
+            message = f'{name}: "{printable(cell[:40])}" is not a number'
+            raise refused(path, message, line) from None
     return values
 
 

@@ -61,7 +61,7 @@ class Finding:
         }
 
 
-class Found:
+class FindingLog:
     """Findings of one world as they come: the first of each rule, and how many more there were."""
 
     def __init__(self, world: str) -> None:

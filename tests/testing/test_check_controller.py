@@ -12,7 +12,7 @@ from physim.control import Decision, Observation
 from physim.controllers.mode_switching import ModeSwitching
 from physim.testing import Finding, Rule, check_controller, situations
 from physim.testing.candidate import candidate
-from physim.testing.check import examined
+from physim.testing.check import check_worlds
 from tests.testing import broken
 
 SHORT = 0.5
@@ -21,7 +21,7 @@ SHORT = 0.5
 
 def found_on_straight(controller: Any) -> tuple[Finding, ...]:
     """Findings in the smallest world alone: two robots, r1 and r2."""
-    part = next(examined(candidate(controller, None), ["straight"], SHORT))
+    part = next(check_worlds(candidate(controller, None), ["straight"], SHORT))
     assert part.world == "straight"
     assert part.decisions == 10
     return part.findings

@@ -25,7 +25,7 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     or neither the reference path nor, without one, the point ``inside``.
     """
     if not drawing.boundaries:
-        raise refused(path, "no boundary found; a world needs lines that close an area")
+        raise refused(path, "no boundary found; a world needs lines that enclose an area")
     faces = faces_of(drawing.boundaries)
     if not faces:
         raise refused(path, "the boundaries enclose no area; " + _open_ends(drawing.boundaries))

@@ -82,7 +82,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
 
 
 def _check_extent(source: Path, drawing: Drawing) -> None:
-    """Refuse a place too small for robots, and tell one that is hardly in metres."""
+    """Refuse a place too small for robots, and report one that is hardly in metres."""
     x0, y0, x1, y1 = drawing.area.bounds
     check_size(source, np.array([x1 - x0, y1 - y0]))
     if max(x1 - x0, y1 - y0) > LARGEST_PLACE:

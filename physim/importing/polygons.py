@@ -168,7 +168,7 @@ def _scaled(path: Path, part: Part, scale: float, drawing: Drawing) -> Any:
         raise refused(
             path,
             f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; move the origin, "
-            "or mind the --scale",
+            "or check --scale",
             part.line,
         )
     if part.shape.has_z and HEIGHTS not in drawing.changes:
@@ -201,7 +201,7 @@ def _line(drawing: Drawing, part: Part, points: FloatArray, unused: list[str]) -
 
 
 def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
-    """Polygon on the millimetre grid; one that crosses itself is mended and told."""
+    """Polygon on the millimetre grid; one that crosses itself is mended, which is reported."""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
         mended = _polygons_of(shapely.make_valid(shape))
@@ -214,7 +214,7 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
         )
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
     if not whole:
-        raise refused(path, "a polygon is smaller than a millimetre; mind the --scale", line)
+        raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
     return max(whole, key=shapely.area)
 
 

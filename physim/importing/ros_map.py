@@ -97,7 +97,10 @@ class _Yaml:
         pose = [self._number(("origin", k), v) for k, v in enumerate(origin)] + [0.0]
         resolution = self._number(("resolution",), values["resolution"])
         if not 1e-6 <= resolution <= 1e3:
-            raise self._fault(("resolution",), f"{resolution:g} m a cell; must be greater than 0")
+            raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")
+        negate = values.get("negate", 0)
+        if negate not in (0, 1):
+            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(negate)[:40])}"')
         mode = values.get("mode", "trinary")
         if mode not in MODES:
             raise self._fault(("mode",), f'must be {", ".join(MODES)}; given "{mode}"'[:200])
@@ -110,7 +113,7 @@ class _Yaml:
             changes.append(f"keys left out: {', '.join(printable(str(key)) for key in unknown)}")
         return RosMap(
             self._image(values["image"]), resolution, (pose[0], pose[1], pose[2]),
-            self._flag(values.get("negate", 0)), occupied, free, str(mode), tuple(changes),
+            bool(negate), occupied, free, str(mode), tuple(changes),
         )  # fmt: skip
 
     def _values(self) -> dict[str, Any]:
@@ -137,11 +140,6 @@ class _Yaml:
         if not 0.0 <= share <= 1.0:
             raise self._fault((key,), f"{share:g}; must be from 0 to 1")
         return share
-
-    def _flag(self, value: Any) -> bool:
-        if value not in (0, 1, False, True):
-            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(value)[:40])}"')
-        return bool(value)
 
     def _image(self, value: Any) -> Path:
         """The image beside the map; never a file elsewhere, whatever the map says."""

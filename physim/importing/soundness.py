@@ -34,13 +34,13 @@ def check_sound(path: Path, drawing: Drawing) -> None:
         if line is not None and len(line) < 2:
             raise refused(
                 path,
-                f"the {what} at {place(line[0])} is shorter than a millimetre; mind the --scale",
+                f"the {what} at {place(line[0])} is shorter than a millimetre; check --scale",
             )
     for robot in drawing.robots:
         if not _has_area(robot.outline):
             raise refused(
                 path,
-                f"a robot {_at(robot.outline)}has no area; draw its outline, and mind the --scale",
+                f"a robot {_at(robot.outline)}has no area; draw its outline, and check --scale",
             )
         _check_simple(path, "a robot", robot.outline)
     drawing.obstacles = _obstacles(path, drawing)

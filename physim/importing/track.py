@@ -23,9 +23,9 @@ CLOSED_SHARE, CLOSABLE_SHARE = 0.2, 0.5
 GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
 FOLDED = 0.5
-"""[-] share of the stated width below which a wall is told to be too near"""
+"""[-] share of the stated width below which a wall is reported as too near"""
 SLIGHTLY = 0.05
-"""[-] share by which a road may be narrower than stated before that is told"""
+"""[-] share by which a road may be narrower than stated before that is reported"""
 ABOUT = 2.0
 """[-] times the stated width along the road within which a narrower place explains a near wall"""
 NEAR = 1e-6

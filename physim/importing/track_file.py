@@ -82,7 +82,7 @@ def _check(path: Path, line: int, value: list[float]) -> None:
         if not math.isfinite(v):
             raise refused(path, f"{name}: {v} is not a finite number", line)
         if abs(v) > LARGEST:
-            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; mind the --scale", line)
+            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; check --scale", line)
     for name, v in zip(COLUMNS[2:], value[2:], strict=True):
         if v <= 0.0:
             raise refused(path, f"{name}: a width of {v:g} m; it must be greater than 0", line)

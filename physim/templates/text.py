@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import ceil
 
+import shapely
+
 from physim.geometry.shapes import FloatArray
-from physim.templates.curves import length_of
 from physim.templates.group import Place, fitted
 from physim.templates.roads import Road
 from physim.world.yaml_text import scalar_text
@@ -35,7 +36,7 @@ def _head(name: str, road: Road) -> Iterator[str]:
     yield "seed: 1  # start of everything random, as headings are when they say so"
     yield "time:"
     yield "  step: 0.01  # [s] one physics step"
-    duration = 10 * ceil((length_of(road.reference) / SLOWEST + 10.0) / 10.0)
+    duration = 10 * ceil((shapely.LineString(road.reference).length / SLOWEST + 10.0) / 10.0)
     yield f"  duration: {duration:.1f}  # [s] at most; the run ends when all robots have arrived"
 
 

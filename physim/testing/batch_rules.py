@@ -82,7 +82,7 @@ class _BatchDriver:
             return False
         given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))
         if change := difference(given, after):
-            text = "the batch form writes into what is sensed, or into the robots it is asked for"
+            text = "the batch form modifies what is sensed, or the list of robots it is asked for"
             self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
         fault = _unreadable(decisions, due)
         if not fault:

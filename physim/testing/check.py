@@ -27,7 +27,7 @@ from physim.world_file.shipped import shipped_worlds
 WorldLike = World | str | os.PathLike[str]
 """A world, its file, or the name of a shipped one."""
 SECONDS = 2.0
-"""[s] of each world, unless told otherwise"""
+"""[s] of each world, unless asked otherwise"""
 
 
 @dataclass(frozen=True)

@@ -161,7 +161,7 @@ class _Walk:
             yield "", Label(f"{{{', '.join(sorted(map(repr, value)))}}}")
         elif isinstance(value, np.ndarray):  # of objects
             yield ".tolist()", value.tolist()
-        if type(value) not in CONTAINERS and not _is_closed(type(value).__module__):
+        if type(value) not in CONTAINERS and _top(type(value).__module__) not in CLOSED:
             yield from _attributes(value)
 
     def _of_function(self, value: Any) -> Iterator[tuple[str, Any]]:
@@ -236,11 +236,8 @@ def _key(key: object, position: int) -> str:
 
 
 def _top(module: str) -> str:
+    """Name of the package that a module is in."""
     return module.partition(".")[0]
-
-
-def _is_closed(module: str) -> bool:
-    return _top(module) in CLOSED
 
 
 def _attributes(value: Any) -> Iterator[tuple[str, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -52,13 +52,7 @@ class Finding:
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""
-        return {
-            "rule": str(self.rule),
-            "world": self.world,
-            "robot": self.robot,
-            "time": self.time,
-            "text": self.text,
-        }
+        return {**asdict(self), "rule": str(self.rule)}
 
 
 class FindingLog:

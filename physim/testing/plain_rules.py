@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import pickle
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +14,7 @@ from physim.testing.findings import FindingLog, Rule
 from physim.testing.runs import Query, Trial
 from physim.testing.state import StateWatch, is_shared
 
-BELONGS = "what a decision leaves for the next belongs into its memory"
+BELONGS = "what a decision leaves for the next belongs in its memory"
 
 
 def check_plain(run: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
@@ -38,10 +37,10 @@ def _of_the_run(run: Trial, found: FindingLog) -> None:
             rule = Rule.RAISES if one.answer.raised else Rule.DECISION
             _report(found, rule, one, one.answer.fault)
         if one.observation_change is not None:
-            text = f"decide writes into what it sees: {_changed(one.observation_change)}"
+            text = f"decide modifies its observation: {_changed(one.observation_change)}"
             _report(found, Rule.OBSERVATION, one, text)
         if one.memory_change is not None:
-            text = f"decide writes into the memory it is given: {_changed(one.memory_change)}"
+            text = f"decide modifies the memory it is given: {_changed(one.memory_change)}"
             _report(found, Rule.MEMORY, one, f"{text}; return a new one")
         if one.copy_error:
             _report(found, Rule.COPIES, one, f"its memory cannot be deep-copied: {one.copy_error}")
@@ -64,7 +63,7 @@ class _Repeated:
         """
         watch = StateWatch(controller)
         before = watch.look()
-        for one in self._copyable():
+        for one in self._copyable(self.run.asked):
             answer = self._ask(controller, one)
             after = watch.look()
             if (change := difference(before, after)) is not None:
@@ -81,28 +80,29 @@ class _Repeated:
             "a new instance, given the memory, decides otherwise than the one asked all along "
             f"({{}}); {BELONGS}"
         )
-        for one in self._copyable():
-            answer = self._ask(self.make(), one)
-            self._compare(Rule.STATE, one, answer, text)
+        self._ask_all(Rule.STATE, self.run.asked, text)
 
     def in_other_orders(self) -> None:
         """One instance asked with the robots in reverse; and one for each robot alone."""
-        controller = self.make()
-        for step in self.run.steps:
-            for one in self._copyable(reversed(step.asked)):
-                answer = self._ask(controller, one)
-                text = "asked with the robots in reverse order it decides otherwise: {}"
-                self._compare(Rule.ORDER, one, answer, text)
+        queries = [one for step in self.run.steps for one in reversed(step.asked)]
+        text = "asked with the robots in reverse order it decides otherwise: {}"
+        self._ask_all(Rule.ORDER, queries, text, self.make())
         for i in range(self.run.scene.robots):
-            controller = self.make()
-            for one in self._copyable(one for one in self.run.asked if one.robot == i):
-                answer = self._ask(controller, one)
-                text = "asked for this robot alone it decides otherwise: {}"
-                self._compare(Rule.ORDER, one, answer, text)
+            queries = [one for one in self.run.asked if one.robot == i]
+            text = "asked for this robot alone it decides otherwise: {}"
+            self._ask_all(Rule.ORDER, queries, text, self.make())
+
+    def _ask_all(
+        self, rule: Rule, queries: list[Query], text: str, controller: Controller | None = None
+    ) -> None:
+        """Ask one controller for all decisions again, or, without one, a new one for each."""
+        for one in self._copyable(queries):
+            answer = self._ask(self.make() if controller is None else controller, one)
+            self._compare(rule, one, answer, text)
 
     def from_pickled_memory(self) -> None:
         """A new instance with the memory pickled and unpickled."""
-        for one in self._copyable():
+        for one in self._copyable(self.run.asked):
             if one.memory is None:
                 continue
             try:
@@ -115,16 +115,16 @@ class _Repeated:
             text = "from its memory pickled and unpickled it decides otherwise: {}"
             self._compare(Rule.COPIES, one, answer, text)
 
-    def _copyable(self, asked: Iterable[Query] | None = None) -> Iterable[Query]:
-        """Those decisions whose memory is there to be handed over again."""
-        return [one for one in (self.run.asked if asked is None else asked) if not one.copy_error]
+    def _copyable(self, queries: list[Query]) -> list[Query]:
+        """Those whose memory is there to be handed over again."""
+        return [one for one in queries if not one.copy_error]
 
     def _ask(self, controller: Controller, one: Query) -> Answer:
         """Ask for a decision again, from a copy of its memory."""
         return self._ask_from(controller, one, copy.deepcopy(one.memory))
 
     def _ask_from(self, controller: Controller, one: Query, memory: Any) -> Answer:
-        """Ask from a memory; a controller that writes into what it sees gets copies of that."""
+        """Ask from a memory; a controller that modifies its observation gets a copy."""
         seen = one.observation
         if Rule.OBSERVATION in self.found:
             seen = copy.deepcopy(seen)

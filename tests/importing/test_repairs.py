@@ -279,6 +279,25 @@ def test_a_polygon_that_crosses_itself_is_mended(tmp_path: Path) -> None:
     assert only(import_world(path), "polygon of 4.000 m² at")
 
 
+def test_of_several_polygons_that_with_the_robots_is_taken(tmp_path: Path) -> None:
+    """Though another one is larger."""
+    shapes = {"boundary": ((0, 0, 40, 20), (50, 0, 74, 9)), "robot": ((53, 4, 54.8, 5),)}
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"role": role},
+            "geometry": shapely.geometry.mapping(shapely.box(*corners)),
+        }
+        for role, boxes in shapes.items()
+        for corners in boxes
+    ]
+    path = tmp_path / "p.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    imported = import_world(path)
+    check_says(only(imported, "polygon of"), "800.000 m² … left out")
+    assert [robot.pose[:2] for robot in imported.world.robots] == [(53.9, 4.5)]
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [

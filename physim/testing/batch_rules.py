@@ -18,11 +18,11 @@ from physim.testing.findings import FindingLog, Rule
 from physim.testing.runs import Trial, TrialStep, own
 
 
-def check_batch(run: Trial, controller: Batched, found: FindingLog) -> None:
+def check_batch(trial: Trial, controller: Batched, found: FindingLog) -> None:
     """Hold the batch form against the plain one, then against itself asked robot by robot."""
-    whole = _BatchDriver(run, controller, found, Rule.BATCH)
-    alone = _BatchDriver(run, controller, found, Rule.BATCH_ORDER)
-    for step in run.steps:
+    whole = _BatchDriver(trial, controller, found, Rule.BATCH)
+    alone = _BatchDriver(trial, controller, found, Rule.BATCH_ORDER)
+    for step in trial.steps:
         rows = whole.decide(step, [step.due])
         if rows is None:
             return
@@ -41,8 +41,8 @@ def check_batch(run: Trial, controller: Batched, found: FindingLog) -> None:
 class _BatchDriver:
     """A batch form that is given what was sensed in a run, step by step, until it fails."""
 
-    def __init__(self, run: Trial, controller: Batched, found: FindingLog, rule: Rule) -> None:
-        self.run = run
+    def __init__(self, trial: Trial, controller: Batched, found: FindingLog, rule: Rule) -> None:
+        self.trial = trial
         self.controller = controller
         self.found = found
         self.rule = rule
@@ -54,7 +54,7 @@ class _BatchDriver:
 
     def report(self, text: str, robot: int, rule: Rule | None = None) -> None:
         """Take down a finding."""
-        self.found.add(rule or self.rule, self.run.scene.names[robot], self.time, text)
+        self.found.add(rule or self.rule, self.trial.scene.names[robot], self.time, text)
 
     def decide(self, step: TrialStep, portions: list[IntArray]) -> dict[int, Contents] | None:
         """Values of each decision of a step by robot.
@@ -74,7 +74,7 @@ class _BatchDriver:
         sensed, asked = own(step.sensed), due.copy()
         try:
             if self.batch is None:
-                self.batch = self.controller.batch(self.run.scene)
+                self.batch = self.controller.batch(self.trial.scene)
                 self.memory = self.batch.memory()
             decisions = self.batch.decide_due(sensed, asked, self.memory)
         except (Exception, SystemExit) as error:
@@ -87,7 +87,7 @@ class _BatchDriver:
         fault = _unreadable(decisions, due)
         if not fault:
             try:
-                check_told(self.run.scene, self.time, decisions, self.declared)
+                check_told(self.trial.scene, self.time, decisions, self.declared)
             except ControllerError as error:
                 fault = f"returned what no record may hold: {error}"
         if fault:

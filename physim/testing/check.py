@@ -131,9 +131,9 @@ def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldRe
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
     found = FindingLog(name)
-    run = run_trial(scene, controller, seconds)
-    check_plain(run, controller, make, found)
+    trial = run_trial(scene, controller, seconds)
+    check_plain(trial, controller, make, found)
     batched = make()
     if isinstance(batched, Batched):
-        check_batch(run, batched, found)
-    return WorldResult(name, False, len(run.asked), found.findings())
+        check_batch(trial, batched, found)
+    return WorldResult(name, False, len(trial.asked), found.findings())

@@ -17,22 +17,22 @@ from physim.testing.state import StateWatch, is_shared
 BELONGS = "what a decision leaves for the next belongs in its memory"
 
 
-def check_plain(run: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
+def check_plain(trial: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
     """Report what a trial shows, then ask for its decisions again in other ways.
 
     ``asked_all_along`` is the controller that made them; ``make`` makes others.
     """
-    _of_the_run(run, found)
-    again = _Repeated(run, make, found)
+    _of_the_trial(trial, found)
+    again = _Repeated(trial, make, found)
     again.watching_state(asked_all_along)
     again.by_new_instances()
     again.in_other_orders()
     again.from_pickled_memory()
 
 
-def _of_the_run(run: Trial, found: FindingLog) -> None:
+def _of_the_trial(trial: Trial, found: FindingLog) -> None:
     """Findings that the run itself shows."""
-    for one in run.asked:
+    for one in trial.asked:
         if one.answer.fault:
             rule = Rule.RAISES if one.answer.raised else Rule.DECISION
             _report(found, rule, one, one.answer.fault)
@@ -50,7 +50,7 @@ def _of_the_run(run: Trial, found: FindingLog) -> None:
 class _Repeated:
     """Asks for the decisions of a run again; what comes out otherwise is a finding."""
 
-    run: Trial
+    trial: Trial
     make: Make
     found: FindingLog
     shares_state: bool = False
@@ -63,7 +63,7 @@ class _Repeated:
         """
         watch = StateWatch(controller)
         before = watch.look()
-        for one in self._copyable(self.run.asked):
+        for one in self._copyable(self.trial.asked):
             answer = self._ask(controller, one)
             after = watch.look()
             if (change := difference(before, after)) is not None:
@@ -80,15 +80,15 @@ class _Repeated:
             "a new instance, given the memory, decides otherwise than the one asked all along "
             f"({{}}); {BELONGS}"
         )
-        self._ask_all(Rule.STATE, self.run.asked, text)
+        self._ask_all(Rule.STATE, self.trial.asked, text)
 
     def in_other_orders(self) -> None:
         """One instance asked with the robots in reverse; and one for each robot alone."""
-        queries = [one for step in self.run.steps for one in reversed(step.asked)]
+        queries = [one for step in self.trial.steps for one in reversed(step.asked)]
         text = "asked with the robots in reverse order it decides otherwise: {}"
         self._ask_all(Rule.ORDER, queries, text, self.make())
-        for i in range(self.run.scene.robots):
-            queries = [one for one in self.run.asked if one.robot == i]
+        for i in range(self.trial.scene.robots):
+            queries = [one for one in self.trial.asked if one.robot == i]
             text = "asked for this robot alone it decides otherwise: {}"
             self._ask_all(Rule.ORDER, queries, text, self.make())
 
@@ -102,7 +102,7 @@ class _Repeated:
 
     def from_pickled_memory(self) -> None:
         """A new instance with the memory pickled and unpickled."""
-        for one in self._copyable(self.run.asked):
+        for one in self._copyable(self.trial.asked):
             if one.memory is None:
                 continue
             try:
@@ -111,7 +111,7 @@ class _Repeated:
                 text = f"its memory cannot be pickled: {type(error).__name__}: {error}"
                 _report(self.found, Rule.COPIES, one, text)
                 continue
-            answer = self._ask_from(self.make(), one, memory)
+            answer = self._ask(self.make(), one, memory)
             text = "from its memory pickled and unpickled it decides otherwise: {}"
             self._compare(Rule.COPIES, one, answer, text)
 
@@ -119,16 +119,14 @@ class _Repeated:
         """Those whose memory is there to be handed over again."""
         return [one for one in queries if not one.copy_error]
 
-    def _ask(self, controller: Controller, one: Query) -> Answer:
-        """Ask for a decision again, from a copy of its memory."""
-        return self._ask_from(controller, one, copy.deepcopy(one.memory))
+    def _ask(self, controller: Controller, one: Query, memory: Any = None) -> Answer:
+        """Ask for a decision again, from a copy of its memory unless another one is given.
 
-    def _ask_from(self, controller: Controller, one: Query, memory: Any) -> Answer:
-        """Ask from a memory; a controller that modifies its observation gets a copy."""
-        seen = one.observation
-        if Rule.OBSERVATION in self.found:
-            seen = copy.deepcopy(seen)
-        return ask(controller, self.run.scene, seen, memory)
+        A controller that modifies its observation gets a copy of that, too.
+        """
+        seen = copy.deepcopy(one.observation) if Rule.OBSERVATION in self.found else one.observation
+        memory = copy.deepcopy(one.memory) if memory is None else memory
+        return ask(controller, self.trial.scene, seen, memory)
 
     def _compare(self, rule: Rule, one: Query, answer: Answer, text: str) -> None:
         """Report an answer that is other than that of the run, by the rule that explains it.

@@ -13,6 +13,7 @@ from physim.control_decisions import Row, broken, decision_row
 from physim.control_loop import check_commands, hold_steps
 from physim.declared import Declared
 from physim.errors import ControllerError, PhysimError
+from physim.geometry.shapes import IntArray
 from physim.scene import Scene
 from physim.testing.contents import NAN, Contents, Label, contents, difference
 
@@ -59,6 +60,21 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
         fault = str(error).removeprefix(f"{where}: ")
         return Answer({REFUSED: fault}, None, fault)
     return Answer({**values_of(row, declared), **contents(decision.memory, "memory")}, decision)
+
+
+def unreadable(decisions: object, due: IntArray) -> str:
+    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
+    if not isinstance(decisions, Decisions):
+        return f"returned {type(decisions).__name__}; it must return Decisions"
+    for name, values in zip(decisions._fields, decisions, strict=True):
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
+            return f"returned {name} that is no array of numbers"
+    if decisions.command.shape != (len(due), 2):
+        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
+    if not np.array_equal(decisions.robot, due):
+        given = np.asarray(decisions.robot).tolist()
+        return f"decided for robots {given} when asked for {due.tolist()}"
+    return ""
 
 
 def rows_of(decisions: Decisions) -> dict[int, Row]:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from physim.control import BatchController, Batched, Decisions
+from physim.control import BatchController, Batched
 from physim.control_decisions import broken
 from physim.control_loop import check_told
 from physim.declared import Declared
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
-from physim.testing.answers import other_answer, rows_of, values_of
+from physim.testing.answers import other_answer, rows_of, unreadable, values_of
 from physim.testing.contents import Contents, contents, difference
 from physim.testing.findings import FindingLog, Rule
 from physim.testing.runs import Trial, TrialStep, own
@@ -84,7 +82,7 @@ class _BatchDriver:
         if change := difference(given, after):
             text = "the batch form modifies what is sensed, or the list of robots it is asked for"
             self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
-        fault = _unreadable(decisions, due)
+        fault = unreadable(decisions, due)
         if not fault:
             try:
                 check_told(self.trial.scene, self.time, decisions, self.declared)
@@ -95,18 +93,3 @@ class _BatchDriver:
             return False
         rows |= {robot: values_of(row, self.declared) for robot, row in rows_of(decisions).items()}
         return True
-
-
-def _unreadable(decisions: object, due: IntArray) -> str:
-    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
-    if not isinstance(decisions, Decisions):
-        return f"returned {type(decisions).__name__}; it must return Decisions"
-    for name, values in zip(decisions._fields, decisions, strict=True):
-        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
-            return f"returned {name} that is no array of numbers"
-    if decisions.command.shape != (len(due), 2):
-        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
-    if not np.array_equal(decisions.robot, due):
-        given = np.asarray(decisions.robot).tolist()
-        return f"decided for robots {given} when asked for {due.tolist()}"
-    return ""

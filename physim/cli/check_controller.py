@@ -12,8 +12,13 @@ from physim.cli.progress import Bar
 from physim.errors import Fault, Location, WorldError, plural
 from physim.scene_builder import build_scene
 from physim.testing.candidate import Candidate, candidate
-from physim.testing.check import SECONDS, WorldResult, check_worlds, worlds_to_try
-from physim.testing.situations import SITUATIONS
+from physim.testing.check import (
+    SECONDS,
+    SITUATIONS,
+    WorldResult,
+    check_worlds,
+    worlds_to_try,
+)
 from physim.warm_up import is_warm, warm_up
 from physim.world_file import Document, apply_overrides, load_world, located, read_document
 

@@ -61,7 +61,7 @@ LAYERS = {
     "physim.grazes": (3, 0),
     "physim.parts": (3, 0),
     "physim.state": (3, 1),
-    "physim.importing": (3, 0),
+    "physim.importing": (3, 1),
     "physim.control_decisions": (4, 0),
     "physim.control_loop": (4, 1),
     "physim.stage_calls": (4, 2),

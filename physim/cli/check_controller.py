@@ -16,7 +16,7 @@ from physim.errors import Fault, Location, WorldError, plural
 
 if TYPE_CHECKING:
     from physim.testing.candidate import Candidate
-    from physim.testing.check import Examined
+    from physim.testing.check import WorldResult
     from physim.world_file import Document
 
 FOUND = 1
@@ -84,15 +84,14 @@ def check_controller_command(options: Options) -> int:
       physim check-controller my_module:MyController --world my_world.yaml --seconds 20
       physim check-controller mode_switching --set controller.look_ahead=3.0 --json
     """
-    from physim.testing.check import SECONDS, examined, places
-    from physim.testing.situations import SITUATIONS
+    from physim.testing.check import SECONDS, SITUATIONS, check_worlds, worlds_to_try
 
     chosen = _chosen(options)
-    worlds = places(options.worlds or None)
+    worlds = worlds_to_try(options.worlds or None)
     _prepare()
-    parts: list[Examined] = []
+    parts: list[WorldResult] = []
     with Bar("check", len(worlds) + len(SITUATIONS), "worlds", quiet=False) as bar:
-        for part in examined(chosen, worlds, options.seconds or SECONDS):
+        for part in check_worlds(chosen, worlds, options.seconds or SECONDS):
             parts.append(part)
             bar.update(len(parts), part.world)
     if options.json:
@@ -156,7 +155,7 @@ def _prepare() -> None:
         warm_up(build_scene(load_world("straight")))
 
 
-def text_of(name: str, parts: list[Examined]) -> str:
+def text_of(name: str, parts: list[WorldResult]) -> str:
     """A line a finding or world left out, and a last line that sums up."""
     found = sum(len(part.findings) for part in parts)
     tried = [part for part in parts if not part.skipped]
@@ -171,7 +170,7 @@ def text_of(name: str, parts: list[Examined]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def json_of(name: str, parts: list[Examined]) -> dict[str, object]:
+def json_of(name: str, parts: list[WorldResult]) -> dict[str, object]:
     """Everything that was found, as JSON holds it."""
     return {
         "format": "physim-check-controller",

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 
 DIGITS = 3
 """Digits after the point of every coordinate written: millimetres."""
+
+LARGEST = 1.0e6
+"""[m] largest coordinate of a world"""
+
+MOST_CORNERS = 2_000
+"""Corners of one obstacle of a world; a longer outline becomes a closed boundary."""
 
 MOST_LISTED = 20
 """Things of one kind that are listed one by one."""
@@ -50,6 +57,16 @@ class Drawing:
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
 
+    def add_outline(self, polygon: Any) -> None:
+        """Take the outer ring of a shapely polygon as a boundary, its holes as obstacles."""
+        self.boundaries.append(shapely.get_coordinates(polygon.exterior))
+        for ring in polygon.interiors:
+            points = shapely.get_coordinates(ring)
+            if len(points) - 1 <= MOST_CORNERS:
+                self.obstacles.append(points[:-1])
+            else:
+                self.boundaries.append(points)
+
 
 @dataclass(frozen=True)
 class Options:
@@ -73,6 +90,11 @@ class Options:
     robot: tuple[float, float] | None = None
     name: str | None = None
 
+    @property
+    def unit(self) -> float:
+        """Metres per unit of a source whose units are metres unless the user says otherwise."""
+        return 1.0 if self.scale is None else self.scale
+
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
     """Error at a source, or at a line of it (from 1)."""
@@ -85,11 +107,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "�" for c in text)
 
 
-def listed(entries: Sequence[str]) -> list[str]:
-    """The first of many entries, and how many more there are."""
-    if len(entries) <= MOST_LISTED:
-        return list(entries)
-    return [*entries[:MOST_LISTED], f"and {len(entries) - MOST_LISTED} more"]
+def listed(entries: Sequence[Any], describe: Callable[[Any], str] = str) -> list[str]:
+    """Describe the first of many entries, and say how many more there are."""
+    lines = [describe(entry) for entry in entries[:MOST_LISTED]]
+    more = len(entries) - len(lines)
+    return [*lines, f"and {more} more"] if more else lines
 
 
 def place(point: Sequence[float] | FloatArray) -> str:

@@ -2,98 +2,88 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import compress
+from operator import not_
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import shapely
-from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, listed, place, refused
+from physim.importing.gaps import faces_of, loose_ends
 
 NEAR = 1e-6
 """[m] A line this near the area bounds it."""
 
 
-def enclose(path: Path, drawing: Drawing, inside: FloatArray | None = None) -> None:
+def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) -> None:
     """Find the area of a drawing; drop and list the lines that do not bound it.
 
-    The area is the face that holds the most of the reference path, else the point ``inside``,
-    else the most robots, else the largest. Raises ImportSourceError when nothing is enclosed.
+    The area is the one that `chosen_area` takes. Raises ImportSourceError when nothing is enclosed,
+    or neither the reference path nor, without one, the point ``inside``.
     """
     if not drawing.boundaries:
-        raise refused(path, "no boundary found; a world needs lines that close an area")
-    lines = [shapely.LineString(line) for line in drawing.boundaries]
-    faces = list(polygonize(unary_union(lines)))
+        raise refused(path, "no boundary found; a world needs lines that enclose an area")
+    faces = faces_of(drawing.boundaries)
     if not faces:
         raise refused(path, "the boundaries enclose no area; " + _open_ends(drawing.boundaries))
-    face = _chosen(path, faces, drawing, inside)
-    outline = face.boundary
-    kept, dropped = [], []
-    for line, points in zip(lines, drawing.boundaries, strict=True):
-        if outline.distance(line) <= NEAR or face.intersects(line):
-            kept.append(points)
-        else:
-            dropped.append(
-                f"boundary of {line.length:.2f} m from {place(points[0])} to {place(points[-1])}: "
-                "away from the area of the robots, dropped"
-            )
-    drawing.boundaries = kept
-    solid, away = [], []
-    for ring in drawing.obstacles:
-        polygon = shapely.Polygon(ring)
-        if face.intersects(polygon):
-            solid.append(ring)
-        else:
-            away.append(
-                f"obstacle of {polygon.area:.3f} m² at {place(polygon.centroid.coords[0])}: away "
-                "from the area of the robots, dropped"
-            )
-    drawing.obstacles = solid
-    drawing.changes += listed(dropped) + listed(away)
-    free = face.difference(unary_union([shapely.Polygon(ring) for ring in solid]))
+    face = chosen_area(faces, drawing, inside)
+    if drawing.reference is not None:
+        if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
+            raise refused(path, "no area that the boundaries enclose contains the path")
+    elif inside is not None and not face.contains(shapely.Point(inside)):
+        raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
+    lines, rings = drawing.boundaries, drawing.obstacles
+    near = [face.distance(shapely.LineString(line)) <= NEAR for line in lines]
+    solid = [face.intersects(shapely.Polygon(ring)) for ring in rings]
+    drawing.changes += listed(list(compress(lines, map(not_, near))), _dropped_boundary)
+    drawing.changes += listed(list(compress(rings, map(not_, solid))), _dropped_obstacle)
+    drawing.boundaries = list(compress(lines, near))
+    drawing.obstacles = list(compress(rings, solid))
+    free = face.difference(shapely.union_all([shapely.Polygon(r) for r in drawing.obstacles]))
     if free.is_empty:
         raise refused(path, "the obstacles leave no place for robots; they cover the whole area")
-    drawing.area = _largest(free, drawing.reference, inside)
+    drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
 
 
-def _chosen(path: Path, faces: list[Any], drawing: Drawing, inside: FloatArray | None) -> Any:
+def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, float] | None) -> Any:
+    """The shapely polygon that is meant for the robots.
+
+    The one that holds the most of the reference path, else the point ``inside`` or is nearest to
+    it, else the most robots, else the largest.
+    """
     if drawing.reference is not None:
         line = shapely.LineString(drawing.reference)
-        face = max(faces, key=lambda f: float(f.intersection(line).length))
-        if face.intersection(line).length <= 0.0:
-            raise refused(path, "no area that the boundaries enclose contains the path")
-        return face
+        return max(areas, key=lambda area: (area.intersection(line).length, area.area))
     if inside is not None:
-        holding = [f for f in faces if f.contains(shapely.Point(inside))]
-        if not holding:
-            raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
-        return holding[0]
-    robots = [shapely.Polygon(robot.outline).centroid for robot in drawing.robots]
-    return max(faces, key=lambda f: (sum(f.contains(r) for r in robots), f.area))
+        point = shapely.Point(inside)
+        return min(areas, key=lambda area: (area.distance(point), -area.area))
+    robots = [shapely.MultiPoint(one.outline).convex_hull.centroid for one in drawing.robots]
+    return max(areas, key=lambda area: (sum(area.contains(r) for r in robots), area.area))
 
 
-def _largest(free: Any, reference: FloatArray | None, inside: FloatArray | None) -> Any:
-    """The part that the path or point is in; a drawing may be cut in two by its obstacles."""
-    parts = shapely.get_parts(free)
-    if reference is not None:
-        line = shapely.LineString(reference)
-        return max(parts, key=lambda p: float(p.intersection(line).length))
-    if inside is not None:
-        return min(parts, key=lambda p: (float(p.distance(shapely.Point(inside))), -p.area))
-    return max(parts, key=lambda p: float(p.area))
+def _dropped_boundary(points: FloatArray) -> str:
+    length = shapely.LineString(points).length
+    return (
+        f"boundary of {length:.2f} m from {place(points[0])} to {place(points[-1])}: away from the "
+        "area of the robots, dropped"
+    )
+
+
+def _dropped_obstacle(ring: FloatArray) -> str:
+    polygon = shapely.Polygon(ring)
+    return (
+        f"obstacle of {polygon.area:.3f} m² at {place(polygon.centroid.coords[0])}: away from the "
+        "area of the robots, dropped"
+    )
 
 
 def _open_ends(boundaries: list[FloatArray]) -> str:
     """Say which ends of lines lie nearest to each other without meeting."""
-    ends = [p for line in boundaries if (line[0] != line[-1]).any() for p in (line[0], line[-1])]
-    if len(ends) < 2:
+    ends, gaps = loose_ends(boundaries)
+    if not gaps:
         return "draw them closed"
-    points = np.array(ends)
-    gap = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
-    np.fill_diagonal(gap, np.inf)
-    i, j = (int(k) for k in np.unravel_index(int(np.argmin(gap)), gap.shape))
-    return (
-        f"the nearest ends, {place(points[i])} and {place(points[j])}, are {gap[i, j]:.3g} m apart"
-    )
+    gap, i, j = gaps[0]
+    return f"the nearest ends, {place(ends[i])} and {place(ends[j])}, are {gap:.3g} m apart"

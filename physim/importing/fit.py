@@ -17,7 +17,14 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, place, refused, rounded
-from physim.importing.line import clearances, directions_at, points_at, samples, stations, stretch
+from physim.importing.line import (
+    clearances,
+    directions_at,
+    length_of,
+    points_at,
+    samples,
+    stretch,
+)
 
 LENGTH, WIDTH = 1.8, 1.0
 """[m] the box at size 1"""
@@ -29,6 +36,8 @@ END_ROOM = 1.6
 SMALLEST = 0.01
 MOST_TRIMMED = 0.3
 """[-] share of the path that may be left out at either end to get away from a wall"""
+SLIVER = 1e-6
+"""[m] of a path outside the area that are rounding"""
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     reference, area = drawing.reference, drawing.area
     assert reference is not None  # the pipeline finds one before
     reference = _inside(drawing, reference)
-    length = float(stations(reference)[-1])
+    length = length_of(reference)
     at = samples(length, min(0.1, length / 500.0))
     gaps = clearances(points_at(reference, at), area)
     box = _given_box(drawing, options)
@@ -63,12 +72,12 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends))
     else:
         size, ends = _largest_size(path, at, gaps, reference)
-        box = (_round(LENGTH * size), _round(WIDTH * size))
+        box = (float(f"{LENGTH * size:.2g}"), float(f"{WIDTH * size:.2g}"))
         room = ROOM * size
     first, last = ends
     inner = gaps[first : last + 1]
     k = first + _narrowest(at[first : last + 1], inner)
-    where = points_at(reference, at[k : k + 1])[0]
+    where = points_at(reference, at[k])
     if inner.min() <= 0.5 * box[1]:
         raise refused(
             path,
@@ -85,43 +94,31 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
 
 
 def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
-    """The path without what lies outside the area at either end, which is told.
+    """The path without what lies outside the area at either end, which is listed.
 
     It stays as it is where more than ``MOST_TRIMMED`` of it would go.
     """
-    length = float(stations(reference)[-1])
-    at = samples(length, min(0.1, length / 500.0))
-    inside = np.flatnonzero(clearances(points_at(reference, at), drawing.area) >= 0.0)
-    if not inside.size:
+    line, length = shapely.LineString(reference), length_of(reference)
+    parts = shapely.get_parts(line.intersection(drawing.area))
+    within = shapely.points(shapely.get_coordinates(parts[shapely.length(parts) > SLIVER]))
+    if not within.size:
         return reference
-    first, last = int(inside[0]), int(inside[-1])
-    if max(at[first], length - at[last]) > MOST_TRIMMED * length:
+    at = shapely.line_locate_point(line, within)
+    ends_inside = shapely.covers(drawing.area, shapely.points(reference[[0, -1]]))
+    begin = 0.0 if ends_inside[0] else float(at.min())
+    end = length if ends_inside[1] else float(at.max())
+    if max(begin, length - end) > MOST_TRIMMED * length or length - (end - begin) < SLIVER:
         return reference
-    begin, end = 0.0, length
-    if first > 0:
-        begin = _crossing(reference, drawing.area, at[first], at[first - 1])
-        where = place(points_at(reference, np.array([begin]))[0])
-        drawing.changes.append(
-            f"path enters the area at {where}: the {begin:.2f} m before that left out"
-        )
-    if last < len(at) - 1:
-        end = _crossing(reference, drawing.area, at[last], at[last + 1])
-        where = place(points_at(reference, np.array([end]))[0])
-        drawing.changes.append(
-            f"path leaves the area at {where}: the {length - end:.2f} m after that left out"
-        )
-    return reference if end - begin == length else stretch(reference, begin, end)
-
-
-def _crossing(reference: FloatArray, area: Any, inside: float, outside: float) -> float:
-    """Station [m] at which a path crosses the edge of an area, between two stations."""
-    for _ in range(30):
-        middle = 0.5 * (inside + outside)
-        if area.covers(shapely.Point(points_at(reference, np.array([middle]))[0])):
-            inside = middle
-        else:
-            outside = middle
-    return inside
+    for what, station, left_out, side in (
+        ("enters", begin, begin, "before"),
+        ("leaves", end, length - end, "after"),
+    ):
+        if left_out > SLIVER:
+            where = place(points_at(reference, station))
+            drawing.changes.append(
+                f"path {what} the area at {where}: the {left_out:.2f} m {side} that left out"
+            )
+    return stretch(reference, begin, end)
 
 
 def room_of(box: tuple[float, float]) -> float:
@@ -140,16 +137,16 @@ def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None
     if options.robot is not None:
         return options.robot
     if drawing.robots:
-        spans = [_spans(robot.outline) for robot in drawing.robots]
-        return max(s[0] for s in spans), max(s[1] for s in spans)
+        width, length = np.max([_spans(robot.outline) for robot in drawing.robots], axis=0)
+        return float(length), float(width)
     return None
 
 
-def _spans(outline: FloatArray) -> tuple[float, float]:
-    """Longer and shorter side of the smallest rectangle about an outline."""
-    rectangle = np.array(shapely.Polygon(outline).minimum_rotated_rectangle.exterior.coords)
-    a, b = np.hypot(*np.diff(rectangle[:3], axis=0).T)
-    return float(max(a, b)), float(min(a, b))
+def _spans(outline: FloatArray) -> FloatArray:
+    """Shorter and longer side [m] of the smallest rectangle about an outline."""
+    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
+    corners = shapely.get_coordinates(rectangle)[:3]
+    return np.sort(np.hypot(*np.diff(corners, axis=0).T))
 
 
 def _largest_size(
@@ -164,7 +161,7 @@ def _largest_size(
         size *= 0.96
     inner = slice(int(MOST_TRIMMED * len(at)), int((1.0 - MOST_TRIMMED) * len(at)) + 1)
     k = inner.start + int(np.argmin(gaps[inner]))
-    where = place(points_at(reference, at[k : k + 1])[0])
+    where = place(points_at(reference, at[k]))
     beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"
     raise refused(path, f"the path {beyond} at {where}; it must keep away from the boundaries")
 
@@ -210,7 +207,3 @@ def _clear_end(
     free = shapely.covers(area, shapely.linestrings(np.stack([points, ahead], axis=1)))
     clear = tail[free & (gaps[tail] >= min(reach, float(gaps[tail].max())) - 1e-6)]
     return int(clear[-1]) if clear.size else last
-
-
-def _round(value: float) -> float:
-    return float(f"{value:.2g}")

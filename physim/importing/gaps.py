@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+from typing import Any
+
 import numpy as np
 import shapely
-from shapely.ops import polygonize, unary_union
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import place
@@ -13,20 +15,33 @@ NEARLY = 0.01
 """[-] Ends nearer than this share of the drawing's extent are taken to meet."""
 
 
+def faces_of(lines: list[FloatArray]) -> list[Any]:
+    """Shapely polygons of all areas that lines enclose."""
+    united = shapely.union_all([shapely.LineString(line) for line in lines])
+    return list(shapely.get_parts(shapely.polygonize([united])))
+
+
+def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[float, int, int]]]:
+    """Both ends (2,) [m] of every line that is not closed, and how far any two are apart [m].
+
+    The nearest two come first.
+    """
+    ends = [line[k] for line in lines if (line[0] != line[-1]).any() for k in (0, -1)]
+    gaps = [(float(np.hypot(*(ends[i] - ends[j]))), i, j)
+            for i, j in combinations(range(len(ends)), 2)]  # fmt: skip
+    return ends, sorted(gaps)
+
+
 def join_ends(lines: list[FloatArray]) -> list[str]:
     """Close a drawing whose lines enclose nothing; says what was done. Changes ``lines``.
 
     Lines that enclose an area already are left as they are.
     """
-    if not lines or list(polygonize(unary_union([shapely.LineString(line) for line in lines]))):
+    if not lines or faces_of(lines):
         return []
-    corners = np.vstack(lines)
-    near = NEARLY * float(np.ptp(corners, axis=0).max())
-    told = _joined(lines, near)
-    if list(polygonize(unary_union([shapely.LineString(line) for line in lines]))):
-        return told
-    if len(lines) != 2:
-        return told
+    changes = _bridged(lines, NEARLY * float(np.ptp(np.vstack(lines), axis=0).max()))
+    if len(lines) != 2 or faces_of(lines):
+        return changes
     first, second = lines
     straight = np.hypot(*(first[0] - second[0])) + np.hypot(*(first[-1] - second[-1]))
     crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
@@ -34,30 +49,20 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
         second = second[::-1]
     for a, b in ((first[0], second[0]), (first[-1], second[-1])):
         lines.append(np.array([a, b]))
-        told.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
-    return told
+        changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
+    return changes
 
 
-def _joined(lines: list[FloatArray], near: float) -> list[str]:
+def _bridged(lines: list[FloatArray], near: float) -> list[str]:
     """Bridge the gap from each loose end to the nearest other end within ``near`` [m]."""
-    told = []
-    ends = [
-        (k, side) for k, line in enumerate(lines) if (line[0] != line[-1]).any() for side in (0, -1)
-    ]
-    used: set[tuple[int, int]] = set()
-    pairs = sorted(
-        (float(np.hypot(*(lines[a[0]][a[1]] - lines[b[0]][b[1]]))), a, b)
-        for i, a in enumerate(ends)
-        for b in ends[i + 1 :]
-    )
-    for gap, a, b in pairs:
-        if gap > near:
-            break
-        if a in used or b in used:
+    changes = []
+    ends, gaps = loose_ends(lines)
+    used: set[int] = set()
+    for gap, i, j in gaps:
+        if gap > near or used & {i, j}:
             continue
-        used |= {a, b}
-        p, q = lines[a[0]][a[1]], lines[b[0]][b[1]]
+        used |= {i, j}
         if gap > 0.0:
-            lines.append(np.array([p, q]))
-            told.append(f"wall ends {gap:.3f} m apart at {place(p)} joined")
-    return told
+            lines.append(np.array([ends[i], ends[j]]))
+            changes.append(f"wall ends {gap:.3f} m apart at {place(ends[i])} joined")
+    return changes

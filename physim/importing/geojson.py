@@ -16,6 +16,7 @@ from physim.importing.source import read_text
 
 DEGREES = ("crs84", "epsg:4326", "epsg::4326", "epsg/0/4326", "epsg:4258", "epsg::4258")
 ROLES = ("boundary", "obstacle", "path", "robot")
+COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
 
 def read_geojson(path: Path, options: Options) -> Drawing:
@@ -50,9 +51,12 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels")
     if not isinstance(value, dict):
         raise refused(path, "not GeoJSON: a feature or geometry is an object")
-    kind = value.get("type")
-    if kind == "FeatureCollection":
-        for one in _list(path, value, "features"):
+    kind = str(value.get("type"))
+    if kind in COLLECTIONS:
+        entries = value.get(COLLECTIONS[kind])
+        if not isinstance(entries, list):
+            raise refused(path, f'not GeoJSON: "{COLLECTIONS[kind]}" must be a list')
+        for one in entries:
             yield from _features(path, one, role, name, depth + 1)
     elif kind == "Feature":
         about = value.get("properties")
@@ -61,9 +65,6 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         label = printable(str(about.get("name", value.get("id", "")) or ""))[:80]
         if value.get("geometry") is not None:
             yield from _features(path, value["geometry"], own, label, depth + 1)
-    elif kind == "GeometryCollection":
-        for one in _list(path, value, "geometries"):
-            yield from _features(path, one, role, name, depth + 1)
     else:
         for one in flat(_shape(path, value)):
             _check_role(path, one, role)
@@ -124,13 +125,6 @@ def _no_number(value: Any, depth: int) -> Any:
         return next((one for one in found if one is not None), None)
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return None if is_number or depth == 0 else value
-
-
-def _list(path: Path, value: dict[str, Any], key: str) -> list[Any]:
-    entries = value.get(key)
-    if not isinstance(entries, list):
-        raise refused(path, f'not GeoJSON: "{key}" must be a list')
-    return entries
 
 
 def _check_degrees(path: Path, parts: list[Part]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import atan2, cos, sin
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +11,21 @@ import shapely
 
 from physim.importing.drawing import Drawing, ImportSourceError, Options, number, refused, rounded
 from physim.importing.fit import Fit
-from physim.importing.lanes import Lane, drawn_in, is_narrower, lane
-from physim.importing.line import directions_at, points_at, stations, stretch
-from physim.importing.placed import Placed
-from physim.importing.stops import CLEAR, corners_of, least_stop_gap
+from physim.importing.lanes import Lane, lane
+from physim.importing.line import (
+    Pose,
+    directions_at,
+    length_of,
+    points_at,
+    pose_at,
+    station_of,
+    stretch,
+)
+from physim.importing.stops import CLEAR, Placed, least_stop_gap, shape_at
+from physim.templates.group import ROW, lane_offsets
 
-LANE = 2.0
-"""[m] from lane to lane at size 1"""
-ROW, COLUMN = 4.0, 3.2
-"""[m] from robot to robot of a lane at size 1, with lanes beside it and alone"""
+COLUMN = 3.2
+"""[m] from robot to robot of a lane at size 1, where no lane is beside it"""
 GAP = 0.5
 """[m] least distance between two robots at the start at size 1"""
 WALL_GAP = 0.15
@@ -37,12 +42,11 @@ MOST_SHARE = 0.6
 
 @dataclass(frozen=True)
 class _Group:
-    """Lanes of a group, the lane and start of each robot from the rear, least gap at the stops."""
+    """Lanes of a group, its robots from the front to the rear, least gap at their stops [m]."""
 
     found: Fit
-    made: list[Lane]
     lanes: list[Lane]
-    poses: list[tuple[float, float, float]]
+    robots: list[Placed]
     gap: float
 
 
@@ -57,36 +61,31 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
     count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
     group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
-    for one in group.made:
-        if is_narrower(one):
-            drawing.changes.append(f"lane {one.offset:+.2f} m beside the path {drawn_in(one)}")
-    return group.found, [
-        Placed(f"r{count - n}", found.box, group.poses[n],
-               one.offset if one.is_plain else one.line)
-        for n, one in reversed(list(enumerate(group.lanes)))
-    ]  # fmt: skip
+    drawing.changes += [
+        f"lane {one.offset:+.2f} m beside the path {narrowing}"
+        for one in sorted(group.lanes, key=lambda one: one.offset)
+        if (narrowing := one.narrowing())
+    ]
+    return group.found, group.robots
 
 
 def _group(
     path: Path, area: Any, found: Fit, count: int, lanes: int, spread: float = 1.0
 ) -> _Group:
     """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
+    reference, size = found.reference, found.size
     made = [
-        lane(found.reference, (k - 0.5 * (lanes - 1)) * LANE * found.size, area, found.room,
-             found.size)
-        for k in range(lanes)
-    ]  # fmt: skip
-    order = sorted(range(lanes), key=lambda k: (abs(k - 0.5 * (lanes - 1)), -k))
-    files = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
-    step = (
-        spread * found.size * (COLUMN if files else ROW / lanes)
-    )  # in one file where lanes are drawn in
-    own = [made[order[(count - 1 - n) % lanes]] for n in range(count)]
-    poses = _poses(path, area, found, own, step)
-    outlines = [corners_of(found.box)] * count
-    lines = [one.line for one in own]
-    gap = least_stop_gap(found.reference, lines, poses, outlines, found.size)[0]
-    return _Group(found, made, own, poses, gap)
+        lane(reference, offset * size, area, found.room, size) for offset in lane_offsets(lanes)
+    ]
+    in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
+    step = spread * size * (COLUMN if in_one_file else ROW / lanes)
+    own = [made[i % lanes] for i in range(count)]
+    poses = _poses(path, area, found, own[::-1], step)[::-1]
+    robots = [
+        Placed(f"r{i + 1}", found.box, pose, one.line, one.plain_offset)
+        for i, (one, pose) in enumerate(zip(own, poses, strict=True))
+    ]
+    return _Group(found, made, robots, least_stop_gap(reference, robots, size)[0])
 
 
 def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
@@ -96,9 +95,9 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
         return group
     best, cut, apart = group, 0.0, 1.0
     for spread, less in _tries(found):
-        line = stretch(found.reference, 0.0, float(stations(found.reference)[-1]) - less)
+        line = stretch(found.reference, 0.0, length_of(found.reference) - less)
         shorter = replace(found, reference=rounded(line))
-        count, lanes = len(group.lanes), len(group.made)
+        count, lanes = len(group.robots), len(group.lanes)
         try:
             other = _group(path, drawing.area, shorter, count, lanes, spread)
         except ImportSourceError:  # no room at the start on a shorter path
@@ -119,40 +118,25 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
 
 def _tries(found: Fit) -> list[tuple[float, float]]:
     """Spreads of a group, and by how much the path is shortened [m], in the order of trying."""
-    most = min(MOST_CUT * found.size, MOST_CUT_SHARE * float(stations(found.reference)[-1]))
+    most = min(MOST_CUT * found.size, MOST_CUT_SHARE * length_of(found.reference))
     cuts = np.arange(0.0, most, CUT * found.size)
     return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
 
 
-def _poses(
-    path: Path, area: Any, found: Fit, lanes: list[Lane], step: float
-) -> list[tuple[float, float, float]]:
+def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
     """Poses from the rear to the front: each as far back as the gaps allow."""
-    length = float(stations(found.reference)[-1])
+    most = MOST_SHARE * length_of(found.reference)
     inner = area.buffer(-WALL_GAP * found.size)
     shapely.prepare(inner)
-    poses: list[tuple[float, float, float]] = []
+    poses: list[Pose] = []
     shapes: list[Any] = []
     station = 0.0
     for one in lanes:
         while True:
-            if station > MOST_SHARE * length:
-                if not poses:
-                    raise refused(
-                        path,
-                        f"no room for a robot of {number(found.box[0])} x {number(found.box[1])} m "
-                        f"on the first {MOST_SHARE * length:.1f} m of the path, "
-                        f"{WALL_GAP * found.size:.2g} m clear of the walls; a smaller --robot "
-                        "LENGTH,WIDTH, or another --from",
-                    )
-                raise refused(
-                    path,
-                    f"room for {len(poses)} of {len(lanes)} robots of {number(found.box[0])} x "
-                    f"{number(found.box[1])} m on the first {MOST_SHARE * length:.1f} m of the "
-                    "path; fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH",
-                )
+            if station > most:
+                raise _no_room(path, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
-            shape = box_at(pose, found.box)
+            shape = shape_at(found.box, pose)
             if inner.covers(shape) and not (
                 shapes and shapely.distance(shape, shapes).min() < GAP * found.size
             ):
@@ -164,22 +148,28 @@ def _poses(
     return poses
 
 
-def _pose(found: Fit, one: Lane, station: float) -> tuple[float, float, float]:
+def _no_room(path: Path, found: Fit, placed: int, wanted: int, most: float) -> ImportSourceError:
+    """Error where only some of the robots, or none, start on the first ``most`` [m] of a path."""
+    box = f"{number(found.box[0])} x {number(found.box[1])} m"
+    where = f"on the first {most:.1f} m of the path"
+    if placed:
+        return refused(
+            path,
+            f"room for {placed} of {wanted} robots of {box} {where}; fewer --robots, more --lanes, "
+            "or a smaller --robot LENGTH,WIDTH",
+        )
+    return refused(
+        path,
+        f"no room for a robot of {box} {where}, {WALL_GAP * found.size:.2g} m clear of the walls; "
+        "a smaller --robot LENGTH,WIDTH, or another --from",
+    )
+
+
+def _pose(found: Fit, one: Lane, station: float) -> Pose:
     """Place on a lane beside a station of the reference path, heading along the lane."""
-    beside = points_at(found.reference, np.array([station]))[0]
+    beside = points_at(found.reference, station)
     if one.offset != 0.0:
-        tx, ty = directions_at(found.reference, np.array([station]), found.size)[0]
+        tx, ty = directions_at(found.reference, station, found.size)
         beside = beside + one.offset * np.array([-ty, tx])
-    own = float(shapely.LineString(one.line).project(shapely.Point(beside)))
-    x, y = points_at(one.line, np.array([own]))[0]
-    tx, ty = directions_at(one.line, np.array([own]), found.size)[0]
-    return round(float(x), 3), round(float(y), 3), round(atan2(ty, tx), 4)
-
-
-def box_at(pose: tuple[float, float, float], box: tuple[float, float]) -> Any:
-    """Rectangle of a robot as a shapely polygon, world frame."""
-    x, y, heading = pose
-    a, b = 0.5 * box[0], 0.5 * box[1]
-    corners = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
-    c, s = cos(heading), sin(heading)
-    return shapely.Polygon(corners @ np.array([[c, s], [-s, c]]) + (x, y))
+    x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
+    return round(x, 3), round(y, 3), round(heading, 4)

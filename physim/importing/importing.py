@@ -15,10 +15,10 @@ from physim.importing.drawn import as_drawn
 from physim.importing.enclosure import enclose
 from physim.importing.fit import Fit, fit
 from physim.importing.group import fill_in
-from physim.importing.line import stations
-from physim.importing.placed import Placed, told_stops
-from physim.importing.soundness import LARGEST, check_size, check_sound
+from physim.importing.line import length_of
+from physim.importing.soundness import LARGEST_PLACE, check_size, check_sound
 from physim.importing.source import format_of
+from physim.importing.stops import Placed, stop_warnings
 from physim.importing.world_text import world_text
 from physim.scene_builder import build_scene
 from physim.world import World
@@ -58,10 +58,9 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
-    inside = None if options.origin is None else np.array(options.origin)
     check_sound(source, drawing)
     if drawing.area is None:
-        enclose(source, drawing, inside)
+        enclose(source, drawing, options.origin)
     _check_extent(source, drawing)
     _find_route(source, drawing, options)
     found = fit(source, drawing, options)
@@ -75,7 +74,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     else:
         found, robots = fill_in(source, drawing, found, options)
     drawing.facts += _about(drawing, found, robots, options)
-    drawing.facts += told_stops(found, robots, drawing.area)
+    drawing.facts += stop_warnings(found.reference, robots, found.size)
     text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
     return Imported(
         text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
@@ -83,10 +82,10 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
 
 
 def _check_extent(source: Path, drawing: Drawing) -> None:
-    """Refuse a place too small for robots, and tell one that is hardly in metres."""
+    """Refuse a place too small for robots, and report one that is hardly in metres."""
     x0, y0, x1, y1 = drawing.area.bounds
     check_size(source, np.array([x1 - x0, y1 - y0]))
-    if max(x1 - x0, y1 - y0) > LARGEST:
+    if max(x1 - x0, y1 - y0) > LARGEST_PLACE:
         drawing.changes.append(
             f"mind the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
             "millimetres)"
@@ -111,7 +110,7 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
     corners = sum(len(ring) for ring in drawing.obstacles)
     if corners:
         walls += f", {plural(len(drawing.obstacles), 'obstacle')} of {corners} corners"
-    length = float(stations(found.reference)[-1])
+    length = length_of(found.reference)
     facts = [
         f"{walls}, to the millimetre",
         f"reference path of {length:.2f} m, {len(found.reference)} points, narrowest at "

@@ -11,7 +11,7 @@ import shapely
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import rounded
-from physim.importing.line import clearances, directions_at, points_at, samples, stations
+from physim.importing.line import clearances, directions_at, length_of, points_at, samples
 from physim.importing.loops import CrossingError, without_loops
 
 SLOPE = 0.2
@@ -30,6 +30,20 @@ class Lane:
     narrowest: float
     """[m] least offset along it on its own side; negative: that far over on the other"""
 
+    @property
+    def plain_offset(self) -> float | None:
+        """Offset [m] by which a world can name it; None where its points are needed."""
+        return self.offset if self.is_plain else None
+
+    def narrowing(self) -> str:
+        """Say how far it is drawn in; empty where it is not, to the centimetre."""
+        if f"{self.narrowest:.2f}" == f"{abs(self.offset):.2f}":
+            return ""
+        where = "where the corridor is narrow or bends tightly"
+        if self.narrowest < 0.0:
+            return f"is drawn over to {-self.narrowest:.2f} m on its other side {where}"
+        return f"is drawn in to {self.narrowest:.2f} m {where}"
+
 
 def lane(reference: FloatArray, offset: float, area: Any, room: float, size: float) -> Lane:
     """Lane ``offset`` [m] beside the reference path with clearance ``room`` [m] where there is.
@@ -42,7 +56,7 @@ def lane(reference: FloatArray, offset: float, area: Any, room: float, size: flo
     plain = _plain(reference, offset, area, room)
     if plain is not None:
         return Lane(plain, offset, True, abs(offset))
-    at = samples(float(stations(reference)[-1]), 0.5 * size)
+    at = samples(length_of(reference), 0.5 * size)
     base = points_at(reference, at)
     direction = directions_at(reference, at, 2.0 * abs(offset))
     normal = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
@@ -65,11 +79,11 @@ def _shares(base: FloatArray, across: FloatArray, area: Any, room: float) -> Flo
     The largest that the reference path reaches without coming nearer to a wall than it is itself;
     negative where only its other side has room. Where neither has, the share with the most.
     """
-    share, best = _outward(base, across, area, room, FRACTIONS)
+    share, best = _outward(base, across, area, room)
     tight = np.flatnonzero(best < room)
     if tight.size:
         back = -across[tight] * (room / np.hypot(*across[tight].T))[:, None]
-        other, gained = _outward(base[tight], back, area, room, FRACTIONS, farthest=False)
+        other, gained = _outward(base[tight], back, area, room, farthest=False)
         wider = gained > best[tight]
         moved = -other * room / np.hypot(*across[tight].T)
         share[tight] = np.where(wider, moved, share[tight])
@@ -77,7 +91,7 @@ def _shares(base: FloatArray, across: FloatArray, area: Any, room: float) -> Flo
 
 
 def _outward(
-    base: FloatArray, across: FloatArray, area: Any, room: float, count: int, farthest: bool = True
+    base: FloatArray, across: FloatArray, area: Any, room: float, farthest: bool = True
 ) -> tuple[FloatArray, FloatArray]:
     """Share of ``across`` and the clearance there [m], capped at ``room``.
 
@@ -86,9 +100,9 @@ def _outward(
     share = np.zeros(len(base))
     best = np.minimum(clearances(base, area), room)
     reached, need = share.copy(), best.copy()
-    for fraction in np.linspace(0.0, 1.0, count)[1:]:
+    for fraction in np.linspace(0.0, 1.0, FRACTIONS)[1:]:
         gap = np.minimum(clearances(base + fraction * across, area), room)
-        held = (reached >= fraction - 1.5 / count) & (gap >= need)
+        held = (reached >= fraction - 1.5 / FRACTIONS) & (gap >= need)
         reached = np.where(held, fraction, reached)
         better = held & ((gap > best) | (farthest & (gap >= room)))
         share, best = np.where(better, fraction, share), np.where(better, gap, best)
@@ -104,7 +118,7 @@ def _plain(reference: FloatArray, offset: float, area: Any, room: float) -> Floa
     along = (np.diff(line, axis=0) * np.diff(reference, axis=0)).sum(axis=1)
     if (along <= 0.0).any() or not shapely.LineString(line).is_simple:
         return None
-    at = samples(float(stations(line)[-1]), 0.25 * room)
+    at = samples(length_of(line), 0.25 * room)
     return line if (clearances(points_at(line, at), area) >= room - 1e-6).all() else None
 
 
@@ -116,16 +130,3 @@ def _gentle(share: FloatArray, at: FloatArray, slope: float) -> FloatArray:
     for k in range(len(low) - 2, -1, -1):
         low[k] = min(low[k], low[k + 1] + slope * (at[k + 1] - at[k]))
     return low
-
-
-def is_narrower(one: Lane) -> bool:
-    """Whether a lane is drawn in by as much as is told."""
-    return f"{one.narrowest:.2f}" != f"{abs(one.offset):.2f}"
-
-
-def drawn_in(one: Lane) -> str:
-    """Say how far a lane is drawn in."""
-    where = "where the corridor is narrow or bends tightly"
-    if one.narrowest < 0.0:
-        return f"is drawn over to {-one.narrowest:.2f} m on its other side {where}"
-    return f"is drawn in to {one.narrowest:.2f} m {where}"

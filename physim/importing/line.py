@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import atan2
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,18 @@ from physim.geometry.shapes import FloatArray
 
 MOST_SAMPLES = 5000
 
+Pose = tuple[float, float, float]
+"""x, y [m] and heading [rad]"""
+
 
 def stations(line: FloatArray) -> FloatArray:
     """(n,) [m] arc length at each point."""
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+
+
+def length_of(line: FloatArray) -> float:
+    """Length [m] of a polyline."""
+    return float(stations(line)[-1])
 
 
 def samples(length: float, step: float) -> FloatArray:
@@ -23,21 +32,33 @@ def samples(length: float, step: float) -> FloatArray:
     return np.linspace(0.0, length, count + 1)
 
 
-def points_at(line: FloatArray, at: FloatArray) -> FloatArray:
-    """(k, 2) points at stations; the ends hold beyond them."""
+def points_at(line: FloatArray, at: FloatArray | float) -> FloatArray:
+    """(k, 2) points at stations, or (2,) at one; the ends hold beyond them."""
     own = stations(line)
-    return np.stack([np.interp(at, own, line[:, k]) for k in (0, 1)], axis=1)
+    return np.stack([np.interp(at, own, line[:, k]) for k in (0, 1)], axis=-1)
 
 
-def directions_at(line: FloatArray, at: FloatArray, window: float) -> FloatArray:
-    """(k, 2) unit directions of the chord over ``window`` [m] about each station."""
-    end = stations(line)[-1]
+def directions_at(line: FloatArray, at: FloatArray | float, window: float) -> FloatArray:
+    """(k, 2) unit directions of the chord over ``window`` [m] about each station, or (2,)."""
+    end = length_of(line)
     low, high = np.clip(at - window / 2.0, 0.0, end), np.clip(at + window / 2.0, 0.0, end)
     chord = points_at(line, high) - points_at(line, low)
     size = np.hypot(*chord.T)
     fallback = line[-1] - line[0] + np.array([1e-300, 0.0])
-    chord = np.where((size > 1e-12)[:, None], chord, fallback)
-    return np.asarray(chord / np.hypot(*chord.T)[:, None])
+    chord = np.where((size > 1e-12)[..., None], chord, fallback)
+    return np.asarray(chord / np.hypot(*chord.T)[..., None])
+
+
+def pose_at(line: FloatArray, station: float, window: float) -> Pose:
+    """Pose on a polyline, heading along the chord over ``window`` [m] about the station."""
+    x, y = points_at(line, station)
+    tx, ty = directions_at(line, station, window)
+    return float(x), float(y), atan2(ty, tx)
+
+
+def station_of(line: FloatArray, point: FloatArray) -> float:
+    """Station [m] of the point of a polyline that is nearest to ``point`` (2,)."""
+    return float(shapely.LineString(line).project(shapely.Point(point)))
 
 
 def stretch(line: FloatArray, first: float, last: float) -> FloatArray:

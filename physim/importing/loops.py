@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
+from physim.importing.line import stations
 
 MOST_ROUNDS = 20
 """Times that a line is looked over; one that still crosses itself then is no road."""
@@ -14,9 +15,9 @@ MOST_ROUNDS = 20
 class CrossingError(ValueError):
     """A line that crosses itself far along it: no bend, but a crossing. ``point`` (2,) [m]."""
 
-    def __init__(self, point: FloatArray, first: int, last: int) -> None:
+    def __init__(self, point: FloatArray) -> None:
         super().__init__("the line crosses itself")
-        self.point, self.first, self.last = point, first, last
+        self.point = point
 
 
 def without_loops(
@@ -32,7 +33,7 @@ def without_loops(
         loops = _loops(line)
         if not loops:
             return line, cut
-        station = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+        station = stations(line)
         pieces, at = [], 0
         for first, last, point in sorted(loops, key=lambda loop: (loop[0], -loop[1])):
             ends = np.hypot(*(line[[first + 1, last]] - point).T).sum()
@@ -43,11 +44,10 @@ def without_loops(
             cut.append((point, length))
             at = last + 1
         if not pieces:
-            first, last, point = loops[0]
-            raise CrossingError(point, first, last)
+            raise CrossingError(loops[0][2])
         line = np.vstack([*pieces, line[at:]])
         line = line[np.concatenate(([True], np.hypot(*np.diff(line, axis=0).T) > 1e-9))]
-    raise CrossingError(line[0], 0, len(line) - 1)
+    raise CrossingError(line[0])
 
 
 def _loops(line: FloatArray) -> list[tuple[int, int, FloatArray]]:

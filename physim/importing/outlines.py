@@ -5,6 +5,7 @@ Free cells that meet at a corner alone do not make a passage.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import cos, sin
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import DIGITS, Drawing, Options, listed, place, refused
+from physim.importing.drawing import DIGITS, MOST_LISTED, Drawing, Options, listed, place, refused
 from physim.importing.soundness import check_size
 
 SPECK = 2.0
@@ -22,8 +23,6 @@ SPECK = 2.0
 MOST_LOST = 0.1
 """[-] share of its area that a ring may lose or gain when it is simplified"""
 MOST_EDGES = 1_000_000
-MOST_CORNERS = 2_000
-"""Corners of one obstacle of a world; a longer outline becomes a closed boundary."""
 
 
 def outline_map(
@@ -47,8 +46,7 @@ def outline_map(
     centre = _Centres(cell, origin)
     drawing.changes += _fill_specks(free, specks, cell, centre)
     region = _region(path, drawing, free, cell, centre, options.origin)
-    exact = _polygon(path, region)
-    exact = shapely.transform(exact, lambda points: centre.placed(points * cell))
+    exact = shapely.transform(_polygon(path, region), lambda at: centre.placed(at * cell))
     x0, y0, x1, y1 = exact.bounds
     check_size(path, np.array([x1 - x0, y1 - y0]))
     polygon = _simplified(exact, tolerance)
@@ -57,14 +55,16 @@ def outline_map(
         f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
         f"{moved:.4f} m (Hausdorff distance), area {exact.area:.2f} to {polygon.area:.2f} m²"
     )
-    _put(drawing, polygon)
+    drawing.area = polygon
+    drawing.add_outline(polygon)
 
 
+@dataclass(frozen=True)
 class _Centres:
     """From cells to the world."""
 
-    def __init__(self, cell: float, origin: tuple[float, float, float]) -> None:
-        self.cell, self.origin = cell, origin
+    cell: float
+    origin: tuple[float, float, float]
 
     def placed(self, points: FloatArray) -> FloatArray:
         """Points [m] from the lower left corner in the frame of the world."""
@@ -80,8 +80,8 @@ class _Centres:
         """Cell that a point of the world lies in."""
         x, y, yaw = self.origin
         c, s = cos(yaw), sin(yaw)
-        dx, dy = point[0] - x, point[1] - y
-        return int((c * dx + s * dy) // self.cell), int((-s * dx + c * dy) // self.cell)
+        column, row = np.array([[c, s], [-s, c]]) @ (point[0] - x, point[1] - y) // self.cell
+        return int(column), int(row)
 
 
 def _fill_specks(free: Any, most: float, cell: float, centre: _Centres) -> list[str]:
@@ -93,16 +93,12 @@ def _fill_specks(free: Any, most: float, cell: float, centre: _Centres) -> list[
     small = (area <= most * (1.0 + 1e-9)) & (np.arange(count) > 0)
     free |= small[labels] & ~free
     order = np.flatnonzero(small)[np.argsort(-area[small], kind="stable")]
-    told = [
-        f"speck of {area[k]:.4g} m² at {place(centre.of(middles[k]))}: left out (--specks)"
-        for k in order[:1000]
-    ]
-    more = [f"and {len(order) - 1000} more specks"] if len(order) > 1000 else []
-    return listed(told + more) if len(order) <= 1000 else [*listed(told[:20]), _more(len(order))]
-
-
-def _more(count: int) -> str:
-    return f"and {count - 20} more specks"
+    return listed(
+        list(order),
+        lambda k: (
+            f"speck of {area[k]:.4g} m² at {place(centre.of(middles[k]))}: left out (--specks)"
+        ),
+    )
 
 
 def _region(
@@ -128,15 +124,15 @@ def _region(
         chosen = int(labels[row, column])
     others = [k for k in np.argsort(-area, kind="stable") if k not in (0, chosen)]
     drawing.changes += listed(
-        [
+        others,
+        lambda k: (
             f"free region of {area[k] * cell * cell:.4g} m² about "
             f"{place(centre.of(middles[k]))}: not connected, left out"
-            for k in others[:20]
-        ]
+        ),
     )
-    if len(others) > 20:
-        rest = area[others[20:]].sum() * cell * cell
-        drawing.changes.append(f"and {len(others) - 20} more free regions of {rest:.4g} m² in all")
+    if len(others) > MOST_LISTED:
+        rest = area[others].sum() * cell * cell
+        drawing.changes.append(f"free regions left out: {rest:.4g} m² in all")
     return labels == chosen
 
 
@@ -159,7 +155,7 @@ def _polygon(path: Path, region: Any) -> Any:
     column, row = (np.floor(inner[:, k]).astype(int) for k in (0, 1))
     own = faces[region[row, column]]
     # Cells of one region may meet at a corner: one polygon still, joined there.
-    return own[0] if len(own) == 1 else max(own, key=lambda face: float(face.area))
+    return max(own, key=shapely.area)
 
 
 def _simplified(exact: Any, tolerance: float) -> Any:
@@ -174,8 +170,7 @@ def _simplified(exact: Any, tolerance: float) -> Any:
         kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
         if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
             return simple
-    parts = shapely.get_parts(simple)
-    return max(parts, key=lambda part: float(part.area))
+    return max(shapely.get_parts(simple), key=shapely.area)
 
 
 def _simple_ring(ring: Any, tolerance: float) -> Any:
@@ -193,14 +188,3 @@ def _farthest(a: Any, b: Any) -> float:
     edge = b.boundary
     shapely.prepare(edge)
     return float(shapely.distance(edge, shapely.points(shapely.get_coordinates(a))).max())
-
-
-def _put(drawing: Drawing, polygon: Any) -> None:
-    drawing.area = polygon
-    drawing.boundaries = [shapely.get_coordinates(polygon.exterior)]
-    for ring in polygon.interiors:
-        points = shapely.get_coordinates(ring)
-        if len(points) - 1 <= MOST_CORNERS:
-            drawing.obstacles.append(points[:-1])
-        else:
-            drawing.boundaries.append(points)

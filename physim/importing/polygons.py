@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import shapely
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import (
     DIGITS,
+    LARGEST,
     Drawing,
     DrawnRobot,
     Options,
@@ -26,16 +28,14 @@ from physim.importing.drawing import (
     refused,
     rounded,
 )
+from physim.importing.enclosure import chosen_area
 from physim.importing.gaps import join_ends
 from physim.importing.source import read_text
 
-LARGEST = 1.0e6
-"""[m] largest coordinate of a world"""
 MOST_GEOMETRIES = 10_000
 MOST_DEPTH = 20
 """Geometries within geometries."""
-MOST_CORNERS = 2_000
-"""Corners of one obstacle of a world; a longer hole becomes a closed boundary."""
+HEIGHTS = "third coordinates (height) left out"
 
 
 @dataclass(frozen=True)
@@ -99,11 +99,8 @@ def _missing(text: str) -> str:
 
 
 def _depth(text: str) -> int:
-    depth = deepest = 0
-    for character in text:
-        depth += (character == "(") - (character == ")")
-        deepest = max(deepest, depth)
-    return deepest
+    """Brackets within brackets."""
+    return max(accumulate((c == "(") - (c == ")") for c in text), default=0)
 
 
 def flat(shape: Any) -> list[Any]:
@@ -127,47 +124,61 @@ def degrees(path: Path, why: str, line: int | None = None) -> Exception:
 
 def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Drawing:
     """Give every part of a source its place in a drawing [m]; raises ImportSourceError."""
-    scale = 1.0 if options.scale is None else options.scale
     drawing = Drawing(kind=f"{kind} polygons")
-    drawing.facts.append(f"{scale:g} m per unit")
+    drawing.facts.append(f"{options.unit:g} m per unit")
     if not parts:
         raise refused(path, "holds no polygon and no line")
     if len(parts) > MOST_GEOMETRIES:
         raise refused(path, f"{len(parts)} geometries; at most {MOST_GEOMETRIES} are read")
-    polygons: list[Part] = []
+    polygons: list[Any] = []
     unused: list[str] = []
     for part in parts:
-        points = shapely.get_coordinates(part.shape) * scale
-        if not np.isfinite(points).all():
-            raise refused(path, "a coordinate is not a finite number", part.line)
-        if len(points) and np.abs(points).max() > LARGEST:
-            raise refused(
-                path, f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; move "
-                "the origin, or mind the --scale", part.line,
-            )  # fmt: skip
-        if part.shape.has_z and not any("height" in text for text in drawing.changes):
-            drawing.changes.append("third coordinates (height) left out")
-        shape = shapely.transform(shapely.force_2d(part.shape), lambda p: p * scale)
-        if shape.geom_type == "Polygon" and part.role == "robot":
-            ring = _ring(shape)
-            name = part.name or f"r{len(drawing.robots) + 1}"
-            drawing.robots.append(DrawnRobot(name, ring))
-        elif shape.geom_type == "Polygon" and part.role == "obstacle":
-            drawing.obstacles.append(_ring(shape))
-        elif shape.geom_type == "Polygon":
-            polygons.append(Part(_valid(path, shape, part.line, drawing), part.role, part.name))
-        elif shape.geom_type in ("LineString", "LinearRing"):
+        shape = _scaled(path, part, options.unit, drawing)
+        if shape.geom_type in ("LineString", "LinearRing"):
             _line(drawing, part, rounded(shapely.get_coordinates(shape)), unused)
+        elif shape.geom_type != "Polygon":
+            at = place(shapely.get_coordinates(shape)[0])
+            unused.append(f"{shape.geom_type} at {at}: holds no lines, left out")
+        elif part.role == "robot":
+            name = part.name or f"r{len(drawing.robots) + 1}"
+            drawing.robots.append(DrawnRobot(name, _ring(shape)))
+        elif part.role == "obstacle":
+            drawing.obstacles.append(_ring(shape))
         else:
-            unused.append(f"{shape.geom_type} at {place(points[0])}: holds no lines, left out")
+            polygons.append(_valid(path, shape, part.line, drawing))
     drawing.changes += listed(unused)
     if polygons:
-        _place_polygons(path, drawing, polygons, options)
+        chosen = chosen_area(polygons, drawing, options.origin)
+        drawing.changes += listed([one for one in polygons if one is not chosen], _left_out)
+        drawing.add_outline(chosen)
     elif not drawing.boundaries:
         raise refused(path, "holds no polygon; one says where robots may go")
     else:
         drawing.changes += join_ends(drawing.boundaries)
     return drawing
+
+
+def _scaled(path: Path, part: Part, scale: float, drawing: Drawing) -> Any:
+    """Shape of a part in metres, without heights. Raises ImportSourceError for what is too far."""
+    shape = shapely.transform(shapely.force_2d(part.shape), lambda points: points * scale)
+    points = shapely.get_coordinates(shape)
+    if not np.isfinite(points).all():
+        raise refused(path, "a coordinate is not a finite number", part.line)
+    if np.abs(points).max() > LARGEST:
+        raise refused(
+            path,
+            f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; move the origin, "
+            "or check --scale",
+            part.line,
+        )
+    if part.shape.has_z and HEIGHTS not in drawing.changes:
+        drawing.changes.append(HEIGHTS)
+    return shape
+
+
+def _left_out(polygon: Any) -> str:
+    at = place(polygon.representative_point().coords[0])
+    return f"polygon of {polygon.area:.3f} m² at {at}: not the area of the robots, left out"
 
 
 def _ring(shape: Any) -> FloatArray:
@@ -190,49 +201,23 @@ def _line(drawing: Drawing, part: Part, points: FloatArray, unused: list[str]) -
 
 
 def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
-    """Polygon on the millimetre grid; one that crosses itself is mended and told."""
+    """Polygon on the millimetre grid; one that crosses itself is mended, which is reported."""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
-        mended = shapely.get_parts(shapely.make_valid(shape))
-        mended = [one for one in mended if one.geom_type == "Polygon"]
+        mended = _polygons_of(shapely.make_valid(shape))
         if not mended:
             raise refused(path, f"a polygon encloses no area ({reason})", line)
-        largest = max(mended, key=lambda one: float(one.area))
+        shape = max(mended, key=shapely.area)
         drawing.changes.append(
-            f"polygon mended ({reason}): {len(mended)} parts, the largest of {largest.area:.3f} m² "
+            f"polygon mended ({reason}): {len(mended)} parts, the largest of {shape.area:.3f} m² "
             "is kept"
         )
-        shape = largest
-    snapped = shapely.set_precision(shape, 10.0**-DIGITS)
-    whole = [one for one in shapely.get_parts(snapped) if one.geom_type == "Polygon"]
-    if not whole or snapped.is_empty:
-        raise refused(path, "a polygon is smaller than a millimetre; mind the --scale", line)
-    return max(whole, key=lambda one: float(one.area))
+    whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
+    if not whole:
+        raise refused(path, "a polygon is smaller than a millimetre; check --scale", line)
+    return max(whole, key=shapely.area)
 
 
-def _place_polygons(path: Path, drawing: Drawing, polygons: list[Part], options: Options) -> None:
-    """Take the polygon that robots are in; list the others."""
-    shapes = [part.shape for part in polygons]
-    if drawing.reference is not None:
-        line = shapely.LineString(drawing.reference)
-        chosen = max(shapes, key=lambda p: (float(p.intersection(line).length), float(p.area)))
-    elif options.origin is not None:
-        start = shapely.Point(options.origin)
-        chosen = max(shapes, key=lambda p: (bool(p.covers(start)), float(p.area)))
-    else:
-        chosen = max(shapes, key=lambda p: float(p.area))
-    drawing.changes += listed(
-        [
-            f"polygon of {one.area:.3f} m² at {place(one.representative_point().coords[0])}: not "
-            "the area of the robots, left out"
-            for one in shapes
-            if one is not chosen
-        ]
-    )
-    drawing.boundaries.append(shapely.get_coordinates(chosen.exterior))
-    for ring in chosen.interiors:
-        points = shapely.get_coordinates(ring)
-        if len(points) - 1 <= MOST_CORNERS:
-            drawing.obstacles.append(points[:-1])
-        else:
-            drawing.boundaries.append(points)
+def _polygons_of(shape: Any) -> list[Any]:
+    """Polygons with area among the parts of a shape."""
+    return [one for one in shapely.get_parts(shape) if one.geom_type == "Polygon" and one.area > 0]

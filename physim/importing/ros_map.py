@@ -43,29 +43,25 @@ class RosMap:
 
 def read_ros_map(path: Path, options: Options) -> Drawing:
     """Read a map into a drawing: outlines of its largest free region, or of that at ``--from``."""
-    found = _Yaml(path, read_document(_text(path), printable(str(path)))).read()
+    text = read_text(path)
+    if not text.strip():
+        raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
+    found = _Yaml(path, read_document(text, printable(str(path)))).read()
     brightness, clear = read_image(found.image)
     free = _free(found, brightness, clear)
-    scale = 1.0 if options.scale is None else options.scale
     drawing = Drawing(kind="ROS map")
     rows, columns = free.shape
-    cell = found.resolution * scale
+    cell = found.resolution * options.unit
     drawing.facts.append(
         f"{columns} x {rows} cells of {cell:g} m from {printable(found.image.name)}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
         "what is unknown counts as occupied"
     )
     drawing.changes += found.changes
-    origin = (found.origin[0] * scale, found.origin[1] * scale, found.origin[2])
+    x, y, yaw = found.origin
+    origin = (x * options.unit, y * options.unit, yaw)
     outline_map(path, drawing, np.flipud(free), cell, origin, options)
     return drawing
-
-
-def _text(path: Path) -> str:
-    text = read_text(path)
-    if not text.strip():
-        raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
-    return text
 
 
 def _free(found: RosMap, brightness: Any, clear: Any) -> Any:
@@ -101,7 +97,10 @@ class _Yaml:
         pose = [self._number(("origin", k), v) for k, v in enumerate(origin)] + [0.0]
         resolution = self._number(("resolution",), values["resolution"])
         if not 1e-6 <= resolution <= 1e3:
-            raise self._fault(("resolution",), f"{resolution:g} m a cell; must be greater than 0")
+            raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")
+        negate = values.get("negate", 0)
+        if negate not in (0, 1):
+            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(negate)[:40])}"')
         mode = values.get("mode", "trinary")
         if mode not in MODES:
             raise self._fault(("mode",), f'must be {", ".join(MODES)}; given "{mode}"'[:200])
@@ -114,12 +113,12 @@ class _Yaml:
             changes.append(f"keys left out: {', '.join(printable(str(key)) for key in unknown)}")
         return RosMap(
             self._image(values["image"]), resolution, (pose[0], pose[1], pose[2]),
-            self._flag(values.get("negate", 0)), occupied, free, str(mode), tuple(changes),
+            bool(negate), occupied, free, str(mode), tuple(changes),
         )  # fmt: skip
 
     def _values(self) -> dict[str, Any]:
         if self.document.faults:
-            raise located((), self.document) from None
+            raise located((), self.document)
         values = self.document.values()
         if not isinstance(values, dict):
             raise refused(self.path, f"a map is a mapping of keys: {', '.join(KEYS)}", 1)
@@ -141,11 +140,6 @@ class _Yaml:
         if not 0.0 <= share <= 1.0:
             raise self._fault((key,), f"{share:g}; must be from 0 to 1")
         return share
-
-    def _flag(self, value: Any) -> bool:
-        if value not in (0, 1, False, True):
-            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(value)[:40])}"')
-        return bool(value)
 
     def _image(self, value: Any) -> Path:
         """The image beside the map; never a file elsewhere, whatever the map says."""

@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, place, refused, rounded
 from physim.importing.fit import LENGTH, ROOM, room_of
-from physim.importing.line import clearances, points_at, samples, stations
+from physim.importing.line import clearances, length_of, points_at, samples
 from physim.importing.smoothing import smooth
 
 MOST_CELLS = 80_000
@@ -70,7 +70,7 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
         chain.append(int(before[chain[-1]]))
     line = rounded(smooth(grid.nodes[chain[::-1]], area, room))
     drawing.reference = line
-    length = float(stations(line)[-1])
+    length = length_of(line)
     gaps = clearances(points_at(line, samples(length, 0.1 * room)), area)
     drawing.facts.append(
         f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
@@ -89,9 +89,7 @@ def _grid(area: Any) -> _Grid:
     index = np.full(mask.shape, -1)
     index[mask] = np.arange(int(mask.sum()))
     nodes = np.stack([gx[mask], gy[mask]], axis=1)
-    edge = area.boundary
-    shapely.prepare(edge)
-    gaps = shapely.distance(edge, shapely.points(nodes))
+    gaps = clearances(nodes, area)
     firsts, seconds, lengths = [], [], []
     for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
         here = index[: len(ys) - dy, max(-dx, 0) : len(xs) - max(dx, 0)]
@@ -111,30 +109,31 @@ def _check_inside(path: Path, area: Any, word: str, point: tuple[float, float] |
 
 
 def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
-    """The clearance to keep [m], and the nodes at which the path begins and ends."""
+    """The clearance to keep [m], and the nodes at which the path begins and ends.
+
+    Of the clearances tried, largest first, the first that leaves a way between the points asked
+    for, or one nearly as long as the smallest does.
+    """
     if options.robot is not None:
         rooms = [ROOM * options.robot[0] / LENGTH, room_of(options.robot), 0.55 * options.robot[1]]
     else:
         rooms = [ROOM * size for size in SIZES]
-    longest = 0.0
-    for room in rooms[::-1][:1] if options.goal is None else []:
-        found = _far(grid, room, options.origin)
-        longest = 0.0 if found is None else found[2]
-    for room in rooms:
-        if room > grid.gaps.max():
-            continue
-        if options.goal is not None and options.origin is not None:
-            pair = _joined(grid, room, options.origin, options.goal)
+    origin, goal = options.origin, options.goal
+    if origin is not None and goal is not None:
+        for room in rooms:
+            pair = _joined(grid, room, origin, goal)
             if pair is not None:
                 return room, *pair
-            continue
-        found = _far(grid, room, options.origin if options.goal is None else options.goal)
-        if found is not None and found[2] >= WORTH * longest and found[2] > 4.0 * room:
+        raise refused(
+            path, f"no way from {place(origin)} to {place(goal)} that a robot fits through"
+        )
+    smallest = _far(grid, rooms[-1], origin) if goal is None else None
+    enough = WORTH * smallest[2] if smallest is not None else 0.0
+    for room in rooms:
+        found = _far(grid, room, origin if goal is None else goal)
+        if found is not None and found[2] >= enough and found[2] > 4.0 * room:
             a, b, _ = found
-            return (room, a, b) if options.goal is None else (room, b, a)
-    if options.origin is not None and options.goal is not None:
-        ends = f"from {place(options.origin)} to {place(options.goal)}"
-        raise refused(path, f"no way {ends} that a robot fits through")
+            return (room, a, b) if goal is None else (room, b, a)
     raise refused(path, "no way that a robot fits through; --robot LENGTH,WIDTH may be smaller")
 
 
@@ -149,6 +148,7 @@ def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:
 def _joined(
     grid: _Grid, room: float, a: tuple[float, float], b: tuple[float, float]
 ) -> tuple[int, int] | None:
+    """Nodes near two points that a way joins; None where there is none."""
     first, second = _near(grid, room, a), _near(grid, room, b)
     if first is None or second is None or first == second:
         return None
@@ -159,16 +159,18 @@ def _joined(
 def _far(
     grid: _Grid, room: float, origin: tuple[float, float] | None
 ) -> tuple[int, int, float] | None:
-    """Two nodes far apart on the way between them, and how far [m]; one of them if given."""
+    """Two nodes far apart on the way between them, and how far [m]; one of them if given.
+
+    None where no node has that clearance, or none close to ``origin``.
+    """
+    fits = np.flatnonzero(grid.gaps >= room)
+    if not fits.size:
+        return None
     graph = grid.graph(room, widest=False)
     if origin is None:
         labels = connected_components(graph, directed=False)[1]
-        fits = grid.gaps >= room
-        if not fits.any():
-            return None
         largest = int(np.argmax(np.bincount(labels[fits])))
-        middle = int(np.flatnonzero(fits & (labels == largest))[0])
-        a = _farthest(graph, middle)[0]
+        a = _farthest(graph, int(fits[labels[fits] == largest][0]))[0]
     else:
         near = _near(grid, room, origin)
         if near is None:
@@ -179,6 +181,7 @@ def _far(
 
 
 def _farthest(graph: Any, node: int) -> tuple[int, float]:
+    """Node farthest from another on the ways of a graph, and how far [m]."""
     away = dijkstra(graph, directed=False, indices=node)
     away = np.where(np.isfinite(away), away, -1.0)
     k = int(np.argmax(away))

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
-from physim.importing.line import clearances, points_at, samples, stations
+from physim.importing.line import clearances, length_of, points_at, samples
 
 KEPT = 0.9
 """[-] A straight cut keeps this share of the clearance of the way it replaces."""
@@ -19,7 +19,7 @@ ROUNDS = 60
 def smooth(way: FloatArray, area: Any, room: float) -> FloatArray:
     """Straighten and round a way (n, 2) whose points have clearance ``room`` [m] in ``area``."""
     line = _straightened(way, area, room)
-    at = samples(float(stations(line)[-1]), 0.3 * room)
+    at = samples(length_of(line), 0.3 * room)
     points = points_at(line, at)
     low = np.minimum(clearances(points, area), room)
     for _ in range(ROUNDS):

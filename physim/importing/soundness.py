@@ -10,8 +10,8 @@ import shapely
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import DIGITS, Drawing, listed, place, refused
 
-SMALLEST, LARGEST = 1.0, 10_000.0
-"""[m] extent below which a place is refused, and above which it is told"""
+SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
+"""[m] extent below which a place is refused, and above which its scale is doubted"""
 GRAIN = 2.0 * 10.0**-DIGITS
 """[m] extent up to which a shape that became a point or a line was but a grain"""
 
@@ -19,24 +19,28 @@ GRAIN = 2.0 * 10.0**-DIGITS
 def check_sound(path: Path, drawing: Drawing) -> None:
     """Refuse a place, path, obstacle or robot of which no shape can be made.
 
-    Walls and obstacles that vanish when they are rounded to the millimetre are left out and told.
+    Walls and obstacles that vanish when they are rounded to the millimetre are left out and listed.
     Raises ImportSourceError.
     """
     if drawing.boundaries:
-        points = np.vstack(drawing.boundaries)
-        check_size(path, np.ptp(points, axis=0))
-    drawing.boundaries = _lines(drawing.boundaries, drawing)
-    for what, line in (("path", drawing.reference), *_named_paths(drawing)):
+        check_size(path, np.ptp(np.vstack(drawing.boundaries), axis=0))
+    short = [line for line in drawing.boundaries if len(line) < 2]
+    drawing.changes += listed(
+        short, lambda line: f"boundary at {place(line[0])}: shorter than a millimetre, left out"
+    )
+    drawing.boundaries = [line for line in drawing.boundaries if len(line) > 1]
+    named = [(f"path of {name}", line) for name, line in drawing.paths.items()]
+    for what, line in (("path", drawing.reference), *named):
         if line is not None and len(line) < 2:
             raise refused(
                 path,
-                f"the {what} at {place(line[0])} is shorter than a millimetre; mind the --scale",
+                f"the {what} at {place(line[0])} is shorter than a millimetre; check --scale",
             )
     for robot in drawing.robots:
         if not _has_area(robot.outline):
             raise refused(
                 path,
-                f"a robot {_at(robot.outline)}has no area; draw its outline, and mind the --scale",
+                f"a robot {_at(robot.outline)}has no area; draw its outline, and check --scale",
             )
         _check_simple(path, "a robot", robot.outline)
     drawing.obstacles = _obstacles(path, drawing)
@@ -44,7 +48,7 @@ def check_sound(path: Path, drawing: Drawing) -> None:
 
 def check_size(path: Path, extent: FloatArray) -> None:
     """Refuse a place whose ``extent`` (2,) [m] in x and y is too small for robots."""
-    if max(extent) < SMALLEST:
+    if max(extent) < SMALLEST_PLACE:
         raise refused(
             path,
             f"the place is {extent[0]:.3g} x {extent[1]:.3g} m; --scale M says how many metres a "
@@ -52,24 +56,8 @@ def check_size(path: Path, extent: FloatArray) -> None:
         )
 
 
-def _named_paths(drawing: Drawing) -> list[tuple[str, FloatArray | None]]:
-    return [(f"path of {name}", line) for name, line in drawing.paths.items()]
-
-
-def _lines(lines: list[FloatArray], drawing: Drawing) -> list[FloatArray]:
-    """Walls of two points and more; the others are told."""
-    drawing.changes += listed(
-        [
-            f"boundary at {place(line[0])}: shorter than a millimetre, left out"
-            for line in lines
-            if len(line) < 2
-        ]
-    )
-    return [line for line in lines if len(line) > 1]
-
-
 def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
-    """Obstacles with area; grains are told, and what has none otherwise is refused."""
+    """Obstacles with area; grains are listed, and what has none otherwise is refused."""
     kept, grains = [], []
     for ring in drawing.obstacles:
         if _has_area(ring):
@@ -80,7 +68,7 @@ def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
         else:
             grains.append(ring)
     drawing.changes += listed(
-        [f"obstacle {_at(ring)}is smaller than a millimetre, left out" for ring in grains]
+        grains, lambda ring: f"obstacle {_at(ring)}is smaller than a millimetre, left out"
     )
     return kept
 

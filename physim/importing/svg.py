@@ -66,34 +66,31 @@ def read_svg(path: Path, options: Options) -> Drawing:
     frame = _Frame.of(path, root, look, options)
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
-    unsaid: list[str] = []
+    left_out: list[str] = []
     for element, role, name in _shapes(root, "", ""):
-        label = _named(element)
-        where = f"{label!r}" if label else f"<{element.__class__.__name__.lower()}>"
+        own = element.values.get("attributes", {})
+        label = str(own.get(LABEL) or own.get("id") or "")
+        where = printable(repr(label) if label else f"<{type(element).__name__.lower()}>")
         if not role:
-            unsaid.append(
-                f"{printable(where)}: in no layer boundary, obstacle, path or robot, left out"
-            )
+            left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             continue
         try:
             found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
         except (ValueError, ArithmeticError) as error:
             line = look.lines.get(str(element.id or ""))
-            raise refused(
-                path, f"{printable(where)}: {printable(str(error))[:100]}", line
-            ) from None
+            raise refused(path, f"{where}: {printable(str(error))[:100]}", line) from None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
-                unsaid.append(f"{printable(where)}: a line of no length, left out")
+                left_out.append(f"{where}: a line of no length, left out")
             else:
                 lines.append(_Line(role, name, placed, closed))
-    drawing.changes += listed(unsaid)
+    drawing.changes += listed(left_out)
     drawing.facts.append(
-        f"{frame.told}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
+        f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"
     )
-    _sort(path, drawing, lines, look)
+    _sort(path, drawing, lines)
     return drawing
 
 
@@ -103,7 +100,8 @@ class _Frame:
 
     metres: float
     height: float
-    told: str
+    scale: str
+    """what is said of it"""
 
     @classmethod
     def of(cls, path: Path, root: Any, look: SvgLook, options: Options) -> _Frame:
@@ -112,13 +110,13 @@ class _Frame:
         if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
             raise refused(path, "width, height and viewBox stretch the page; give it one scale")
         pixels = units[0]  # of one user unit
-        unit = re.sub(r"[-+0-9.eE\s]", "", look.size.get("width", "")).lower()
+        unit = re.sub(r"[-+0-9.eE\s]", "", look.width).lower()
         if options.scale is not None:
             metres = options.scale / pixels
-            told = f"{options.scale:g} m per user unit (--scale)"
+            scale = f"{options.scale:g} m per user unit (--scale)"
         elif unit in UNITS:
             metres = METRES_PER_PIXEL
-            told = f"real-world units of the page ({unit}): {pixels * metres:.6g} m per user unit"
+            scale = f"real-world units of the page ({unit}): {pixels * metres:.6g} m per user unit"
         else:
             raise refused(
                 path,
@@ -126,17 +124,10 @@ class _Frame:
                 1,
             )
         height = float(root.height or 0.0)
-        if not np.isfinite(height) or height <= 0.0:
-            height = 0.0
-        return cls(metres, height, told)
+        return cls(metres, height if np.isfinite(height) and height > 0.0 else 0.0, scale)
 
     def placed(self, points: FloatArray) -> FloatArray:
         return np.stack([points[:, 0], self.height - points[:, 1]], axis=1) * self.metres
-
-
-def _named(element: Any) -> str:
-    own = getattr(element, "values", {}).get("attributes", {})
-    return str(own.get(LABEL) or own.get("id") or "")
 
 
 def _role(element: Any) -> tuple[str, str]:
@@ -165,27 +156,26 @@ def _shapes(group: Any, role: str, name: str) -> Any:
             yield element, own or role, rest or (str(label) if label and not own else name)
 
 
-def _sort(path: Path, drawing: Drawing, lines: list[_Line], look: SvgLook) -> None:
+def _sort(path: Path, drawing: Drawing, lines: list[_Line]) -> None:
     """Give every line its place in the drawing."""
     named_paths: list[_Line] = []
     for line in lines:
+        points = line.points
+        ring = points[:-1] if (points[0] == points[-1]).all() else points
         if line.role == "boundary":
-            drawing.boundaries.append(line.points)
-        elif line.role == "obstacle":
-            if len(line.points) < 3 or not line.is_closed:
-                drawing.changes.append(
-                    f"obstacle at {place(line.points[0])} is not closed: closed by a straight line"
-                )
-            ring = line.points[:-1] if (line.points[0] == line.points[-1]).all() else line.points
-            drawing.obstacles.append(ring)
+            drawing.boundaries.append(points)
         elif line.role == "path":
             named_paths.append(line)
-        else:
-            ring = line.points[:-1] if (line.points[0] == line.points[-1]).all() else line.points
+        elif line.role == "robot":
             if len(ring) < 3:
                 raise refused(path, f"a robot at {place(ring[0])} has no area; draw its outline")
-            number = len(drawing.robots) + 1
-            drawing.robots.append(DrawnRobot(_free_name(line.name, number, drawing), ring))
+            drawing.robots.append(DrawnRobot(_free_name(line.name, drawing), ring))
+        else:
+            if len(points) < 3 or not line.is_closed:
+                drawing.changes.append(
+                    f"obstacle at {place(points[0])} is not closed: closed by a straight line"
+                )
+            drawing.obstacles.append(ring)
     _paths(drawing, named_paths)
     drawing.changes += join_ends(drawing.boundaries)
     if not drawing.boundaries:
@@ -196,7 +186,9 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], look: SvgLook) -> No
         )
 
 
-def _free_name(name: str, number: int, drawing: Drawing) -> str:
+def _free_name(name: str, drawing: Drawing) -> str:
+    """Name of the next robot: its own, unless there is none or another bears it."""
+    number = len(drawing.robots) + 1
     name = printable(name)[:80] or f"r{number}"
     taken = {robot.name for robot in drawing.robots}
     while name in taken:

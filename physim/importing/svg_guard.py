@@ -38,18 +38,17 @@ NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 
 @dataclass
 class SvgLook:
-    """What the first look found: the line of each id, things without lines, size attributes."""
+    """What the first look found: the line of each id, things without lines, width of the page."""
 
     lines: dict[str, int] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
-    size: dict[str, str] = field(default_factory=dict)
+    width: str = ""
 
 
 @dataclass
 class _Element:
     """An element with the ids that it copies and its children."""
 
-    line: int
     count: int = 1
     copies: list[str] = field(default_factory=list)
 
@@ -87,7 +86,7 @@ class _Guard:
         self.look = SvgLook()
         self.elements: dict[str, _Element] = {}
         self.open: list[tuple[str, _Element]] = []
-        self.all = _Element(1)
+        self.all = _Element()
         self.seen = 0
         self.drawn = 0
         self.hidden = 0
@@ -105,8 +104,7 @@ class _Guard:
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
-        total = self._written_out(self.all, ())
-        if total > MOST_ELEMENTS:
+        if self._written_out(self.all) > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
         return self.look
 
@@ -125,9 +123,7 @@ class _Guard:
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{printable(name[:40])}>, not <svg>")
         if not self.open:
-            self.look.size = {
-                k: attributes[k] for k in ("width", "height", "viewBox") if k in attributes
-            }
+            self.look.width = attributes.get("width", "")
         self.seen += 1
         if self.seen > MOST_ELEMENTS:
             raise self._refused(f"more than {MOST_ELEMENTS} elements")
@@ -149,7 +145,7 @@ class _Guard:
             self.look.left_out.append(
                 f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
             )
-        element = _Element(line)
+        element = _Element()
         href = attributes.get(XLINK, attributes.get("href", ""))
         if tag in NOT_LINES and not self.hidden:
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
@@ -172,7 +168,7 @@ class _Guard:
         parent.count += element.count
         parent.copies += element.copies
 
-    def _written_out(self, element: _Element, within: tuple[str, ...]) -> int:
+    def _written_out(self, element: _Element) -> int:
         """Elements below one, copies counted; refuses copies that contain themselves."""
         known: dict[str, int] = {}
 
@@ -188,4 +184,4 @@ class _Guard:
                 known[name] = inner
             return known[name]
 
-        return element.count + sum(count(name, within) for name in element.copies)
+        return element.count + sum(count(name, ()) for name in element.copies)

@@ -10,7 +10,7 @@ import shapely
 
 from physim.geometry.shapes import FloatArray
 from physim.importing.drawing import Drawing, Options, listed, place, refused, rounded
-from physim.importing.line import points_at, samples, stations
+from physim.importing.line import length_of, points_at, samples, stations
 from physim.importing.loops import CrossingError, without_loops
 from physim.importing.soundness import check_size
 from physim.importing.source import read_text
@@ -23,9 +23,9 @@ CLOSED_SHARE, CLOSABLE_SHARE = 0.2, 0.5
 GAP = 2.0
 """[m] of road left out where a closed track is cut open"""
 FOLDED = 0.5
-"""[-] share of the stated width below which a wall is told to be too near"""
+"""[-] share of the stated width below which a wall is reported as too near"""
 SLIGHTLY = 0.05
-"""[-] share by which a road may be narrower than stated before that is told"""
+"""[-] share by which a road may be narrower than stated before that is reported"""
 ABOUT = 2.0
 """[-] times the stated width along the road within which a narrower place explains a near wall"""
 NEAR = 1e-6
@@ -47,23 +47,18 @@ class _Road:
 
     def cut(self, start: float, length: float) -> _Road:
         """Stretch of a closed road (last point as the first) from a station of its centreline."""
-        steps = np.hypot(*np.diff(self.centre, axis=0).T)
-        station = np.concatenate(([0.0], np.cumsum(steps)))
-        total = station[-1]
-        twice = np.concatenate((station, station[1:] + total))
+        station = stations(self.centre)
+        twice = np.concatenate((station, station[1:] + station[-1]))
         inside = twice[(twice > start + 1e-6) & (twice < start + length - 1e-6)]
         at = np.concatenate(([start], inside, [start + length]))
-        parts = []
-        for line in (self.centre, self.right, self.left):
-            two = np.vstack([line, line[1:]])
-            parts.append(np.stack([np.interp(at, twice, two[:, k]) for k in (0, 1)], axis=1))
-        return _Road(*parts)
+        lines = (np.vstack([line, line[1:]]) for line in (self.centre, self.right, self.left))
+        return _Road(*(np.stack([np.interp(at, twice, line[:, k]) for k in (0, 1)], axis=1)
+                       for line in lines))  # fmt: skip
 
 
 def read_track(path: Path, options: Options) -> Drawing:
     """Read a race-track CSV into a drawing with its centreline as the reference path."""
-    scale = 1.0 if options.scale is None else options.scale
-    file = read_track_file(path, read_text(path), scale)
+    file = read_track_file(path, read_text(path), options.unit)
     closed, total = _closed(file, options)
     kind = "closed" if closed else "open"
     drawing = Drawing(kind="centreline with widths (race-track convention)")
@@ -71,7 +66,7 @@ def read_track(path: Path, options: Options) -> Drawing:
     width = file.left + file.right
     drawing.facts.append(
         f"{len(file.points)} points, {total:.1f} m, {kind}, {width.min():.2f} to "
-        f"{width.max():.2f} m wide as stated; {scale:g} m per unit"
+        f"{width.max():.2f} m wide as stated; {options.unit:g} m per unit"
     )
     road = _road(file, closed)
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
@@ -79,10 +74,9 @@ def read_track(path: Path, options: Options) -> Drawing:
         road = _opened(path, road, total, options, drawing)
     elif options.start is not None or options.gap is not None:
         raise refused(path, "--start and --gap are for closed tracks; this one is open")
-    _tell_folds(file, drawing, road)
-    half = {"left": float(file.left.max()), "right": float(file.right.max())}
-    left = _wall(path, "left", road.left, half["left"], drawing)
-    right = _wall(path, "right", road.right, half["right"], drawing)
+    _report_folds(file, drawing, road)
+    left = _wall(path, "left", road.left, float(file.left.max()), drawing)
+    right = _wall(path, "right", road.right, float(file.right.max()), drawing)
     crossing = shapely.intersection(shapely.LineString(left), shapely.LineString(right))
     if not crossing.is_empty:
         at = place(shapely.get_coordinates(crossing)[0])
@@ -104,7 +98,7 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
     The sum of the shortest distances from the centreline to either wall, as `physim preview` has
     it: at a corner the walls keep their distance along its bisector, and lie nearer beside it.
     """
-    at = samples(float(stations(centre)[-1]), 0.1)
+    at = samples(length_of(centre), 0.1)
     points = points_at(centre, at)
     width = sum(shapely.distance(shapely.LineString(wall), shapely.points(points))
                 for wall in (left, right))  # fmt: skip
@@ -117,8 +111,8 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
     ]
 
 
-def _tell_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
-    """Tell where a wall lies much nearer to the centreline than the width that is stated."""
+def _report_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
+    """Report where a wall lies much nearer to the centreline than the width that is stated."""
     at = shapely.points(file.points)
     for side, wall, width in (("left", road.left, file.left), ("right", road.right, file.right)):
         line = shapely.LineString(wall)
@@ -147,23 +141,20 @@ def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:
     steps = np.hypot(*np.diff(file.points, axis=0).T)
     gap = float(np.hypot(*(file.points[0] - file.points[-1])))
     length = float(steps.sum())
-    near = gap <= min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
+    most = min(CLOSED * float(steps.max()), CLOSED_SHARE * length)
     if options.start is not None:
-        near = gap <= CLOSABLE_SHARE * length
-    closed = len(file.points) > 3 and near
-    return closed, float(steps.sum()) + (gap if closed else 0.0)
+        most = CLOSABLE_SHARE * length
+    closed = len(file.points) > 3 and gap <= most
+    return closed, length + (gap if closed else 0.0)
 
 
 def _road(file: TrackFile, closed: bool) -> _Road:
     """Walls at the stated widths, square to the direction from the point before to the next."""
     points, right, left = file.points, file.right, file.left
-    if closed:
-        if np.hypot(*(points[0] - points[-1])) > 1e-6:
-            points, right, left = (np.concatenate((a, a[:1])) for a in (points, right, left))
-        ahead = np.vstack([points[1:], points[1:2]])
-        behind = np.vstack([points[-2:-1], points[:-1]])
-    else:
-        ahead, behind = np.vstack([points[1:], points[-1:]]), np.vstack([points[:1], points[:-1]])
+    if closed and np.hypot(*(points[0] - points[-1])) > 1e-6:
+        points, right, left = (np.concatenate((a, a[:1])) for a in (points, right, left))
+    ahead = np.vstack([points[1:], points[1:2] if closed else points[-1:]])
+    behind = np.vstack([points[-2:-1] if closed else points[:1], points[:-1]])
     after, before = ahead - points, points - behind
     for d in (after, before):
         length = np.hypot(*d.T)
@@ -202,10 +193,10 @@ def _wall(path: Path, side: str, line: FloatArray, width: float, drawing: Drawin
             f"there, or its points are noisy; {SMOOTH}",
         ) from None
     drawing.changes += listed(
-        [
-            f"{side} wall crossed itself in a tight bend at {place(point)}: loop of {length:.2f} m "
-            "cut off"
-            for point, length in loops
-        ]
+        loops,
+        lambda loop: (
+            f"{side} wall crossed itself in a tight bend at {place(loop[0])}: loop of "
+            f"{loop[1]:.2f} m cut off"
+        ),
     )
     return clean

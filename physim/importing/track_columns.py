@@ -108,7 +108,7 @@ def _unknown(names: list[str]) -> str:
 
 def _check_count(path: Path, data: tuple[int, str], separator: str, count: int) -> None:
     if separator == "," and count == 1 and len(data[1].split()) == 4:
-        raise refused(path, "values stand apart by spaces; put commas between them", data[0])
+        raise refused(path, "the values are separated by spaces; separate them by commas", data[0])
     if count != 4:
         raise refused(
             path, f"{count} columns and no names; 4 are needed: {', '.join(COLUMNS)}", data[0]

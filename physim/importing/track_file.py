@@ -12,22 +12,19 @@ from pathlib import Path
 import numpy as np
 
 from physim.geometry.shapes import FloatArray
-from physim.importing.drawing import listed, printable, refused
+from physim.importing.drawing import LARGEST, listed, printable, refused
 from physim.importing.track_columns import COLUMNS, Columns, columns_of, is_data
 
 MOST_POINTS = 100_000
-LARGEST = 1.0e6
-"""[m] largest coordinate of a world"""
 
 
 @dataclass(frozen=True)
 class TrackFile:
-    """The rows of a track: points (n, 2) [m], widths (n,) [m], and the line each stands on."""
+    """The rows of a track: points (n, 2) [m] and widths (n,) [m]."""
 
     points: FloatArray
     right: FloatArray
     left: FloatArray
-    lines: tuple[int, ...]
     changes: tuple[str, ...]
 
 
@@ -42,7 +39,6 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     columns = columns_of(path, rows)
     changes = [f"columns left out: {', '.join(columns.extra)}"] if columns.extra else []
     values: list[list[float]] = []
-    lines: list[int] = []
     repeated: list[str] = []
     for k, row in rows:
         if row.startswith("#") or not is_data(row):
@@ -55,14 +51,13 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
             repeated.append(f"line {k}: repeats the point before it, dropped")
             continue
         values.append(value)
-        lines.append(k)
         if len(values) > MOST_POINTS:
             raise refused(path, f"more than {MOST_POINTS} points", k)
     if len(values) < 2:
         raise refused(path, f"{len(values)} points; a centreline needs at least 2")
     table = np.array(values)
     changes += listed(repeated)
-    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(lines), tuple(changes))
+    return TrackFile(table[:, :2], table[:, 2], table[:, 3], tuple(changes))
 
 
 def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
@@ -73,13 +68,12 @@ def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
     if len(cells) <= max(order):
         raise refused(path, f"{len(cells)} values; {max(order) + 1} are needed", line)
     values = []
-    for name, k in zip(COLUMNS, order, strict=True):
+    for name, cell in zip(COLUMNS, (cells[k] for k in order), strict=True):
         try:
-            value = float(cells[k]) if "_" not in cells[k] else math.nan
+            values.append(float(cell) if "_" not in cell else math.nan)
         except ValueError:
-            shown = printable(cells[k][:40])
-            raise refused(path, f'{name}: "{shown}" is not a number', line) from None
-        values.append(value)
+            message = f'{name}: "{printable(cell[:40])}" is not a number'
+            raise refused(path, message, line) from None
     return values
 
 
@@ -88,7 +82,7 @@ def _check(path: Path, line: int, value: list[float]) -> None:
         if not math.isfinite(v):
             raise refused(path, f"{name}: {v} is not a finite number", line)
         if abs(v) > LARGEST:
-            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; mind the --scale", line)
+            raise refused(path, f"{name}: {v:g} m is beyond {LARGEST:g} m; check --scale", line)
     for name, v in zip(COLUMNS[2:], value[2:], strict=True):
         if v <= 0.0:
             raise refused(path, f"{name}: a width of {v:g} m; it must be greater than 0", line)

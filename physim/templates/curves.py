@@ -36,11 +36,6 @@ def rounded(points: Sequence[Sequence[float]], radius: float) -> FloatArray:
     return np.array(line, dtype=np.float64).round(2)
 
 
-def length_of(line: FloatArray) -> float:
-    """Length [m] of a polyline."""
-    return float(np.hypot(*np.diff(line, axis=0).T).sum())
-
-
 def rectangle(x0: float, y0: float, x1: float, y1: float) -> FloatArray:
     """Corners (4, 2) of a rectangle, counter-clockwise."""
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])

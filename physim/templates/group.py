@@ -39,6 +39,15 @@ def lanes_of(width: float) -> int:
     return max(1, 1 + int((width - 2.0 * EDGE) / LANE + 1e-9))
 
 
+def lane_offsets(lanes: int) -> list[float]:
+    """Offsets [m] of lanes abreast, left positive, in the order in which robots take them.
+
+    From the middle outwards, left before right.
+    """
+    offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
+    return sorted(offsets, key=lambda offset: (abs(offset), -offset))
+
+
 def places(width: float, robots: int) -> list[Place]:
     """Starts of a group in lanes that fit into a width [m], the first robot foremost.
 
@@ -46,8 +55,7 @@ def places(width: float, robots: int) -> list[Place]:
     it at a time. Small groups take fewer lanes.
     """
     lanes = min(lanes_of(width), ceil(robots / 2))
-    offsets = [LANE * (k - 0.5 * (lanes - 1)) for k in range(lanes)]
-    offsets.sort(key=lambda offset: (abs(offset), -offset))  # middle, left, right
+    offsets = lane_offsets(lanes)
     apart = (ROW if lanes > 1 else FILE_ROW) / lanes
     return [
         Place(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import ceil
 
+import shapely
+
 from physim.geometry.shapes import FloatArray
-from physim.templates.curves import length_of
 from physim.templates.group import Place, fitted
 from physim.templates.roads import Road
 from physim.world.yaml_text import scalar_text
@@ -35,7 +36,7 @@ def _head(name: str, road: Road) -> Iterator[str]:
     yield "seed: 1  # start of everything random, as headings are when they say so"
     yield "time:"
     yield "  step: 0.01  # [s] one physics step"
-    duration = 10 * ceil((length_of(road.reference) / SLOWEST + 10.0) / 10.0)
+    duration = 10 * ceil((shapely.LineString(road.reference).length / SLOWEST + 10.0) / 10.0)
     yield f"  duration: {duration:.1f}  # [s] at most; the run ends when all robots have arrived"
 
 
@@ -43,20 +44,20 @@ def _walls(road: Road) -> Iterator[str]:
     if road.width is not None:
         yield "corridor:  # a road along a line; or draw walls: boundaries and reference_path"
         yield "  centreline:  # [m] points [x, y]; also the path that the formation keeps to"
-        yield from _points(road.reference, 4)
+        yield from _points("    ", road.reference)
         yield f"  width: {road.width}  # [m] from wall to wall; or a list, one for each point"
         yield "  end_margin: 3.0  # [m] the road goes on beyond both ends of the line, to its caps"
     else:
         note = road.notes["boundaries"]
         yield f"boundaries:  # [m] walls as polylines of points [x, y]: {note}"
         for line in road.boundaries:
-            yield from _item(line)
+            yield from _points("  - ", line)
         yield "reference_path:  # [m] points [x, y]; the formation keeps its distances along it"
-        yield from _points(road.reference, 2)
+        yield from _points("  ", road.reference)
     if road.obstacles:
         yield f"obstacles:  # [m] closed polygons, solid: {road.notes['obstacles']}"
         for ring in road.obstacles:
-            yield from _item(ring)
+            yield from _points("  - ", ring)
 
 
 def _robots(group: list[Place]) -> Iterator[str]:
@@ -114,26 +115,27 @@ expect:  # what the run must show; else physim run ends with exit code 1
 """
 
 
-def _item(points: FloatArray) -> Iterator[str]:
-    first, *others = _points(points, 4)
-    yield f"  - {first.strip()}"
-    yield from others
-
-
-def _points(points: FloatArray, indent: int) -> Iterator[str]:
-    """A list of points, broken into lines."""
-    space = " " * indent
+def _points(head: str, points: FloatArray) -> Iterator[str]:
     pieces = [f"[{x + 0.0:.6g}, {y + 0.0:.6g}]" for x, y in points.round(2)]
-    whole = f"{space}[{', '.join(pieces)}]"
-    if len(whole) <= LINE:
+    return flow_list(head, pieces, LINE)
+
+
+def flow_list(head: str, pieces: Sequence[str], width: int) -> Iterator[str]:
+    """Lines of ``head[piece, piece]``, a YAML list broken where it is wider than ``width`` columns.
+
+    ``head`` holds the indentation, and the dash or key before the list.
+    """
+    whole = f"{head}[{', '.join(pieces)}]"
+    if len(whole) <= width:
         yield whole
         return
-    yield f"{space}["
-    line = space + " "
+    yield f"{head}["
+    space = " " * (len(head) - len(head.lstrip(" -")))
+    line = f"{space} "
     for piece in pieces:
-        if len(line) + len(piece) + 2 > LINE:
+        if line.strip() and len(line) + len(piece) + 2 > width:
             yield line
-            line = space + " "
+            line = f"{space} "
         line += f" {piece},"
     yield line
     yield f"{space}]"

@@ -8,8 +8,7 @@ In pytest::
         assert not check_controller(MyController)
 """
 
-from physim.testing.check import check_controller
+from physim.testing.check import check_controller, situations
 from physim.testing.findings import Finding, Rule
-from physim.testing.situations import situations
 
 __all__ = ["Finding", "Rule", "check_controller", "situations"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +13,12 @@ from physim.control_decisions import Row, broken, decision_row
 from physim.control_loop import check_commands, hold_steps
 from physim.declared import Declared
 from physim.errors import ControllerError, PhysimError
+from physim.geometry.shapes import IntArray
 from physim.scene import Scene
-from physim.testing.contents import NAN, Contents, Told, contents, difference
+from physim.testing.contents import NAN, Contents, Label, contents, difference
+
+Make = Callable[[], Controller]
+"""Makes one more instance of a controller, with the same settings."""
 
 RAISES, REFUSED = "raises", "refused"
 """What an answer holds in place of a decision."""
@@ -42,28 +47,34 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     try:
         decision = controller.decide(observation, memory)
     except (Exception, SystemExit) as error:
-        told = error if isinstance(error, PhysimError) else broken(error, where)
-        fault = str(told).removeprefix(f"{where}: ")
+        reported = error if isinstance(error, PhysimError) else broken(error, where)
+        fault = str(reported).removeprefix(f"{where}: ")
         return Answer({RAISES: type(error).__name__}, None, fault)
+    robot, time = np.array([observation.index]), observation.time
     try:
         declared = Declared.of(controller)
-        row = _judged(decision, scene, observation, where, declared)
+        row = decision_row(decision, where, declared, scene.robots)
+        check_commands(scene, time, robot, np.array([row.command]))
+        hold_steps(scene, time, robot, np.array([row.hold]))
     except ControllerError as error:
         fault = str(error).removeprefix(f"{where}: ")
         return Answer({REFUSED: fault}, None, fault)
     return Answer({**values_of(row, declared), **contents(decision.memory, "memory")}, decision)
 
 
-def _judged(
-    decision: Any, scene: Scene, observation: Observation, where: str, declared: Declared
-) -> Row:
-    """Numbers of a decision. Raises ControllerError for one at which a run would stop."""
-    row = decision_row(decision, where, declared, scene.robots)
-    robot, time = np.array([observation.index]), observation.time
-    command, hold = np.array([row.command]), np.array([row.hold])
-    check_commands(scene, time, robot, command)
-    hold_steps(scene, time, robot, hold)
-    return row
+def unreadable(decisions: object, due: IntArray) -> str:
+    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
+    if not isinstance(decisions, Decisions):
+        return f"returned {type(decisions).__name__}; it must return Decisions"
+    for name, values in zip(decisions._fields, decisions, strict=True):
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
+            return f"returned {name} that is no array of numbers"
+    if decisions.command.shape != (len(due), 2):
+        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
+    if not np.array_equal(decisions.robot, due):
+        given = np.asarray(decisions.robot).tolist()
+        return f"decided for robots {given} when asked for {due.tolist()}"
+    return ""
 
 
 def rows_of(decisions: Decisions) -> dict[int, Row]:
@@ -84,22 +95,20 @@ def rows_of(decisions: Decisions) -> dict[int, Row]:
 
 def values_of(row: Row, declared: Declared) -> Contents:
     """Numbers of a decision by name."""
-    told = [("v", row.command[0]), ("omega", row.command[1]), ("hold", row.hold)]
-    told += [
-        (f"report {column.name}", value)
-        for column, value in zip(declared.columns, row.report, strict=True)
-    ]
-    values: Contents = {name: float(value) if value == value else NAN for name, value in told}
-    values["considered"] = Told(", ".join(map(str, sorted(row.considered))) or "nobody")
+    numbers = {"v": row.command[0], "omega": row.command[1], "hold": row.hold}
+    for column, value in zip(declared.columns, row.report, strict=True):
+        numbers[f"report {column.name}"] = value
+    values: Contents = {name: value if value == value else NAN for name, value in numbers.items()}
+    values["considered"] = Label(", ".join(map(str, sorted(row.considered))) or "nobody")
     for name, number, among in (
         ("mode", row.mode, declared.modes),
         ("rule", row.rule, declared.rules),
     ):
-        values[name] = Told(among[number].name if 0 <= number < len(among) else f"no {name}")
+        values[name] = Label(among[number].name if 0 <= number < len(among) else f"no {name}")
     return values
 
 
-def differs(one: Contents, other: Contents) -> str:
+def other_answer(one: Contents, other: Contents) -> str:
     """What is other in the second of two answers; empty where nothing is."""
     found = difference(one, other)
     if found is None:

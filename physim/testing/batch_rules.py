@@ -4,45 +4,43 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from physim.control import BatchController, Batched, Decisions
+from physim.control import BatchController, Batched
 from physim.control_decisions import broken
 from physim.control_loop import check_told
 from physim.declared import Declared
 from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
-from physim.testing.answers import differs, rows_of, values_of
+from physim.testing.answers import other_answer, rows_of, unreadable, values_of
 from physim.testing.contents import Contents, contents, difference
-from physim.testing.findings import Found, Rule
-from physim.testing.runs import Run, Step, own
+from physim.testing.findings import FindingLog, Rule
+from physim.testing.runs import Trial, TrialStep, own
 
 
-def check_batch(run: Run, controller: Batched, found: Found) -> None:
+def check_batch(trial: Trial, controller: Batched, found: FindingLog) -> None:
     """Hold the batch form against the plain one, then against itself asked robot by robot."""
-    whole = _Driven(run, controller, found, Rule.BATCH)
-    alone = _Driven(run, controller, found, Rule.BATCH_ORDER)
-    for step in run.steps:
+    whole = _BatchDriver(trial, controller, found, Rule.BATCH)
+    alone = _BatchDriver(trial, controller, found, Rule.BATCH_ORDER)
+    for step in trial.steps:
         rows = whole.decide(step, [step.due])
         if rows is None:
             return
         others = alone.decide(step, [step.due[k : k + 1] for k in reversed(range(len(step.due)))])
         for one in step.asked:
             row = rows[one.robot]
-            change = differs({name: one.answer.values.get(name) for name in row}, row)
+            change = other_answer({name: one.answer.values.get(name) for name in row}, row)
             if change and not one.answer.fault:
-                told = "the batch form decides otherwise than the plain one"
-                whole.tell(f"{told}: {change}", one.robot)
-            if others is not None and (change := differs(row, others[one.robot])):
-                told = "asked robot by robot, last first, the batch form decides otherwise"
-                alone.tell(f"{told}: {change}", one.robot)
+                text = "the batch form decides otherwise than the plain one"
+                whole.report(f"{text}: {change}", one.robot)
+            if others is not None and (change := other_answer(row, others[one.robot])):
+                text = "asked robot by robot, last first, the batch form decides otherwise"
+                alone.report(f"{text}: {change}", one.robot)
 
 
-class _Driven:
+class _BatchDriver:
     """A batch form that is given what was sensed in a run, step by step, until it fails."""
 
-    def __init__(self, run: Run, controller: Batched, found: Found, rule: Rule) -> None:
-        self.run = run
+    def __init__(self, trial: Trial, controller: Batched, found: FindingLog, rule: Rule) -> None:
+        self.trial = trial
         self.controller = controller
         self.found = found
         self.rule = rule
@@ -52,11 +50,11 @@ class _Driven:
         self.memory: dict[str, Any] = {}
         self.declared = Declared.of(controller)
 
-    def tell(self, text: str, robot: int, rule: Rule | None = None) -> None:
+    def report(self, text: str, robot: int, rule: Rule | None = None) -> None:
         """Take down a finding."""
-        self.found.add(rule or self.rule, self.run.scene.names[robot], self.time, text)
+        self.found.add(rule or self.rule, self.trial.scene.names[robot], self.time, text)
 
-    def decide(self, step: Step, portions: list[IntArray]) -> dict[int, Contents] | None:
+    def decide(self, step: TrialStep, portions: list[IntArray]) -> dict[int, Contents] | None:
         """Values of each decision of a step by robot.
 
         None from the step on at which it fails, which is a finding.
@@ -69,44 +67,29 @@ class _Driven:
                 return None
         return rows
 
-    def _decide(self, step: Step, due: IntArray, rows: dict[int, Contents]) -> bool:
+    def _decide(self, step: TrialStep, due: IntArray, rows: dict[int, Contents]) -> bool:
         """Put the values of robots ``due`` into ``rows``; whether there are any."""
         sensed, asked = own(step.sensed), due.copy()
         try:
             if self.batch is None:
-                self.batch = self.controller.batch(self.run.scene)
+                self.batch = self.controller.batch(self.trial.scene)
                 self.memory = self.batch.memory()
             decisions = self.batch.decide_due(sensed, asked, self.memory)
         except (Exception, SystemExit) as error:
-            self.tell(str(broken(error, "the batch form fails")), due[0])
+            self.report(str(broken(error, "the batch form fails")), due[0])
             return False
         given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))
         if change := difference(given, after):
-            told = "the batch form writes into what is sensed, or into the robots it is asked for"
-            self.tell(f"{told}, at {change.place}", due[0], Rule.OBSERVATION)
-        fault = _unreadable(decisions, due)
+            text = "the batch form modifies what is sensed, or the list of robots it is asked for"
+            self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
+        fault = unreadable(decisions, due)
         if not fault:
             try:
-                check_told(self.run.scene, self.time, decisions, self.declared)
+                check_told(self.trial.scene, self.time, decisions, self.declared)
             except ControllerError as error:
                 fault = f"returned what no record may hold: {error}"
         if fault:
-            self.tell(f"decide_due {fault}", due[0])
+            self.report(f"decide_due {fault}", due[0])
             return False
         rows |= {robot: values_of(row, self.declared) for robot, row in rows_of(decisions).items()}
         return True
-
-
-def _unreadable(decisions: object, due: IntArray) -> str:
-    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
-    if not isinstance(decisions, Decisions):
-        return f"returned {type(decisions).__name__}; it must return Decisions"
-    for name, values in zip(decisions._fields, decisions, strict=True):
-        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
-            return f"returned {name} that is no array of numbers"
-    if decisions.command.shape != (len(due), 2):
-        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
-    if not np.array_equal(decisions.robot, due):
-        given = np.asarray(decisions.robot).tolist()
-        return f"decided for robots {given} when asked for {due.tolist()}"
-    return ""

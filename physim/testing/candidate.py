@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from physim.control import Controller
 from physim.errors import ControllerError, WorldError
 from physim.registry import CONTROLLER, checked_settings, find_part, made_part
+from physim.testing.answers import Make
 from physim.world import World
-
-Make = Callable[[], Controller]
-"""Makes one more instance, with the same settings."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def _copy(controller: Controller, name: str) -> Controller:
     try:
         return copy.deepcopy(controller)
     except Exception as error:
-        told = " ".join(str(error).split())[:200]
+        reason = " ".join(str(error).split())[:200]
         raise ControllerError(
-            f"the {name} given cannot be copied ({type(error).__name__}: {told}); give its class"
+            f"the {name} given cannot be copied ({type(error).__name__}: {reason}); give its class"
         ) from error

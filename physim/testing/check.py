@@ -8,29 +8,93 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from physim.control import Batched, Controller
 from physim.errors import ControllerError, PhysimError, plural
 from physim.part_checks import robot_faults
 from physim.scene import Scene
 from physim.scene_builder import build_scene
+from physim.testing.answers import Make
 from physim.testing.batch_rules import check_batch
-from physim.testing.candidate import Candidate, Make, candidate
-from physim.testing.findings import Finding, Found
+from physim.testing.candidate import Candidate, candidate
+from physim.testing.findings import Finding, FindingLog
 from physim.testing.plain_rules import check_plain
-from physim.testing.runs import run_world
-from physim.testing.situations import situations
+from physim.testing.runs import run_trial
 from physim.world import World
-from physim.world_file import load_world
+from physim.world_file import load_world, parse_world
 from physim.world_file.shipped import shipped_worlds
 
-Given = World | str | os.PathLike[str]
+WorldLike = World | str | os.PathLike[str]
 """A world, its file, or the name of a shipped one."""
 SECONDS = 2.0
-"""[s] of each world, unless told otherwise"""
+"""[s] of each world, unless asked otherwise"""
+
+HEAD = "{{name: situation, time: {{step: 0.02, duration: 60.0}}, {}}}"
+
+SITUATIONS = {
+    "nobody in sight": """
+        corridor: {centreline: [[0, 0], [60, 0]], width: 8},
+        robots: [
+          {name: a, footprint: {length: 1.8, width: 1.0}, pose: [40, 1, 0.2], path: {offset: 0}},
+          {name: b, footprint: {length: 1.8, width: 1.0}, pose: [5, -1, 0], path: {offset: 0}}],
+        formation: {range: 10}""",
+    "no wall in sight": """
+        corridor: {centreline: [[0, 0], [60, 0]], width: 60, end_margin: 20},
+        robots: [
+          {name: a, footprint: {length: 1.8, width: 1.0}, pose: [24, 1, 0], path: {offset: 1}},
+          {name: b, footprint: {length: 1.4, width: 1.2}, pose: [20, 0, 0.5], path: {offset: 0}},
+          {name: alone, footprint: {length: 1.8, width: 1.0}, pose: [45, 0, 0], path: {offset: 0}}],
+        formation: {range: 6}""",
+    "at the end of the path": """
+        corridor: {centreline: [[0, 0], [40, 0]], width: 10},
+        robots: [
+          {name: at, footprint: {length: 1.8, width: 1.0}, pose: [20, 2, 0],
+           path: [[0, 2], [20, 2]]},
+          {name: past, footprint: {length: 1.8, width: 1.0}, pose: [23, 0, 0.5],
+           path: [[0, 0], [20, 0]]},
+          {name: before, footprint: {length: 1.8, width: 1.0}, pose: [19.4, -2, 0],
+           path: [[0, -2], [20, -2]]}]""",
+    "facing backwards": """
+        corridor: {centreline: [[0, 0], [40, 0]], width: 10},
+        robots: [
+          {name: back, footprint: {length: 1.8, width: 1.0}, pose: [20, 2, 3.141592653589793],
+           path: {offset: 2}},
+          {name: right, footprint: [[0.9, 0], [-0.9, 0.5], [-0.5, 0], [-0.9, -0.5]],
+           pose: [16, 0, -1.5707963267948966], path: {offset: 0}},
+          {name: askew, footprint: {length: 1.8, width: 1.0}, pose: [14, -2, 2.6],
+           path: {offset: -2}}],
+        formation: {range: 10}""",
+    "overlapping": """
+        corridor: {centreline: [[0, 0], [40, 0]], width: 8},
+        robots: [
+          {name: a, footprint: {length: 1.8, width: 1.0}, pose: [12, 0, 0], path: {offset: 0}},
+          {name: b, footprint: {length: 1.4, width: 1.2}, pose: [9, 0, 0.4], path: {offset: 0}},
+          {name: in_wall, footprint: {length: 1.8, width: 1.0}, pose: [20, 2, 0],
+           path: {offset: 2}}],
+        formation: {range: 10}""",
+}  # fmt: skip
+"""Small worlds in which a robot meets what it seldom meets, each named after what it starts with:
+corridor, robots and formation, as a world file writes them."""
+
+OVERLAPPING = ((1, (11.2, 0.3, 0.4)), (2, (20.0, 3.8, 0.2)))
+"""Start poses that no world may have: robot and pose [m, m, rad]."""
+
+
+def situations() -> dict[str, Scene]:
+    """Scenes by name; ``Simulation(scene, controller=MyController())`` runs one."""
+    scenes = {
+        name: build_scene(parse_world(HEAD.format(text))) for name, text in SITUATIONS.items()
+    }
+    overlapping = scenes["overlapping"]
+    start = np.array(overlapping.start)
+    for i, pose in OVERLAPPING:
+        start[i] = pose
+    return {**scenes, "overlapping": replace(overlapping, start=start)}
 
 
 @dataclass(frozen=True)
-class Examined:
+class WorldResult:
     """What was found in one world."""
 
     world: str
@@ -53,7 +117,7 @@ class Examined:
 def check_controller(
     controller: type[Any] | Controller | str,
     *,
-    worlds: Sequence[Given] | None = None,
+    worlds: Sequence[WorldLike] | None = None,
     seconds: float = SECONDS,
     settings: Mapping[str, Any] | None = None,
     tell: Callable[[str], object] = print,
@@ -81,23 +145,23 @@ def check_controller(
     """
     found: list[Finding] = []
     chosen = candidate(controller, settings)
-    for part in examined(chosen, worlds, seconds):
+    for part in check_worlds(chosen, worlds, seconds):
         for line in part.lines():
             tell(line)
         found += part.findings
     return found
 
 
-def places(worlds: Sequence[Given] | None) -> list[Given]:
+def worlds_to_try(worlds: Sequence[WorldLike] | None) -> list[WorldLike]:
     """Worlds to be tried: those given, else all shipped."""
     if worlds is None:
         return list(shipped_worlds())
     return [worlds] if isinstance(worlds, World | str | os.PathLike) else list(worlds)
 
 
-def examined(
-    chosen: Candidate, worlds: Sequence[Given] | None, seconds: float = SECONDS
-) -> Iterator[Examined]:
+def check_worlds(
+    chosen: Candidate, worlds: Sequence[WorldLike] | None, seconds: float = SECONDS
+) -> Iterator[WorldResult]:
     """Try a controller in one world after the other, then in each situation.
 
     Raises as `check_controller` does.
@@ -105,11 +169,11 @@ def examined(
     if not (isfinite(seconds) and seconds > 0.0):
         raise PhysimError(f"seconds = {seconds:g}; it must be a time greater than 0 s")
     tried, refusal = False, ""
-    given = places(worlds)
+    given = worlds_to_try(worlds)
     for one in given:
         world = one if isinstance(one, World) else load_world(one)
         name = world.name if isinstance(one, World) else str(one)
-        part = _examined(name, build_scene(world), chosen.maker(world), seconds)
+        part = _check_scene(name, build_scene(world), chosen.maker(world), seconds)
         tried = tried or not part.skipped
         refusal = refusal or part.skipped
         yield part
@@ -120,19 +184,19 @@ def examined(
         )
     make = chosen.maker()
     for name, scene in situations().items():
-        yield replace(_examined(name, scene, make, seconds), situation=True)
+        yield replace(_check_scene(name, scene, make, seconds), situation=True)
 
 
-def _examined(name: str, scene: Scene, make: Make, seconds: float) -> Examined:
+def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldResult:
     """Try a controller in one world."""
     controller = make()
     if faults := robot_faults(controller, dict(enumerate(scene.world.robots))):
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-        return Examined(name, False, 0, (), f"{faults[0]}{more}")
-    found = Found(name)
-    run = run_world(scene, controller, seconds)
-    check_plain(run, controller, make, found)
+        return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
+    found = FindingLog(name)
+    trial = run_trial(scene, controller, seconds)
+    check_plain(trial, controller, make, found)
     batched = make()
     if isinstance(batched, Batched):
-        check_batch(run, batched, found)
-    return Examined(name, False, len(run.asked), found.findings())
+        check_batch(trial, batched, found)
+    return WorldResult(name, False, len(trial.asked), found.findings())

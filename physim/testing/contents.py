@@ -25,7 +25,7 @@ Contents = dict[str, Any]
 """Leaves by place, to compare with ``==``."""
 
 AS_PRINTED = ("datetime", "decimal", "fractions", "itertools", "pathlib", "uuid", "zoneinfo")
-"""Packages whose objects are told by what they print."""
+"""Packages whose objects are described by what they print."""
 CLOSED = (sys.stdlib_module_names - {"collections", "functools", "types"}) | {"numba"}
 """Packages whose other objects are not looked into: locks, files, loggers, compiled functions."""
 KERNELS = "physim.compiled"
@@ -42,8 +42,8 @@ CONTAINERS = frozenset((dict, list, tuple, set, frozenset))
 
 
 @dataclass(frozen=True)
-class Told:
-    """A leaf in words: a name, or what takes the place of a value."""
+class Label:
+    """A leaf in words: a name, or what stands for a value that is not looked into."""
 
     text: str
 
@@ -52,7 +52,7 @@ class Told:
         return self.text
 
 
-NAN = Told("nan")
+NAN = Label("nan")
 """Equal to itself, other than the number."""
 
 
@@ -70,7 +70,7 @@ class Array:
 
 
 class Difference(NamedTuple):
-    """First place at which two contents differ, and what is there, as it is shown."""
+    """First place at which two contents differ, and what is there, as a message shows it."""
 
     place: str
     before: str
@@ -96,14 +96,14 @@ def difference(before: Contents, after: Contents) -> Difference | None:
         return None
     for place, old in before.items():
         if place not in after:
-            return Difference(place, shown(old), "nothing")
+            return Difference(place, short_text(old), "nothing")
         if old != after[place]:
             return _between(place, old, after[place])
     place = next(place for place in after if place not in before)
-    return Difference(place, "nothing", shown(after[place]))
+    return Difference(place, "nothing", short_text(after[place]))
 
 
-def shown(leaf: object) -> str:
+def short_text(leaf: object) -> str:
     """A leaf on one line, cut off where it is long."""
     text = repr(leaf)
     return text if len(text) <= WIDEST else f"{text[: WIDEST - 1]}…"
@@ -113,7 +113,7 @@ def _between(place: str, old: Any, new: Any) -> Difference:
     """Difference of two leaves; of arrays of one shape, that of their first unequal elements."""
     both = isinstance(old, Array) and isinstance(new, Array)
     if not both or (old.dtype, old.shape) != (new.dtype, new.shape):
-        return Difference(place, shown(old), shown(new))
+        return Difference(place, short_text(old), short_text(new))
     a, b = (np.frombuffer(leaf.data, leaf.dtype) for leaf in (old, new))
     k = next(k for k in range(len(a)) if a[k].tobytes() != b[k].tobytes())
     at = ", ".join(str(int(n)) for n in np.unravel_index(k, old.shape))
@@ -136,7 +136,7 @@ class _Walk:
         if leaf is not None or value is None:
             self.found[place] = leaf
         elif id(value) in above:
-            self.found[place] = Told("what it lies in")
+            self.found[place] = Label("what it lies in")
         else:
             above = (*above, id(value))
             for part, item in self._parts(value):
@@ -150,7 +150,7 @@ class _Walk:
         if type(value) not in CONTAINERS:
             yield ".__class__", type(value)
         elif not value:
-            yield "", Told(f"an empty {type(value).__name__}")
+            yield "", Label(f"an empty {type(value).__name__}")
         if isinstance(value, tuple) and hasattr(value, "_fields"):
             yield from zip((f".{field}" for field in value._fields), value, strict=True)
         elif isinstance(value, list | tuple | deque):
@@ -158,10 +158,10 @@ class _Walk:
         elif isinstance(value, Mapping):
             yield from ((f"[{_key(key, k)}]", item) for k, (key, item) in enumerate(value.items()))
         elif isinstance(value, Set):
-            yield "", Told(f"{{{', '.join(sorted(map(repr, value)))}}}")
+            yield "", Label(f"{{{', '.join(sorted(map(repr, value)))}}}")
         elif isinstance(value, np.ndarray):  # of objects
             yield ".tolist()", value.tolist()
-        if type(value) not in CONTAINERS and not _is_closed(type(value).__module__):
+        if type(value) not in CONTAINERS and _top(type(value).__module__) not in CLOSED:
             yield from _attributes(value)
 
     def _of_function(self, value: Any) -> Iterator[tuple[str, Any]]:
@@ -171,7 +171,7 @@ class _Walk:
         if isinstance(value, functools.partial):
             yield from ((".func", value.func), (".args", value.args), (".kw", value.keywords))
             return
-        yield "", Told(getattr(value, "__qualname__", "a function"))
+        yield "", Label(getattr(value, "__qualname__", "a function"))
         if isinstance(value, types.MethodType):
             yield ".__self__", value.__self__
         elif self.functions and isinstance(value, types.FunctionType):
@@ -198,7 +198,7 @@ def _leaf(value: Any) -> Any:
     if kind is np.ndarray and not value.dtype.hasobject:
         return Array(value.dtype.str, value.shape, value.tobytes())
     if isinstance(value, Enum):
-        return Told(f"{kind.__name__}.{value.name}")
+        return Label(f"{kind.__name__}.{value.name}")
     if isinstance(value, float | np.floating):
         return float(value) if value == value else NAN
     if isinstance(value, PLAIN):
@@ -208,15 +208,15 @@ def _leaf(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, NAMED) or kind.__module__ == KERNELS:
-        return Told(getattr(value, "__qualname__", None) or value.__name__)
-    if kind is Told:
+        return Label(getattr(value, "__qualname__", None) or value.__name__)
+    if kind is Label:
         return value
     if isinstance(value, range | bytearray | array) or _top(kind.__module__) in AS_PRINTED:
-        return Told(repr(value))
+        return Label(repr(value))
     return _drawing(value)
 
 
-def _drawing(value: Any) -> Told | None:
+def _drawing(value: Any) -> Label | None:
     """State of a source of random numbers, by its hash; None of what is no such thing."""
     state: Any
     if isinstance(value, random.Random):
@@ -227,20 +227,17 @@ def _drawing(value: Any) -> Told | None:
         state = value.get_state()
     else:
         return None
-    return Told(f"state {hashlib.sha256(repr(state).encode()).hexdigest()[:16]}")
+    return Label(f"state {hashlib.sha256(repr(state).encode()).hexdigest()[:16]}")
 
 
 def _key(key: object, position: int) -> str:
     """How a key is written; one whose print may differ from copy to copy by its position."""
-    return shown(key) if isinstance(key, (*PLAIN, float, tuple, Enum)) else f"key {position}"
+    return short_text(key) if isinstance(key, (*PLAIN, float, tuple, Enum)) else f"key {position}"
 
 
 def _top(module: str) -> str:
+    """Name of the package that a module is in."""
     return module.partition(".")[0]
-
-
-def _is_closed(module: str) -> bool:
-    return _top(module) in CLOSED
 
 
 def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
@@ -251,10 +248,7 @@ def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
     for kind in type(value).__mro__:
         slots = vars(kind).get("__slots__", ())
         for slot in (slots,) if isinstance(slots, str) else slots:
-            name = f"_{kind.__name__.lstrip('_')}{slot}" if _is_private(slot) else slot
+            is_private = slot.startswith("__") and not slot.endswith("__")
+            name = f"_{kind.__name__.lstrip('_')}{slot}" if is_private else slot
             if name not in ("__dict__", "__weakref__") and hasattr(value, name):
                 yield f".{name}", getattr(value, name)
-
-
-def _is_private(name: str) -> bool:
-    return name.startswith("__") and not name.endswith("__")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -52,16 +52,10 @@ class Finding:
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""
-        return {
-            "rule": str(self.rule),
-            "world": self.world,
-            "robot": self.robot,
-            "time": self.time,
-            "text": self.text,
-        }
+        return {**asdict(self), "rule": str(self.rule)}
 
 
-class Found:
+class FindingLog:
     """Findings of one world as they come: the first of each rule, and how many more there were."""
 
     def __init__(self, world: str) -> None:

@@ -1,4 +1,4 @@
-"""A world's first seconds, step by step: every decision of them with what it was made from.
+"""A trial: a world's first seconds, with every decision and what it was made from.
 
 The one place that runs a simulation. The controller decides in its plain form, whether it has a
 batch form or not.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -22,24 +22,24 @@ from physim.simulation import Simulation
 from physim.testing.answers import Answer, ask
 from physim.testing.contents import Difference, contents, difference
 
-STANDS = Decision(v=0.0, omega=0.0, hold=0.1)
+STAND_STILL = Decision(v=0.0, omega=0.0, hold=0.1)
 """What a robot does in place of a decision at which a run would stop."""
 
 
 @dataclass(frozen=True)
-class Asked:
+class Query:
     """One decision: what it was made from, and what was said."""
 
     observation: Observation
     """made for the checks: the controller was given another one, equal to it"""
     memory: Any
     """copy of what was handed over; copy it again before handing it over"""
-    uncopied: str
+    copy_error: str
     """why the memory could not be copied; then ``memory`` is None"""
     answer: Answer
-    seen_changed: Difference | None
+    observation_change: Difference | None
     """what the controller wrote into the observation"""
-    memory_changed: Difference | None
+    memory_change: Difference | None
     """what the controller wrote into the memory that it was given"""
 
     @property
@@ -54,13 +54,13 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Step:
+class TrialStep:
     """A step at which robots decided."""
 
     sensed: Sensed
     """of its own"""
     due: IntArray
-    asked: tuple[Asked, ...]
+    asked: tuple[Query, ...]
     """in the order of ``due``"""
 
     @property
@@ -70,31 +70,31 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Run:
-    """The first seconds of a world."""
+class Trial:
+    """The first seconds of a world, as a controller decided in them."""
 
     scene: Scene
-    steps: tuple[Step, ...] = field(repr=False)
+    steps: tuple[TrialStep, ...] = field(repr=False)
 
     @property
-    def asked(self) -> list[Asked]:
+    def asked(self) -> list[Query]:
         """Every decision, in the order in which they were made."""
         return [asked for step in self.steps for asked in step.asked]
 
 
-def run_world(scene: Scene, controller: Controller, seconds: float) -> Run:
+def run_trial(scene: Scene, controller: Controller, seconds: float) -> Trial:
     """Run a scene for some seconds, no longer than it lasts, with the controller's plain form."""
-    listener = _Listener(controller, scene)
-    simulation = Simulation(scene, controller=listener)
-    listener.look = simulation.observe
+    recorder = _QueryRecorder(controller, scene)
+    simulation = Simulation(scene, controller=recorder)
+    recorder.look = simulation.observe
     steps = []
     for _ in range(min(max(round(seconds / scene.dt), 1), scene.steps)):
-        listener.asked.clear()
+        recorder.asked.clear()
         simulation.step()
-        if listener.asked and simulation.last is not None:
-            due = np.array([asked.robot for asked in listener.asked])
-            steps.append(Step(own(simulation.last.sensed), due, tuple(listener.asked)))
-    return Run(scene, tuple(steps))
+        if recorder.asked and simulation.last is not None:
+            due = np.array([asked.robot for asked in recorder.asked])
+            steps.append(TrialStep(own(simulation.last.sensed), due, tuple(recorder.asked)))
+    return Trial(scene, tuple(steps))
 
 
 def own(sensed: Sensed) -> Sensed:
@@ -102,8 +102,8 @@ def own(sensed: Sensed) -> Sensed:
     return Sensed(sensed.step, *(read_only(np.array(values)) for values in sensed[1:]))
 
 
-class _Listener:
-    """Stands where the controller stands in a run, and takes down what it is asked and says."""
+class _QueryRecorder:
+    """Takes the place of the controller in a trial, and keeps every query with its answer."""
 
     look: Callable[[int], Observation]
 
@@ -113,29 +113,29 @@ class _Listener:
         self.modes, self.rules = declared.modes, declared.rules
         self.columns = declared.columns
         self.scene = scene
-        self.asked: list[Asked] = []
+        self.asked: list[Query] = []
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Ask the controller and hand its decision on."""
         spare = self.look(observation.index)
         before = contents(memory, "memory")
-        kept, uncopied = _kept(memory)
+        kept, copy_error = _copy_of(memory)
         answer = ask(self.controller, self.scene, observation, memory)
-        asked = Asked(
+        query = Query(
             observation=spare,
             memory=kept,
-            uncopied=uncopied,
+            copy_error=copy_error,
             answer=answer,
-            seen_changed=_written(spare, observation),
-            memory_changed=difference(before, contents(memory, "memory")),
+            observation_change=_change_within(spare, observation),
+            memory_change=difference(before, contents(memory, "memory")),
         )
-        self.asked.append(asked)
+        self.asked.append(query)
         if answer.decision is None:
-            return Decision(STANDS.v, STANDS.omega, STANDS.hold, memory=memory)
+            return replace(STAND_STILL, memory=memory)
         return answer.decision
 
 
-def _written(spare: Observation, given: Observation) -> Difference | None:
+def _change_within(spare: Observation, given: Observation) -> Difference | None:
     """Where an observation is no longer what it was, which the spare one still is."""
     try:
         if pickle.dumps(spare) == pickle.dumps(given):  # the quick way, for most of them
@@ -145,7 +145,7 @@ def _written(spare: Observation, given: Observation) -> Difference | None:
     return difference(contents(spare, "observation"), contents(given, "observation"))
 
 
-def _kept(memory: Any) -> tuple[Any, str]:
+def _copy_of(memory: Any) -> tuple[Any, str]:
     """Copy of a memory, or None and why there is none."""
     try:
         return copy.deepcopy(memory), ""

@@ -16,7 +16,7 @@ CALLED = ("__init__", "__call__")
 """Names of this kind that are looked at: the others are not the author's."""
 
 
-class Watch:
+class StateWatch:
     """Looks at all that a controller could keep something on.
 
     Made after the controller has been asked: what holds nothing by then, such as most functions,

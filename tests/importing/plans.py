@@ -5,6 +5,7 @@ samples.
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,20 @@ def svg(body: str, size: str = 'width="240mm" height="140mm" viewBox="0 0 24 14"
         'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
         f"{size}>\n{body}\n</svg>\n"
     )
+
+
+def check_says(message: str, parts: str) -> None:
+    """Assert that a message says all parts, whole and in order; `` … `` stands between them.
+
+    A part is a place, a key, what was given or what is allowed; not how the sentence puts it.
+    """
+    at = 0
+    for part in parts.split(" … "):
+        before = r"(?<![\w.-])" if part[0].isalnum() else ""
+        after = r"(?![\w-]|\.\d)" if part[-1].isalnum() else ""
+        found = re.compile(before + re.escape(part) + after).search(message, at)
+        assert found, f'"{part}" is not said, or not in this order: {message}'
+        at = found.end()
 
 
 def main() -> None:

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from physim.errors import PhysimError
 from physim.importing import ImportSourceError, Options, import_world
-from tests.importing.plans import SAMPLES, map_yaml, pgm, svg
+from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
 ROUND = np.linspace(0.0, 6.28, 200)
@@ -34,38 +34,44 @@ def refusal(path: Path, options: Options | None = None) -> str:
 
 
 TRACKS = {
-    "nan": (HEADER + "0,0,3,3\n5,nan,3,3\n", ":3: y_m: nan is not a finite number"),
-    "infinite": (HEADER + "0,0,3,3\n5,0,inf,3\n", ":3: w_tr_right_m: inf is not a finite number"),
-    "negative width": (HEADER + "0,0,3,3\n5,0,3,-1\n", ":3: w_tr_left_m: a width of -1 m"),
-    "no width": (HEADER + "0,0,0,3\n5,0,3,1\n", ":2: w_tr_right_m: a width of 0 m"),
-    "text": (HEADER + "0,0,3,3\n5,zero,3,3\n", ':3: y_m: "zero" is not a number'),
-    "underscore": (HEADER + "0,0,3,3\n5,1_0,3,3\n", ":3: y_m: nan is not"),
-    "cut row": (HEADER + "0,0,3,3\n5,0\n", ":3: 2 values; 4 are needed"),
-    "decimal comma": ("0,5;0;3;3\n1;0;3;3\n", ":1: numbers with a decimal comma; write a point"),
-    "spaces": ("0 0 3 3\n1 0 3 3\n", ":1: values stand apart by spaces; put commas between them"),
-    "other columns": ("# s_m; x_m; y_m; psi_rad\n0;0;0;0\n", ":1: no column w_tr_right_m; there:"),
-    "two columns": ("0,0\n1,0\n", ":1: 2 columns and no names; 4 are needed: x_m"),
-    "empty": ("", ": no row of numbers; columns: x_m"),
-    "one point": (HEADER + "0,0,3,3\n", ": 1 points; a centreline needs at least 2"),
-    "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: x_m: 5e+06 m is beyond 1e+06 m"),
-    "words below": (HEADER + ROWS + "the end\n", ':22: "the end" is not a row of numbers'),
+    "nan": (HEADER + "0,0,3,3\n5,nan,3,3\n", ":3: … y_m … nan"),
+    "infinite": (HEADER + "0,0,3,3\n5,0,inf,3\n", ":3: … w_tr_right_m … inf"),
+    "negative width": (HEADER + "0,0,3,3\n5,0,3,-1\n", ":3: … w_tr_left_m … -1 m … 0"),
+    "no width": (HEADER + "0,0,0,3\n5,0,3,1\n", ":2: … w_tr_right_m … 0 m"),
+    "text": (HEADER + "0,0,3,3\n5,zero,3,3\n", ':3: … y_m … "zero" … number'),
+    "underscore": (HEADER + "0,0,3,3\n5,1_0,3,3\n", ":3: … y_m … nan"),
+    "cut row": (HEADER + "0,0,3,3\n5,0\n", ":3: … 2 values … 4"),
+    "decimal comma": ("0,5;0;3;3\n1;0;3;3\n", ":1: … comma … point"),
+    "spaces": ("0 0 3 3\n1 0 3 3\n", ":1: … spaces … commas"),
+    "other columns": (
+        "# s_m; x_m; y_m; psi_rad\n0;0;0;0\n",
+        ":1: … w_tr_right_m … s_m, x_m, y_m, psi_rad",
+    ),
+    "two columns": ("0,0\n1,0\n", ":1: … 2 columns … 4 … x_m, y_m, w_tr_right_m, w_tr_left_m"),
+    "empty": ("", "row of numbers … x_m, y_m, w_tr_right_m, w_tr_left_m"),
+    "one point": (HEADER + "0,0,3,3\n", "1 points … 2"),
+    "far away": (HEADER + "0,0,3,3\n5e6,0,3,3\n", ":3: … x_m … 5e+06 m … 1e+06 m … --scale"),
+    "words below": (HEADER + ROWS + "the end\n", ':22: … "the end" … numbers'),
     "other names": (
         "x,y,width_left,width_right\n0,0,2,3\n10,0,2,3\n",
-        ":1: no column x_m; there: x, y, width_left, width_right; rename x to x_m, y to y_m, "
-        "width_right to w_tr_right_m, width_left to w_tr_left_m, if that is what they are",
+        ":1: … no column x_m … x, y, width_left, width_right … rename x to x_m … y to y_m … "
+        "width_right to w_tr_right_m … width_left to w_tr_left_m",
     ),
-    "other names, commented": ("# by hand\n# x,y,left,right\n0,0,2,3\n", ":2: no column x_m"),
-    "other names, semicolons": ("x;y;width_left;width_right\n0;0;2;3\n", ":1: no column x_m"),
-    "fewer names": ("# x, y, width\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: x, y, width"),
-    "units": ("# X [m], Y [m], right (m), left (m)\n0,0,2,3\n9,0,2,3\n", "rename x [m] to x_m, y"),
-    "words": ("# north,east,a,b\n0,0,2,3\n9,0,2,3\n", ":1: no column x_m; there: north, east, a"),
-    "misspelt": ("x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n", "rename w_tr_lft_m to w_tr_left_m"),
-    "a title": ("Monza\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,2,3\n", ':1: "Monza" names no col'),
+    "other names, commented": ("# by hand\n# x,y,left,right\n0,0,2,3\n", ":2: … no column x_m"),
+    "other names, semicolons": ("x;y;width_left;width_right\n0;0;2;3\n", ":1: … no column x_m"),
+    "fewer names": ("# x, y, width\n0,0,2,3\n9,0,2,3\n", ":1: … no column x_m … x, y, width"),
+    "units": (
+        "# X [m], Y [m], right (m), left (m)\n0,0,2,3\n9,0,2,3\n",
+        "x [m] to x_m … y [m] to y_m",
+    ),
+    "words": ("# north,east,a,b\n0,0,2,3\n9,0,2,3\n", ":1: … no column x_m … north, east, a, b"),
+    "misspelt": ("x_m,y_m,w_tr_right_m,w_tr_lft_m\n0,0,2,3\n", "w_tr_lft_m to w_tr_left_m"),
+    "a title": ("Monza\n# x_m,y_m,w_tr_right_m,w_tr_left_m\n0,0,2,3\n", ':1: … "Monza" … #'),
     "figure of eight": (
         HEADER + "".join(f"{np.sin(a) * 30},{np.sin(2 * a) * 15},2,2\n" for a in ROUND),
-        "the track passes over itself there, or its points are noisy; noisy points become a clean",
+        "edge crosses itself at … noisy … smoothed or thinned",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", TRACKS)
@@ -73,7 +79,7 @@ def test_tracks(tmp_path: Path, name: str) -> None:
     text, message = TRACKS[name]
     path = tmp_path / "t.csv"
     path.write_text(text)
-    assert message in refusal(path)
+    check_says(refusal(path), message)
 
 
 def huge_png(width: int, height: int) -> bytes:
@@ -94,43 +100,70 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
     png = cv2.imencode(".png", np.random.default_rng(1).integers(0, 255, (40, 60)))[1].tobytes()
     yaml = map_yaml("map.pgm", 0.05, (0, 0))
     return {
-        "missing image": (yaml.replace("map.pgm", "mop.pgm"), good,
-                          ':1: image: no file "mop.pgm" in'),
-        "nearest image": (yaml.replace("map.pgm", "mop.pgm"), good, 'did you mean "map.pgm"?'),
-        "escape": (yaml.replace("map.pgm", "../../etc/passwd"), good,
-                   ':1: image: "../../etc/passwd" lies outside the folder of the map'),
-        "absolute": (yaml.replace("map.pgm", "/etc/passwd"), good, "lies outside the folder"),
-        "no image": (yaml.replace("image: map.pgm\n", ""), good, ":1: image: missing"),
-        "misspelt": (yaml.replace("resolution", "resolutoin"), good,
-                     ":2: resolution: missing"),
-        "nearest key": (yaml.replace("resolution", "resolutoin"), good,
-                        'did you mean "resolutoin"?'),
-        "resolution": (yaml.replace("0.05", "0.0"), good, ":2: resolution: 0 m a cell"),
-        "text": (yaml.replace("resolution: 0.05", "resolution: five"), good,
-                 ':2: resolution: "five" is not a number'),
-        "origin": (yaml.replace("[0.0, 0.0, 0.0]", "0.0"), good, ":3: origin: must be [x, y, yaw]"),
-        "negate": (yaml.replace("negate: 0", "negate: maybe"), good, ":4: negate: must be 0 or 1"),
-        "thresholds": (yaml.replace("0.196", "0.9"), good, ":6: free_thresh: 0.9 is above"),
-        "share": (yaml.replace("0.65", "65.0"), good, ":5: occupied_thresh: 65; must be"),
-        "mode": (yaml + "mode: binary\n", good, ":7: mode: must be trinary, scale, raw"),
-        "nan": (yaml.replace("0.65", ".nan"), good, ":5:18: occupied_thresh: .nan is not a finite"),
-        "duplicate": (yaml + "negate: 1\n", good, ":7:1: negate: key given twice"),
-        "a list": ("- image: map.pgm\n", good, ":1: a map is a mapping of keys"),
-        "empty": ("", good, ":1: the file is empty"),
-        "no YAML": ("image: [", good, ": not valid YAML"),
+        "missing image": (yaml.replace("map.pgm", "mop.pgm"), good, ':1: … image: … "mop.pgm"'),
+        "nearest image": (yaml.replace("map.pgm", "mop.pgm"), good, '"mop.pgm" … "map.pgm"'),
+        "escape": (
+            yaml.replace("map.pgm", "../../etc/passwd"),
+            good,
+            ':1: … image: … "../../etc/passwd" … outside the folder',
+        ),
+        "absolute": (
+            yaml.replace("map.pgm", "/etc/passwd"),
+            good,
+            'image: … "/etc/passwd" … outside the folder',
+        ),
+        "no image": (
+            yaml.replace("image: map.pgm\n", ""),
+            good,
+            ":1: … image: missing … image, resolution, origin",
+        ),
+        "misspelt": (yaml.replace("resolution", "resolutoin"), good, ":2: … resolution: missing"),
+        "nearest key": (yaml.replace("resolution", "resolutoin"), good, '"resolutoin"'),
+        "resolution": (
+            yaml.replace("0.05", "0.0"),
+            good,
+            ":2: … resolution: … 0 m … greater than 0",
+        ),
+        "text": (
+            yaml.replace("resolution: 0.05", "resolution: five"),
+            good,
+            ':2: … resolution: … "five" … number',
+        ),
+        "origin": (yaml.replace("[0.0, 0.0, 0.0]", "0.0"), good, ":3: … origin: … [x, y, yaw]"),
+        "negate": (
+            yaml.replace("negate: 0", "negate: maybe"),
+            good,
+            ':4: … negate: … 0 or 1 … "maybe"',
+        ),
+        "thresholds": (
+            yaml.replace("0.196", "0.9"),
+            good,
+            ":6: … free_thresh: … 0.9 … occupied_thresh … 0.65",
+        ),
+        "share": (yaml.replace("0.65", "65.0"), good, ":5: … occupied_thresh: … 65 … 0 to 1"),
+        "mode": (yaml + "mode: binary\n", good, ':7: … mode: … trinary, scale, raw … "binary"'),
+        "nan": (yaml.replace("0.65", ".nan"), good, ":5:18: … occupied_thresh: … .nan"),
+        "duplicate": (yaml + "negate: 1\n", good, ":7:1: … negate: … twice"),
+        "a list": ("- image: map.pgm\n", good, ":1: … mapping of keys … image, resolution, origin"),
+        "empty": ("", good, ":1: … empty"),
+        "no YAML": ("image: [", good, "YAML"),
         "tag": ("image: !!python/object/apply:os.system [ls]\n", good, "tag"),
-        "not an image": (yaml, b"hello", "map.pgm: is neither PGM (P2, P5) nor PNG"),
-        "cut PGM": (yaml, good[:-1], "map.pgm: cut short: 2399 of 2400 pixels"),
-        "cut plain PGM": (yaml, pgm(np.full((4, 6), 254), True)[:-4], "cut short: 23 of 24 pixels"),
-        "header": (yaml, b"P5\n60 forty\n255\n", 'PGM header: height is "forty"'),
-        "header only": (yaml, b"P5\n60", 'PGM header: height is "nothing"'),
-        "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "pixels; at most 100 000 000 are"),
+        "not an image": (yaml, b"hello", "map.pgm: … P2, P5 … PNG"),
+        "cut PGM": (yaml, good[:-1], "map.pgm: … cut short … 2399 of 2400 pixels"),
+        "cut plain PGM": (
+            yaml,
+            pgm(np.full((4, 6), 254), True)[:-4],
+            "cut short … 23 of 24 pixels",
+        ),
+        "header": (yaml, b"P5\n60 forty\n255\n", 'header: … height … "forty"'),
+        "header only": (yaml, b"P5\n60", "header: … height … nothing"),
+        "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "100000 x 100000 pixels … 100 000 000"),
         "huge PNG": (yaml, huge_png(100_000, 100_000), "100000 x 100000 pixels"),
-        "cut PNG": (yaml, png[: len(png) // 2], "cut short: the PNG ends after"),
-        "damaged PNG": (yaml, png[:60] + b"X" + png[61:], "the check sum of the PNG is wrong"),
-        "nothing free": (yaml, pgm(np.zeros((40, 60))), ": no cell of the map is free"),
-        "an image for a folder": (yaml.replace("map.pgm", "."), good, "is a folder; name a file"),
-    }  # fmt: skip
+        "cut PNG": (yaml, png[: len(png) // 2], "cut short … PNG"),
+        "damaged PNG": (yaml, png[:60] + b"X" + png[61:], "check sum … PNG"),
+        "nothing free": (yaml, pgm(np.zeros((40, 60))), "no cell … free … negate … free_thresh"),
+        "an image for a folder": (yaml.replace("map.pgm", "."), good, "is a folder"),
+    }
 
 
 MAPS = maps()
@@ -145,7 +178,7 @@ def test_maps(tmp_path: Path, name: str) -> None:
         (tmp_path / "map.pgm").write_bytes(image)
     with pytest.raises(PhysimError) as caught:
         import_world(path)
-    assert message in str(caught.value)
+    check_says(str(caught.value), message)
     assert "\n" not in str(caught.value)
 
 
@@ -155,7 +188,7 @@ def test_a_link_out_of_the_folder_is_no_way_out(tmp_path: Path) -> None:
     (tmp_path / "secret.pgm").write_bytes(pgm(np.full((40, 60), 254)))
     (folder / "map.pgm").symlink_to(tmp_path / "secret.pgm")
     (folder / "map.yaml").write_text(map_yaml("map.pgm", 0.05, (0, 0)))
-    assert "lies outside the folder of the map" in refusal(folder / "map.yaml")
+    check_says(refusal(folder / "map.yaml"), "image: … outside the folder")
 
 
 BILLION = (
@@ -168,47 +201,47 @@ DOUBLING = "".join(
 )
 
 DRAWINGS = {
-    "entity bomb": (BILLION, ":3: declares an XML entity"),
+    "entity bomb": (BILLION, ":3: … XML entity"),
     "external entity": (
         '<!DOCTYPE svg [<!ENTITY x SYSTEM "file:///etc/passwd">]>\n<svg>&x;</svg>',
-        ":1: declares an XML entity",
+        ":1: … XML entity",
     ),
     "copies of copies": (svg(f'<path id="g0" d="M 0,0 1,1"/>{DOUBLING}'), "more than 100000"),
-    "copies itself": (svg('<g id="a"><use href="#a"/></g>'), '"a" copies itself (use)'),
-    "copy from outside": (svg('<use href="other.svg#a"/>'), ':2: refers to "other.svg#a"'),
-    "not XML": ("<svg><path</svg>", ":1: not valid XML"),
-    "not SVG": ("<html></html>", ":1: the root is <html>, not <svg>"),
-    "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: nested deeper than 100 levels"),
-    "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: path data: "garbage"'),
+    "copies itself": (svg('<g id="a"><use href="#a"/></g>'), '"a" … itself … use'),
+    "copy from outside": (
+        svg('<use href="other.svg#a"/>'),
+        ':2: … "other.svg#a" … outside the file',
+    ),
+    "not XML": ("<svg><path</svg>", ":1: … XML"),
+    "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
+    "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: … nested … 100"),
+    "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: … path data … "garbage"'),
     "rotation": (
         svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),
-        ':2: transform: "rotate(30,120)" has 2 numbers; rotate takes 1 or 3',
+        ':2: … transform: … "rotate(30,120)" … 2 … 1 or 3',
     ),
-    "turning": (svg('<g transform="turn(30)"/>'), ':2: transform: "turn(30)" is none of matrix'),
-    "degrees": (svg('<g transform="rotate(30°)"/>'), "only numbers may stand in the brackets"),
-    "unclosed": (svg('<g transform="rotate(30"/>'), ':2: transform: "rotate(30" is none of'),
-    "beyond numbers": (
-        svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "is not a finite number"
-    ),
-    "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), ": no line is a boundary"),
+    "turning": (svg('<g transform="turn(30)"/>'), ':2: … transform: … "turn(30)" … matrix'),
+    "degrees": (svg('<g transform="rotate(30°)"/>'), ':2: … transform: … "rotate(30°)" … numbers'),
+    "unclosed": (svg('<g transform="rotate(30"/>'), ':2: … transform: … "rotate(30"'),
+    "beyond numbers": (svg('<path id="boundary" d="M 0,0 L 1e999,3 L 4,4 Z"/>'), "finite number"),
+    "no boundary": (svg('<path id="fence" d="M 0,0 24,0 24,14 Z"/>'), "no line is a boundary"),
     "open boundary": (
-        svg('<path id="boundary" d="M 0,0 24,0 24,14"/>'), "the boundaries enclose no area"
+        svg('<path id="boundary" d="M 0,0 24,0 24,14"/>'),
+        "the boundaries enclose no area",
     ),
     "no units": (
         svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>', 'width="240" height="140"'),
-        ":1: the page has no real-world units; --scale",
+        ":1: … units … --scale",
     ),
     "path outside": (
         svg(
             '<path id="boundary" d="M 0,0 24,0 24,14 Z"/><path id="path" d="M 0,20 24,20"/>',
             'width="24000mm" height="14000mm" viewBox="0 0 24 14"',
         ),
-        "no area that the boundaries enclose contains the path",
+        "no area … contains the path",
     ),
-    "too small": (
-        svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>'), "the place is 0.24 x 0.14 m; --scale"
-    ),
-}  # fmt: skip
+    "too small": (svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>'), "0.24 x 0.14 m … --scale"),
+}
 
 
 @pytest.mark.parametrize("name", DRAWINGS)
@@ -217,7 +250,7 @@ def test_drawings(tmp_path: Path, name: str) -> None:
     path = tmp_path / "d.svg"
     path.write_text(text)
     scale = 1.0 if name in ("beyond numbers", "open boundary") else None
-    assert message in refusal(path, Options(scale=scale))
+    check_says(refusal(path, Options(scale=scale)), message)
 
 
 SQUARE = [[0, 0], [20, 0], [20, 10], [0, 10], [0, 0]]
@@ -240,57 +273,59 @@ def featured(kind: str, coordinates: Any, **properties: Any) -> str:
 
 
 POLYGONS = {
-    "degrees.geojson": (polygon(DEGREES), "are degrees of longitude and latitude"),
+    "degrees.geojson": (polygon(DEGREES), "degrees … ogr2ogr"),
     "crs.geojson": (
         polygon(SQUARE, crs={"type": "name", "properties": {"name": "OGC:1.3:CRS84"}}),
-        "are degrees of longitude and latitude (the crs of the file)",
+        "degrees … crs",
     ),
-    "cut.geojson": (polygon(SQUARE)[:-5], ":1: not valid JSON"),
-    "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN is not a finite number"),
-    "list.geojson": ("[1]", 'not GeoJSON: an object with "type" is needed'),
+    "cut.geojson": (polygon(SQUARE)[:-5], ":1: … JSON"),
+    "nan.geojson": (polygon(SQUARE).replace("20", "NaN"), "NaN … finite"),
+    "list.geojson": ("[1]", 'GeoJSON … "type"'),
     "kind.geojson": ('{"type": "Circle", "coordinates": [0, 0]}', 'geometry "Circle"'),
-    "text.geojson": (polygon("abc"), 'geometry "Polygon": "abc" is not a number'),
-    "quoted.geojson": (polygon([[0, "4"], *SQUARE]), 'geometry "Polygon": "4" is not a number'),
-    "flag.geojson": (polygon([[0, True], *SQUARE]), "true is not a number; coordinates are lists"),
-    "null.geojson": (polygon([[0, None], *SQUARE]), 'geometry "Polygon" cannot be read'),
-    "flat.geojson": (polygon([1, 2, 3]), 'geometry "Polygon" cannot be read'),
+    "text.geojson": (polygon("abc"), '"Polygon" … "abc" … number'),
+    "quoted.geojson": (polygon([[0, "4"], *SQUARE]), '"Polygon" … "4" … number'),
+    "flag.geojson": (polygon([[0, True], *SQUARE]), "true … number … [x, y]"),
+    "null.geojson": (polygon([[0, None], *SQUARE]), '"Polygon" … [x, y]'),
+    "flat.geojson": (polygon([1, 2, 3]), '"Polygon" … [x, y]'),
     "role.geojson": (
         featured("Polygon", [SQUARE], role="obsacle"),
-        'role: "obsacle" is none of boundary, obstacle, path, robot; did you mean "obstacle"?',
+        'role: … "obsacle" … boundary, obstacle, path, robot … "obstacle"',
     ),
-    "number.geojson": (featured("Polygon", [SQUARE], role=3), 'role: "3" is none of boundary, obs'),
+    "number.geojson": (
+        featured("Polygon", [SQUARE], role=3),
+        'role: … "3" … boundary, obstacle, path, robot',
+    ),
     "layer.geojson": (
-        featured("Polygon", [SQUARE], layer="Robots"), 'layer: "robots" is none of boundary, obsta'
+        featured("Polygon", [SQUARE], layer="Robots"),
+        'layer: … "robots" … boundary, obstacle, path, robot',
     ),
     "fence.geojson": (
         featured("LineString", SQUARE, role="obstacle"),
-        'a LineString has the role "obstacle"; that is a Polygon',
+        'LineString … "obstacle" … Polygon',
     ),
-    "way.geojson": (
-        featured("Polygon", [SQUARE], role="path"), 'a Polygon has the role "path"; that is a Line'
-    ),
+    "way.geojson": (featured("Polygon", [SQUARE], role="path"), 'Polygon … "path" … LineString'),
     "none.geojson": ('{"type": "FeatureCollection", "features": []}', "holds no polygon"),
-    "features.geojson": ('{"type": "FeatureCollection"}', '"features" must be a list'),
+    "features.geojson": ('{"type": "FeatureCollection"}', '"features" … list'),
     "deep.geojson": ('{"type":"Feature","geometry":' * 5000 + "1" + "}" * 5000, "nested"),
     "comma.wkt": (
         "POLYGON ((0 0, 30 0, 30 10, 0 10 0 0))",
-        """'0'; a comma is missing: "0 10 0 0" is more than one point""",
+        'comma is missing … "0 10 0 0"',
     ),
     "bracket.wkt": (
         "POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
-        "a bracket is missing: 2 opening, 1 closing; one closing more",
+        "bracket is missing … 2 opening, 1 closing … one closing",
     ),
-    "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: not valid WKT: Unknown type: 'POLIGON'"),
-    "line.wkt": ("LINESTRING (0 0, 10 0)", "holds no polygon; one says where robots may go"),
-    "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: not valid WKT"),
-    "srid.wkt": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", ":1: coordinates are degrees"),
+    "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: … WKT … 'POLIGON'"),
+    "line.wkt": ("LINESTRING (0 0, 10 0)", "no polygon … where robots may go"),
+    "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: … WKT"),
+    "srid.wkt": ("SRID=4326;POLYGON ((13 52, 14 52, 14 53, 13 52))", ":1: … degrees … 4326"),
     "empty.wkt": ("\n", "holds no geometry"),
     "curve.wkt": ("CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", ":1:"),
     "thin.wkt": ("POLYGON ((0 0, 10 0, 5 0, 0 0))", "encloses no area"),
-    "far.wkt": ("POLYGON ((0 0, 1e9 0, 1e9 1e9, 0 0))", ":1: a coordinate of 1e+09 m is beyond"),
+    "far.wkt": ("POLYGON ((0 0, 1e9 0, 1e9 1e9, 0 0))", ":1: … 1e+09 m … 1e+06 m"),
     "nan.wkt": ("POLYGON ((0 0, nan 0, 10 10, 0 0))", ":1:"),
-    "deep.wkt": ("GEOMETRYCOLLECTION(" * 500 + "POINT(0 0)" + ")" * 500, "nested deeper than"),
-}  # fmt: skip
+    "deep.wkt": ("GEOMETRYCOLLECTION(" * 500 + "POINT(0 0)" + ")" * 500, "nested … 20"),
+}
 
 
 @pytest.mark.parametrize("name", POLYGONS)
@@ -298,15 +333,15 @@ def test_polygons(tmp_path: Path, name: str) -> None:
     text, message = POLYGONS[name]
     path = tmp_path / name
     path.write_text(text)
-    assert message in refusal(path)
+    check_says(refusal(path), message)
 
 
 FILES = {
-    "missing.csv": (None, ": no such file"),
-    "image.png": (b"\x89PNG", ": an image alone has no scale; name the map.yaml"),
-    "drawing.svgz": (b"\x1f\x8b", ": is compressed; unpack it first"),
-    "latin.csv": ("gr\xfc\xdfe,1\n".encode("latin-1"), ":1: byte 0xfc is not UTF-8"),
-    "what.txt": (b"hello", ": neither name nor content says what it is; --format track|ros-map"),
+    "missing.csv": (None, "no such file"),
+    "image.png": (b"\x89PNG", "image … scale … map.yaml"),
+    "drawing.svgz": (b"\x1f\x8b", "compressed … unpack"),
+    "latin.csv": ("gr\xfc\xdfe,1\n".encode("latin-1"), ":1: … 0xfc … UTF-8"),
+    "what.txt": (b"hello", "--format track|ros-map|svg|wkt|geojson"),
 }
 
 
@@ -315,7 +350,7 @@ def test_files(tmp_path: Path, name: str) -> None:
     content, message = FILES[name]
     if content is not None:
         (tmp_path / name).write_bytes(content)
-    assert message in refusal(tmp_path / name)
+    check_says(refusal(tmp_path / name), message)
 
 
 def test_folder_and_pipe(tmp_path: Path) -> None:
@@ -323,25 +358,25 @@ def test_folder_and_pipe(tmp_path: Path) -> None:
 
 
 OPTIONS = {
-    "start beyond": (Options(start=1e4), "--start 10000: the track is 248.1 m long"),
-    "gap beyond": (Options(gap=200.0), "--gap 200: more than 0 and less than half of 248.1 m"),
-    "too many": (Options(robots=200), "of 200 robots of 1.8 x 1.0 m on the first"),
-    "too wide": (Options(robot=(9.0, 8.0)), "a robot 8 m wide does not fit"),
-    "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00): not in the area"),
+    "start beyond": (Options(start=1e4), "--start 10000 … 248.1 m"),
+    "gap beyond": (Options(gap=200.0), "--gap 200 … more than 0 … half of 248.1 m"),
+    "too many": (Options(robots=200), "of 200 robots … 1.8 x 1.0 m … --robots"),
+    "too wide": (Options(robot=(9.0, 8.0)), "robot 8 m wide … --robot"),
+    "from outside": (Options(origin=(0.0, 0.0)), "--from (0.00, 0.00) … not in the area"),
 }
 
 
 @pytest.mark.parametrize("name", OPTIONS)
 def test_options(name: str) -> None:
     options, message = OPTIONS[name]
-    assert message in refusal(SAMPLES / "track.csv", options)
+    check_says(refusal(SAMPLES / "track.csv", options), message)
 
 
 def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:
     path = tmp_path / "narrow.wkt"
     path.write_text("POLYGON ((0 0, 30 0, 30 1.2, 0 1.2, 0 0))\nLINESTRING (1 0.6, 29 0.6)")
     message = refusal(path, Options(robots=4, robot=(1.8, 1.0)))
-    assert message.startswith(": no room for a robot of 1.8 x 1.0 m on the first")
+    check_says(message, "no room … 1.8 x 1.0 m … --robot LENGTH,WIDTH")
     assert "--lanes" not in message
     assert "--robots" not in message
 

@@ -80,7 +80,9 @@ def test_shipped_corridor_comes_back_from_csv(tmp_path: Path) -> None:
     rows = [f"{x},{y},{w / 2},{w / 2}" for (x, y), w in zip(points, width, strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("x_m,y_m,w_tr_right_m,w_tr_left_m\n" + "\n".join(rows))
-    world = import_world(path, Options(robots=6, lanes=2)).world
+    imported = import_world(path, Options(robots=6, lanes=2))
+    assert not any("the area at" in change for change in imported.changes)  # it ends on its edge
+    world = imported.world
     from physim.geometry.corridor import offset_polyline
 
     assert world.boundaries is not None

@@ -9,13 +9,13 @@ import pytest
 import shapely
 
 from physim.importing import Imported, Options, import_world
-from physim.importing.stops import corners_of, least_stop_gap, stop_stations
+from physim.importing.stops import Placed, least_stop_gap, stop_stations
 from physim.registry import CONTROLLER, make_part
 from physim.scene_builder import build_scene
 from physim.simulation import Simulation
-from tests.importing.plans import svg
+from tests.importing.plans import check_says, svg
 
-BOX = corners_of((1.8, 1.0))
+BOX = (1.8, 1.0)
 CORNER = np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 10.0)])
 
 
@@ -40,12 +40,13 @@ def test_stops_are_those_of_the_scene(tmp_path: Path) -> None:
 def test_the_gap_at_the_stops(behind: float, gap: float) -> None:
     """One box at the end of the path, the other on the same leg, or 4 m before the corner."""
     poses = [(3.0 + behind, 0.0, 0.0), (3.0, 0.0, 0.0)]
-    found = least_stop_gap(CORNER, [CORNER, CORNER], poses, [BOX, BOX], 1.0)
+    robots = [Placed("r", BOX, pose, CORNER, 0.0) for pose in poses]
+    found = least_stop_gap(CORNER, robots, 1.0)
     first = shapely.box(29.5, 9.1, 30.5, 10.9)
     if behind > 10.0:
         gap = first.distance(shapely.box(25.1, -0.5, 26.9, 0.5))
     assert found == (pytest.approx(gap), 0, 1)
-    assert least_stop_gap(CORNER, [CORNER], poses[:1], [BOX], 1.0)[0] == np.inf
+    assert least_stop_gap(CORNER, robots[:1], 1.0)[0] == np.inf
 
 
 def finishes(imported: Imported) -> bool:
@@ -62,10 +63,8 @@ def finishes(imported: Imported) -> bool:
 def test_a_path_that_ends_after_a_bend_is_shortened_until_all_arrive(tmp_path: Path) -> None:
     imported = import_world(track(tmp_path, CORNER, 3.0), Options(robots=4))
     told = [change for change in imported.changes if "more at its end" in change]
-    assert told == [
-        "path shortened by 1.20 m more at its end: in the last bend two would stop 0.36 m from "
-        "each other, and do so 1.24 m apart now"
-    ]
+    assert len(told) == 1
+    check_says(told[0], "1.20 m more … bend … 0.36 m … 1.24 m")
     assert finishes(imported)
 
 
@@ -78,7 +77,7 @@ def test_robots_are_spread_where_no_end_of_the_path_will_do(tmp_path: Path) -> N
     )
     told = [change for change in imported.changes if "more at its end" in change]
     assert len(told) == 1
-    assert ", robots 1.25 times as far apart as usual: in the last bend" in told[0]
+    check_says(told[0], "1.25 times as far apart … bend")
     along = [robot.pose[0] for robot in imported.world.robots]
     assert np.diff(along) == pytest.approx([-4.0] * 3, abs=0.3)
 
@@ -104,4 +103,4 @@ def test_drawn_robots_that_stop_too_near_are_told(tmp_path: Path) -> None:
     imported = import_world(path, Options(scale=1.0))
     told = [fact for fact in imported.facts if fact.startswith("mind: ")]
     assert len(told) == 1
-    assert told[0].startswith("mind: a and b stop 0.00 m from each other at the end of the path")
+    check_says(told[0], "a and b … 0.00 m … --to … --robots … --lanes")

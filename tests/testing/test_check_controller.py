@@ -12,7 +12,7 @@ from physim.control import Decision, Observation
 from physim.controllers.mode_switching import ModeSwitching
 from physim.testing import Finding, Rule, check_controller, situations
 from physim.testing.candidate import candidate
-from physim.testing.check import examined
+from physim.testing.check import check_worlds
 from tests.testing import broken
 
 SHORT = 0.5
@@ -21,7 +21,7 @@ SHORT = 0.5
 
 def found_on_straight(controller: Any) -> tuple[Finding, ...]:
     """Findings in the smallest world alone: two robots, r1 and r2."""
-    part = next(examined(candidate(controller, None), ["straight"], SHORT))
+    part = next(check_worlds(candidate(controller, None), ["straight"], SHORT))
     assert part.world == "straight"
     assert part.decisions == 10
     return part.findings
@@ -93,7 +93,7 @@ def test_what_a_run_would_refuse(what: str) -> None:
 )
 def test_what_does_not_repeat(controller: type, field: str) -> None:
     text = only(controller, Rule.REPEATS)
-    assert "decide otherwise from the same observation and memory" in text
+    assert "the same observation and memory" in text
     assert field in text
 
 
@@ -101,23 +101,25 @@ def test_what_does_not_repeat(controller: type, field: str) -> None:
 def test_state_beside_the_memory(controller: type) -> None:
     text = only(controller, Rule.STATE)
     assert broken.STATE[controller] in text
-    assert "belongs into its memory" in text
+    assert "in its memory" in text
 
 
 def test_state_that_shows_in_other_instances_alone() -> None:
     text = only(broken.RemembersTheFirst, Rule.STATE, "r2")
-    assert "a new instance, given the memory, decides otherwise" in text
+    assert "a new instance, given the memory" in text
     assert "v is 0.75 instead of 0.6" in text
 
 
 def test_order_of_the_robots() -> None:
     text = only(broken.FirstComeFirstServed, Rule.ORDER, "r2")
-    assert "with the robots in reverse order it decides otherwise: v is 0.75 instead of 0.0" in text
+    assert "reverse order" in text
+    assert "v is 0.75 instead of 0.0" in text
 
 
 def test_who_else_is_asked() -> None:
     text = only(broken.LooksAround, Rule.ORDER, time=0.2)
-    assert "asked for this robot alone it decides otherwise: v is 0.5 instead of 0.375" in text
+    assert "this robot alone" in text
+    assert "v is 0.5 instead of 0.375" in text
 
 
 def test_memory_written_in_place() -> None:
@@ -171,7 +173,8 @@ def test_a_batch_form_that_depends_on_its_rows() -> None:
 
 def test_a_batch_form_that_writes_into_what_is_sensed() -> None:
     text = only(broken.Twofold(broken.moves_the_robots), Rule.OBSERVATION)
-    assert "the batch form writes into what is sensed" in text
+    assert "batch form" in text
+    assert "what is sensed" in text
 
 
 def test_every_finding_is_returned_and_told_as_a_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -146,7 +146,7 @@ EDITS = (
         "importing",
         "physim/importing/soundness.py",
         "check_size",
-        "max(extent) < SMALLEST",
+        "max(extent) < SMALLEST_PLACE",
         "False",
         "a forgotten scale is told",
         "tests/importing/test_soundness.py::test_a_forgotten_scale_is_told",

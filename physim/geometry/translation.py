@@ -1,6 +1,6 @@
 """Collision time of two convex parts that keep their headings: closed form.
 
-Seen from P, part Q moves along a straight line. Along each separating axis the gap is linear in
+As P sees it, part Q moves along a straight line. Along each separating axis the gap is linear in
 time, so it says when the parts overlap on that axis; they touch while they overlap on all axes
 (normals of both; for two segments or points, which those do not decide, their directions too).
 """

@@ -23,17 +23,17 @@ from pathlib import Path
 import numpy as np
 
 import physim
-from physim import metrics
+from physim.analysis import metrics
 from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
-from physim.reproduction.jobs import run
+from physim.reproduction.estimates import figures, rule_shares
+from physim.reproduction.plan import run
 from physim.reproduction.runner import Job, do_all
-from physim.reproduction.studies.figures import figures, rule_shares
 from physim.reproduction.study import Arm
-from physim.scene_builder import is_random
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file.files import shipped_worlds
+from physim.world.layout.scene_builder import is_random
 
 SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex")
 """Worlds whose descriptions claim that avoidance is at work in them."""

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from physim.geometry.shapes import FloatArray, pack_shapes
-from physim.physics import Physics
+from physim.simulation.engine import Physics
 
 
 def box(length: float, width: float) -> FloatArray:

@@ -18,13 +18,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from physim.recording import record_run
-from physim.registry import CONTROLLER, make_part
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.warm_up import warm_up
-from physim.world_file import read_world
-from physim.world_file.shipped import find_world
+from physim.parts.registry import CONTROLLER, make_part
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run, warm_up
+from physim.world.file import read_world
+from physim.world.file.files import find_world
+from physim.world.layout.scene_builder import build_scene
 
 WARM_UP = "import sys; from benchmarks.run import set_up; set_up(sys.argv[1])"
 PHYSIM = [sys.executable, "-m", "physim"]

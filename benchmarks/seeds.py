@@ -13,11 +13,11 @@ import math
 import statistics
 
 import physim
+from physim.analysis.metrics import contact_episodes, grazes
 from physim.cli.values import seed_range
-from physim.metrics import contact_episodes, grazes
 from physim.record import Record
-from physim.scene_builder import is_random
-from physim.world_file.shipped import find_world, shipped_worlds
+from physim.world.file.files import find_world, shipped_worlds
+from physim.world.layout.scene_builder import is_random
 
 
 def study(name: str, first: int, end: int) -> None:

@@ -19,12 +19,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import render
+from physim.drawing.video.frames import Painter
+from physim.drawing.video.render import frame_times, playback_speed
 from physim.geometry.shapes import pack_shapes
 from physim.record import Record
-from physim.timeline import Timeline
-from physim.video import render
-from physim.video.painter import Painter
-from physim.video.render import frame_times, playback_speed
 
 FPS = 25.0
 SEGMENTS = 200

@@ -20,8 +20,8 @@ from physim.geometry.separation import body_distance, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.tolerances import TIE
 
-from .bodies import Bodies
 from .path_following import comes_first, judge, single
+from .priority import Bodies
 
 
 @compiled

@@ -14,16 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
-from physim.control import Decisions, Sensed
-from physim.geometry.nearby import Nearby, parts_near
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
-from physim.geometry.sight import parts_in_range
-from physim.scene import Scene
+from physim.geometry.wall_grid import WallGrid, parts_in_range, parts_near
+from physim.parts.controller import Decisions, Sensed
+from physim.world.scene import Scene
 
-from .bodies import Bodies
 from .formation import SpeedRule, formation_neighbours, forward_speed
 from .mode_switching import EgoState, Memory, decide_one
 from .path_following import copy_plan
+from .priority import Bodies
 from .settings import ModeSwitchingSettings, Rules
 
 
@@ -39,7 +38,7 @@ class Cluster(NamedTuple):
 
     shapes: Shapes
     walls: Shapes
-    wall_grid: Nearby
+    wall_grid: WallGrid
     paths: Polylines
     stop_station: FloatArray
     outside: FloatArray
@@ -168,7 +167,7 @@ class ModeSwitchingBatch:
         self.cluster = Cluster(
             shapes=scene.shapes,
             walls=scene.walls,
-            wall_grid=scene.nearby,
+            wall_grid=scene.wall_grid,
             paths=scene.paths,
             stop_station=scene.stop_station,
             outside=np.concatenate(stretches),

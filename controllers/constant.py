@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from physim.control import Decision, Observation
 from physim.errors import Fault
+from physim.parts.controller import Decision, Observation
 from physim.tolerances import SHARE
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from physim.control import FormationView
-    from physim.scene import FormationPlan
+    from physim.parts.controller import FormationView
+    from physim.world.scene import FormationPlan
 
 
 @compiled

@@ -27,25 +27,22 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.control import BatchController, Decision, Observation
-from physim.declared import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.errors import Fault, Location
 from physim.geometry.path import path_length
 from physim.geometry.separation import wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
-from physim.scene import Scene
+from physim.parts.controller import BatchController, Decision, Observation
+from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
+from physim.world.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
-from .bodies import Bodies
 from .formation import SpeedRule, forward_speed
-from .limits import omega_faults
 from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
-from .priority import considered
+from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
-from .switching import DISTANCE, SAFE, next_mode
-from .timing import update_interval
-from .world_checks import range_doubts, speed_faults, stop_doubts
+from .switching import DISTANCE, SAFE, next_mode, update_interval
+from .world_checks import omega_faults, range_doubts, speed_faults, stop_doubts
 
 if TYPE_CHECKING:
     from physim.world import Robot, World

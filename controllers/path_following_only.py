@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from physim.control import Decision, Observation
-from physim.declared import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
 from physim.errors import Fault, Location
+from physim.parts.controller import Decision, Observation
+from physim.parts.declarations import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
 
-from .limits import omega_faults
 from .path_following import best_plan, judging_time, speed_pairs
 from .settings import ModeSwitchingSettings, PathFollowingSettings
-from .world_checks import speed_faults, stop_doubts
+from .world_checks import omega_faults, speed_faults, stop_doubts
 
 if TYPE_CHECKING:
     from physim.world import Robot, World

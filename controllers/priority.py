@@ -1,4 +1,4 @@
-"""Collision priority: which robots Robot i has to consider.
+"""Collision priority: the robots that a decision may look at, and which of them it must consider.
 
 A robot further along the reference path has priority: Robot i considers Robot j only when
 l_ij > 0, that is when j is ahead, and within the range (10 m in the paper).
@@ -9,10 +9,28 @@ Departures from the paper: equal stations, on which it is silent, are settled by
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+
+
+class Bodies(NamedTuple):
+    """Rows of robots as the deciding one senses them: all of them, or those in sight."""
+
+    shapes: Shapes
+    shape: IntArray
+    """(n,) which body of ``shapes`` each row has"""
+    number: IntArray
+    """(n,) robot indices"""
+    pose: FloatArray
+    """(n, 3)"""
+    command: FloatArray
+    """(n, 2) held"""
+    station: FloatArray
+    """(n,) [m] along the reference path"""
 
 
 @compiled

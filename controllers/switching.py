@@ -1,4 +1,4 @@
-"""Switching between safe and danger mode (Fig. 5), with hysteresis.
+"""Switching between safe and danger mode (Fig. 5), and when a robot decides again (14).
 
 Danger begins when a distance, a collision time or a boundary distance falls below its lower
 threshold, and ends only when distance and collision time are above their upper thresholds and the
@@ -7,6 +7,12 @@ boundary distance is above its own: five thresholds.
 Departures from the paper: its five symbols are lost; these are our reading. Which of (12) and (13)
 serves in danger mode is a setting, ``avoidance``; (12) whenever shapes touch, unless there is (13)
 alone.
+
+(14) is lost. The text says what it is for, to save messages and work, and that can only come from
+intervals longer than the 0.1 s of a plan; so the plan may be stretched to a longest interval of
+its own. Where that is the plan's own length (14) can only shorten it. An interval is cut short
+where the robot would come to its stop station, so that where it stands does not depend on when it
+decides. What is left of a plan is dropped when an interval is cut short.
 """
 
 from __future__ import annotations
@@ -16,7 +22,7 @@ from physim.compiled import compiled
 from .settings import DISTANCE_ALONE, DISTANCE_FIRST, NO_AVOIDANCE, TIME_ALONE, Rules
 
 SAFE, DISTANCE, TIME = 0, 1, 2
-"""Numbers of the modes in `physim.declared.PAPER_MODES`"""
+"""Numbers of the modes in `physim.parts.declarations.PAPER_MODES`"""
 
 
 @compiled
@@ -50,3 +56,12 @@ def next_mode(
         is_near = distance < rules.distance_low or boundary_distance < rules.boundary_low
         return DISTANCE if is_near else TIME
     return TIME if short_time else DISTANCE
+
+
+@compiled
+def update_interval(longest: float, beta: float, collision_time: float) -> float:
+    """tau_i [s] by (14): the longest, or ``beta`` times the smallest collision time if shorter.
+
+    The simulation rounds it down to physics steps, one at least.
+    """
+    return min(longest, beta * collision_time)  # (14)

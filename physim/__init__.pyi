@@ -1,10 +1,15 @@
 # The public names of physim, each with the module that has it: the one list of them.
 
-from . import geometry, metrics, plots, randomness, testing, video
+from . import geometry, randomness, testing
 from ._version import __version__
-from .checking import check_world
+from .analysis import metrics
+from .analysis.summary import summarise
+from .analysis.validation import validate
 from .contacts import Kind, Phase
-from .control import (
+from .drawing import plots, video
+from .drawing.video import render
+from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
+from .parts.controller import (
     BatchController,
     Controller,
     Decision,
@@ -12,35 +17,32 @@ from .control import (
     FormationView,
     Neighbour,
     Observation,
-    Seen,
+    ObservedRobot,
     Sensed,
     Snapshot,
 )
-from .declared import PAPER_MODES, Column, Mode, Rule
-from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
-from .record import Record
-from .recorder import SaveAt
-from .recording import simulate
-from .scene import Scene
-from .scene_builder import build_scene
-from .simulation import Simulation
-from .stages import (
+from .parts.declarations import PAPER_MODES, Column, Mode, Rule
+from .parts.stages import (
     Disturbance,
     Filter,
     Observer,
-    SenseStage,
+    SensingStage,
     Step,
     for_each,
     observer_of_row,
     with_poses,
 )
-from .state import SimulationState
-from .summary import summarise
+from .record import Record
+from .simulation.loop import Simulation
+from .simulation.recorder import SaveAt
+from .simulation.run import simulate
+from .simulation.state import SimulationState
 from .testing import check_controller
-from .validation import validate
-from .video import render
 from .world import World
-from .world_file import load_world, parse_world
+from .world.checks import check_world
+from .world.file import load_world, parse_world
+from .world.layout.scene_builder import build_scene
+from .world.scene import Scene
 
 __all__ = [
     "PAPER_MODES",
@@ -58,6 +60,7 @@ __all__ = [
     "Mode",
     "Neighbour",
     "Observation",
+    "ObservedRobot",
     "Observer",
     "Phase",
     "PhysimError",
@@ -66,9 +69,8 @@ __all__ = [
     "Rule",
     "SaveAt",
     "Scene",
-    "Seen",
-    "SenseStage",
     "Sensed",
+    "SensingStage",
     "Simulation",
     "SimulationState",
     "Snapshot",

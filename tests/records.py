@@ -12,11 +12,11 @@ import shapely
 from numpy.typing import NDArray
 
 from physim.contacts import CONTACT, FALSE_CONTACT, Phase
-from physim.declared import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
+from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.record import Record, RecordWriter
 from physim.record.layout import CONSIDERED, update_type
-from physim.scene import Body
+from physim.world.scene import Body
 
 CENTRELINE = np.array([[0.0, 0.0], [15.0, 0.0], [27.0, 9.0], [60.0, 9.0]])
 WIDTH = 8.0

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from physim.control import Decision, Observation
+from physim.parts.controller import Decision, Observation
 
 THREE = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
 """Start poses of three robots [m, m, rad]."""

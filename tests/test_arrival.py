@@ -9,7 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.arrival import STILL_DISTANCE, STILL_TIME, arrivals, note_arrivals, since, still_steps
+from physim.simulation.arrival import (
+    STILL_DISTANCE,
+    STILL_TIME,
+    arrivals,
+    note_arrivals,
+    since,
+    still_steps,
+)
 
 
 def written_out(pose, station, least, dt):

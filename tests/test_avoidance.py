@@ -6,9 +6,9 @@ import pytest
 
 from benchmarks import avoidance
 from physim.record import Record
-from physim.recording import simulate
-from physim.world_file import load_world
-from physim.world_file.shipped import shipped_worlds
+from physim.simulation.run import simulate
+from physim.world.file import load_world
+from physim.world.file.files import shipped_worlds
 
 LONG_ENOUGH = {"ten_robots": 70.0, "crowded_start": 60.0, "three_robots": 200.0, "nonconvex": 160.0}
 """[s] of simulated time in which every arm has shown what it does"""

@@ -9,8 +9,8 @@ import pytest
 
 import physim
 from physim import Column, Decision, Mode, Rule
-from physim.declared import STANDARD_COLUMNS, Declared
 from physim.errors import ControllerError
+from physim.parts.declarations import STANDARD_COLUMNS, Declared
 from tests.facts import facts
 from tests.validation.runs import LANE
 

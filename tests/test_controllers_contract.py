@@ -14,28 +14,28 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.control import (
-    Batched,
+from physim.controllers.mode_switching import ModeSwitching
+from physim.geometry.shapes import Shapes, pack_shapes, read_only
+from physim.geometry.wall_grid import build_wall_grid
+from physim.parts.controller import (
+    BatchCapable,
     Controller,
     Decision,
     Decisions,
     Observation,
     Snapshot,
 )
-from physim.control_loop import PlainBatch
-from physim.controllers.mode_switching import ModeSwitching
-from physim.declared import Declared
-from physim.geometry.nearby import build_nearby
-from physim.geometry.shapes import Shapes, pack_shapes, read_only
-from physim.registry import CONTROLLER, controller_names, make_part
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.stages import everybody, shared
+from physim.parts.declarations import Declared
+from physim.parts.registry import CONTROLLER, controller_names, make_part
+from physim.parts.stages import everybody, shared
+from physim.simulation.decisions import PerRobotAdapter
+from physim.simulation.loop import Simulation
 from physim.testing import check_controller
 from physim.world import World
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import find_world, shipped_worlds
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import find_world, shipped_worlds
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
 
 WORLDS = tuple(shipped_worlds())
 CONTROLLERS = tuple(controller_names())
@@ -231,7 +231,7 @@ def test_nothing_beyond_the_range_changes_a_decision(world_name: str, plain: boo
         kept = kept or [int(gaps.argmin())]
         bare = pack_shapes([[part_of(scene.walls, p)] for p in kept])
         narrow = dataclasses.replace(
-            scene, walls=bare, nearby=build_nearby(bare, scene.sensing_range, 2.0)
+            scene, walls=bare, wall_grid=build_wall_grid(bare, scene.sensing_range, 2.0)
         )
         altered += moved + len(walls) - len(kept)
         due = np.array([i])
@@ -269,9 +269,9 @@ def beyond(
 def decide(scene: Scene, snapshot: Snapshot, due: np.ndarray, plain: bool) -> Decisions:
     """First decisions of robots ``due`` from a snapshot, by either form."""
     controller = made("mode_switching", scene.world)
-    assert isinstance(controller, Batched)
+    assert isinstance(controller, BatchCapable)
     declared = Declared.of(controller)
-    form = PlainBatch(controller, scene, declared) if plain else controller.batch(scene)
+    form = PerRobotAdapter(controller, scene, declared) if plain else controller.batch(scene)
     sensed = everybody(snapshot, shared(scene.robots))
     for array in sensed[1:]:
         read_only(array)  # type: ignore[arg-type]
@@ -342,7 +342,7 @@ def check_alike(scene: Scene, seconds: float) -> set[int]:
     settings = scene.world.controller.settings
     batch = Simulation(scene, controller=make_part(CONTROLLER, "mode_switching", settings))
     plain = Simulation(scene, controller=Plain(make_part(CONTROLLER, "mode_switching", settings)))
-    assert not isinstance(plain.parts.controller, Batched)
+    assert not isinstance(plain.parts.controller, BatchCapable)
     modes: set[int] = set()
     for a, b in zip(run(batch, seconds), run(plain, seconds), strict=True):
         assert same(a, b), (batch.time, a, b)
@@ -379,4 +379,4 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
 
 
 def test_the_shipped_controller_has_a_batch_form() -> None:
-    assert isinstance(ModeSwitching(), Batched)
+    assert isinstance(ModeSwitching(), BatchCapable)

@@ -17,8 +17,8 @@ import pytest
 
 import physim
 from physim import Record
-from physim.registry import KINDS, METRIC, PLOT
-from physim.world_file.shipped import find_world
+from physim.parts.registry import KINDS, METRIC, PLOT
+from physim.world.file.files import find_world
 from tests.extending import blocks, entry_points, install, of
 
 BIN = Path(sys.executable).parent
@@ -144,7 +144,7 @@ def test_sense_stage_overlooks_a_share_of_rows_but_never_oneself(folder: Path) -
 import json
 from loss import Loss, LossSettings
 from physim import load_world
-from physim.simulation import Simulation
+from physim.simulation.loop import Simulation
 for purpose in ("loss", "other"):
     stage = Loss(LossSettings(share=0.3, purpose=purpose))
     simulation = Simulation(load_world("straight"), sensing=[stage])

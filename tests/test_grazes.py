@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from physim.contacts import Kind, Phase
-from physim.control import Decision
 from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray
-from physim.grazes import GrazeFinder
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
+from physim.parts.controller import Decision
+from physim.simulation.loop import Simulation
+from physim.simulation.swept_contacts import SweptContactFinder
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
 from tests.roads import road
 from tests.says import Says
 
@@ -44,10 +44,10 @@ def course(scene: Scene) -> FloatArray:
 
 def rows(scene: Scene, course: FloatArray, cuts: list[int]) -> np.ndarray:
     """Rows of a course that is looked at in blocks."""
-    finder, found = GrazeFinder(scene), []
+    finder, found = SweptContactFinder(scene), []
     for first, last in zip([0, *cuts], [*cuts, len(course)], strict=True):
         block = np.ascontiguousarray(course[first:last])
-        near = clearances(block, scene.shapes, scene.walls, scene.nearby)
+        near = clearances(block, scene.shapes, scene.walls, scene.wall_grid)
         found.append(finder.rows(first, block, near))
     return np.concatenate(found)
 

@@ -87,8 +87,8 @@ def test_wheel_works_in_another_place(wheel: Path, tmp_path: Path) -> None:
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")
     script = (
         "import json, physim, physim.controllers, physim.worlds\n"
-        "from physim.registry import CONTROLLER, find_part\n"
-        "from physim.world_file.shipped import shipped_worlds, find_world\n"
+        "from physim.parts.registry import CONTROLLER, find_part\n"
+        "from physim.world.file.files import shipped_worlds, find_world\n"
         "import sys\n"
         "world = physim.load_world(find_world('straight'))\n"
         "print(json.dumps([[m.__file__ for m in (physim, physim.controllers, physim.worlds)],\n"

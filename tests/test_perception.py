@@ -10,13 +10,13 @@ import pytest
 import shapely
 from numpy.typing import ArrayLike
 
-from physim.control import Decision
 from physim.geometry.shapes import FloatArray
-from physim.recording import simulate
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
+from physim.parts.controller import Decision
+from physim.simulation.loop import Simulation
+from physim.simulation.run import simulate
 from physim.world import World
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
 from tests.roads import road
 from tests.says import Says
 

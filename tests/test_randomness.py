@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from physim.randomness import normal, philox, stream, uniform
-from physim.scene_builder import build_scene
+from physim.world.layout.scene_builder import build_scene
 from tests.roads import road
 
 

@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 import shapely
 
+from physim.analysis.metrics import contact_episodes
 from physim.contacts import FALSE_CONTACT
-from physim.control import Decision, Observation
-from physim.declared import PAPER_MODES
-from physim.metrics import contact_episodes
+from physim.parts.controller import Decision, Observation
+from physim.parts.declarations import PAPER_MODES
 from physim.record import Record, RecordWriter
-from physim.recorder import Recorder, SaveAt
-from physim.recording import record_run, simulate
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.world_file import load_world
-from physim.world_file.shipped import find_world
+from physim.simulation.loop import Simulation
+from physim.simulation.recorder import Recorder, SaveAt
+from physim.simulation.run import record_run, simulate
+from physim.world.file import load_world
+from physim.world.file.files import find_world
+from physim.world.layout.scene_builder import build_scene
 from tests.roads import road
 from tests.says import THREE, Says
 
@@ -97,11 +97,11 @@ def test_blocks_of_any_length_give_the_same_record(
         time = type(wild.time)(step=0.01, duration=2.99, record_every=every)
         world = wild.changed(time=time)
         whole = simulate(world, controller=Says(drift))
-        monkeypatch.setattr("physim.recorder.BLOCK_SECONDS", -1.0)  # every step
+        monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", -1.0)  # every step
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.recorder.BLOCK_SECONDS", 1e9)
+        monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", 1e9)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
-        monkeypatch.setattr("physim.recorder.BLOCK_STEPS", 13)
+        monkeypatch.setattr("physim.simulation.recorder.BLOCK_STEPS", 13)
         assert simulate(world, controller=Says(drift)).digest() == whole.digest()
         monkeypatch.undo()
 
@@ -110,7 +110,7 @@ def test_blocks_of_any_length_give_the_same_record(
 def test_another_process_gives_the_same_digest(hash_seed: str) -> None:
     script = (
         "import physim\n"
-        "from physim.world_file.shipped import find_world\n"
+        "from physim.world.file.files import find_world\n"
         "world = physim.load_world(find_world('three_robots'), overrides=['time.duration=8.0'])\n"
         "print(physim.simulate(world, seed=12).digest())"
     )
@@ -219,7 +219,7 @@ def test_false_contacts_are_counted_over_the_whole_run(
     monkeypatch: pytest.MonkeyPatch, seconds: float
 ) -> None:
     """The engine is made to report one at every third sample."""
-    monkeypatch.setattr("physim.recorder.BLOCK_SECONDS", seconds)
+    monkeypatch.setattr("physim.simulation.recorder.BLOCK_SECONDS", seconds)
     simulation = Simulation(road(THREE))
     writer = RecordWriter(None, simulation.scene, "", name="", declared=simulation.declared)
     recorder = Recorder(writer, every=1)

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from physim.errors import WorldError
-from physim.geometry.nearby import parts_near
-from physim.geometry.sight import parts_in_range
-from physim.scene_builder import DENSITY, build_scene, is_random
+from physim.geometry.wall_grid import parts_in_range, parts_near
 from physim.world import World
+from physim.world.layout.scene_builder import DENSITY, build_scene, is_random
 from tests.roads import BOX, road
 
 PLACES = [[20.0, -10.0, 0.3], [30.0, 0.0, -2.0], [40.0, 10.0, 0.0]]
@@ -72,7 +71,7 @@ def test_every_wall_within_range_is_looked_up() -> None:
         every = np.arange(len(scene.walls.part_start) - 1)
         for x, y in rng.uniform((0.0, -19.0), (200.0, 19.0), (200, 2)):
             near = parts_in_range(scene.walls, every, x, y, reach)
-            assert set(near) <= set(parts_near(scene.nearby, x, y))
+            assert set(near) <= set(parts_near(scene.wall_grid, x, y))
 
 
 def test_a_reference_path_that_leaves_the_area_is_refused() -> None:

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 import shapely
 
-from physim import palette
-from physim.declared import NO_NUMBER, PAPER_MODES, Mode
+from physim.drawing import palette
+from physim.drawing.scene_model import SceneModel, outline, region, split_at
 from physim.geometry.shapes import FloatArray
-from physim.layout import lay_out
+from physim.parts.declarations import NO_NUMBER, PAPER_MODES, Mode
 from physim.record import RecordWriter
-from physim.scene_builder import build_scene
-from physim.scene_model import SceneModel, outline, region, split_at
 from physim.world import World
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import shipped_worlds
+from physim.world.layout.layout import lay_out
+from physim.world.layout.scene_builder import build_scene
 from tests.metrics.histories import history
 from tests.preview.worlds import NARROW
 from tests.records import DECLARED, ELL, make_record

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.control import Decision, Observation
 from physim.controllers.formation import formation_energy, formation_energy_rate
 from physim.errors import ControllerError
 from physim.geometry.motion import arcs
+from physim.parts.controller import Decision, Observation
 from physim.record import Record
-from physim.recording import record_run, simulate
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.world_file import load_world
-from physim.world_file.shipped import find_world
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run, simulate
+from physim.world.file import load_world
+from physim.world.file.files import find_world
+from physim.world.layout.scene_builder import build_scene
 from tests.facts import facts
 from tests.roads import road
 from tests.says import THREE, Says

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.control import Decision, Sensed
 from physim.errors import ControllerError, Fault, WorldError
+from physim.parts.controller import Decision, Sensed
 from physim.record import Record
-from physim.recording import record_run, simulate
-from physim.simulation import Simulation
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run, simulate
 from physim.world import World
-from physim.world_file import load_world
+from physim.world.file import load_world
 from tests.facts import facts
 
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.control import Batched, Sensed
 from physim.errors import ControllerError
-from physim.recording import simulate
-from physim.registry import CONTROLLER, make_part
-from physim.simulation import Simulation
-from physim.stages import for_each, observer_of_row, with_poses
+from physim.parts.controller import BatchCapable, Sensed
+from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.stages import for_each, observer_of_row, with_poses
+from physim.simulation.loop import Simulation
+from physim.simulation.run import simulate
 from physim.world import World
-from physim.world_file import load_world
+from physim.world.file import load_world
 from tests.extending import entry_points, install
 from tests.facts import facts
 
@@ -128,8 +128,8 @@ def test_batch_and_plain_form_decide_alike_on_the_same_sensed_rows(name: str) ->
     hazy = world("sensing.stages=[{type: haze, sd: 0.5}, {type: haze, sd: 0.1}]", name=name)
     inner = make_part(CONTROLLER, "mode_switching", hazy.controller.settings)
     batch, plain = Simulation(hazy), Simulation(hazy, controller=Plain(inner))
-    assert isinstance(batch.parts.controller, Batched)
-    assert not isinstance(plain.parts.controller, Batched)
+    assert isinstance(batch.parts.controller, BatchCapable)
+    assert not isinstance(plain.parts.controller, BatchCapable)
     decided = 0
     for _ in range(250):
         batch.step()

@@ -15,10 +15,10 @@ from shapely import affinity
 from physim.errors import WorldError
 from physim.geometry import polyline, signed_distance
 from physim.record import Record
-from physim.recording import simulate
-from physim.scene_builder import build_scene, is_random
+from physim.simulation.run import simulate
 from physim.world import World
-from physim.world_file import parse_world
+from physim.world.file import parse_world
+from physim.world.layout.scene_builder import build_scene, is_random
 from tests.cli.commands import physim, tree
 
 BOX = {"length": 1.8, "width": 1.0}

@@ -15,13 +15,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from physim.control import Decision, Observation
 from physim.errors import PhysimError
-from physim.recording import simulate
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
-from physim.world_file import load_world
-from physim.world_file.shipped import find_world, shipped_worlds
+from physim.parts.controller import Decision, Observation
+from physim.simulation.loop import Simulation
+from physim.simulation.run import simulate
+from physim.world.file import load_world
+from physim.world.file.files import find_world, shipped_worlds
+from physim.world.layout.scene_builder import build_scene
 from tests.roads import road
 
 AHEAD = 150
@@ -228,7 +228,7 @@ def test_values_handed_out_never_change() -> None:
 
 
 def test_a_record_of_a_run_that_was_reset_is_that_of_a_new_run() -> None:
-    from physim.recording import record_run
+    from physim.simulation.run import record_run
 
     world = load_world("straight")
     simulation = Simulation(world)

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim.analysis.expectations import Held, expectations
+from physim.analysis.summary import summarise, table, table_rows
+from physim.analysis.summary.table import SHOWN_CONTACTS
 from physim.contacts import Kind
-from physim.declared import Declared, Mode
 from physim.errors import RecordError
-from physim.expectations import Held, expectations
+from physim.parts.declarations import Declared, Mode
 from physim.record import Record
-from physim.summary import summarise, table, table_rows
-from physim.summary.table import SHOWN_CONTACTS
 from tests.metrics.histories import history
 from tests.records import make_record
 

@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from jsonschema import Draft7Validator
 
 from physim.errors import WorldError
-from physim.registry import CONTROLLER, find_part, settings_model, shipped_parts
+from physim.parts.registry import CONTROLLER, find_part, settings_model, shipped_parts
 from physim.world import World
-from physim.world_file import parse_world
-from physim.world_file.schema import FILE, shipped_schema_text, world_schema
-from physim.world_file.shipped import shipped_folder, shipped_worlds
+from physim.world.file import parse_world
+from physim.world.file.files import shipped_folder, shipped_worlds
+from physim.world.file.schema import FILE, shipped_schema_text, world_schema
 from tests.cli.commands import physim
 from tests.world.strategies import worlds
 

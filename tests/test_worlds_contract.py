@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import shapely
 
+from physim.analysis.metrics import finished
+from physim.analysis.summary import summarise
+from physim.analysis.validation import validate
 from physim.geometry.polygon import signed_area
-from physim.metrics import finished
-from physim.recording import simulate
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.summary import summarise
-from physim.validation import validate
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import find_world, shipped_worlds
+from physim.simulation.run import simulate
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import find_world, shipped_worlds
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
 
 NAMES = tuple(shipped_worlds())
 every_world = pytest.mark.parametrize("name", NAMES)

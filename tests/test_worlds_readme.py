@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file.files import shipped_worlds
 
 from .worlds_readme import key_tables
 

@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from physim.cli.compiling import announce_compiling
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar
+from physim.cli.progress import Bar, announce_compiling
 from physim.cli.values import number_from
 from physim.errors import Fault, Location, WorldError, plural
 
 if TYPE_CHECKING:
-    from physim.testing.candidate import Candidate
-    from physim.testing.check import WorldResult
-    from physim.world_file import Document
+    from physim.testing.check import Candidate, WorldResult
+    from physim.world.file import Document
 
 FOUND = 1
 COMPILING = 25
@@ -103,8 +101,8 @@ def check_controller_command(options: Options) -> int:
 
 def _chosen(options: Options) -> Candidate:
     """Find the controller and check its settings; each fault with its place."""
-    from physim.testing.candidate import candidate
-    from physim.world_file import Document, located, read_document
+    from physim.testing.check import candidate
+    from physim.world.file import Document, located, read_document
 
     document = Document("--set", read_document("controller: {}", "--set").root)
     settings, document = _settings(document, options.overrides)
@@ -119,7 +117,7 @@ def _chosen(options: Options) -> Candidate:
 
 def _settings(document: Document, overrides: Sequence[str]) -> tuple[Mapping[str, Any], Document]:
     """Settings that the command line gives. Raises WorldError for what is none."""
-    from physim.world_file import apply_overrides, located
+    from physim.world.file import apply_overrides, located
 
     document = apply_overrides(document, overrides)
     values = document.values()
@@ -146,9 +144,9 @@ def _ends(values: object) -> list[Location]:
 
 def _prepare() -> None:
     """Compile the kernels where that is still to be done, and say so."""
-    from physim.scene_builder import build_scene
-    from physim.warm_up import is_warm, warm_up
-    from physim.world_file import load_world
+    from physim.simulation.run import is_warm, warm_up
+    from physim.world.file import load_world
+    from physim.world.layout.scene_builder import build_scene
 
     if not is_warm():
         announce_compiling("all that a run needs", COMPILING, quiet=False)

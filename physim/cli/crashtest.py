@@ -7,14 +7,13 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physim.cli.compiling import announce_compiling
 from physim.cli.output import new_json, remove_earlier, text_stream, write_json
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.cli.values import WHOLE, whole_from
 
 if TYPE_CHECKING:
-    from physim.crashtest.report import CrashReport
+    from physim.analysis.crashtest.report import CrashReport
 
 DISAGREE = 3
 COMPILING = 15
@@ -60,8 +59,8 @@ def crashtest(options: Options) -> int:
       physim crashtest
       physim crashtest --cases 100000 --seed 1 --json crashtest.json
     """
-    from physim.crashtest.foresight import is_warm
-    from physim.crashtest.report import text
+    from physim.analysis.crashtest.prediction import is_warm
+    from physim.analysis.crashtest.report import text
 
     folder = options.output or Path(f"crashtest-{options.seed}")
     new_json(options.json, options.force)
@@ -82,7 +81,7 @@ def crashtest(options: Options) -> int:
 
 
 def _simulate_throws(options: Options, folder: Path) -> CrashReport:
-    from physim.crashtest import crash_test
+    from physim.analysis.crashtest import crash_test
 
     started = time.monotonic()
 

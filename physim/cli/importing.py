@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from physim.cli.new import check_schema, write_schema
 from physim.cli.output import its_folder, new_file, write_text
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.schema_file import check_schema, write_schema
 from physim.cli.values import COUNT, DISTANCE, POSITIVE, OneOf, Value, pair, size
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
-    from physim.checking import Finding
-    from physim.importing import Imported
+    from physim.authoring.importing import Imported
+    from physim.world.checks import Finding
 
 FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, PATH = "Lines", "Path and robots"
@@ -102,7 +102,7 @@ def import_command(options: Options) -> int:
       physim import map.yaml -o office.yaml --robots 5 --from 1,2 --to 14.5,-3
       physim import plan.svg -o plan.yaml --scale 0.1
     """
-    from physim import importing
+    from physim.authoring import importing
 
     source, output = options.source, options.output
     _check_output(source, output, options.force)
@@ -136,7 +136,7 @@ def _report(source: Path, imported: Imported) -> list[str]:
 
 def _doubts(world: Path, lanes: int) -> list[str]:
     """What `physim check` says of a world just written, what concerns the whole group first."""
-    from physim.checking import check_world
+    from physim.world.checks import check_world
 
     found = check_world(world)
     order = ("formation", "robots")

@@ -1,10 +1,21 @@
-"""``physim list``."""
+"""``physim list``, what there is; ``physim summary``, the figures of a record."""
 
 from __future__ import annotations
 
 import json
+import sys
+import textwrap
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
 
 from physim.cli.parser import Options, command, flag
+from physim.errors import PhysimError
+
+if TYPE_CHECKING:
+    from physim.analysis.metrics import Definition
 
 
 @command("list", "worlds, controllers and other parts there are")
@@ -23,11 +34,11 @@ def listing(options: Options) -> int:
       physim run three_robots --controller NAME  NAME as listed under controllers
       physim run three_robots --observer NAME    NAME as listed under observers
     """
-    from physim.metrics import DEFINITIONS
-    from physim.metrics.own import taken_name
-    from physim.plots import NAMES
-    from physim.registry import KINDS, METRIC, PLOT, part_names
-    from physim.world_file.shipped import shipped_worlds
+    from physim.analysis.metrics import DEFINITIONS
+    from physim.analysis.metrics.registered import taken_name
+    from physim.drawing.plots import NAMES
+    from physim.parts.registry import KINDS, METRIC, PLOT, part_names
+    from physim.world.file.files import shipped_worlds
 
     kinds = (*KINDS, METRIC, PLOT)
     found = {"worlds": shipped_worlds()}
@@ -48,3 +59,66 @@ def listing(options: Options) -> int:
     if none := [title for title, entries in found.items() if not entries]:
         print(f"none of your own: {', '.join(none)} (docs/EXTENDING.md)")
     return 0
+
+
+LINE = 96
+"""Characters a line of the definitions."""
+
+
+@command("summary", "figures of a record: contacts, distances, times")
+@click.argument("record", metavar="[RECORD]", required=False, type=Path, help="record.h5 of a run")
+@flag("--json", "print everything as JSON instead")
+@flag("--definitions", "print what each metric means instead, with its unit and equation or figure")
+def summary(options: Options) -> int:
+    """Print contacts, distances, collision times, formation errors and modes of a record, and
+    whether what its world expects held.
+
+    exit codes:
+      0    printed, whatever it says
+      2    bad input: one message says what and where
+
+    examples:
+      physim summary runs/ten_robots-21/record.h5
+      physim summary out/record.h5 --json > figures.json
+      physim summary --definitions
+    """
+    from physim.analysis.metrics import DEFINITIONS, own_metrics
+    from physim.analysis.summary import summarise, table
+    from physim.record import Record
+
+    if options.definitions:
+        if options.record is not None:
+            raise PhysimError("--definitions: goes without a record: it tells what the metrics are")
+        own, faults = own_metrics(DEFINITIONS)
+        known = {**DEFINITIONS, **own}
+        print(_definitions_json(known) if options.json else _definitions(known), end="")
+        for fault in faults:
+            print(fault, file=sys.stderr)
+        return 0
+    if options.record is None:
+        raise PhysimError("physim summary: RECORD is missing; or give --definitions")
+    with Record.load(options.record) as record:
+        found = summarise(record)
+    print(found.to_json() if options.json else table(found), end="")
+    return 0
+
+
+def _definitions(known: Mapping[str, Definition]) -> str:
+    width = max(len(name) for name in known)
+    units = max(len(one.unit) for one in known.values())
+    lines = []
+    for name, one in known.items():
+        source = "" if one.source == "-" else f" [{one.source}]"
+        head = f"{name:<{width}}  {one.unit:<{units}}  "
+        lines += textwrap.wrap(
+            one.meaning + source, LINE, initial_indent=head, subsequent_indent=" " * len(head)
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _definitions_json(known: Mapping[str, Definition]) -> str:
+    entries = {
+        name: {"unit": one.unit, "meaning": one.meaning, "source": one.source}
+        for name, one in known.items()
+    }
+    return json.dumps(entries, indent=2, ensure_ascii=False) + "\n"

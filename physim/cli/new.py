@@ -1,18 +1,91 @@
-"""``physim new``: a world or a project to begin with."""
+"""``physim new``, a world or a project to begin with; ``physim schema``, for editors."""
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 from pathlib import Path
 
 import click
 
-from physim.cli.output import empty_folder, new_file, write_text, writing
+from physim.cli.output import empty_folder, new_file, regular, write_text, writing
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.schema_file import check_schema, write_schema
 from physim.cli.values import WHOLE, OneOf
 from physim.errors import PhysimError
+
+
+def check_schema(world: Path, force: bool) -> None:
+    """Raise PhysimError where `write_schema` would not write: where something odd stands."""
+    from physim.world.file.schema import FILE
+
+    schema = world.with_name(FILE)
+    if force and schema.is_dir():
+        raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
+    if force:
+        regular(schema)
+
+
+def write_schema(world: Path, force: bool) -> str:
+    """Write the schema into the folder of a world; returns what to print of it all.
+
+    That is: what was written, and the commands that come next. A schema that is there already
+    stays, unless ``force``, and a line says so where it is another than that of this version.
+    """
+    from physim.world.file.schema import FILE, schema_text
+
+    schema, text = world.with_name(FILE), schema_text()
+    files, kept = [world, schema], ""
+    if force or not os.path.lexists(schema):
+        write_text(schema, text)
+    else:
+        files.remove(schema)
+        if not _holds(schema, text):
+            kept = f"{schema}: kept, though another than this version's; --force writes over it"
+    quoted = shlex.quote(str(world))
+    steps = ", ".join(f"physim {step} {quoted}" for step in ("check", "preview", "run"))
+    lines = [f"written: {', '.join(map(str, files))}", kept, f"next: {steps}"]
+    return "\n".join(line for line in lines if line)
+
+
+def _holds(file: Path, text: str) -> bool:
+    try:
+        return file.is_file() and file.read_text(encoding="utf-8") == text
+    except (OSError, ValueError):
+        return False
+
+
+@command("schema", "the JSON Schema of world files, for editors")
+@option("-o", "--output", type=Path, metavar="FILE", help="write it to a file instead")
+@flag("--force", "write over an existing file")
+def schema(options: Options) -> int:
+    """Print the JSON Schema of world files: every key with its unit and meaning.
+
+    An editor that knows YAML schemas (VS Code with the YAML extension, and all others that use
+    yaml-language-server) completes keys and shows units and meanings where a world begins with
+
+      # yaml-language-server: $schema=world.schema.json
+
+    the path of the schema as seen from the world. It works without a network. The schema holds
+    every registered controller with its settings, those of your own packages too.
+
+    exit codes:
+      0    printed or written
+      2    bad input: one message says what and where
+
+    examples:
+      physim schema -o worlds/world.schema.json
+    """
+    from physim.world.file.schema import schema_text
+
+    if options.output is None:
+        print(schema_text(), end="")
+        return 0
+    new_file(options.output, options.force)
+    write_text(options.output, schema_text())
+    print(f"written to {options.output}")
+    return 0
+
 
 TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
 
@@ -47,7 +120,7 @@ def new(options: Options) -> int:
       physim new my_door --template doorway --robots 5
       physim new --project my_study --template warehouse
     """
-    from physim.world_file.schema import FILE
+    from physim.world.file.schema import FILE
 
     if options.project is not None:
         return _project(options)
@@ -65,8 +138,8 @@ def new(options: Options) -> int:
 
 
 def _project(options: Options) -> int:
-    from physim.templates import new_project
-    from physim.world_file.schema import schema_text
+    from physim.authoring.templates import new_project
+    from physim.world.file.schema import schema_text
 
     folder: Path = options.project
     if options.output is not None:
@@ -86,8 +159,8 @@ def _project(options: Options) -> int:
 
 def _named(given: str) -> tuple[str, str]:
     """Name of a world and of its file without ending. Raises PhysimError for one that is bad."""
+    from physim.world.file.files import SUFFIXES
     from physim.world.kinds import MOST_NAME
-    from physim.world_file.shipped import SUFFIXES
 
     name = given
     for suffix in SUFFIXES:
@@ -113,7 +186,7 @@ def _named(given: str) -> tuple[str, str]:
 
 
 def _world(name: str, options: Options) -> str:
-    from physim.templates import most_robots, world_text
+    from physim.authoring.templates import most_robots, world_text
 
     template, robots = options.template, options.robots
     most = most_robots(template)

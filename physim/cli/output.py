@@ -124,7 +124,7 @@ def regular(path: Path) -> None:
 
 def inputs(*given: str | Path | None) -> tuple[Path, ...]:
     """Files of worlds and records as the command line names them, shipped worlds by name."""
-    from physim.world_file.shipped import find_world
+    from physim.world.file.files import find_world
 
     files = []
     for one in given:

@@ -22,9 +22,9 @@ GROUPS = {
     "run": {
         "list": "physim.cli.listing:listing",
         "run": "physim.cli.run:run",
-        "summary": "physim.cli.summary:summary",
-        "plot": "physim.cli.plot:plot",
-        "video": "physim.cli.video:video",
+        "summary": "physim.cli.listing:summary",
+        "plot": "physim.cli.pictures:plot",
+        "video": "physim.cli.pictures:video",
     },
     "judge": {
         "validate": "physim.cli.validate:validate_command",
@@ -35,8 +35,8 @@ GROUPS = {
         "new": "physim.cli.new:new",
         "import": "physim.cli.importing:import_command",
         "check": "physim.cli.check:check_command",
-        "preview": "physim.cli.preview:preview",
-        "schema": "physim.cli.schema:schema",
+        "preview": "physim.cli.check:preview",
+        "schema": "physim.cli.new:schema",
     },
     "study": {"reproduce": "physim.cli.reproduce:reproduce"},
 }

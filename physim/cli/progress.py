@@ -1,17 +1,23 @@
-"""Progress bars on a terminal, silence in a pipe."""
+"""While a command works: progress bars, Ctrl-C, files that are watched, kernels that are compiled.
+
+Bars are drawn on a terminal alone. Files are watched by looking at them now and then, which
+works on every file system.
+"""
 
 from __future__ import annotations
 
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from physim.simulation import Simulation
+    from physim.simulation.loop import Simulation
+
 
 REFRESH_SECONDS = 0.1
 INTERRUPTED = 130
@@ -97,3 +103,43 @@ def interrupts() -> Iterator[Interrupt]:
     finally:
         for number, handler in zip(signals, before, strict=True):
             signal.signal(number, handler)
+
+
+EVERY = 0.15
+"""[s] between two looks"""
+
+
+def watch(paths: Sequence[Path], changed: Callable[[], object]) -> int:
+    """Call ``changed`` now and after every change of the files, until Ctrl-C; returns its code.
+
+    A change counts when the files stay as they are from one look to the next, so that a file is
+    seldom read half-written; when it is nonetheless, its completion is the next change.
+    """
+    handled: object = None
+    before = [state(path) for path in paths]
+    with interrupts() as interrupt:
+        while not interrupt():
+            now = [state(path) for path in paths]
+            if now == before and (handled is None or now != handled):
+                handled = now  # before the call: what is saved meanwhile is a change
+                changed()
+            before = now
+            time.sleep(EVERY)
+    print("interrupted", file=sys.stderr)
+    return INTERRUPTED
+
+
+def state(path: Path) -> tuple[int, ...]:
+    """What changes with the content of a file; () while there is none."""
+    try:
+        status = path.stat()
+    except (OSError, ValueError):
+        return ()
+    return status.st_mtime_ns, status.st_size, status.st_ino
+
+
+def announce_compiling(what: str, seconds: int, quiet: bool) -> None:
+    """Print one line on standard error; ``seconds`` is what it took on two quiet cores."""
+    if not quiet:
+        text = f"compiling {what} (once after an installation or an edit, about {seconds} s) ..."
+        print(text, file=sys.stderr, flush=True)

@@ -6,10 +6,9 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from physim.cli.compiling import announce_compiling
 from physim.cli.output import empty_folder, write_text, writing
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
 from physim.cli.values import whole_from
 from physim.errors import PhysimError, plural
 
@@ -106,7 +105,7 @@ def _folder(folder: Path, plan: Plan, force: bool) -> Path:
 
 def _warm_up(plan: Plan, quiet: bool) -> None:
     """Compile the kernels once, before workers would each do so."""
-    from physim.reproduction.warm_up import is_warm, warm_up
+    from physim.reproduction.reproduce import is_warm, warm_up
 
     cold = not is_warm()
     if cold:

@@ -11,18 +11,18 @@ import click
 
 from physim.cli.output import FILES, inputs, output_folder, write_text
 from physim.cli.parser import Options, changes, command, flag, option
+from physim.cli.pictures import write_video
 from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
-from physim.cli.video import write_video
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from physim.analysis.summary import Summary
+    from physim.parts.stages import Observer
     from physim.record import Record
-    from physim.recording import LateError
-    from physim.simulation import Simulation
-    from physim.stages import Observer
-    from physim.summary import Summary
+    from physim.simulation.loop import Simulation
+    from physim.simulation.run import LateError
 
 FAILED = 1
 
@@ -61,9 +61,9 @@ def run(options: Options) -> int:
       physim run my_world.yaml --controller my_module:MyController
       physim run my_world.yaml --observer my_module:MyObserver
     """
-    from physim.cli.rerun import ready
-    from physim.summary import summarise, table
-    from physim.world_file import read_world
+    from physim.analysis.summary import summarise, table
+    from physim.cli.simulating import ready
+    from physim.world.file import read_world
 
     world, document = read_world(
         options.world, overrides=options.overrides, controller=options.controller
@@ -103,7 +103,7 @@ def run(options: Options) -> int:
 
 def _observer(name: str) -> Observer:
     """An observer by name, or of a class of one's own."""
-    from physim.registry import OBSERVER, make_by_defaults
+    from physim.parts.registry import OBSERVER, make_by_defaults
 
     try:
         made: Observer = make_by_defaults(OBSERVER, name, trusted=True)
@@ -120,7 +120,7 @@ def _simulate(
     interrupt: Interrupt,
 ) -> tuple[Record, LateError | None]:
     """Record of the run; with it what failed in an observer after the last step."""
-    from physim.recording import LateError, record_run
+    from physim.simulation.run import LateError, record_run
 
     scene = simulation.scene
     try:

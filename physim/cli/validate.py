@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.compiling import announce_compiling
 from physim.cli.output import inputs, new_json, text_stream, write_json
 from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import INTERRUPTED, interrupts
+from physim.cli.progress import INTERRUPTED, announce_compiling, interrupts
 from physim.cli.values import Value, seed_range
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
+    from physim.analysis.validation import Validation
+    from physim.analysis.validation.seeds import SeedStudy
     from physim.record import Record
-    from physim.validation import Validation
-    from physim.validation.seeds import SeedStudy
     from physim.world import World
-    from physim.world_file.nodes import Document
+    from physim.world.file.nodes import Document
 
 COMPILING = 15
 """[s] about, for the checks"""
@@ -67,7 +66,7 @@ def validate_command(options: Options) -> int:
       physim validate three_robots --controller path_following
       physim validate my_world.yaml --seeds 1:101 --json seeds.json
     """
-    from physim.cli import rerun
+    from physim.cli import simulating as rerun
     from physim.record import Record
 
     new_json(options.json, options.force, *inputs(options.given, options.world))
@@ -84,7 +83,7 @@ def validate_command(options: Options) -> int:
 
 def is_record(given: str) -> bool:
     """Whether an argument names a record rather than a world."""
-    from physim.world_file.shipped import SUFFIXES
+    from physim.world.file.files import SUFFIXES
 
     path = Path(given)
     if path.suffix in SUFFIXES:
@@ -99,10 +98,10 @@ def is_record(given: str) -> bool:
 
 
 def _validate_record(record: Record, options: Options) -> int:
-    from physim.cli import rerun
-    from physim.cli.made_from import check_origin
-    from physim.validation.rerun import compare_runs
-    from physim.validation.validation import missing, validate_again
+    from physim.analysis.validation.made_from import check_origin
+    from physim.analysis.validation.rerun import compare_runs
+    from physim.analysis.validation.validation import missing, validate_again
+    from physim.cli import simulating as rerun
 
     if options.world is not None:
         world, _ = rerun.world_given(options, options.world)
@@ -126,7 +125,7 @@ def _validate_record(record: Record, options: Options) -> int:
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
-    from physim.scene_builder import is_random
+    from physim.world.layout.scene_builder import is_random
 
     if options.seeds is None:
         return _report(_run_and_validate(world, document, options.seed, options), options)
@@ -145,8 +144,8 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
 
 def _validate_seeds(world: World, document: Document, options: Options) -> int:
     """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
-    from physim.cli import rerun
-    from physim.validation.seeds import SeedResult, SeedStudy, seed_line
+    from physim.analysis.validation.seeds import SeedResult, SeedStudy, seed_line
+    from physim.cli import simulating as rerun
 
     first, last = options.seeds
     results: list[SeedResult] = []
@@ -174,9 +173,8 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
 
 
 def _report_study(study: SeedStudy, worst: Validation | None, options: Options) -> None:
-    from physim.validation import report
-    from physim.validation.as_json import json_of_seeds
-    from physim.validation.seeds import seeds_text
+    from physim.analysis.validation import report
+    from physim.analysis.validation.seeds import json_of_seeds, seeds_text
 
     out = text_stream(options.json)
     if worst is not None and worst.code and not options.quiet:
@@ -188,14 +186,14 @@ def _report_study(study: SeedStudy, worst: Validation | None, options: Options) 
 def _run_and_validate(
     world: World, document: Document, seed: int | None, options: Options
 ) -> Validation:
-    from physim.cli import rerun
+    from physim.cli import simulating as rerun
 
     with rerun.run_world(world, document, seed, options) as record:
         return _judged(record, f"simulated just now from {document.source}", options)
 
 
 def _judged(record: Record, source: str, options: Options) -> Validation:
-    from physim.validation import is_warm, validate
+    from physim.analysis.validation import is_warm, validate
 
     if not is_warm():
         announce_compiling("the checks of the validation", COMPILING, options.quiet)
@@ -203,8 +201,8 @@ def _judged(record: Record, source: str, options: Options) -> Validation:
 
 
 def _report(found: Validation, options: Options) -> int:
-    from physim.validation import report, warning_lines
-    from physim.validation.as_json import json_of_validation
+    from physim.analysis.validation import report, warning_lines
+    from physim.analysis.validation.seeds import json_of_validation
 
     write_json(options.json, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]

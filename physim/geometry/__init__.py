@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from physim.geometry.batch import collision_times, shortest_distances
     from physim.geometry.encounters import (
         CertifiedTime,
         collision_time_certified,
@@ -19,8 +18,10 @@ if TYPE_CHECKING:
         Separation,
         closest_points,
         collision_time,
+        collision_times,
         polyline,
         shortest_distance,
+        shortest_distances,
         signed_distance,
     )
     from physim.geometry.shapes import Shapes, pack_shapes
@@ -48,12 +49,12 @@ HOMES = {
     "closest_points": "physim.geometry.queries",
     "collision_time": "physim.geometry.queries",
     "collision_time_certified": "physim.geometry.encounters",
-    "collision_times": "physim.geometry.batch",
+    "collision_times": "physim.geometry.queries",
     "contact_intervals": "physim.geometry.encounters",
     "pack_shapes": "physim.geometry.shapes",
     "polyline": "physim.geometry.queries",
     "shortest_distance": "physim.geometry.queries",
-    "shortest_distances": "physim.geometry.batch",
+    "shortest_distances": "physim.geometry.queries",
     "signed_distance": "physim.geometry.queries",
 }
 """Module of each public name."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.convex import face_normal, part_feature, support_gap
-from physim.geometry.face_bound import (
+from physim.geometry.gap_bounds import (
     Closing,
     Relative,
     certified_step,

@@ -13,10 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.nearby import Nearby
 from physim.geometry.separation import body_gap, point_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
-from physim.geometry.wall_clearance import WallLists, empty_lists, nearest_part
+from physim.geometry.wall_grid import WallGrid, WallLists, empty_lists, nearest_part
 
 MARGIN = 1e-9
 """[m] Bounds must win by this, so that their rounding cannot matter."""
@@ -50,7 +49,7 @@ class BoundingDiscs(NamedTuple):
     outer: FloatArray
 
 
-def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: Nearby) -> Clearances:
+def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> Clearances:
     """Work out the clearances of poses (B, N, 3) of the N robots in ``shapes``."""
     samples, robots = poses.shape[:2]
     out = Clearances(
@@ -72,7 +71,7 @@ def fill(
     poses: FloatArray,
     shapes: Shapes,
     walls: Shapes,
-    wall_grid: Nearby,
+    wall_grid: WallGrid,
     part_body: IntArray,
     lists: WallLists,
     out: Clearances,

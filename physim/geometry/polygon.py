@@ -1,20 +1,152 @@
-"""Polygons: simple or not, area, cut into convex parts, width.
+"""Polygons: simple or not, area, cut into few convex parts, width.
 
 A polygon is an array (n, 2) [m] of its corners in either direction, not closed by a repeated
 corner (a repeated last corner is dropped). Parts are convex and counter-clockwise.
+
+The cut goes along diagonals. Ears are clipped to triangles, then diagonals that are not needed
+are taken out again (Hertel and Mehlhorn 1983: at most four times as many parts as the fewest).
+The result depends on the order, so several orders are tried and the best is chosen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from physim.errors import PhysimError
-from physim.geometry.convex_cut import cut
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import FLAT, LENGTH
+
+Corner = tuple[float, float]
+Part = list[int]
+
+MOST_TRIALS = 8
+"""Orders tried for a small polygon; a large one gets one."""
+LARGE = 40
+"""Corners of a large polygon."""
+
+
+def cut(points: FloatArray) -> Iterator[list[Part]]:
+    """Yield ways to cut a simple counter-clockwise polygon (n, 2): parts as lists of indices."""
+    corners: list[Corner] = [(x, y) for x, y in (points - points[0]).tolist()]
+    trials = 1 if len(corners) > LARGE else min(len(corners), MOST_TRIALS)
+    for trial in range(trials):
+        start = None if trial == 0 else trial * len(corners) // trials
+        triangles = _triangles(corners, start)
+        for longest_first in (True, False):
+            yield _merged(corners, triangles, longest_first)
+
+
+def _turn(a: Corner, b: Corner, c: Corner) -> float:
+    """Twice the signed area of a triangle, positive when counter-clockwise."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _is_flat_or_left(a: Corner, b: Corner, c: Corner) -> bool:
+    return _turn(a, b, c) >= -FLAT * math.dist(a, b) * math.dist(b, c)
+
+
+def _is_left(a: Corner, b: Corner, c: Corner) -> bool:
+    return _turn(a, b, c) > FLAT * math.dist(a, b) * math.dist(b, c)
+
+
+def _triangles(corners: list[Corner], start: int | None) -> list[Part]:
+    """Clip ears: the best-shaped one each time, or the next one from ``start`` on."""
+    ring = list(range(len(corners)))
+    if start is not None:
+        ring = ring[start:] + ring[:start]
+    after = dict(zip(ring, ring[1:] + ring[:1], strict=True))
+    before = {j: i for i, j in after.items()}
+    reflex = {i for i in ring if not _is_left(corners[before[i]], corners[i], corners[after[i]])}
+    quality = {i: q for i in ring if (q := _ear(corners, before[i], i, after[i], reflex)) > 0.0}
+    triangles: list[Part] = []
+    while len(after) > 3:
+        if not quality:
+            quality = _all_ears(corners, before, after, reflex)
+        i = max(quality, key=quality.__getitem__) if start is None else next(iter(quality))
+        a, c = before.pop(i), after.pop(i)
+        triangles.append([a, i, c])
+        after[a], before[c] = c, a
+        quality.pop(i)
+        reflex.discard(i)
+        for k in (a, c):
+            quality.pop(k, None)
+            if _is_left(corners[before[k]], corners[k], corners[after[k]]):
+                reflex.discard(k)
+            if (q := _ear(corners, before[k], k, after[k], reflex)) > 0.0:
+                quality[k] = q
+    i = next(iter(after))
+    triangles.append([before[i], i, after[i]])
+    return triangles
+
+
+def _all_ears(
+    corners: list[Corner], before: dict[int, int], after: dict[int, int], reflex: set[int]
+) -> dict[int, float]:
+    """Look for ears anew; where rounding hides them all, take the flattest corner off."""
+    ears = {i: q for i in after if (q := _ear(corners, before[i], i, after[i], reflex)) > 0.0}
+    if ears:
+        return ears
+    flat = min(after, key=lambda i: abs(_turn(*(corners[k] for k in (before[i], i, after[i])))))
+    a, b, c = (corners[k] for k in (before[flat], flat, after[flat]))
+    if abs(_turn(a, b, c)) > 1e3 * FLAT * math.dist(a, b) * math.dist(b, c):
+        raise PhysimError("a polygon could not be cut into convex parts: its edges nearly touch")
+    return {flat: 1.0}
+
+
+def _ear(corners: list[Corner], i: int, j: int, k: int, reflex: set[int]) -> float:
+    """Return the smallest height over the longest side of ear (i, j, k), 0 where it is none."""
+    a, b, c = corners[i], corners[j], corners[k]
+    if not _is_left(a, b, c):
+        return 0.0
+    for r in reflex:
+        if r in (i, j, k):
+            continue
+        p = corners[r]
+        if _turn(c, a, p) >= 0.0 and _turn(a, b, p) >= 0.0 and _turn(b, c, p) >= 0.0:
+            return 0.0
+    longest = max(math.dist(a, b), math.dist(b, c), math.dist(c, a))
+    return _turn(a, b, c) / longest**2
+
+
+def _merged(corners: list[Corner], triangles: list[Part], longest_first: bool) -> list[Part]:
+    """Take out every diagonal whose two parts together are convex."""
+    parts = dict(enumerate(triangles))
+    owner = {edge: k for k, part in parts.items() for edge in _edges(part)}
+    diagonals = [(i, j) for i, j in owner if i < j and (j, i) in owner]
+    diagonals.sort(key=lambda e: math.dist(corners[e[0]], corners[e[1]]), reverse=longest_first)
+    for i, j in diagonals:
+        keep, drop = owner[i, j], owner[j, i]
+        joined = _joined(parts[keep], parts[drop], i, j)
+        if joined is None or not _convex_at(corners, joined, (i, j)):
+            continue
+        parts[keep] = joined
+        for edge in _edges(parts.pop(drop)):
+            owner[edge] = keep
+    return list(parts.values())
+
+
+def _edges(part: Part) -> list[tuple[int, int]]:
+    return list(zip(part, part[1:] + part[:1], strict=True))
+
+
+def _joined(first: Part, second: Part, i: int, j: int) -> Part | None:
+    """Ring of two parts without the edge i-j they share; None if they share more of it."""
+    at, to = first.index(j), second.index(i)
+    ring = first[at:] + first[:at] + (second[to:] + second[:to])[1:-1]
+    return ring if len(set(ring)) == len(ring) else None
+
+
+def _convex_at(corners: list[Corner], ring: Part, ends: tuple[int, int]) -> bool:
+    for end in ends:
+        k = ring.index(end)
+        a, b, c = (corners[ring[m % len(ring)]] for m in (k - 1, k, k + 1))
+        if not _is_flat_or_left(a, b, c):
+            return False
+    return True
 
 
 def corners(polygon: ArrayLike) -> FloatArray:

@@ -5,9 +5,11 @@ pairs of parts. Positive: apart. Negative: the depth of the deepest pair of part
 [m], exact to a few 1e-15 m for bodies of metres; poses are (3,) x, y [m], heading [rad].
 
 - For control: `body_distance`, `wall_distance` give the value alone.
-- For reports: `body_separation`, `wall_separation` also give the unit normal from a to b
-  (of least penetration where they overlap) and the witness points: the closest points
-  where apart, the deepest points of either shape within the other where they overlap.
+- For reports: `body_separation`, `wall_separation` also give the unit normal from a to b (of
+  least penetration where they overlap) and the witness points: the closest points where apart,
+  the deepest points of either shape within the other where they overlap. `describe_pair` makes
+  a row of a report of them. The engine's own depth is wrong for aligned shapes, so nothing is
+  said about a contact but by these.
 
 The value is the same in both, bit for bit. Bounds only skip parts that cannot win.
 """
@@ -260,3 +262,36 @@ def place(shapes: Shapes, i: int, pose: FloatArray, out: FloatArray) -> int:
         out[k - first, 0] = pose[0] + (c * x - s * y)
         out[k - first, 1] = pose[1] + (s * x + c * y)
     return int(last - first)
+
+
+@compiled
+def describe_pair(
+    shapes_a: Shapes,
+    a: int,
+    pose_a: FloatArray,
+    shapes_b: Shapes,
+    b: int,
+    pose_b: FloatArray,
+    out: FloatArray,
+) -> None:
+    """Write x, y, nx, ny and signed distance [m] of two bodies into ``out`` (5,).
+
+    The point [m] lies midway between the deepest points of either body within the other, or
+    midway between the nearest points where they are apart; the unit normal leads from a to b.
+    """
+    d, nx, ny, ax, ay, bx, by = body_separation(shapes_a, a, pose_a, shapes_b, b, pose_b)
+    out[0] = 0.5 * (ax + bx)
+    out[1] = 0.5 * (ay + by)
+    out[2] = nx
+    out[3] = ny
+    out[4] = d
+
+
+@compiled
+def describe_pairs(shapes: Shapes, pose: FloatArray, pairs: IntArray) -> FloatArray:
+    """Return (M, 5) for pairs (M, 2) of bodies at ``pose`` (B, 3): rows of `describe_pair`."""
+    out = np.empty((len(pairs), 5))
+    for k in range(len(pairs)):
+        a, b = pairs[k, 0], pairs[k, 1]
+        describe_pair(shapes, a, pose[a], shapes, b, pose[b], out[k])
+    return out

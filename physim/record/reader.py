@@ -14,16 +14,14 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.declared import Mode
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
+from physim.parts.declarations import Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
-from physim.record.declarations import read_declared
-from physim.record.digest import digest
-from physim.record.recorded_scene import RecordedScene
-from physim.record.rows import NO_END, frozen
-from physim.record.values import Bounds
+from physim.record.layout import digest
+from physim.record.rows import NO_END, Bounds, frozen
+from physim.record.scene import RecordedScene, read_declared
 
 if TYPE_CHECKING:
     from physim.world import World
@@ -266,7 +264,7 @@ class Record(RecordedScene):
         Its controller is told as it was named, ``module:Class`` too: nothing is looked up or
         imported, and the controller's settings are as they were recorded.
         """
-        from physim.world_file import parse_world
+        from physim.world.file import parse_world
 
         where = f"world of {self._where}"
         return parse_world(self.world_text, where, check_controller=False)
@@ -300,7 +298,7 @@ class Record(RecordedScene):
         return {} if group is None else {key: float(value) for key, value in group.attrs.items()}
 
     def digest(self) -> str:
-        """SHA-256 of all but the wall clock and the versions, see `physim.record.digest`."""
+        """SHA-256 of all but the wall clock and the versions, see `physim.record.layout`."""
         return digest(self, self._file)
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -1,4 +1,8 @@
-"""Write the record of a run while it goes: `RecordWriter`."""
+"""Write the record of a run while it goes: `RecordWriter`.
+
+Rows on their way to a growing dataset are gathered in memory and written in bursts; shortest
+and largest distances are kept over all physics steps, also those that are not recorded.
+"""
 
 from __future__ import annotations
 
@@ -14,18 +18,86 @@ import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from physim.declared import Declared
 from physim.errors import RecordError
+from physim.geometry.shapes import IntArray
+from physim.parts.declarations import Declared
 from physim.record import layout
-from physim.record.buffer import RowBuffer
 from physim.record.crash_safe import PAGE, CrashSafeFile
-from physim.record.extremes import Extremes
 from physim.record.reader import Record
-from physim.record.skeleton import write_attributes, write_declared, write_scene
-from physim.scene import Scene
+from physim.record.scene import write_attributes, write_declared, write_scene
+from physim.world.scene import Scene
 
 if TYPE_CHECKING:
     from physim.geometry.clearance import Clearances
+
+
+class RowBuffer:
+    """Gathers rows of one growing dataset; `flush` appends them all at once."""
+
+    def __init__(self, dataset: h5py.Dataset, rows: int) -> None:
+        """Keep up to ``rows`` rows (at least one) in memory."""
+        self.dataset = dataset
+        self._rows: NDArray[Any] = np.empty((max(1, rows), *dataset.shape[1:]), dataset.dtype)
+        self._count = 0
+        self._written = 0
+
+    def append(self, rows: ArrayLike) -> None:
+        """Take rows of the dataset's type; goes to the file when the memory is full.
+
+        Raises ValueError for rows of another shape.
+        """
+        given = np.asarray(rows, dtype=self._rows.dtype)
+        if given.shape[1:] != self._rows.shape[1:]:
+            wanted = self._rows.shape[1:]
+            raise ValueError(f"{self.dataset.name}: rows {given.shape[1:]}; {wanted} expected")
+        taken = 0
+        while taken < len(given):
+            part = given[taken : taken + len(self._rows) - self._count]
+            self._rows[self._count : self._count + len(part)] = part
+            self._count += len(part)
+            taken += len(part)
+            if self._count == len(self._rows):
+                self.flush()
+
+    def flush(self) -> None:
+        """Hand what was gathered to the library."""
+        if self._count:
+            total = self._written + self._count
+            self.dataset.resize(total, axis=0)
+            self.dataset[self._written : total] = self._rows[: self._count]
+            self._written, self._count = total, 0
+
+
+class Extremes:
+    """Running extremes: ``rows`` (N,) of `layout.EXTREME`, ``farthest`` one `layout.FARTHEST`."""
+
+    def __init__(self, robots: int) -> None:
+        """Begin with nothing seen."""
+        self.rows: NDArray[np.void] = np.full(robots, layout.NO_EXTREME)
+        self.farthest: NDArray[np.void] = layout.NO_FARTHEST.copy()
+
+    def note(self, step: IntArray, found: Clearances) -> None:
+        """Take the samples ``step`` (B,) into account; the earliest of equal values is kept."""
+        if not len(step):
+            return
+        robots = np.arange(len(self.rows))
+        for key, when, who, values, others in (
+            ("clearance", "clearance_step", "clearance_other", found.clearance, found.other),
+            ("boundary_clearance", "boundary_step", "boundary_other",
+             found.boundary_clearance, found.boundary_other),
+        ):  # fmt: skip
+            at = np.argmin(values, axis=0)
+            least = values[at, robots]
+            closer = least < self.rows[key]
+            self.rows[key][closer] = least[closer]
+            self.rows[when][closer] = step[at][closer]
+            self.rows[who][closer] = others[at, robots][closer]
+        at = int(np.argmax(found.farthest))
+        if found.farthest[at] > self.farthest["farthest"]:
+            self.farthest[...] = (
+                found.farthest[at], step[at], found.farthest_a[at], found.farthest_b[at],
+            )  # fmt: skip
+
 
 NOTHING = Declared()
 CHUNK_BYTES = 1 << 18
@@ -242,6 +314,3 @@ class RecordWriter:
             self._file.close()
         if self._disk is not None:
             self._disk.close()
-
-
-__all__ = ["RecordWriter"]

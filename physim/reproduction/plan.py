@@ -1,25 +1,94 @@
-"""Which jobs a reproduction consists of, and which follow from which."""
+"""Which jobs a reproduction consists of, and which follow from which: runs, pictures, films.
+
+Jobs are done by worker processes, so all they consist of can be sent to one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from physim.drawing.plots.maps import trajectories
+from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest
+from physim.record import Record
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.claims.claim import WORDS, Part
-from physim.reproduction.jobs import (
-    Measure,
-    draw_plot,
-    draw_study,
-    render_film,
-    run,
-)
-from physim.reproduction.runner import Job
+from physim.reproduction.pictures import pair_times, picture
+from physim.reproduction.runner import Job, Stop
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Arm, Study, Table
+from physim.reproduction.study import PAIR_TIMES, WORDS, Arm, Measures, Part, Study, Table
+from physim.simulation.run import simulate
+
+Measure = Callable[[Record], Measures]
+
+
+class Run(NamedTuple):
+    """What is kept of a run."""
+
+    name: str
+    seed: int
+    measures: Mapping[str, Measures]
+    """figures by the name of their function"""
+
+
+def run(
+    arm: Arm, seed: int | None, wanted: Sequence[Measure], path: Path | None, stop: Stop
+) -> Run | None:
+    """Run a world and measure it; None when it was stopped.
+
+    ``seed`` None: that of the world. The record is kept at ``path``, if given. Raises PhysimError
+    that names the run.
+    """
+    try:
+        world = arm.load(seed or 0)
+        record = simulate(world, seed=seed, path=path, overwrite=True, stop=stop)
+    except PhysimError as error:
+        name = " ".join([arm.world, *arm.overrides, f"seed {seed}"])
+        raise PhysimError(f"{name}: {error}") from None
+    with record:
+        if record.ended != "interrupted":
+            found = {measure.__name__: dict(measure(record)) for measure in wanted}
+            return Run(record.name, record.seed, found)
+    if path is not None:
+        os.unlink(path)
+    return None
+
+
+def draw_plot(file: Path, name: str, snapshots: float | None, path: Path, _: Stop) -> bool:
+    """Draw one of `physim.drawing.plots`, or `PAIR_TIMES`, of a record. True: never stopped."""
+    with Record.load(file) as record, picture(path) as keep:
+        if name == PAIR_TIMES:
+            keep(pair_times(record))
+        elif name == "trajectories":
+            keep(trajectories(record, snapshots))
+        else:
+            keep(PLOTS[name](record))
+    return True
+
+
+def draw_study(name: str, table: Table, path: Path, _: Stop) -> bool:
+    """Draw the plot of a study, found by its name: its functions need not be sent. True."""
+    from matplotlib.figure import Figure
+
+    study = next(one for one in studies() if one.name == name)
+    with picture(path) as keep:
+        figure = Figure()
+        study.draw(figure, study.labels, table)
+        keep(figure)
+    return True
+
+
+def render_film(file: Path, path: Path, stop: Stop) -> bool | None:
+    """Render the video of a record; None when it was stopped."""
+    from physim.drawing.video import render
+
+    with Record.load(file) as record:
+        render(record, path, stop=stop)
+    return None if stop() else True
+
 
 SEEDS, QUICK_SEEDS = 100, 5
 """of each world of the paper"""

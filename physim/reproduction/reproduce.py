@@ -9,15 +9,41 @@ from functools import partial
 from pathlib import Path
 
 from physim._version import __version__
+from physim.analysis.metrics.distances import shortest_pair_collision_time
+from physim.compiled import is_cached
 from physim.errors import plural
+from physim.geometry.queries import fill_times
+from physim.parts.registry import CONTROLLER, make_part
 from physim.reproduction.claims import measures
-from physim.reproduction.claims.claim import PAIR_TIMES, WORDS, Part
-from physim.reproduction.html import html
-from physim.reproduction.page import TITLE, markdown
+from physim.reproduction.page import TITLE, html, markdown
 from physim.reproduction.plan import Found, Plan, film_of, picture_of
 from physim.reproduction.report import Report, Section
 from physim.reproduction.runner import do_all
-from physim.reproduction.study import Study
+from physim.reproduction.study import PAIR_TIMES, WORDS, Part, Study
+from physim.simulation.run import is_warm as runs_are_warm
+from physim.simulation.run import simulate
+from physim.simulation.run import warm_up as warm_up_runs
+from physim.world.file import load_world
+from physim.world.layout.scene_builder import build_scene
+
+WORLD = "three_robots"
+SECONDS = 0.2
+"""[s] simulated"""
+
+
+def is_warm() -> bool:
+    """Whether all kernels lie compiled on disk."""
+    return runs_are_warm() and is_cached(fill_times)
+
+
+def warm_up() -> None:
+    """Take a run that is thrown away."""
+    world = load_world(WORLD, overrides=[f"time.duration={SECONDS}"])
+    choice = world.controller
+    warm_up_runs(build_scene(world), make_part(CONTROLLER, choice.type, choice.settings))
+    with simulate(world) as record:
+        shortest_pair_collision_time(record)
+
 
 MARKDOWN, HTML, JSON = "REPRODUCTION.md", "reproduction.html", "reproduction.json"
 PAGES = (MARKDOWN, HTML, JSON)

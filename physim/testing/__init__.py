@@ -9,6 +9,6 @@ In pytest::
 """
 
 from physim.testing.check import check_controller, situations
-from physim.testing.findings import Finding, Rule
+from physim.testing.rules import Finding, Rule
 
 __all__ = ["Finding", "Rule", "check_controller", "situations"]

@@ -1,7 +1,12 @@
-"""Check that a controller keeps to the rules: `check_controller`."""
+"""Check that a controller keeps to the rules: `check_controller`.
+
+It is made anew as often as a rule needs it, and tried in worlds and in `situations`: small worlds
+in which a robot meets what it seldom meets.
+"""
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,20 +15,91 @@ from typing import Any
 
 import numpy as np
 
-from physim.control import Batched, Controller
-from physim.errors import ControllerError, PhysimError, plural
-from physim.part_checks import robot_faults
-from physim.scene import Scene
-from physim.scene_builder import build_scene
-from physim.testing.answers import Make
-from physim.testing.batch_rules import check_batch
-from physim.testing.candidate import Candidate, candidate
-from physim.testing.findings import Finding, FindingLog
-from physim.testing.plain_rules import check_plain
-from physim.testing.runs import run_trial
+from physim.errors import ControllerError, PhysimError, WorldError, plural
+from physim.parts.controller import BatchCapable, Controller
+from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
+from physim.parts.world_checks import robot_faults
+from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
+from physim.testing.trial import Make, run_trial
 from physim.world import World
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import shipped_worlds
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A controller by its class and settings, or by an object that is copied."""
+
+    name: str
+    kind: type[Any]
+    settings: Mapping[str, Any] | None
+    """None: those of a world that has this controller, else the controller's own"""
+    given: Controller | None
+    """the object; it is never asked itself"""
+
+    def maker(self, world: World | None = None) -> Make:
+        """How to make it for a world.
+
+        Raises ControllerError where it cannot be made or copied, WorldError with a fault for each
+        setting that is wrong.
+        """
+        if self.given is not None:
+            original = _copy(self.given, self.name)
+            return lambda: _copy(original, self.name)
+        settings = self.settings
+        if settings is None:
+            settings = world.controller.settings if world is not None and self._is_in(world) else {}
+        made, faults = checked_settings(self.kind, settings, CONTROLLER.key)
+        if faults:
+            raise WorldError(faults)
+
+        def make() -> Controller:
+            controller: Controller = made_part(CONTROLLER, self.kind, made, self.name)
+            return controller
+
+        return make
+
+    def _is_in(self, world: World) -> bool:
+        """Whether it is the world's own controller."""
+        try:
+            return self.kind is find_part(
+                CONTROLLER, world.controller.type, trusted=":" in self.name
+            )
+        except ControllerError:
+            return False
+
+
+def candidate(
+    controller: type[Any] | Controller | str, settings: Mapping[str, Any] | None
+) -> Candidate:
+    """Take a class, an object, a registered name or ``module:Class``. Raises ControllerError."""
+    if isinstance(controller, str):
+        return Candidate(
+            controller, find_part(CONTROLLER, controller, trusted=True), settings, None
+        )
+    kind = controller if isinstance(controller, type) else type(controller)
+    if not callable(getattr(controller, "decide", None)):
+        raise ControllerError(f"{kind.__name__} has no method decide(observation, memory)")
+    if isinstance(controller, type):
+        return Candidate(kind.__name__, kind, settings, None)
+    if settings is not None:
+        raise ControllerError(
+            f"settings go with a class or a name; the {kind.__name__} given is made already"
+        )
+    return Candidate(kind.__name__, kind, None, controller)
+
+
+def _copy(controller: Controller, name: str) -> Controller:
+    try:
+        return copy.deepcopy(controller)
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200]
+        raise ControllerError(
+            f"the {name} given cannot be copied ({type(error).__name__}: {reason}); give its class"
+        ) from error
+
 
 WorldLike = World | str | os.PathLike[str]
 """A world, its file, or the name of a shipped one."""
@@ -197,6 +273,6 @@ def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldRe
     trial = run_trial(scene, controller, seconds)
     check_plain(trial, controller, make, found)
     batched = make()
-    if isinstance(batched, Batched):
+    if isinstance(batched, BatchCapable):
         check_batch(trial, batched, found)
     return WorldResult(name, False, len(trial.asked), found.findings())

@@ -1,7 +1,7 @@
 """A world as its author writes it: the keys of the world file, with units, bounds and defaults.
 
-Schema, hover text and comments of a saved world come from the descriptions; these begin with units.
-Each part of a world has a module of its own beside this one.
+Schema, hover text and comments of a saved world come from the descriptions; these begin with
+units. The parts of a world stand in the modules beside this one.
 """
 
 from __future__ import annotations
@@ -12,32 +12,52 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ConfigDict, Field
+from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from physim.errors import Fault
-from physim.world.arrival import Arrival
 from physim.world.base import Model
-from physim.world.controller_choice import ControllerChoice
-from physim.world.expectation import Expectation
-from physim.world.formation import Formation
 from physim.world.kinds import (
     MOST_ROBOTS,
     MOST_SEED,
     MOST_WALLS,
     Label,
+    Length,
     Point,
     Polygon,
     Polyline,
     Text,
     Whole,
     at_most,
+    plain,
 )
-from physim.world.material import Physics
-from physim.world.road import Corridor
-from physim.world.robot import Robot
-from physim.world.stages import DEFAULT_RANGE, Choices, Sensing, nested_choice
-from physim.world.start import Start
-from physim.world.time_grid import Time
+from physim.world.robot import Formation, Robot, Start
+from physim.world.run import (
+    DEFAULT_RANGE,
+    Arrival,
+    Choices,
+    ControllerChoice,
+    Expectation,
+    Physics,
+    Sensing,
+    Time,
+    nested_choice,
+)
+
+
+class Corridor(Model):
+    """Road of given width along a centreline, closed by caps beyond both ends."""
+
+    centreline: Polyline = Field(description="[m] middle of the corridor, points [x, y]")
+    width: Annotated[
+        Annotated[Length, Tag("<value>")]
+        | Annotated[tuple[Length, ...], at_most(100_000), Field(min_length=2), Tag("<list>")],
+        Discriminator(
+            lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"
+        ),
+    ] = Field(description="[m] full width: one number, or one per point of the centreline")
+    end_margin: Length = Field(
+        default=3.0, description="[m] from either end of the centreline to the cap that closes it"
+    )
 
 
 class World(Model):

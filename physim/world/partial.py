@@ -11,14 +11,10 @@ from typing import Annotated, Any, get_args
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from physim.world.expectation import Expectation
-from physim.world.formation import Formation
 from physim.world.kinds import MOST_ROBOTS, Polygon, Polyline
-from physim.world.model import World
-from physim.world.road import Corridor
-from physim.world.robot import Limits, Robot
-from physim.world.start import Start
-from physim.world.time_grid import Time
+from physim.world.model import Corridor, World
+from physim.world.robot import Formation, Limits, Robot, Start
+from physim.world.run import Expectation, Time
 
 KEY_BY_KEY = (Time, Corridor, Start, Formation, Expectation, Limits)
 """Parts of which each key is looked at by itself; of all others the whole value"""

@@ -1,14 +1,57 @@
-"""One robot: its shape, start, path and limits."""
+"""Robots: shape, path and limits, where they start, and the formation that they keep."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
 from physim.world.base import Model
-from physim.world.kinds import Label, Number, Point, Polygon, Polyline, Pose, at_most, plain
-from physim.world.start import Start
+from physim.world.kinds import (
+    MOST_ROBOTS,
+    Distance,
+    Label,
+    Length,
+    Number,
+    Point,
+    Polygon,
+    Polyline,
+    Pose,
+    Sequence,
+    Whole,
+    at_most,
+    is_word,
+    plain,
+)
+
+StartHeading = Annotated[
+    Annotated[float, Tag("<value>"), Field(strict=True, allow_inf_nan=False, ge=-1000.0, le=1000.0)]
+    | Annotated[Literal["random", "along"], Tag("<word>")],
+    Discriminator(is_word),
+]
+
+
+class Start(Model):
+    """Region in which robots are placed by the seed, whole footprints inside, none touching."""
+
+    region: Polygon = Field(
+        description="[m] corners [x, y] of the region that holds the whole footprints at the start"
+    )
+    heading: StartHeading = Field(
+        default="random",
+        description="[rad] counter-clockwise from the x axis; or the word random; or along: that "
+        "of the reference path there",
+    )
+    min_gap: Distance = Field(
+        default=0.3,
+        description="[m] least distance at the start to other robots, boundaries and obstacles",
+    )
+    abreast: Annotated[Whole, Field(ge=1, le=1000)] | None = Field(
+        default=None,
+        description="robots in a row: they stand in rows across the reference path, in their "
+        "order, the first row foremost; anywhere in the region when absent",
+    )
+
 
 OMEGA_LIMIT = 1.6
 """[rad/s] of a robot whose world gives no limit"""
@@ -103,3 +146,54 @@ class Robot(Model):
     def outline(self) -> tuple[Point, ...]:
         """Corners of the footprint [m], robot's frame, as written (a box counter-clockwise)."""
         return self.footprint.corners if isinstance(self.footprint, Box) else self.footprint
+
+
+def _word_or_list(value: Any) -> str:
+    return "<word>" if isinstance(value, str) else "<list>"
+
+
+class Formation(Model):
+    """Speed control that keeps the robots at wanted distances along the reference path, (7)."""
+
+    gain: Annotated[Number, Field(ge=0.0, le=1000.0)] = Field(
+        default=0.05, description="[1/s] alpha of equation (7)"
+    )
+    speed: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
+        default=1.0, description="[m/s] nu_0, steady speed of the cluster"
+    )
+    limits: Annotated[
+        tuple[
+            Annotated[Number, Field(ge=0.0, le=1000.0)], Annotated[Number, Field(gt=0.0, le=1000.0)]
+        ],
+        Sequence,
+    ] = Field(default=(0.8, 1.3), description="[m/s] least and greatest speed that (7) may give")
+    spacing: Annotated[
+        Annotated[Literal["initial"], Tag("<word>")]
+        | Annotated[
+            tuple[Annotated[Number, Field(ge=-1.0e6, le=1.0e6)], ...],
+            at_most(MOST_ROBOTS),
+            Tag("<list>"),
+        ],
+        Discriminator(_word_or_list),
+    ] = Field(
+        default="initial",
+        description="[m] wanted lead of each robot over the first along the reference path, "
+        "the first being 0; or the word initial: as they start",
+    )
+    range: Length = Field(
+        default=10.0,
+        description="[m] along the reference path within which robots are formation neighbours; "
+        "also the range of sight, unless sensing.range says otherwise",
+    )
+    neighbours: Annotated[
+        Annotated[Literal["range", "all"], Tag("<word>")]
+        | Annotated[
+            tuple[Annotated[tuple[Label, Label], Sequence], ...],
+            at_most(100_000),
+            Tag("<list>"),
+        ],
+        Discriminator(_word_or_list),
+    ] = Field(
+        default="range",
+        description="who keeps distance to whom: those within range, all, or pairs of names",
+    )

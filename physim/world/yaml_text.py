@@ -13,9 +13,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from physim.errors import PhysimError
-from physim.world.frozen import thawed
+from physim.world.kinds import thawed
 from physim.world.model import World
-from physim.world.stages import Choice
+from physim.world.run import Choice
 
 LINE = 100
 """Columns after which a list is broken."""

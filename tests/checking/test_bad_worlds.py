@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.checking import Findings, check_world
+from physim.world.checks import Findings, check_world
 from tests.checking.worlds import CORRIDOR, DRAWN, changed
 
 CASES = Path(__file__).parents[2].parent / "shared" / "cases" / "bad_worlds"

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from physim.checking import check_world
 from physim.cli import main
+from physim.world.checks import check_world
 from tests.checking.worlds import CORRIDOR, DRAWN, REGION, changed
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from physim.checking import check_world
 from physim.cli.check import text_of
+from physim.world.checks import check_world
 
 DOCS = Path(__file__).parents[2] / "docs" / "CHECKING.md"
 

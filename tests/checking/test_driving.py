@@ -6,11 +6,11 @@ import pytest
 from pydantic import BaseModel
 
 from physim import Simulation, parse_world
-from physim.checking import check_world
-from physim.control import Decision
 from physim.errors import ControllerError, Fault, WorldError
-from physim.part_checks import robot_faults
-from physim.world_file import load_world
+from physim.parts.controller import Decision
+from physim.parts.world_checks import robot_faults
+from physim.world.checks import check_world
+from physim.world.file import load_world
 from tests.checking.worlds import CORRIDOR, changed, check, lines
 
 SLOW = changed(CORRIDOR, ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {omega: 0.1}"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim.checking import boundaries
+from physim.world.checks import boundaries
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
 
 SECOND = "  - [[33, 4], [-3, 4], [-3, -4]]\n"

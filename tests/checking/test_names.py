@@ -11,7 +11,7 @@ import pytest
 
 from physim.cli import main
 from physim.errors import WorldError
-from physim.world_file import parse_world
+from physim.world.file import parse_world
 from tests.checking.worlds import CORRIDOR, changed, check, lines
 
 NAMES = [

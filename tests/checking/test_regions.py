@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physim.scene_builder import build_scene
+from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, REGION, changed, check, lines
 
 

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.checking import Findings, check_world
 from physim.errors import WorldError
-from physim.scene_builder import build_scene
-from physim.world_file import parse_world
-from physim.world_file.shipped import shipped_folder, shipped_worlds
+from physim.world.checks import Findings, check_world
+from physim.world.file import parse_world
+from physim.world.file.files import shipped_folder, shipped_worlds
+from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, DRAWN, check
 
 SECONDS = 2
@@ -183,7 +183,7 @@ def limit() -> None:
 SCRIPT = """
 import json, sys, time
 from pathlib import Path
-from physim.checking import check_world
+from physim.world.checks import check_world
 
 def peak_bytes():  # getrusage would answer with the peak of the process that started this one
     status = dict(line.split(":", 1) for line in Path("/proc/self/status").open())

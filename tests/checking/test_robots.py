@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from physim.checking.clearance import ALIGNED, ANY, NOT, verdict
+from physim.world.checks.room import ALIGNED, ANY, NOT, verdict
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
 
 A = "    pose: [6.0, 1.0, 0.0]"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.checking import check_world
+from physim.world.checks import check_world
 from tests.checking.worlds import CORRIDOR, changed
 
 

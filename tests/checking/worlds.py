@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from physim.checking import Findings, check_world
+from physim.world.checks import Findings, check_world
 
 CORRIDOR = """\
 name: corridor

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from physim.scene_builder import build_scene
-from physim.warm_up import warm_up
-from physim.world_file import parse_world
+from physim.simulation.run import warm_up
+from physim.world.file import parse_world
+from physim.world.layout.scene_builder import build_scene
 from tests.cli.commands import SMALL
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.registry import controller_names
+from physim.parts.registry import controller_names
 from tests.cli.commands import SMALL, Done, physim, shell, tree
 from tests.records import make_record
 from tests.says import check_error

@@ -80,7 +80,7 @@ def test_bad_input(
 def test_it_is_said_what_is_compiled(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("physim.warm_up.is_warm", lambda: False)
+    monkeypatch.setattr("physim.simulation.run.is_warm", lambda: False)
     done = physim("check-controller", "constant", *STRAIGHT, capture=capsys)
     assert done.err.startswith("compiling all that a run needs (once after an ")
     assert done.err.count("\n") == 1

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from physim.analysis.crashtest import crash_test
 from physim.cli.reproduce import _warm_up
-from physim.crashtest import crash_test
 from physim.reproduction.plan import make_plan
 from tests.cli.commands import SMALL, physim
 
@@ -18,9 +18,13 @@ LINE = r"compiling (.+) \(once after an installation or an edit, about \d+ s\) \
 @pytest.mark.parametrize(
     ("arguments", "at", "what"),
     [
-        (("run", "small.yaml", "--no-video"), "physim.cli.rerun", "controller and distances"),
-        (("validate", "small.yaml"), "physim.validation", "the checks of the validation"),
-        (("crashtest", "--cases", 5), "physim.crashtest.foresight", "the collision checks"),
+        (("run", "small.yaml", "--no-video"), "physim.cli.simulating", "controller and distances"),
+        (("validate", "small.yaml"), "physim.analysis.validation", "the checks of the validation"),
+        (
+            ("crashtest", "--cases", 5),
+            "physim.analysis.crashtest.prediction",
+            "the collision checks",
+        ),
     ],
 )
 def test_each_command_says_what_it_compiles(
@@ -45,8 +49,8 @@ def test_each_command_says_what_it_compiles(
 def test_so_does_reproduce(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("physim.reproduction.warm_up.is_warm", lambda: False)
-    monkeypatch.setattr("physim.reproduction.warm_up.warm_up", lambda: None)
+    monkeypatch.setattr("physim.reproduction.reproduce.is_warm", lambda: False)
+    monkeypatch.setattr("physim.reproduction.reproduce.warm_up", lambda: None)
     plan = make_plan(quick=True)
     _warm_up(plan, quiet=True)
     assert capsys.readouterr().err == ""

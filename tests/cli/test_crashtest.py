@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from physim.crashtest import crash_test
-from physim.plots import NAMES
+from physim.analysis.crashtest import crash_test
+from physim.drawing.plots import NAMES
 from physim.record import Record
 from tests.cli.commands import physim, shell, tree
 from tests.crashtest.sabotage import two_steps_late
@@ -51,7 +51,7 @@ def test_a_disagreement_ends_with_3_and_worlds_that_run_replays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("physim.crashtest.laboratory.predict", two_steps_late)
+    monkeypatch.setattr("physim.analysis.crashtest.experiment.predict", two_steps_late)
     done = physim("crashtest", "--cases", 60, "--json", "found.json", capture=capsys)
     assert done.code == 3
     assert "checks disagree" in done.out.splitlines()[-1]

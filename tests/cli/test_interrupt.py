@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.crashtest import CrashReport, crash_test
+from physim.analysis.crashtest import CrashReport, crash_test
+from physim.analysis.summary import summarise
+from physim.drawing.video import render
 from physim.errors import RecordError
-from physim.physics import Physics
 from physim.record import Record
-from physim.summary import summarise
-from physim.video import render
+from physim.simulation.engine import Physics
 from tests.cli.commands import LONG, SMALL, frames, physim, started, tree
 from tests.records import make_record
 
@@ -165,7 +165,7 @@ def test_an_interrupted_crash_test_tells_how_far_it_came(
         return crash_test(cases, seed, **more, progress=lambda done: (told(done), press())[0])
 
     monkeypatch.chdir(here)
-    monkeypatch.setattr("physim.crashtest.crash_test", pressed)
+    monkeypatch.setattr("physim.analysis.crashtest.crash_test", pressed)
     done = physim("crashtest", "--cases", 5000, "--json", "found.json", capture=capsys)
     assert done.code == 130
     found = json.loads((here / "found.json").read_text())
@@ -191,7 +191,7 @@ def test_a_film_that_is_cut_short_has_a_name_that_says_so(
         told = more.pop("progress")
         return render(*arguments, **more, progress=lambda done, of: (told(done, of), press())[0])
 
-    monkeypatch.setattr("physim.video.render", pressed)
+    monkeypatch.setattr("physim.drawing.video.render", pressed)
     (here / "video.mp4").write_text("the whole film")
     done = physim("video", here / "record.h5", "--force", capture=capsys)
     short = here / "video.cut_short.mp4"
@@ -268,12 +268,15 @@ def test_ctrl_c_ends_a_check_that_watches(here: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "at"),
     [
-        (("preview", "small.yaml"), "physim.layout.lay_out"),
-        (("import", "track.csv", "-o", "w.yaml"), "physim.importing.import_world"),
-        (("check", "small.yaml"), "physim.checking.check_world"),
+        (("preview", "small.yaml"), "physim.world.layout.layout.lay_out"),
+        (("import", "track.csv", "-o", "w.yaml"), "physim.authoring.importing.import_world"),
+        (("check", "small.yaml"), "physim.world.checks.check_world"),
         (("new", "a"), "physim.cli.new.write_text"),
-        (("summary", "record.h5"), "physim.summary.summarise"),
-        (("validate", "record.h5", "--json", "a.json", "--quiet"), "physim.validation.validate"),
+        (("summary", "record.h5"), "physim.analysis.summary.summarise"),
+        (
+            ("validate", "record.h5", "--json", "a.json", "--quiet"),
+            "physim.analysis.validation.validate",
+        ),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )

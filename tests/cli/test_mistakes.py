@@ -8,7 +8,7 @@ import click
 import pytest
 
 from physim.cli.parser import COMMANDS, GROUPS, commands
-from physim.plots import NAMES
+from physim.drawing.plots import NAMES
 from physim.reproduction.studies import studies
 from tests.cli.commands import physim
 from tests.says import check_error

@@ -9,8 +9,8 @@ import stat
 import pytest
 
 from physim.record import Record
-from physim.world_file import load_world
-from physim.world_file.schema import schema_text
+from physim.world.file import load_world
+from physim.world.file.schema import schema_text
 from tests.cli.commands import physim, shell, tree
 
 

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from physim.analysis.crashtest import crash_test
 from physim.cli.output import regular, write_text
-from physim.crashtest import crash_test
 from physim.errors import PhysimError
 from tests.cli.commands import SMALL, command, environment, physim, tree
 from tests.records import make_record

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from physim.reproduction.report import Report
-from physim.reproduction.warm_up import warm_up
+from physim.reproduction.reproduce import warm_up
 from tests.cli.commands import physim, started
 
 QUICK = ("reproduce", "--quick", "--no-video")

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from physim.parts.registry import controller_names
 from physim.record import Record
-from physim.registry import controller_names
-from physim.world_file import load_world
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file import load_world
+from physim.world.file.files import shipped_worlds
 from tests.cli.commands import SMALL, environment, frames, physim, shell, tree
 from tests.says import check_error
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.metrics import DEFINITIONS, measure
+from physim.analysis.metrics import DEFINITIONS, measure
 from physim.record import Record
 from tests.cli.commands import physim
 from tests.records import make_record

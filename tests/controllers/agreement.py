@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from physim.control import Decisions
 from physim.controllers.mode_switching import ModeSwitching
 from physim.controllers.settings import ModeSwitchingSettings
+from physim.parts.controller import Decisions
 from tests.controllers.scenes import History, decisions
 from tests.oracles import decision as oracle
 from tests.oracles import paths, safe_area, switching, timing

@@ -13,19 +13,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from physim.control import Decisions, Observation, Sensed
-from physim.control_loop import PlainBatch
 from physim.controllers.mode_switching import ModeSwitching
 from physim.controllers.settings import ModeSwitchingSettings
-from physim.declared import Declared
-from physim.geometry.nearby import build_nearby
 from physim.geometry.shapes import pack_polylines, pack_shapes, read_only
-from physim.perception import observe
-from physim.scene import Body as SceneBody
-from physim.scene import FormationPlan, Scene
-from physim.scene_builder import build_scene
-from physim.stages import shared
-from physim.world_file import parse_world
+from physim.geometry.wall_grid import build_wall_grid
+from physim.parts.controller import Decisions, Observation, Sensed
+from physim.parts.declarations import Declared
+from physim.parts.stages import shared
+from physim.simulation.decisions import PerRobotAdapter
+from physim.simulation.observation import observe
+from physim.world.file import parse_world
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Body as SceneBody
+from physim.world.scene import FormationPlan, Scene
 from tests.oracles.paths import lengths, point_at
 from tests.oracles.view import Body, Cluster
 from tests.worlds_by_hand import STRAIGHT
@@ -67,7 +67,7 @@ def scene_of(history: History) -> Scene:
         bodies=tuple(names),
         shapes=pack_shapes([robot.parts for robot in robots]),
         walls=walls,
-        nearby=build_nearby(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
+        wall_grid=build_wall_grid(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
         mass=np.ones(n),
         limits=np.array([robot.limits for robot in robots]),
         start=np.array([robot.pose for robot in robots]),
@@ -113,7 +113,7 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
     scene, controller = scene_of(history), ModeSwitching(settings)
     forms = {
         "batch": controller.batch(scene),
-        "plain": PlainBatch(controller, scene, Declared.of(controller)),
+        "plain": PerRobotAdapter(controller, scene, Declared.of(controller)),
     }
     memories = {name: form.memory() for name, form in forms.items()}
     everyone = np.arange(scene.robots)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from physim.controllers.avoidance import smallest_distance, smallest_time
-from physim.controllers.bodies import Bodies
+from physim.controllers.priority import Bodies
 from physim.controllers.settings import ModeSwitchingSettings
 from physim.geometry.shapes import pack_shapes
 from tests.controllers.agreement import hold_against_oracle

@@ -17,7 +17,7 @@ from physim.controllers.formation import (
     formation_sum,
     is_neighbour,
 )
-from physim.perception import formation_errors, observe
+from physim.simulation.observation import formation_errors, observe
 from tests.controllers.scenes import scene_of, sensed_at, single_robot
 from tests.oracles import formation as oracle
 from tests.oracles.tolerances import ROUNDING

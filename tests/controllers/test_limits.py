@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pytest
 
-from physim.controllers.limits import omega_faults
+from physim.controllers.world_checks import omega_faults
 from physim.world import Robot
 
 

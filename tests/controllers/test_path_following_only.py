@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from physim.controllers.path_following_only import PathFollowing
-from physim.declared import AT_STOP, SAFE
+from physim.parts.declarations import AT_STOP, SAFE
 from tests.controllers.random_scenes import random_history
 from tests.controllers.scenes import observations, single_robot
 from tests.oracles import path_following, paths

@@ -9,7 +9,7 @@ import pytest
 
 from physim import parse_world, simulate
 from physim.controllers.settings import ModeSwitchingSettings
-from physim.controllers.timing import update_interval
+from physim.controllers.switching import update_interval
 from physim.geometry.shapes import IntArray
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.scenes import single_robot

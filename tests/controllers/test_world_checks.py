@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import physim
-from physim.checking import Findings, check_world
 from physim.errors import WorldError
-from physim.registry import CONTROLLER, make_part
-from physim.simulation import Simulation
-from physim.world_file import parse_world
-from physim.world_file.shipped import shipped_worlds
+from physim.parts.registry import CONTROLLER, make_part
+from physim.simulation.loop import Simulation
+from physim.world.checks import Findings, check_world
+from physim.world.file import parse_world
+from physim.world.file.files import shipped_worlds
 
 ALONE = """\
 name: alone

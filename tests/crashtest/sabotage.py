@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.crashtest.batch import Batch
-from physim.crashtest.foresight import Prediction, predict
+from physim.analysis.crashtest.drawing import Batch
+from physim.analysis.crashtest.prediction import Prediction, predict
 
 
 def without_rotation(batch: Batch) -> Prediction:

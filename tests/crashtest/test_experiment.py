@@ -10,15 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from physim.crashtest import CrashReport, crash_test
-from physim.crashtest.batch import SPACING, place_of
-from physim.crashtest.drawing import CLEAR, KINDS, TIME_STEPS, draw_case
-from physim.crashtest.footprints import THINNEST, build_store
-from physim.crashtest.report import text
-from physim.crashtest.verdict import Verdict
-from physim.physics import Physics
-from physim.recording import simulate
-from physim.world_file import load_world
+from physim.analysis.crashtest import CrashReport, crash_test
+from physim.analysis.crashtest.case import THINNEST, build_store
+from physim.analysis.crashtest.drawing import CLEAR, KINDS, SPACING, TIME_STEPS, draw_case, place_of
+from physim.analysis.crashtest.report import Verdict, text
+from physim.simulation.engine import Physics
+from physim.simulation.run import simulate
+from physim.world.file import load_world
 from tests.crashtest import sabotage
 
 CASES = 550
@@ -99,7 +97,7 @@ def test_a_stopped_test_reports_what_it_has() -> None:
 def test_a_broken_check_is_found_out(
     broken: Callable[..., object], report: CrashReport, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("physim.crashtest.laboratory.predict", broken)
+    monkeypatch.setattr("physim.analysis.crashtest.experiment.predict", broken)
     found = crash_test(CASES, 5)
     hits = report.count(Verdict.SAME_SAMPLE)
     # Straight motion needs no rotation, and 1 cm is often less than the advance of a step.
@@ -117,7 +115,9 @@ def test_without_the_guard_the_engines_false_contacts_are_reported(
     guarded = crash_test(cases, seed)
     assert guarded.rejected > 0
     assert guarded.unexplained == []
-    monkeypatch.setattr("physim.crashtest.throw.Physics", partial(Physics, _guarded=False))
+    monkeypatch.setattr(
+        "physim.analysis.crashtest.experiment.Physics", partial(Physics, _guarded=False)
+    )
     found = crash_test(cases, seed)
     near, far = found.unexplained  # one between the skins of the engine's shapes, one far off
     assert (near.number, near.kind, near.collision_time) == (71, "graze", None)
@@ -132,7 +132,7 @@ def test_without_the_guard_the_engines_false_contacts_are_reported(
 def test_every_unexplained_case_becomes_a_world_that_replays(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("physim.crashtest.laboratory.predict", sabotage.two_steps_late)
+    monkeypatch.setattr("physim.analysis.crashtest.experiment.predict", sabotage.two_steps_late)
     found = crash_test(CASES, 5, folder=tmp_path / "worlds")
     assert len(list((tmp_path / "worlds").iterdir())) == len(found.unexplained) > 100
     seen = set()
@@ -159,8 +159,8 @@ def test_no_world_is_written_where_all_is_explained(tmp_path: Path) -> None:
 
 
 def test_cases_are_clear_at_the_start_and_keep_the_tunnelling_rule() -> None:
-    from physim.crashtest.replay import case_world
-    from physim.scene_builder import build_scene
+    from physim.analysis.crashtest.drawing import case_world
+    from physim.world.layout.scene_builder import build_scene
 
     store = build_store(9)
     for number in range(110):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.crashtest.foresight import point_speed
+from physim.analysis.crashtest.prediction import point_speed
 from physim.geometry.motion import arc
 
 STEP = 1e-5

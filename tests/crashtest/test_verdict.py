@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.crashtest.verdict import NEVER, Verdict, classify, first_sample
+from physim.analysis.crashtest.report import NEVER, Verdict, classify, first_sample
 from physim.geometry.shapes import FloatArray
 
 STEP = 0.1

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 
+from physim.geometry.corridor import width_feet
 from physim.geometry.shapes import pack_shapes
-from physim.geometry.width import width_feet
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 

@@ -14,7 +14,7 @@ from physim.geometry import (
     pack_shapes,
     shortest_distances,
 )
-from physim.geometry.inputs import parts_of
+from physim.geometry.queries import parts_of
 from physim.geometry.separation import body_distance
 from tests.geometry.cases import BOX, published, random_scene
 from tests.geometry.test_collision_time import OMEGAS

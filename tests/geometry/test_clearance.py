@@ -8,9 +8,8 @@ import pytest
 from physim.geometry import clearance
 from physim.geometry import separation as kernels
 from physim.geometry.clearance import clearances
-from physim.geometry.nearby import build_nearby
 from physim.geometry.shapes import pack_shapes
-from physim.geometry.wall_clearance import LIST_SIZE
+from physim.geometry.wall_grid import LIST_SIZE, build_wall_grid
 from tests.geometry.cases import BOX, corridor_walls, random_body
 
 
@@ -45,9 +44,9 @@ def plain(pose, shapes, walls):
 def test_equal_to_plain_minima(reach):
     rng = np.random.default_rng(int(10 * reach))
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, reach, 1.0)
+    wall_grid = build_wall_grid(walls, reach, 1.0)
     shapes, poses = random_run(rng, 6, 60)
-    found = clearances(poses, shapes, walls, nearby)
+    found = clearances(poses, shapes, walls, wall_grid)
     body = np.repeat(np.arange(3), np.diff(walls.body_start))
     for b in range(len(poses)):
         pairs, gaps = plain(poses[b], shapes, walls)
@@ -65,30 +64,32 @@ def test_equal_to_plain_minima(reach):
 def test_a_sample_does_not_depend_on_the_others():
     rng = np.random.default_rng(4)
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, 10.0, 1.0)
+    wall_grid = build_wall_grid(walls, 10.0, 1.0)
     shapes, poses = random_run(rng, 5, 80)
-    whole = clearances(poses, shapes, walls, nearby)
+    whole = clearances(poses, shapes, walls, wall_grid)
     for rows in ([7], [79], list(range(30, 60)), [60, 3, 59, 4]):
-        for one, other in zip(clearances(poses[rows], shapes, walls, nearby), whole, strict=True):
+        for one, other in zip(
+            clearances(poses[rows], shapes, walls, wall_grid), whole, strict=True
+        ):
             assert np.array_equal(one, other[rows])
 
 
 def test_outside_the_grid_and_far_from_all_walls():
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, 2.0, 1.0)
+    wall_grid = build_wall_grid(walls, 2.0, 1.0)
     shapes = pack_shapes([[BOX], [BOX]])
     poses = np.array([[[-300.0, 40.0, 1.0], [12.0, 0.0, 0.0]]] * 3)
-    found = clearances(poses, shapes, walls, nearby)
+    found = clearances(poses, shapes, walls, wall_grid)
     _, gaps = plain(poses[0], shapes, walls)
     assert (found.boundary_clearance == gaps.min(axis=1)).all()
 
 
 def test_overlaps_are_negative():
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, 5.0, 1.0)
+    wall_grid = build_wall_grid(walls, 5.0, 1.0)
     shapes = pack_shapes([[BOX], [BOX], [BOX]])
     poses = np.array([[[5.0, 0.0, 0.0], [6.6, 0.1, 0.0], [12.0, 4.6, 0.0]]])
-    found = clearances(poses, shapes, walls, nearby)
+    found = clearances(poses, shapes, walls, wall_grid)
     assert found.clearance[0, :2] == pytest.approx([-0.2, -0.2])
     assert found.boundary_clearance[0, 2] < 0.0
 
@@ -96,10 +97,10 @@ def test_overlaps_are_negative():
 def test_more_walls_near_than_a_list_holds():
     comb = [[np.array([[0.02 * k, 3.0], [0.02 * k + 0.01, 3.1]])] for k in range(5 * LIST_SIZE)]
     walls = pack_shapes(comb)
-    nearby = build_nearby(walls, 5.0, 1.0)
+    wall_grid = build_wall_grid(walls, 5.0, 1.0)
     shapes = pack_shapes([[BOX]])
     poses = np.array([[[0.5 + 0.02 * k, 0.0, 0.1 * k]] for k in range(40)])
-    found = clearances(poses, shapes, walls, nearby)
+    found = clearances(poses, shapes, walls, wall_grid)
     for b in range(len(poses)):
         _, gaps = plain(poses[b], shapes, walls)
         assert found.boundary_clearance[b, 0] == gaps.min()
@@ -107,8 +108,8 @@ def test_more_walls_near_than_a_list_holds():
 
 def test_one_robot_alone():
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, 5.0, 1.0)
-    found = clearances(np.array([[[5.0, 0.0, 0.0]]]), pack_shapes([[BOX]]), walls, nearby)
+    wall_grid = build_wall_grid(walls, 5.0, 1.0)
+    found = clearances(np.array([[[5.0, 0.0, 0.0]]]), pack_shapes([[BOX]]), walls, wall_grid)
     assert found.clearance[0, 0] == np.inf
     assert found.other[0, 0] == -1
     assert (found.farthest[0], found.farthest_a[0], found.farthest_b[0]) == (-np.inf, -1, -1)
@@ -116,10 +117,10 @@ def test_one_robot_alone():
 
 def test_equally_near_robots_give_the_lowest():
     walls = corridor_walls(25.0)
-    nearby = build_nearby(walls, 5.0, 1.0)
+    wall_grid = build_wall_grid(walls, 5.0, 1.0)
     shapes = pack_shapes([[BOX]] * 3)
     poses = np.array([[[8.0, 0.0, 0.0], [5.0, 0.0, 0.0], [11.0, 0.0, 0.0]]])
-    found = clearances(poses, shapes, walls, nearby)
+    found = clearances(poses, shapes, walls, wall_grid)
     assert list(found.other[0]) == [1, 0, 0]
 
 
@@ -145,7 +146,7 @@ def test_a_robot_that_turns_on_the_spot_between_walls():
     shapes, walls = pack_shapes([[bar]]), pack_shapes([[np.array(side)] for side in sides])
     poses = np.zeros((30, 1, 3))
     poses[:, 0, 2] = -0.02 * np.arange(30)
-    found = clearances(poses, shapes, walls, build_nearby(walls, 5.0, 1.0))
+    found = clearances(poses, shapes, walls, build_wall_grid(walls, 5.0, 1.0))
     gaps = np.array([plain(pose, shapes, walls)[1][0] for pose in poses])
     assert (found.boundary_clearance[:, 0] == gaps.min(axis=1)).all()
     assert (found.boundary_other[:, 0] == 1 + gaps.argmin(axis=1)).all()

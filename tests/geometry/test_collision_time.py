@@ -17,7 +17,7 @@ from physim.errors import PhysimError
 from physim.geometry import collision as kernels
 from physim.geometry import collision_time
 from physim.geometry.advancement import advancement_time
-from physim.geometry.face_bound import travel, turning_reach
+from physim.geometry.gap_bounds import travel, turning_reach
 from physim.geometry.motion import Course, along_course, arc_course, still_course
 from physim.geometry.shapes import pack_shapes
 from physim.geometry.translation import clip_normals, translation_time

@@ -16,7 +16,7 @@ from physim.geometry import (
     contact_intervals,
     polyline,
 )
-from physim.geometry.certified import next_encounter
+from physim.geometry.encounters import next_encounter
 from physim.geometry.motion import arc_course
 from physim.tolerances import CONTACT, TIME
 from tests.geometry.cases import BOX, placed, published, random_scene

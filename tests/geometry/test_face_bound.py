@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.geometry.advancement import fall_time, look_at
-from physim.geometry.face_bound import above, bend, face_step, lasting, turned
+from physim.geometry.gap_bounds import above, bend, face_step, lasting, turned
 from physim.geometry.motion import along_course, arc_course, still_course, straight_course
 from physim.tolerances import CONTACT
 from tests.geometry.cases import random_convex

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from physim.geometry.grazes import find_grazes, travel_bounds, within_reach
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import FloatArray, IntArray, pack_shapes
+from physim.geometry.swept_contacts import find_swept_contacts, travel_bounds, within_reach
 from tests.geometry.cases import BOX
 
 DT = 0.1
@@ -32,7 +32,7 @@ def found(poses: FloatArray, walls: list[FloatArray]) -> tuple[IntArray, FloatAr
     travel = travel_bounds(poses, SHAPES.radius)
     robots, near = within_reach(travel, gap, wall_gap)
     who, values = np.empty((8, 3), dtype=np.int64), np.empty((8, 5))
-    count = find_grazes(poses, travel, robots, near, SHAPES, packed, DT, who, values)
+    count = find_swept_contacts(poses, travel, robots, near, SHAPES, packed, DT, who, values)
     return who[:count], values[:count]
 
 

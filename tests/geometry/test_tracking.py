@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from physim.geometry.path import Tracking
 from physim.geometry.shapes import pack_polylines
-from physim.geometry.tracking import Tracking
 
 OWN = [[[0.0, 2.0], [60.0, 2.0]], [[10.0, -3.0], [10.0, 40.0]]]
 REFERENCE = [[-5.0, 0.0], [60.0, 0.0]]

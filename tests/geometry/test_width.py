@@ -7,7 +7,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry.width import opposite, side_feet, width_feet
+from physim.geometry.corridor import opposite, side_feet, width_feet
 from tests.geometry.cases import side_distances
 
 place = st.tuples(*[st.integers(-20, 20)] * 2)

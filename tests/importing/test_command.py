@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from physim.importing import FORMATS, Options, import_world
-from physim.world_file import load_world
-from physim.world_file.schema import schema_text
+from physim.authoring.importing import FORMATS, Options, import_world
+from physim.world.file import load_world
+from physim.world.file.schema import schema_text
 from tests.cli.commands import physim
 from tests.importing.plans import SAMPLES, svg
 

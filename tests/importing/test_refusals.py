@@ -15,8 +15,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from physim.authoring.importing import ImportSourceError, Options, import_world
 from physim.errors import PhysimError
-from physim.importing import ImportSourceError, Options, import_world
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"

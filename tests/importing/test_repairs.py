@@ -13,8 +13,16 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Imported, ImportSourceError, Options, group, import_world
-from physim.importing.loops import CrossingError, without_loops
+from physim.authoring.importing import (
+    Imported,
+    ImportSourceError,
+    Options,
+    import_world,
+)
+from physim.authoring.importing import (
+    robots as group,
+)
+from physim.authoring.importing.lines import CrossingError, without_loops
 from tests.importing.plans import CELL, check_says, free_cells, map_yaml, pgm, svg, write_map
 
 ONE = Options(scale=1.0)

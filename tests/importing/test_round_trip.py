@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Options, import_world
-from physim.world_file import load_world
+from physim.authoring.importing import Options, import_world
+from physim.world.file import load_world
 from tests.importing.plans import (
     CELL,
     free_cells,

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Imported, Options, import_world
+from physim.authoring.importing import Imported, Options, import_world
+from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
-from physim.recording import record_run
-from physim.registry import CONTROLLER, make_part
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run
+from physim.world.layout.scene_builder import build_scene
 from tests.importing.plans import SAMPLES, svg
 
 MAPS = Path(__file__).parents[2].parent / "shared" / "cases" / "maps"

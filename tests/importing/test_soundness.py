@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from physim.importing import ImportSourceError, Options, import_world
+from physim.authoring.importing import ImportSourceError, Options, import_world
 from tests.importing.plans import SAMPLES, check_says, svg
 
 ROOM = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'

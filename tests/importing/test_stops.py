@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.importing import Imported, Options, import_world
-from physim.importing.stops import Placed, least_stop_gap, stop_stations
-from physim.registry import CONTROLLER, make_part
-from physim.scene_builder import build_scene
-from physim.simulation import Simulation
+from physim.authoring.importing import Imported, Options, import_world
+from physim.authoring.importing.robots import Placed, least_stop_gap, stop_stations
+from physim.parts.registry import CONTROLLER, make_part
+from physim.simulation.loop import Simulation
+from physim.world.layout.scene_builder import build_scene
 from tests.importing.plans import check_says, svg
 
 BOX = (1.8, 1.0)

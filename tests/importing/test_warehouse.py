@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.world_file import load_world
+from physim.world.file import load_world
 
 ROOT = Path(__file__).parents[2]
 MAP = ROOT.parent / "shared" / "cases" / "maps" / "aws_small_warehouse.json"

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from physim.contacts import CONTACT
-from physim.declared import NO_NUMBER, Declared
 from physim.geometry.shapes import FloatArray
+from physim.parts.declarations import NO_NUMBER, Declared
 from physim.record import Record, RecordWriter
 from physim.record.layout import COMMAND, EXTREME, FARTHEST, OPTIONAL, update_type
 from tests.records import DECLARED, make_scene

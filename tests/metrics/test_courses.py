@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 import shapely
 
-from physim import metrics
+from physim.analysis import metrics
+from physim.analysis.metrics.distances import sides_of, width_extreme
+from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
-from physim.geometry.corridor import offset_polyline
-from physim.geometry.corridor_width import sampled_widths
+from physim.geometry.corridor import offset_polyline, sampled_widths
 from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
-from physim.layout import lay_out
-from physim.metrics.width import sides_of, width_extreme
-from physim.preview.contents import contents
 from physim.record import Record, RecordWriter
-from physim.scene import Body
-from physim.scene_builder import build_scene
-from physim.world_file import load_world
+from physim.world.file import load_world
+from physim.world.layout.layout import lay_out
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Body
 from tests.metrics.histories import THERE, history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim import metrics
+from physim.analysis import metrics
 from physim.contacts import Phase
 from physim.record import Record
 from physim.tolerances import DEEP

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim import metrics
-from physim.declared import Declared, Mode
+from physim.analysis import metrics
+from physim.analysis.metrics import DangerShare, Moment
 from physim.geometry.shapes import FloatArray, pack_polylines
-from physim.metrics import DangerShare, Moment
+from physim.parts.declarations import Declared, Mode
 from physim.record import RecordWriter
 from tests.metrics.histories import THERE, history
 from tests.records import DECLARED, UPDATE, make_record, make_scene

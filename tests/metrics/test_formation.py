@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim import metrics
+from physim.analysis import metrics
 from physim.controllers.formation import formation_energy
 from physim.geometry.shapes import FloatArray
 from physim.record import Record

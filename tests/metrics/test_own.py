@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pytest
 
+from physim.analysis.metrics import DEFINITIONS, definition, measure, measured
+from physim.analysis.summary import summarise, table
 from physim.errors import PhysimError
-from physim.metrics import DEFINITIONS, definition, measure, measured
 from physim.record import Record
-from physim.summary import summarise, table
 from tests.cli.commands import physim
 from tests.packages import install
 from tests.records import make_record
 
 TEXT = '''
 import numpy as np
-from physim.metrics import Each, Moment
+from physim.analysis.metrics import Each, Moment
 
 class Still:
     """Decisions to stand still. More lines follow.
@@ -76,7 +76,7 @@ class Given:
     unit = "m"
 
     def measure(self, record):
-        from physim.metrics import Each, Moment, Place
+        from physim.analysis.metrics import Each, Moment, Place
         from math import inf, nan
         from pathlib import Path
         text = Path(__file__).with_name("answer.txt").read_text()

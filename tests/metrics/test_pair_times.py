@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.metrics.pair_times import pair_collision_times, shortest_pair_collision_time
+from physim.analysis.metrics.distances import pair_collision_times, shortest_pair_collision_time
 from physim.record import Record
 from tests.metrics.histories import history
 

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
+from physim.analysis.metrics import DEFINITIONS, measure
+from physim.analysis.summary import summarise
 from physim.errors import PhysimError
-from physim.metrics import DEFINITIONS, measure
-from physim.summary import summarise
 from tests.metrics.histories import history
 from tests.records import make_record
 

@@ -8,7 +8,7 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.metrics import contact_episodes, masses, severity
+from physim.analysis.metrics import contact_episodes, masses, severity
 from tests.records import make_record
 
 ROOM = """\

@@ -10,7 +10,7 @@ from hosts import ELL, box, host, segments
 from test_guard import FALSE_CONTACTS, side_by_side
 
 from physim.contacts import Phase
-from physim.physics import Physics, PhysicsState
+from physim.simulation.engine import Physics, PhysicsState
 
 ARROW = [[(1.0, 0.0), (-0.6, 0.5), (-0.3, 0.0)], [(1.0, 0.0), (-0.3, 0.0), (-0.6, -0.5)]]
 """nonconvex: two triangles that share an edge"""

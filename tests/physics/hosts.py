@@ -8,7 +8,7 @@ import numpy as np
 
 from physim.geometry.separation import body_distance
 from physim.geometry.shapes import Shapes, pack_shapes
-from physim.physics import Physics
+from physim.simulation.engine import Physics
 
 FAR = [[(-900.0, -900.0), (-900.0, -901.0)]]
 """a wall that nothing reaches"""

@@ -12,8 +12,8 @@ from crowds import crowd, go_on, run, worth_restoring
 from engine_memory import biases, set_biases
 
 from physim.errors import PhysimError
-from physim.physics import engine_state
-from physim.physics.engine_state import ContactMemory, goes_on_from_impulses
+from physim.simulation.engine import state as engine_state
+from physim.simulation.engine.state import ContactMemory, goes_on_from_impulses
 
 KINDS = ("wall_ends", "abreast", "apart", "jam")
 STEPS = 180
@@ -22,7 +22,7 @@ STEPS = 180
 @pytest.fixture
 def forgetful(monkeypatch):
     """As with a version of pymunk that fails the trial."""
-    monkeypatch.setattr("physim.physics.host.goes_on_from_impulses", lambda: False)
+    monkeypatch.setattr("physim.simulation.engine.host.goes_on_from_impulses", lambda: False)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -42,7 +42,7 @@ def test_restored_by_doing_the_steps_again(kind, forgetful):
 def test_it_is_the_run_of_an_engine_with_memory(monkeypatch):
     remembered = run("jam", 4, 150)
     with monkeypatch.context() as patch:
-        patch.setattr("physim.physics.host.goes_on_from_impulses", lambda: False)
+        patch.setattr("physim.simulation.engine.host.goes_on_from_impulses", lambda: False)
         forgotten = run("jam", 4, 150)
     assert forgotten.samples == remembered.samples
     # An engine with memory takes up both kinds of state.
@@ -71,7 +71,7 @@ def test_a_start_in_contact_is_an_origin(forgetful):
 
 def test_a_state_in_contact_of_an_engine_with_memory_is_refused(monkeypatch):
     states = run("jam", 4, 150).states
-    monkeypatch.setattr("physim.physics.host.goes_on_from_impulses", lambda: False)
+    monkeypatch.setattr("physim.simulation.engine.host.goes_on_from_impulses", lambda: False)
     physics = crowd("jam", 4).physics()
     with pytest.raises(PhysimError, match="pymunk"):
         physics.restore(states[150])

@@ -9,7 +9,7 @@ import pytest
 from hosts import drive, host
 
 from physim.contacts import CONTACT, Kind, Phase
-from physim.physics.pairs import (
+from physim.simulation.engine.pairs import (
     Pairs,
     contact_rows,
     gather,

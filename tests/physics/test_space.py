@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, signed_area
 from physim.geometry.shapes import pack_shapes, part_bodies
-from physim.physics.space import MOST_WALL_CELLS, cell_side, moment
+from physim.simulation.engine.space import MOST_WALL_CELLS, cell_side, moment
 from tests.geometry.test_polygon import star_polygons
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import joined_shapes, pack_shapes
-from physim.physics.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
+from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
 from physim.tolerances import CONTACT
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]

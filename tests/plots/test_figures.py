@@ -14,25 +14,32 @@ import shapely
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from physim import metrics
-from physim.declared import Column, Declared, Mode
-from physim.plots import NAMES, draw
-from physim.plots.collision_rows import least_of_stretches
-from physim.plots.collision_times import MOST_SINGLE, STRETCHES, collision_times
-from physim.plots.courses import MOST_LINES, QUANTILES
-from physim.plots.deviation import deviation, sharp_turns
-from physim.plots.distances import distances
-from physim.plots.formation import formation
-from physim.plots.frame import clear_marks, mark
-from physim.plots.modes import modes
-from physim.plots.pictures import PICTURES
-from physim.plots.speeds import speeds
-from physim.plots.style import DPI, styled
-from physim.plots.trajectories import snapshot_rows, trajectories
-from physim.plots.width import width
+from physim.analysis import metrics
+from physim.drawing.plots import NAMES, draw
+from physim.drawing.plots.collision_times import (
+    MOST_SINGLE,
+    STRETCHES,
+    collision_times,
+    least_of_stretches,
+)
+from physim.drawing.plots.curves import (
+    MOST_LINES,
+    QUANTILES,
+    deviation,
+    formation,
+    sharp_turns,
+    speeds,
+)
+from physim.drawing.plots.distances import distances
+from physim.drawing.plots.frame import clear_marks, mark
+from physim.drawing.plots.maps import snapshot_rows, trajectories, width
+from physim.drawing.plots.modes import modes
+from physim.drawing.plots.pictures import PICTURES
+from physim.drawing.plots.style import DPI, styled
+from physim.drawing.timeline import Timeline
+from physim.parts.declarations import Column, Declared, Mode
 from physim.record import Record, RecordWriter
-from physim.scene import Body
-from physim.timeline import Timeline
+from physim.world.scene import Body
 from tests.cli.commands import physim
 from tests.metrics.histories import history
 from tests.records import DECLARED, make_record, make_scene, poses, update_rows

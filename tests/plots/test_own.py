@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from physim.drawing.plots import NAMES, draw, names
 from physim.errors import PhysimError
-from physim.plots import NAMES, draw, names
 from physim.record import Record
 from tests.cli.commands import physim
 from tests.packages import install

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim.analysis.metrics import contact_episodes
 from physim.contacts import Phase
+from physim.drawing.plots import FORMATS, NAMES, draw
+from physim.drawing.plots import distances as contacts
+from physim.drawing.plots.collision_times import prediction, predictions
+from physim.drawing.plots.distances import distances, merged
+from physim.drawing.plots.frame import MOST_POINTS, thinned
+from physim.drawing.plots.style import CONTACT
 from physim.errors import PhysimError
-from physim.metrics import contact_episodes
-from physim.plots import FORMATS, NAMES, contacts, draw
-from physim.plots.contacts import merged
-from physim.plots.distances import distances
-from physim.plots.frame import MOST_POINTS, thinned
-from physim.plots.prediction import prediction, predictions
-from physim.plots.style import CONTACT
 from physim.record import Record
 from tests.metrics.histories import history
 from tests.records import make_record

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.corridor_width import sampled_widths, widths_at
-from physim.layout import lay_out
-from physim.preview.contents import contents
-from physim.scene_builder import build_scene
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import shipped_worlds
+from physim.drawing.preview.contents import contents
+from physim.geometry.corridor import sampled_widths, widths_at
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import shipped_worlds
+from physim.world.layout.layout import lay_out
+from physim.world.layout.scene_builder import build_scene
 from tests.geometry.cases import side_distances
 from tests.preview.worlds import NARROW, ONE, shown, world
 

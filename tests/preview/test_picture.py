@@ -17,17 +17,17 @@ import pytest
 import shapely
 from matplotlib.colors import to_rgba
 
+from physim.drawing.labels import round_step, significant
+from physim.drawing.palette import DANGER_AREA, ROBOTS, hexed
+from physim.drawing.plots.style import styled
+from physim.drawing.preview import save_preview
+from physim.drawing.preview.contents import Contents
+from physim.drawing.preview.ground_plan import readable_scale
+from physim.drawing.preview.picture import make_figure, shown_of
 from physim.errors import PhysimError
-from physim.labels import round_step, significant
-from physim.layout import lay_out
-from physim.palette import DANGER_AREA, ROBOTS, hexed
-from physim.plots.style import styled
-from physim.preview import save_preview
-from physim.preview.contents import Contents
-from physim.preview.ground_plan import readable_scale
-from physim.preview.picture import make_figure, shown_of
-from physim.world_file import load_world, parse_world
-from physim.world_file.shipped import shipped_worlds
+from physim.world.file import load_world, parse_world
+from physim.world.file.files import shipped_worlds
+from physim.world.layout.layout import lay_out
 from tests.preview.worlds import (
     FAR_AND_TINY,
     HOSTILE,

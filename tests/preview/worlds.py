@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 
-from physim.layout import lay_out
-from physim.preview.contents import Contents
-from physim.preview.picture import shown_of
-from physim.world_file import parse_world
+from physim.drawing.preview.contents import Contents
+from physim.drawing.preview.picture import shown_of
+from physim.world.file import parse_world
+from physim.world.layout.layout import lay_out
 
 
 def world(

@@ -18,8 +18,8 @@ from hypothesis import strategies as st
 from physim.contacts import CONTACT
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
-from physim.record.extremes import Extremes
 from physim.record.layout import DATASETS
+from physim.record.writer import Extremes
 from tests.records import (
     DECLARED,
     UPDATE,

@@ -9,13 +9,22 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim.analysis.metrics.distances import pair_collision_times, shortest_pair_collision_time
 from physim.errors import PhysimError
-from physim.metrics.pair_times import pair_collision_times, shortest_pair_collision_time
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.claims.claim import Claim, Part, Quantity, holds, near, steps
 from physim.reproduction.plan import QUICK_SEEDS, SEEDS, make_plan
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Arm, Measures, Outcome
+from physim.reproduction.study import (
+    Arm,
+    Claim,
+    Measures,
+    Outcome,
+    Part,
+    Quantity,
+    holds,
+    near,
+    steps,
+)
 from tests.metrics.histories import history
 
 AS_REPORTED: dict[str, float] = {

@@ -14,14 +14,13 @@ from dataclasses import replace
 
 import pytest
 
-from physim.recording import simulate
 from physim.reproduction.claims import measures, parts
-from physim.reproduction.claims.claim import Claim, Part
 from physim.reproduction.claims.tolerances import ORDER
 from physim.reproduction.report import Report
 from physim.reproduction.studies import studies
-from physim.reproduction.study import Measures, Outcome, Verdict
-from physim.world_file import load_world
+from physim.reproduction.study import Claim, Measures, Outcome, Part, Verdict
+from physim.simulation.run import simulate
+from physim.world.file import load_world
 from tests import reproduction_docs as docs
 
 STEADY = 0.1

@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from physim.reproduction.studies.estimates import count, estimate, share_text
-from physim.reproduction.studies.fits import time_constant
+from physim.reproduction.estimates import count, estimate, share_text, time_constant
 
 
 def test_interval_of_twenty_runs_from_the_sixth_to_the_fifteenth() -> None:

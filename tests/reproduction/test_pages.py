@@ -11,8 +11,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 from physim.errors import PhysimError
-from physim.reproduction.html import html
-from physim.reproduction.page import anchor_of, markdown
+from physim.reproduction.page import anchor_of, html, markdown
 from physim.reproduction.report import Report, Section
 from physim.reproduction.study import Outcome, Verdict
 

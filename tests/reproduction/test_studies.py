@@ -11,19 +11,20 @@ import numpy as np
 import pytest
 
 from physim import simulate
-from physim.plots.style import styled
+from physim.drawing.plots.style import styled
 from physim.reproduction.studies import studies
-from physim.reproduction.studies.alpha import ALPHA
-from physim.reproduction.studies.avoidance import AVOIDANCE, WORLDS
-from physim.reproduction.studies.bends import BENDS, STATIONS, corners
-from physim.reproduction.studies.energy import ENERGY
-from physim.reproduction.studies.hysteresis import HYSTERESIS
-from physim.reproduction.studies.operation import OPERATION
-from physim.reproduction.studies.routes import ROUTES, extra_length
+from physim.reproduction.studies.bends import BENDS, ROUTES, STATIONS, corners, extra_length
+from physim.reproduction.studies.danger_mode import (
+    AVOIDANCE,
+    HYSTERESIS,
+    SWITCHING,
+    THRESHOLDS,
+    TIMES,
+    WORLDS,
+)
+from physim.reproduction.studies.efficiency import OPERATION, UPDATES
+from physim.reproduction.studies.energy import ALPHA, ENERGY
 from physim.reproduction.studies.straight_road import world_text
-from physim.reproduction.studies.switching import SWITCHING
-from physim.reproduction.studies.thresholds import THRESHOLDS, TIMES
-from physim.reproduction.studies.updates import UPDATES
 from physim.reproduction.study import Arm, Measures, Outcome, Study
 
 MET, PARTLY, NOT_MET = Outcome.MET, Outcome.PARTLY, Outcome.NOT_MET

@@ -17,8 +17,9 @@ from pathlib import Path
 LINKS = {"physim/controllers": "../controllers", "physim/worlds": "../worlds"}
 
 WHERE = """\
-import json, physim, physim.cli, physim.compiled, physim.registry, physim.worlds
-name = physim.registry.find_part(physim.registry.CONTROLLER, "mode_switching").__module__
+import json, physim, physim.cli, physim.compiled, physim.worlds
+from physim.parts.registry import CONTROLLER, find_part
+name = find_part(CONTROLLER, "mode_switching").__module__
 import sys
 files = [sys.modules[one].__file__ for one in
          ("physim", "physim.cli", "physim.compiled", "physim.worlds", name)]

@@ -10,16 +10,16 @@ import shapely
 import yaml
 from jsonschema import Draft7Validator
 
+from physim.analysis.summary import summarise
+from physim.authoring.templates import ROADS, fitted, lanes_of, most_robots, world_text
+from physim.authoring.templates.text import LANE
 from physim.cli.new import TEMPLATES
 from physim.controllers.settings import ModeSwitchingSettings
-from physim.recording import simulate
-from physim.scene_builder import build_scene
-from physim.summary import summarise
-from physim.templates import ROADS, fitted, lanes_of, most_robots, world_text
-from physim.templates.group import LANE
+from physim.simulation.run import simulate
 from physim.world import Formation, World
-from physim.world_file import parse_world
-from physim.world_file.schema import world_schema
+from physim.world.file import parse_world
+from physim.world.file.schema import world_schema
+from physim.world.layout.scene_builder import build_scene
 
 every_template = pytest.mark.parametrize("template", ROADS)
 

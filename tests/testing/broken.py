@@ -14,10 +14,10 @@ import numba
 import numpy as np
 from pydantic import BaseModel
 
-from physim.control import Decision, Decisions, Observation, Sensed
-from physim.declared import NO_NUMBER, Column, Mode
 from physim.geometry.shapes import IntArray
-from physim.scene import Scene
+from physim.parts.controller import Decision, Decisions, Observation, Sensed
+from physim.parts.declarations import NO_NUMBER, Column, Mode
+from physim.world.scene import Scene
 
 HOLD = 0.1
 """[s]"""

@@ -8,11 +8,10 @@ import pytest
 
 import physim
 from physim import ControllerError, PhysimError, WorldError, load_world
-from physim.control import Decision, Observation
 from physim.controllers.mode_switching import ModeSwitching
+from physim.parts.controller import Decision, Observation
 from physim.testing import Finding, Rule, check_controller, situations
-from physim.testing.candidate import candidate
-from physim.testing.check import check_worlds
+from physim.testing.check import candidate, check_worlds
 from tests.testing import broken
 
 SHORT = 0.5

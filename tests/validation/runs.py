@@ -9,9 +9,9 @@ import numpy as np
 
 import physim
 from physim import Decision
-from physim.physics import Physics
-from physim.recording import record_run
-from physim.simulation import Simulation
+from physim.simulation.engine import Physics
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run
 
 LANE = """\
 name: lane

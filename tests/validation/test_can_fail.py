@@ -7,10 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from physim.analysis.validation import analytic_contacts as ledger
+from physim.analysis.validation import prediction, report, validate
 from physim.contacts import Phase
 from physim.geometry.collision import collision_time_pair
 from physim.geometry.shapes import pack_shapes
-from physim.validation import ledger, prediction, report, validate
 from tests.validation.runs import edited, side_by_side
 
 FALSE_CONTACTS = (1073, 1258, 1343)

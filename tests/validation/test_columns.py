@@ -9,9 +9,9 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.declared import STANDARD_COLUMNS
-from physim.validation import report, validate
-from physim.validation.columns import wrongly_considered
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.columns import wrongly_considered
+from physim.parts.declarations import STANDARD_COLUMNS
 from tests.oracles.collision_time import geometry_at, marched_time
 from tests.oracles.priority import considered
 from tests.validation.runs import LANE, REAR_END

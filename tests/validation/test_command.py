@@ -9,9 +9,9 @@ import h5py
 import pytest
 
 import physim
+from physim.analysis.validation import validate
+from physim.analysis.validation.rerun import rerun
 from physim.cli import main
-from physim.validation import validate
-from physim.validation.rerun import rerun
 from tests.cli.commands import started
 from tests.forgeries.parts import Ramp
 from tests.validation.runs import APART, LANE, REAR_END, edited, lane

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import physim
-from physim.validation import report, validate
+from physim.analysis.validation import report, validate
 from tests.forgeries.parts import Heard, Ramp, Slip
 from tests.forgeries.runs import LANE
 from tests.forgeries.tools import column, decided, dropped, together, world

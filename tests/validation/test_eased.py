@@ -7,8 +7,8 @@ import pytest
 
 import physim
 from physim import Decision
+from physim.analysis.validation import validate
 from physim.contacts import Phase
-from physim.validation import validate
 
 ROW = """\
 name: row

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import physim
-from physim.arrival import arrivals, since
-from physim.validation import validate
-from physim.validation.ending import ArrivalCheck
-from physim.validation.origin import world_inside
-from physim.validation.walk import sample_blocks
+from physim.analysis.validation import validate
+from physim.analysis.validation.consistency import ArrivalCheck
+from physim.analysis.validation.decisions import sample_blocks
+from physim.analysis.validation.origin import world_inside
+from physim.simulation.arrival import arrivals, since
 from tests.forgeries.runs import LANE, killed
 from tests.forgeries.tools import attribute, cells, cut
 from tests.validation.test_tampered import tampered
@@ -25,8 +25,10 @@ def finished():
 
 @pytest.mark.parametrize("size", [1, 7, 64, 5000])
 def test_arrivals_block_by_block(finished, monkeypatch, size):
-    monkeypatch.setattr("physim.validation.ledger.BLOCK_POSES", size * finished.robots)
-    monkeypatch.setattr("physim.validation.ledger.LEAST_STEPS", 1)
+    monkeypatch.setattr(
+        "physim.analysis.validation.analytic_contacts.BLOCK_POSES", size * finished.robots
+    )
+    monkeypatch.setattr("physim.analysis.validation.analytic_contacts.LEAST_STEPS", 1)
     scene = world_inside(finished).scene
     found, station = ArrivalCheck(finished, scene), []
     for block in sample_blocks(finished):

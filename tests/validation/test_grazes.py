@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.expectations import expectations
+from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.summary import table
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.analytic_contacts import analytic_contacts
+from physim.analysis.validation.disagreements import GRAZE, REJECTED
 from physim.contacts import FALSE_CONTACT, Kind, Phase
-from physim.expectations import expectations
-from physim.metrics import contact_episodes, grazes
-from physim.summary import table
-from physim.timeline import Timeline, episodes
-from physim.validation import report, validate
-from physim.validation.findings import GRAZE, REJECTED
-from physim.validation.ledger import analytic_contacts
-from physim.video.ground import ground
-from physim.video.legend import GRAZE as GRAZE_SIGN
-from physim.video.legend import signs
+from physim.drawing.timeline import Timeline, episodes
+from physim.drawing.video.ground import ground
+from physim.drawing.video.panel import GRAZE as GRAZE_SIGN
+from physim.drawing.video.panel import signs
 from tests.validation.runs import edited, lane, side_by_side
 
 DEPTH = 4e-4

@@ -8,7 +8,7 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.validation import report, validate
+from physim.analysis.validation import report, validate
 from tests.validation.runs import LANE
 
 

@@ -10,10 +10,10 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.summary import summarise, table
+from physim.analysis.summary import summarise, table
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.seeds import json_of_validation
 from physim.tolerances import DEEP
-from physim.validation import report, validate
-from physim.validation.as_json import json_of_validation
 from tests.validation.runs import APART, LANE, Drivers, edited
 
 

@@ -6,7 +6,7 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.validation import validate
+from physim.analysis.validation import validate
 from tests.validation.runs import APART, LANE, lane
 
 

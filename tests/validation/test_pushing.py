@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.contact_report import describe_cause
+from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.responsibility import Touch, pushed_by
+from physim.analysis.validation.seeds import json_of_validation
 from physim.contacts import Phase
-from physim.validation import report, validate
-from physim.validation.as_json import json_of_validation
-from physim.validation.blame_text import describe_cause
-from physim.validation.decisions import DecisionTable
-from physim.validation.pushing import Touch, pushed_by
 from tests.validation.runs import LANE, Drivers, edited
 
 BOX = "footprint: {length: 1.8, width: 1.0}"

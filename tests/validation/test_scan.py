@@ -7,8 +7,8 @@ import pytest
 import shapely
 from shapely import affinity
 
+from physim.analysis.validation.analytic_contacts import scan_walls
 from physim.geometry.shapes import pack_shapes
-from physim.validation.scan import scan_walls
 
 BOX = np.array([[0.9, 0.5], [-0.9, 0.5], [-0.9, -0.5], [0.9, -0.5]])
 CORNER = [[(0.0, -5.0), (0.0, 5.0)], [(0.0, 5.0), (8.0, 5.0)], [(8.0, 5.0), (8.0, -5.0)]]

@@ -6,7 +6,7 @@ from math import comb
 
 import pytest
 
-from physim.validation.seeds import SeedResult, SeedStudy, clopper_pearson, seeds_text
+from physim.analysis.validation.seeds import SeedResult, SeedStudy, clopper_pearson, seeds_text
 
 
 def at_least(k, n, p):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.validation import prediction, validate
+from physim.analysis.validation.disagreements import TOLERANCE, UNEXPLAINED
 from physim.contacts import CONTACT, Kind, Phase
-from physim.validation import prediction, validate
-from physim.validation.findings import TOLERANCE, UNEXPLAINED
 from tests.validation.runs import edited, lane
 from tests.validation.test_grazes import pass_by
 

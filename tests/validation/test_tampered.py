@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.validation import report, validate
 from physim.cli import main
 from physim.errors import RecordError
-from physim.validation import report, validate
 
 
 def tampered(record, folder, change):

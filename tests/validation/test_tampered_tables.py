@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.validation import report, validate
 from physim.cli import main
 from physim.contacts import Phase
-from physim.registry import CONTROLLER, make_part
-from physim.validation import report, validate
+from physim.parts.registry import CONTROLLER, make_part
 from tests.validation.runs import LANE, Drivers
 from tests.validation.test_tampered import tampered
 

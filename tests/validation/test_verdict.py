@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import physim
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.disagreements import GRAZE
+from physim.analysis.validation.prediction import AGREES
 from physim.contacts import Phase
 from physim.errors import RecordError
-from physim.validation import report, validate
-from physim.validation.findings import GRAZE
-from physim.validation.prediction import AGREES
 from tests.validation.runs import lane
 
 

@@ -8,9 +8,9 @@ import pytest
 
 import physim
 from physim import Decision
-from physim.declared import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
-from physim.validation import report, validate
-from physim.validation.numbers import length, short
+from physim.analysis.validation import report, validate
+from physim.analysis.validation.wording import length, short
+from physim.parts.declarations import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
 from tests.validation.runs import LANE, REAR_END
 
 

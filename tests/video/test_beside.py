@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import physim
-from physim import palette
+from physim.drawing import palette
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import frame_at, layout, render
+from physim.drawing.video.frames import FOOTER, HEADER, Beside, titles
+from physim.drawing.video.ground import ground
+from physim.drawing.video.layout import Box
+from physim.drawing.video.view import View
 from physim.record import Record
-from physim.timeline import Timeline
-from physim.video import frame_at, layout, render
-from physim.video.beside import FOOTER, HEADER, Beside, titles
-from physim.video.ground import ground
-from physim.video.layout import Box
-from physim.video.view import View
-from physim.world_file import parse_world
+from physim.world.file import parse_world
 from tests.cli.commands import SMALL
 from tests.cli.commands import physim as command
 from tests.video.test_frames import pixels

@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim import palette
 from physim.contacts import Phase
-from physim.declared import PAPER_MODES, SAFE, Mode
+from physim.drawing import palette
+from physim.drawing.palette import rgb
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import frame_at, layout, panel
+from physim.drawing.video.frames import Painter
+from physim.drawing.video.marks import closest_pair
 from physim.errors import PhysimError
-from physim.palette import rgb
-from physim.timeline import Timeline
-from physim.video import frame_at, layout, panel
-from physim.video.closest import closest_pair
-from physim.video.painter import Painter
+from physim.parts.declarations import PAPER_MODES, SAFE, Mode
 from tests.records import make_record
 
 VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - layout.PANEL_WIDTH))

@@ -9,21 +9,17 @@ import shapely
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from physim import palette
+from physim.drawing import palette
+from physim.drawing.labels import Label, clean, leader, metres, number, spread, ticks
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import frame_at
+from physim.drawing.video.ground import Background, draw_ground, ground
+from physim.drawing.video.layout import ONE, arrange
+from physim.drawing.video.marks import Fleet, closest_pair, draw_reference_point
+from physim.drawing.video.panel import signs
+from physim.drawing.video.text import shorten, sprite, stamp, width
+from physim.drawing.video.view import Camera, Labels, Lens
 from physim.geometry.shapes import FloatArray
-from physim.labels import Label, clean, leader, metres, number, spread, ticks
-from physim.timeline import Timeline
-from physim.video import frame_at
-from physim.video.background import Background, draw_ground
-from physim.video.camera import Camera, Lens
-from physim.video.closest import closest_pair
-from physim.video.ground import ground
-from physim.video.labels import Labels
-from physim.video.layout import ONE, arrange
-from physim.video.legend import signs
-from physim.video.marks import draw_reference_point
-from physim.video.robots import Fleet
-from physim.video.text import shorten, sprite, stamp, width
 from tests.records import BOX, ELL
 
 numbers = st.floats(-300.0, 300.0, allow_nan=False)

@@ -9,14 +9,14 @@ import av
 import numpy as np
 import pytest
 
-from physim import palette
-from physim.declared import AT_STOP
+from physim.drawing import palette
+from physim.drawing.palette import rgb
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import frame_at, render
+from physim.drawing.video.frames import Painter
+from physim.drawing.video.render import frame_times, playback_speed
 from physim.errors import PhysimError
-from physim.palette import rgb
-from physim.timeline import Timeline
-from physim.video import frame_at, render
-from physim.video.painter import Painter
-from physim.video.render import frame_times, playback_speed
+from physim.parts.declarations import AT_STOP
 
 
 def decoded(path: Path) -> list[Any]:

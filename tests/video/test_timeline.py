@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from physim.contacts import CONTACT, Kind, Phase
-from physim.declared import PAPER_MODES, Mode
-from physim.timeline import Timeline, episodes
-from physim.video.render import frame_times
+from physim.drawing.timeline import Timeline, episodes
+from physim.drawing.video.render import frame_times
+from physim.parts.declarations import PAPER_MODES, Mode
 
 
 def test_the_nearest_sample_is_shown(made: Callable[..., Any], changed: Callable[..., Any]) -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from physim.errors import WorldError
 from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, Start, World
 from physim.world.differences import differences
-from physim.world_file import parse_world
+from physim.world.file import parse_world
 from tests.world.strategies import worlds
 from tests.worlds_by_hand import STRAIGHT
 

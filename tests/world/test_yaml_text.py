@@ -8,8 +8,8 @@ from hypothesis import given, settings
 
 from physim.errors import PhysimError
 from physim.world import World
-from physim.world_file.nodes import Document
-from physim.world_file.reading import read_document
+from physim.world.file.nodes import Document
+from physim.world.file.reading import read_document
 from tests.world.strategies import worlds
 from tests.world.test_model import values
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim import registry
+from physim.parts import registry
 
 MODULE = "tests.world_file.parts_for_tests"
 

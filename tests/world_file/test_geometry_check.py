@@ -7,9 +7,9 @@ import math
 import pytest
 
 from physim.errors import Fault
-from physim.layout import partial_layout
 from physim.world import World
-from physim.world_file import parse_world
+from physim.world.file import parse_world
+from physim.world.layout.layout import partial_layout
 from tests.worlds_by_hand import STRAIGHT
 
 EDGE = [[-3.0, -4.0], [33.0, -4.0], [33.0, 4.0], [-3.0, 4.0], [-3.0, -4.0]]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from physim.errors import Fault, WorldError
-from physim.world_file import load_world, located, parse_world, read_world
+from physim.world.file import load_world, located, parse_world, read_world
 from tests.worlds_by_hand import STRAIGHT
 
 

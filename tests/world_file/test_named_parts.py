@@ -8,13 +8,13 @@ import json
 import pytest
 from jsonschema import Draft7Validator
 
-from physim import registry
-from physim.checking import check_world
 from physim.errors import ControllerError, WorldError
-from physim.registry import CONTROLLER, FILTER, find_part, part_names
+from physim.parts import registry
+from physim.parts.registry import CONTROLLER, FILTER, find_part, part_names
 from physim.world import Choice
-from physim.world_file import parse_world
-from physim.world_file.schema import shipped_schema_text, world_schema
+from physim.world.checks import check_world
+from physim.world.file import parse_world
+from physim.world.file.schema import shipped_schema_text, world_schema
 from tests.worlds_by_hand import STRAIGHT
 
 LINES = len(STRAIGHT.splitlines())

@@ -4,7 +4,7 @@ import pytest
 
 from physim.errors import WorldError
 from physim.world import Limits
-from physim.world_file import apply_overrides, parse_world, read_document
+from physim.world.file import apply_overrides, parse_world, read_document
 from tests.worlds_by_hand import STRAIGHT
 
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from physim.errors import WorldError
-from physim.world_file import parse_world, read_document, reading
-from physim.world_file.scalars import RefusedScalarError, scalar
+from physim.world.file import parse_world, read_document, reading
+from physim.world.file.pitfalls import RefusedScalarError, scalar
 from tests.worlds_by_hand import STRAIGHT
 
 SUITE = Path(__file__).parents[2] / ".." / "shared" / "cases" / "bad_worlds"

@@ -8,7 +8,15 @@ from pathlib import Path
 import pytest
 
 from physim.errors import ControllerError, PhysimError
-from physim.registry import FILTER, OBSERVER, PLOT, Kind, find_part, make_by_defaults, make_part
+from physim.parts.registry import (
+    FILTER,
+    OBSERVER,
+    PLOT,
+    Kind,
+    find_part,
+    make_by_defaults,
+    make_part,
+)
 from tests.packages import install
 
 TEXT = """

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from physim.errors import ControllerError, WorldError
-from physim.registry import CONTROLLER, controller_names, find_part, make_part
+from physim.parts.registry import CONTROLLER, controller_names, find_part, make_part
 from tests.world_file import parts_for_tests as fakes
 
 HERE = "tests.world_file.parts_for_tests"

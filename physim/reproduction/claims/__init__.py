@@ -5,27 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from physim.record import Record
-from physim.reproduction.claims.avoidance import (
-    claims_of_figure_3,
-    claims_of_figure_6,
-    measure_distances,
+from physim.reproduction.claims.modes import (
+    claims_in_words,
+    claims_of_figure_8,
+    measure_effort,
+    measure_modes,
 )
-from physim.reproduction.claims.claim import PAIR_TIMES, WORDS, Part
-from physim.reproduction.claims.effort import claims_in_words, measure_effort
-from physim.reproduction.claims.following import claims_of_figure_1, measure_path_following
-from physim.reproduction.claims.formation import (
+from physim.reproduction.claims.motion import (
     SNAPSHOTS,
+    claims_of_figure_1,
     claims_of_figure_2,
     claims_of_figure_7,
     measure_formation,
+    measure_path_following,
 )
-from physim.reproduction.claims.modes import claims_of_figure_8, measure_modes
 from physim.reproduction.claims.space import (
+    claims_of_figure_3,
     claims_of_figure_3a,
     claims_of_figure_4,
+    claims_of_figure_6,
+    measure_distances,
     measure_space,
 )
-from physim.reproduction.study import Measures
+from physim.reproduction.study import PAIR_TIMES, WORDS, Measures, Part
 
 MEASURES: tuple[Callable[[Record], Measures], ...] = (
     measure_path_following,

@@ -12,8 +12,8 @@ import json
 
 import numpy as np
 
+from physim.analysis.metrics import column_over_time, desired_leads, world_settings
 from physim.geometry.shapes import FloatArray
-from physim.metrics import column_over_time, desired_leads, world_settings
 from physim.record import Record
 
 SETTLED = 4.0

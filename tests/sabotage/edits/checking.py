@@ -1,4 +1,4 @@
-"""Edits of `physim.checking`."""
+"""Edits of `physim.world.checks`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/clearance.py",
+        "physim/world/checks/room.py",
         "verdict",
         "clearance > inscribed + CONTACT",
         "clearance > circumscribed + CONTACT",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/danger.py",
+        "physim/world/checks/room.py",
         "check_always_danger",
         "np.maximum(profile.clearance, profile.safe_distance or 0.0)",
         "profile.clearance",
@@ -35,7 +35,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/danger.py",
+        "physim/world/checks/room.py",
         "check_always_danger",
         "- profile.inscribed",
         "",
@@ -44,7 +44,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/formation.py",
+        "physim/world/checks/formation.py",
         "_check_length",
         "if extent > line.length:",
         "if False:",
@@ -53,7 +53,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/formation.py",
+        "physim/world/checks/formation.py",
         "_check_duration",
         "min(own, speed)",
         "speed",
@@ -62,7 +62,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/formation_speed.py",
+        "physim/world/checks/formation.py",
         "check_formation_speed",
         "if not low <= speed <= high:",
         "if False:",
@@ -71,7 +71,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/formation_speed.py",
+        "physim/world/checks/formation.py",
         "_check_slow",
         "top < low",
         "top < 0.0",
@@ -80,7 +80,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/formation_speed.py",
+        "physim/world/checks/formation.py",
         "_check_gain",
         "gain * error <= margin",
         "gain * error <= 2.0 * margin",
@@ -90,7 +90,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/paths.py",
+        "physim/world/checks/paths.py",
         "check_room",
         "if profile.verdict == NOT and profile.narrowest[3] > CONTACT:",
         "if False:",
@@ -100,7 +100,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/paths.py",
+        "physim/world/checks/paths.py",
         "check_passage",
         "rooms[0] is None or rooms[0] != rooms[1]",
         "rooms[0] is None",
@@ -109,7 +109,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/paths.py",
+        "physim/world/checks/paths.py",
         "_check_sense",
         "last < first - LENGTH and not _is_ring(path)",
         "False",
@@ -118,7 +118,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/starts.py",
+        "physim/world/checks/starts.py",
         "check_headings",
         "away > pi / 2.0 + 1e-6",
         "away > pi",
@@ -127,7 +127,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/starts.py",
+        "physim/world/checks/starts.py",
         "check_expected",
         "gaps[k] < least - LENGTH",
         "False",
@@ -136,7 +136,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/checking/starts.py",
+        "physim/world/checks/starts.py",
         "_circle",
         "radius + LENGTH",
         "0.5 * radius",

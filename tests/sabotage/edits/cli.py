@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "cli",
-        "physim/cli/rerun.py",
+        "physim/cli/simulating.py",
         "ready",
         "build_scene(world, seed)",
         "build_scene(world)",

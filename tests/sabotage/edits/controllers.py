@@ -1026,7 +1026,7 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/timing.py",
+        "controllers/switching.py",
         "update_interval",
         "return min(longest, beta * collision_time)  # (14)",
         "return longest  # (14)",
@@ -1035,7 +1035,7 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/timing.py",
+        "controllers/switching.py",
         "update_interval",
         "return min(longest, beta * collision_time)  # (14)",
         "return min(longest, collision_time)  # (14)",
@@ -1071,7 +1071,7 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/limits.py",
+        "controllers/world_checks.py",
         "omega_faults",
         "using = {i: robot for i, robot in robots.items() if robot.omegas is None}",
         "using = dict(robots)",
@@ -1080,7 +1080,7 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/limits.py",
+        "controllers/world_checks.py",
         "_beyond",
         "slowest = min(slow, key=lambda robot: robot.limits.omega)",
         "slowest = slow[-1]",
@@ -1089,7 +1089,7 @@ EDITS = (
     ),
     Edit(
         "controllers",
-        "controllers/limits.py",
+        "controllers/world_checks.py",
         "omega_faults",
         "if fastest > robot.limits.omega",
         "if fastest >= robot.limits.omega",

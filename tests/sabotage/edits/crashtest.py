@@ -1,4 +1,4 @@
-"""Edits of `physim.crashtest`."""
+"""Edits of `physim.analysis.crashtest`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "crashtest",
-        "physim/crashtest/verdict.py",
+        "physim/analysis/crashtest/report.py",
         "classify",
         "if physical != (first := first_sample(distance)):",
         "if False and physical != (first := first_sample(distance)):",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/verdict.py",
+        "physim/analysis/crashtest/report.py",
         "classify",
         "xi < np.inf and not gap <= CONTACT + ROUNDING",
         "False",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/verdict.py",
+        "physim/analysis/crashtest/report.py",
         "classify",
         "* dt < xi - TIME",
         "* dt < xi - dt",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/verdict.py",
+        "physim/analysis/crashtest/report.py",
         "classify",
         "abs(distance[at] - CONTACT) > ROUNDING",
         "abs(distance[at] - CONTACT) > 100 * ROUNDING",
@@ -44,7 +44,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/foresight.py",
+        "physim/analysis/crashtest/prediction.py",
         "point_speed",
         "vx = v * math.cos(pose[2]) - omega * (y - pose[1])",
         "vx = v * math.cos(pose[2])",
@@ -53,7 +53,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/foresight.py",
+        "physim/analysis/crashtest/prediction.py",
         "swept_step",
         "(step + 1) * case.dt",
         "step * case.dt",
@@ -62,7 +62,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/laboratory.py",
+        "physim/analysis/crashtest/experiment.py",
         "_batches",
         "draw_case(seed, k, place_of(k % BLOCK), store)",
         "draw_case(0, k, place_of(k % BLOCK), store)",
@@ -71,7 +71,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/laboratory.py",
+        "physim/analysis/crashtest/experiment.py",
         "_compare",
         "if folder is not None:",
         "if False:",
@@ -81,7 +81,7 @@ EDITS = (
     ),
     Edit(
         "crashtest",
-        "physim/crashtest/footprints.py",
+        "physim/analysis/crashtest/case.py",
         "footprint",
         "smallest_width(parts)",
         "10.0 * smallest_width(parts)",

@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/tracking.py",
+        "physim/geometry/path.py",
         "Tracking",
         "np.maximum(SHORTEST_WINDOW, 2.0 * radius)",
         "np.full(n, 1e-6)",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/tracking.py",
+        "physim/geometry/path.py",
         "track_all",
         "track(ways, robots, x, y,",
         "track(ways, i, x, y,",
@@ -133,7 +133,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/face_bound.py",
+        "physim/geometry/gap_bounds.py",
         "turning_reach",
         "reach -= square * x",
         "reach -= 0.0 * x",
@@ -142,7 +142,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/face_bound.py",
+        "physim/geometry/gap_bounds.py",
         "travel",
         "0.5 * max(0.0, bend)",
         "0.0 * max(0.0, bend)",
@@ -179,7 +179,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/grazes.py",
+        "physim/geometry/swept_contacts.py",
         "travel_bounds",
         "radius * np.abs(moved[..., 2])",
         "0.0 * np.abs(moved[..., 2])",
@@ -188,8 +188,8 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/grazes.py",
-        "find_grazes",
+        "physim/geometry/swept_contacts.py",
+        "find_swept_contacts",
         "if before <= CONTACT or before + after > room: continue "
         "if swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt) == np.inf: continue",
         "pass",
@@ -225,7 +225,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/width.py",
+        "physim/geometry/corridor.py",
         "_feet",
         "((1.0, left), (-1.0, right))",
         "((-1.0, left), (1.0, right))",
@@ -234,7 +234,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/width.py",
+        "physim/geometry/corridor.py",
         "opposite",
         "& (ahead <= aside)",
         "",
@@ -270,7 +270,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/wall_clearance.py",
+        "physim/geometry/wall_grid.py",
         "nearest_part",
         "lists.travel[i] += radius * abs(pose[2] - before[2])",
         "pass",

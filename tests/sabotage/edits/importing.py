@@ -1,4 +1,4 @@
-"""Edits of `physim.importing`."""
+"""Edits of `physim.authoring.importing`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
-        "physim/importing/outlines.py",
+        "physim/authoring/importing/ros_map.py",
         "_Centres.placed",
         "np.array([[c, s], [-s, c]])",
         "np.array([[c, -s], [s, c]])",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/outlines.py",
+        "physim/authoring/importing/ros_map.py",
         "_fill_specks",
         "area <= most * (1.0 + 1e-9)",
         "area < 0.5 * most",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/outlines.py",
+        "physim/authoring/importing/ros_map.py",
         "_region",
         "connectivity=4",
         "connectivity=8",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/outlines.py",
+        "physim/authoring/importing/ros_map.py",
         "_simplified",
         "max(share * tolerance - grid, 0.0)",
         "4.0 * share * tolerance",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/ros_map.py",
+        "physim/authoring/importing/ros_map.py",
         "_free",
         "brightness if found.negate else 1.0 - brightness",
         "1.0 - brightness if found.negate else brightness",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/ros_map.py",
+        "physim/authoring/importing/ros_map.py",
         "_free",
         'free & ~clear if found.mode == "scale" else free',
         "free",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/ros_map.py",
+        "physim/authoring/importing/ros_map.py",
         "_Yaml._image",
         "if not image.is_relative_to(folder):",
         "if False:",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/track.py",
+        "physim/authoring/importing/track.py",
         "_road",
         "_Road(points, points - right[:, None] * normal, points + left[:, None] * normal)",
         "_Road(points, points - left[:, None] * normal, points + right[:, None] * normal)",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/track.py",
+        "physim/authoring/importing/track.py",
         "_opened",
         "road.cut(start, total - gap)",
         "road.cut(0.0, total - gap)",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/track.py",
+        "physim/authoring/importing/track.py",
         "_as_made",
         "width[k] >= (1.0 - SLIGHTLY) * stated",
         "True",
@@ -98,7 +98,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/loops.py",
+        "physim/authoring/importing/lines.py",
         "without_loops",
         "length > longest",
         "False",
@@ -108,7 +108,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/gaps.py",
+        "physim/authoring/importing/enclosure.py",
         "join_ends",
         "if crossed < straight:",
         "if False:",
@@ -117,7 +117,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/curves.py",
+        "physim/authoring/importing/svg.py",
         "_count",
         "sqrt(0.75 * bend / tolerance)",
         "0.25 * sqrt(0.75 * bend / tolerance)",
@@ -126,7 +126,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/stops.py",
+        "physim/authoring/importing/robots.py",
         "stop_stations",
         "ends - (lead.max() - lead)",
         "ends",
@@ -135,7 +135,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/lanes.py",
+        "physim/authoring/importing/lines.py",
         "_shares",
         "tight = np.flatnonzero(best < room)",
         "tight = np.flatnonzero(best < 0.0)",
@@ -144,7 +144,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/importing/soundness.py",
+        "physim/authoring/importing/enclosure.py",
         "check_size",
         "max(extent) < SMALLEST_PLACE",
         "False",

@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation._decide",
         "self.next_decision <= sensed.step",
         "self.next_decision < sensed.step",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recorder.py",
+        "physim/simulation/recorder.py",
         "Recorder._commands",
         "np.stack((latest, step.nominal, step.filtered, step.applied))",
         "np.stack((latest, step.nominal, step.nominal, step.applied))",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation.step",
         "self.physics.step(applied)",
         "self.physics.step(decided.nominal)",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "ask_filter",
         "check_commands(scene, time, np.arange(scene.robots), commands)",
         "pass",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/arrival.py",
+        "physim/simulation/arrival.py",
         "note_arrivals",
         "everybody = everybody and still",
         "everybody = still",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/stages.py",
+        "physim/parts/stages.py",
         "everybody",
         "truth.pose, truth.command,",
         "truth.pose, np.zeros_like(truth.command),",
@@ -61,8 +61,8 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/control_loop.py",
-        "PlainBatch.decide_due",
+        "physim/simulation/decisions.py",
+        "PerRobotAdapter.decide_due",
         "memory[MEMORY][i] = value",
         "pass",
         "a controller gets back what it remembered",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/control_loop.py",
+        "physim/simulation/decisions.py",
         "hold_steps",
         "np.floor(hold / scene.dt + SHARE)",
         "np.floor(hold / scene.dt)",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/control_loop.py",
+        "physim/simulation/decisions.py",
         "hold_steps",
         "np.maximum(steps, 1.0)",
         "np.maximum(steps, 2.0)",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/control_loop.py",
+        "physim/simulation/decisions.py",
         "check_commands",
         "(1.0 + SHARE)",
         "(1.0 + 1e-3)",
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/control_decisions.py",
+        "physim/simulation/decisions.py",
         "_considered",
         "if any(not 0 <= j < robots for j in found)",
         "if any(j < 0 for j in found)",
@@ -106,7 +106,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/perception.py",
+        "physim/simulation/observation.py",
         "formation_errors",
         "(station.mean(axis=-1, keepdims=True) - station) - (lead.mean() - lead)",
         "(station - station.mean(axis=-1, keepdims=True)) - (lead - lead.mean())",
@@ -115,7 +115,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/perception.py",
+        "physim/simulation/observation.py",
         "formation_errors",
         "- station) - (lead.mean() - lead)",
         "- station)",
@@ -124,7 +124,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/perception.py",
+        "physim/simulation/observation.py",
         "_neighbours",
         "np.abs(station - station[me]) <= plan.range",
         "np.abs(station - station[me]) >= 0.0",
@@ -133,7 +133,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/perception.py",
+        "physim/simulation/observation.py",
         "observe",
         ".sum(axis=1) <= reach * reach",
         ".sum(axis=1) >= 0.0",
@@ -142,16 +142,16 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/perception.py",
+        "physim/simulation/observation.py",
         "observe",
-        "walls = parts_in_range(scene.walls, parts_near(scene.nearby, x, y), x, y, reach)",
-        "walls = parts_near(scene.nearby, x, y)",
+        "walls = parts_in_range(scene.walls, parts_near(scene.wall_grid, x, y), x, y, reach)",
+        "walls = parts_near(scene.wall_grid, x, y)",
         "a robot sees walls no farther than its range",
         "tests/test_perception.py::test_a_robot_sees_robots_and_walls_within_its_range_only",
     ),
     Edit(
         "loop",
-        "physim/stages.py",
+        "physim/parts/stages.py",
         "everybody",
         "truth.command, truth.reference_station,",
         "truth.command, truth.station,",
@@ -160,7 +160,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recording.py",
+        "physim/simulation/run.py",
         "Recorder._write_poses",
         "np.minimum.reduceat(found.clearance, starts, axis=0)",
         "found.clearance[ends - 1]",
@@ -169,7 +169,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recording.py",
+        "physim/simulation/run.py",
         "Recorder._write_poses",
         "self.writer.note_extremes(step, found)",
         "self.writer.note_extremes(step[:1], type(found)(*(one[:1] for one in found)))",
@@ -178,7 +178,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recording.py",
+        "physim/simulation/run.py",
         "Recorder._write_false_contacts",
         "self.rejected += sum(map(len, rows))",
         "self.rejected = sum(map(len, rows))",
@@ -187,7 +187,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recorder.py",
+        "physim/simulation/recorder.py",
         "update_rows",
         "np.array([s.applied for s, _ in decided])",
         "np.array([s.nominal for s, _ in decided])",
@@ -196,7 +196,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recorder.py",
+        "physim/simulation/recorder.py",
         "update_rows",
         "= deviation[which, robot]",
         "= -deviation[which, robot]",
@@ -205,7 +205,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recording.py",
+        "physim/simulation/run.py",
         "_loop",
         'return "interrupted"',
         'return "duration"',
@@ -214,8 +214,8 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/grazes.py",
-        "GrazeFinder.rows",
+        "physim/simulation/swept_contacts.py",
+        "SweptContactFinder.rows",
         "self._before = poses[-1:].copy(), gap[-1:].copy(), wall_gap[-1:].copy()",
         "pass",
         "a graze in the step from one block to the next is found",
@@ -223,8 +223,8 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/grazes.py",
-        "GrazeFinder.rows",
+        "physim/simulation/swept_contacts.py",
+        "SweptContactFinder.rows",
         "np.maximum(-values[:, 4], 0.0)",
         "values[:, 4]",
         "the depth of a graze is positive",
@@ -232,7 +232,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/stage_calls.py",
+        "physim/simulation/parts.py",
         "ask_filter",
         "check_commands(scene, time, np.arange(scene.robots), commands)",
         "pass",
@@ -241,7 +241,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/part_checks.py",
+        "physim/parts/world_checks.py",
         "naming",
         "except (Exception, SystemExit) as error:",
         "except ZeroDivisionError as error:",
@@ -250,7 +250,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/recording.py",
+        "physim/simulation/run.py",
         "record_run",
         "for observer in looking_on[1:]:",
         "for observer in looking_on[:0]:",
@@ -259,7 +259,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation._filter",
         "ask_filter(part, self.scene, sensed, filtered, state)",
         "ask_filter(part, self.scene, sensed, nominal, state)",
@@ -268,7 +268,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation.step",
         "self._stages = (sensing, filters, disturbances)",
         "pass",
@@ -277,7 +277,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/stages.py",
+        "physim/parts/stages.py",
         "with_poses",
         "if j == who[row]:",
         "if False:",
@@ -286,7 +286,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/arrival.py",
+        "physim/simulation/arrival.py",
         "since",
         "np.where(away + 1 < samples, away + 1, -1)",
         "np.where(arrived.any(axis=0), arrived.argmax(axis=0), -1)",
@@ -295,7 +295,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation.restore",
         "read_only(array)",
         "pass",
@@ -304,7 +304,7 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation.py",
+        "physim/simulation/loop.py",
         "Simulation.restore",
         "self.physics.restore(state.physics)",
         "self.physics.reset(state.now.pose)",

@@ -1,4 +1,4 @@
-"""Edits of `physim.metrics`."""
+"""Edits of `physim.analysis.metrics`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "metrics",
-        "physim/metrics/contacts.py",
+        "physim/analysis/metrics/contacts.py",
         "contact_episodes",
         'np.diff(rows["step"]) > 1',
         'np.diff(rows["step"]) > 2',
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/contacts.py",
+        "physim/analysis/metrics/contacts.py",
         "_episode",
         'float(run["impulse"][0])',
         'float(run["impulse"].max())',
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/deep.py",
+        "physim/analysis/metrics/contacts.py",
         "deep_contacts",
         "max(DEEP, float(advance[[i for i in (a, b) if i < record.robots]].sum()))",
         "DEEP",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/way.py",
+        "physim/analysis/metrics/progress.py",
         "active_decisions",
         'np.minimum(rows["next_step"], record.steps_run)',
         'rows["next_step"]',
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/way.py",
+        "physim/analysis/metrics/progress.py",
         "active_decisions",
         "rows = rows[~_at_stop(record, rows)]",
         "pass",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/way.py",
+        "physim/analysis/metrics/progress.py",
         "time_to_finish",
         "record.arrived.max()",
         "record.arrived.min()",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/formation.py",
+        "physim/analysis/metrics/motion.py",
         "formation_energy",
         "0.5 * (errors * near).sum()",
         "(errors * near).sum()",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/formation.py",
+        "physim/analysis/metrics/motion.py",
         "formation_energy",
         "np.abs(s[:, None] - s) <= reach if pairs is None else pairs",
         "1.0 if pairs is None else pairs",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/formation.py",
+        "physim/analysis/metrics/motion.py",
         "desired_leads",
         "record.lead - record.lead.mean()",
         "record.lead.mean() - record.lead",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/motion.py",
+        "physim/analysis/metrics/motion.py",
         "deviation_peak",
         'Moment(float(row["deviation"])',
         'Moment(abs(float(row["deviation"]))',
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/motion.py",
+        "physim/analysis/metrics/motion.py",
         "_forward",
         "chord / np.sinc(half / np.pi)",
         "chord",
@@ -106,7 +106,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/modes.py",
+        "physim/analysis/metrics/modes.py",
         "mode_switches",
         "np.diff(is_danger(record, mine))",
         'np.diff(mine["mode"])',
@@ -115,7 +115,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/distances.py",
+        "physim/analysis/metrics/distances.py",
         "shortest_collision_time",
         "np.where(np.isnan(times), np.inf, times)",
         "np.where(np.isnan(times), 0.0, times)",
@@ -124,7 +124,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/pair_times.py",
+        "physim/analysis/metrics/distances.py",
         "_commands",
         'record.commands_over("applied", first, last)[steps[mine] - first]',
         'record.commands_over("applied", first + 1, last + 1)[steps[mine] - first]',
@@ -133,7 +133,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/pair_times.py",
+        "physim/analysis/metrics/distances.py",
         "_reach",
         "* horizon + radius",
         "+ radius",
@@ -142,7 +142,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/width.py",
+        "physim/analysis/metrics/distances.py",
         "corridor_width",
         "counts = ~np.isfinite(width) | between",
         "counts = np.ones_like(width, dtype=bool)",
@@ -151,7 +151,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/effort.py",
+        "physim/analysis/metrics/modes.py",
         "messages",
         '.updates["considered"].sum()',
         '.updates["considered"].astype(bool).sum()',

@@ -1,4 +1,4 @@
-"""Edits of `physim.physics`."""
+"""Edits of `physim.simulation.engine`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "physics",
-        "physim/physics/space.py",
+        "physim/simulation/engine/space.py",
         "build_space",
         "space.damping = 1.0",
         "space.damping = 0.99",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/space.py",
+        "physim/simulation/engine/space.py",
         "SLOP",
         "SLOP = 1e-3",
         "SLOP = 1e-1",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/space.py",
+        "physim/simulation/engine/space.py",
         "build_space",
         "float(np.sqrt(friction))",
         "float(friction)",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/space.py",
+        "physim/simulation/engine/space.py",
         "moment",
         "(cross * square).sum() / 12.0",
         "(cross * square).sum() / 6.0",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/host.py",
+        "physim/simulation/engine/host.py",
         "Physics.step",
         "if len(self._pairs.key):",
         "if False:",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/host.py",
+        "physim/simulation/engine/host.py",
         "Physics._hold_back",
         "self._wanted[held] = self._arrays.velocity[held]",
         "self._wanted[held] = 0.0",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/host.py",
+        "physim/simulation/engine/host.py",
         "Physics.__init__",
         "[(m, m, moment(body_parts(shapes, i), m))",
         "[(1.0, 1.0, moment(body_parts(shapes, i), m))",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/host.py",
+        "physim/simulation/engine/host.py",
         "Physics._move",
         "impulse_of(key, pushes, now)",
         "impulse_of(key, now)",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/host.py",
+        "physim/simulation/engine/host.py",
         "Physics._move",
         "self._note_false(self._engine.rejected())",
         "self._engine.rejected()",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/pairs.py",
+        "physim/simulation/engine/pairs.py",
         "phases",
         "np.where(touched, Phase.STAYS, Phase.BEGAN)",
         "np.where(touched, Phase.BEGAN, Phase.STAYS)",
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/verdict.py",
+        "physim/simulation/engine/verdict.py",
         "judge",
         "if distance > CONTACT: return APART, nx, ny",
         "",
@@ -106,7 +106,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/verdict.py",
+        "physim/simulation/engine/verdict.py",
         "judge",
         "return LEFT, nx, ny",
         "return ACTS, nx, ny",
@@ -116,7 +116,7 @@ EDITS = (
     ),
     Edit(
         "physics",
-        "physim/physics/verdict.py",
+        "physim/simulation/engine/verdict.py",
         "judge",
         "if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy): return SIDE, mx, my",
         "",

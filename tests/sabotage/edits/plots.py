@@ -1,4 +1,4 @@
-"""Edits of `physim.plots`."""
+"""Edits of `physim.drawing.plots`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "plots",
-        "physim/plots/modes.py",
+        "physim/drawing/plots/modes.py",
         "_shares",
         "share_of_modes(record, danger=False)",
         "share_of_modes(record, danger=True)",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/modes.py",
+        "physim/drawing/plots/modes.py",
         "modes",
         'words = f"out of danger: {1.0 - share:.1%}',
         'words = f"out of danger: {share:.1%}',
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/deviation.py",
+        "physim/drawing/plots/curves.py",
         "deviation",
         "mark(axis, peak.time, peak.value, text,",
         "mark(axis, peak.time, abs(peak.value), text,",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/deviation.py",
+        "physim/drawing/plots/curves.py",
         "sharp_turns",
         "abs((b - a + np.pi) % (2 * np.pi) - np.pi) > SHARP",
         "abs(b - a) > SHARP",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/width.py",
+        "physim/drawing/plots/maps.py",
         "width",
         "[width_extreme(found, 0, largest) for largest in (False, True)]",
         "[width_extreme(found, 0, largest) for largest in (True, False)]",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/frame.py",
+        "physim/drawing/plots/frame.py",
         "thinned",
         "a + int(np.argmin(values[a:b]))",
         "a",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/distances.py",
+        "physim/drawing/plots/distances.py",
         "_least",
         "(record.clearance, INK,",
         "(record.boundary_clearance, INK,",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/prediction.py",
+        "physim/drawing/plots/collision_times.py",
         "predictions",
         "record.updates[np.isfinite(times) & (times > 0.0)]",
         "record.updates[np.isfinite(times)]",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/prediction.py",
+        "physim/drawing/plots/collision_times.py",
         "predictions",
         'row["next_step"] >= hits[k] and',
         "",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/formation.py",
+        "physim/drawing/plots/curves.py",
         "formation",
         "np.copysign(peak.value, signed)",
         "peak.value",
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "plots",
-        "physim/plots/formation.py",
+        "physim/drawing/plots/curves.py",
         "formation",
         "below.plot(energy.time, energy.values,",
         "below.plot(energy.time, 2.0 * energy.values,",

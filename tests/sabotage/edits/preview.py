@@ -1,4 +1,4 @@
-"""Edits of `physim.preview`."""
+"""Edits of `physim.drawing.preview`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "preview",
-        "physim/scene_model.py",
+        "physim/drawing/scene_model.py",
         "_stop_stations",
         "ends - (lead.max() - lead)",
         "ends",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "preview",
-        "physim/scene_model.py",
+        "physim/drawing/scene_model.py",
         "SceneModel._nearly_safe",
         "self.safe_area.buffer(HAIR * self.safe_distance)",
         "self.safe_area.buffer(-HAIR * self.safe_distance)",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "preview",
-        "physim/preview/contents.py",
+        "physim/drawing/preview/contents.py",
         "contents",
         "np.concatenate((others, rings))",
         "others",
@@ -35,7 +35,7 @@ EDITS = (
     ),
     Edit(
         "preview",
-        "physim/preview/profile.py",
+        "physim/drawing/preview/profile.py",
         "_levels",
         "max(least_width(outline) for",
         "max(2.0 * float(np.hypot(*outline.T).max()) for",
@@ -44,7 +44,7 @@ EDITS = (
     ),
     Edit(
         "preview",
-        "physim/preview/profile.py",
+        "physim/drawing/preview/profile.py",
         "_levels",
         "2.0 * float(shown.scene.reach.max())",
         "float(shown.scene.reach.max())",
@@ -53,7 +53,7 @@ EDITS = (
     ),
     Edit(
         "preview",
-        "physim/preview/profile.py",
+        "physim/drawing/preview/profile.py",
         "draw_profile",
         "width < needed",
         "width > needed",

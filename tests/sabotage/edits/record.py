@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "record",
-        "physim/record/extremes.py",
+        "physim/record/writer.py",
         "Extremes.note",
         "closer = least < self.rows[key]",
         "closer = least <= self.rows[key]",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/extremes.py",
+        "physim/record/writer.py",
         "Extremes.note",
         "if found.farthest[at] > self.farthest",
         "if found.farthest[at] < self.farthest",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/digest.py",
+        "physim/record/layout.py",
         "digest",
         "for path in (*DATASETS, *footprints):",
         "for path in DATASETS:",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/digest.py",
+        "physim/record/layout.py",
         "digest",
         "for name in ATTRIBUTES:",
         "for name in ATTRIBUTES[:5]:",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/values.py",
+        "physim/record/rows.py",
         "Source.within",
         "(values < low) | (values > high)",
         "values < low",
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/values.py",
+        "physim/record/rows.py",
         "check_table",
         "np.diff(step, prepend=step[:1]) < 0",
         "np.diff(step, prepend=step[:1]) < -np.inf",
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/values.py",
+        "physim/record/rows.py",
         "_check_once",
         "again[order[1:]] = ",
         "_ = ",

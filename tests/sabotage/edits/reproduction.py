@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "reproduction",
-        "physim/reproduction/claims/claim.py",
+        "physim/reproduction/study.py",
         "Claim.outcome",
         "self.met(runs) >= self.needed * len(runs)",
         "self.met(runs) >= 1",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/claims/claim.py",
+        "physim/reproduction/study.py",
         "Claim.graded",
         "defaultdict(lambda: math.nan, run)",
         "defaultdict(float, run)",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/claims/claim.py",
+        "physim/reproduction/study.py",
         "near",
         "abs(run[key] - reported) <= same * reported",
         "abs(run[key] - reported) <= 2.0 * same * reported",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/claims/claim.py",
+        "physim/reproduction/study.py",
         "holds",
         "Outcome.MET if condition(run) else Outcome.NOT_MET",
         "Outcome.MET",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/studies/estimates.py",
+        "physim/reproduction/estimates.py",
         "_rank",
         "if miss > 1.0 - CONFIDENCE:",
         "if miss > 2.0 * (1.0 - CONFIDENCE):",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/studies/estimates.py",
+        "physim/reproduction/estimates.py",
         "estimate",
         "if not math.isnan(value)",
         "if True",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "reproduction",
-        "physim/reproduction/studies/fits.py",
+        "physim/reproduction/estimates.py",
         "time_constant",
         "np.log(values)",
         "values",

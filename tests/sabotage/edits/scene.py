@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "_stop_stations",
         "ends - (formation.lead.max() - formation.lead)",
         "ends",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "_formation",
         "lead = station - station[0]",
         "lead = station[0] - station",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "_adjacency",
         "adjacency[i, j] = adjacency[j, i] = 1",
         "adjacency[i, j] = 1",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "_mass",
         "DENSITY * abs(signed_area(footprint)) if given is None else given",
         "DENSITY",
@@ -43,16 +43,16 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "build_scene",
-        "build_nearby(walls, world.sensing_range, GRID_CELL)",
-        "build_nearby(walls, 0.5 * world.sensing_range, GRID_CELL)",
+        "build_wall_grid(walls, world.sensing_range, GRID_CELL)",
+        "build_wall_grid(walls, 0.5 * world.sensing_range, GRID_CELL)",
         "every wall within range is found by the look-up",
         "tests/test_scene_builder.py::test_every_wall_within_range_is_looked_up",
     ),
     Edit(
         "scene",
-        "physim/layout.py",
+        "physim/world/layout/layout.py",
         "_area",
         "if not len(outside):",
         "if True:",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/scene_builder.py",
+        "physim/world/layout/scene_builder.py",
         "is_random",
         'robot.pose is None or robot.pose[2] == "random"',
         "robot.pose is None",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/start_poses.py",
+        "physim/world/layout/start_poses.py",
         "_Group._found",
         "self.start.min_gap + SLACK",
         "0.5 * self.start.min_gap",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/start_poses.py",
+        "physim/world/layout/start_poses.py",
         "_Group.place",
         'stream(self.seed, "start", i) for i in self.members',
         'stream(0, "start", i) for i in self.members',
@@ -88,7 +88,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/start_poses.py",
+        "physim/world/layout/start_poses.py",
         "drawn_heading",
         ".uniform(-pi, pi)",
         ".uniform(-0.5 * pi, 0.5 * pi)",
@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/places.py",
+        "physim/world/layout/places.py",
         "Occupancy.room",
         "shapely.covers(free, outlines)",
         "shapely.intersects(free, outlines)",
@@ -106,7 +106,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/places.py",
+        "physim/world/layout/places.py",
         "Candidates._cut",
         "np.linspace(station.max(), station.min(), len(rows) + 1)",
         "np.linspace(station.min(), station.max(), len(rows) + 1)[::1]",
@@ -115,7 +115,7 @@ EDITS = (
     ),
     Edit(
         "scene",
-        "physim/places.py",
+        "physim/world/layout/places.py",
         "Candidates._cut",
         "(self._lane(paths[i], 0.5 * (low + high)), i)",
         "i",

@@ -1,4 +1,4 @@
-"""Edits of `physim.summary` and of the expectations of worlds."""
+"""Edits of `physim.analysis.summary` and of the expectations of worlds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "summary",
-        "physim/expectations.py",
+        "physim/analysis/expectations.py",
         "expectations",
         "+ len(metrics.grazes(record))",
         "",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/expectations.py",
+        "physim/analysis/expectations.py",
         "_holds",
         'got >= wanted if key.startswith("min_") else got <= wanted',
         'got > wanted if key.startswith("min_") else got <= wanted',
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/expectations.py",
+        "physim/analysis/expectations.py",
         "_holds",
         "return got is wanted",
         "return True",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/summary.py",
+        "physim/analysis/summary/summary.py",
         "Summary.held",
         "return all(",
         "return any(",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/summary.py",
+        "physim/analysis/summary/summary.py",
         "Summary._contacts",
         '"impact_newton_seconds": e.impact',
         '"impact_newton_seconds": e.impulse',
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/summary.py",
+        "physim/analysis/summary/summary.py",
         "Summary._contacts",
         '"duration_s": e.samples * self.dt',
         '"duration_s": e.samples',
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/summary.py",
+        "physim/analysis/summary/summary.py",
         "_contacts",
         "with_boundaries=len(episodes) - robots",
         "with_boundaries=len(episodes)",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/table.py",
+        "physim/analysis/summary/table.py",
         "_contact_rows",
         "{1e3 * e.depth:.1f} mm",
         "{e.depth:.1f} mm",
@@ -79,7 +79,7 @@ EDITS = (
     ),
     Edit(
         "summary",
-        "physim/summary/table.py",
+        "physim/analysis/summary/table.py",
         "_contact_rows",
         "_more(contacts.count - len(rows))",
         "_more(0)",

@@ -1,4 +1,4 @@
-"""Edits of `physim.templates`."""
+"""Edits of `physim.authoring.templates`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "templates",
-        "physim/templates/group.py",
+        "physim/authoring/templates/text.py",
         "lanes_of",
         "(width - 2.0 * EDGE) / LANE",
         "width / LANE",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "templates",
-        "physim/templates/group.py",
+        "physim/authoring/templates/text.py",
         "places",
         "offsets[i % lanes],",
         "offsets[0],",
@@ -26,7 +26,7 @@ EDITS = (
     ),
     Edit(
         "templates",
-        "physim/templates/group.py",
+        "physim/authoring/templates/text.py",
         "fitted",
         "if straight > LONGEST:",
         "if False:",
@@ -35,7 +35,7 @@ EDITS = (
     ),
     Edit(
         "templates",
-        "physim/templates/group.py",
+        "physim/authoring/templates/text.py",
         "most_robots",
         "places(width, robots + 1)[0].x + FRONT <= LONGEST",
         "places(width, robots + 1)[0].x <= LONGEST",
@@ -44,7 +44,7 @@ EDITS = (
     ),
     Edit(
         "templates",
-        "physim/templates/curves.py",
+        "physim/authoring/templates/roads.py",
         "rounded",
         "side = 1.0 if turn > 0.0 else -1.0",
         "side = 1.0",

@@ -1,4 +1,4 @@
-"""Edits of `physim.validation` and of the command that validates."""
+"""Edits of `physim.analysis.validation` and of the command that validates."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/findings.py",
+        "physim/analysis/validation/disagreements.py",
         "DEPTH_SLACK",
         "DEPTH_SLACK =",
         "DEPTH_SLACK = 100 *",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/comparison.py",
+        "physim/analysis/validation/comparison.py",
         "_at_samples",
         "abs(d) <= CONTACT + ROUNDING",
         "abs(d) <= 100 * CONTACT + ROUNDING",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/events.py",
+        "physim/analysis/validation/recorded_contacts.py",
         "NEAR_TOUCH",
         "NEAR_TOUCH =",
         "NEAR_TOUCH = 100 *",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/prediction.py",
+        "physim/analysis/validation/prediction.py",
         "Predictor.predict",
         "slack = tolerances.TIME + gap",
         "slack = 100 * tolerances.TIME + 100 * gap",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/motion.py",
+        "physim/analysis/validation/motion.py",
         "_off",
         "slack = ONE_STEP +",
         "slack = 100 * ONE_STEP +",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/motion.py",
+        "physim/analysis/validation/motion.py",
         "_pushed",
         "if shift > 2.0 * reach: continue",
         "",
@@ -71,7 +71,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/motion.py",
+        "physim/analysis/validation/motion.py",
         "check_motion",
         "& ~touched[first + 1 : last + 1]",
         "& ~touched[first + 1 : last + 1].any(axis=1, keepdims=True)",
@@ -80,7 +80,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/sides.py",
+        "physim/analysis/validation/responsibility.py",
         "_has_to_consider",
         "behind > 0.0",
         "behind < 0.0",
@@ -89,7 +89,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/sides.py",
+        "physim/analysis/validation/responsibility.py",
         "_has_to_consider",
         "other < i",
         "other > i",
@@ -98,7 +98,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/pushing.py",
+        "physim/analysis/validation/responsibility.py",
         "stands",
         "return abs(v) + float(table.radius[robot]) * abs(omega) < PUSH",
         "return v == 0.0 and omega == 0.0",
@@ -107,7 +107,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/decisions.py",
+        "physim/analysis/validation/decisions.py",
         "RowsByRobot.last",
         'side="right"',
         'side="left"',
@@ -116,7 +116,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/validation.py",
+        "physim/analysis/validation/validation.py",
         "Validation.code",
         "if self.contacts or self.grazes",
         "if self.contacts",
@@ -125,7 +125,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/validation.py",
+        "physim/analysis/validation/validation.py",
         "Validation.unexplained",
         "self.comparison.unexplained + len(self.mispredicted)",
         "self.comparison.unexplained",
@@ -134,7 +134,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/validation.py",
+        "physim/analysis/validation/validation.py",
         "check_complete",
         "if len(gap):",
         "if False:",
@@ -143,7 +143,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/comparison.py",
+        "physim/analysis/validation/comparison.py",
         "compare",
         "found += check_contact_rows(record)",
         "",
@@ -152,7 +152,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/recomputed.py",
+        "physim/analysis/validation/recomputed.py",
         "recompute",
         "_stations(record, block, found)",
         "pass",
@@ -161,7 +161,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/comparison.py",
+        "physim/analysis/validation/comparison.py",
         "compare",
         "found += exact.disagreements",
         "",
@@ -170,7 +170,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/events.py",
+        "physim/analysis/validation/recorded_contacts.py",
         "check_false_contacts",
         "if d <= CONTACT - ROUNDING:",
         "if False:",
@@ -179,7 +179,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/scan.py",
+        "physim/analysis/validation/analytic_contacts.py",
         "scan_walls",
         "wall_distance(shapes, i, poses[k, i], walls, parts)",
         "wall_distance(shapes, i, poses[k, i], walls, parts[:1])",
@@ -188,7 +188,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/near_misses.py",
+        "physim/analysis/validation/near_misses.py",
         "_smallest",
         "if not contact:",
         "if True:",
@@ -197,7 +197,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/near_misses.py",
+        "physim/analysis/validation/near_misses.py",
         "_with_order",
         "one.b if ahead else one.a",
         "one.a if ahead else one.b",
@@ -206,7 +206,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/origin.py",
+        "physim/analysis/validation/origin.py",
         "_arrays",
         "np.abs(inside - world) > LENGTH",
         "np.abs(inside - world) > 1e-3",
@@ -215,7 +215,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/seeds.py",
+        "physim/analysis/validation/seeds.py",
         "clopper_pearson",
         "tail = (1.0 - CONFIDENCE) / 2.0",
         "tail = 1.0 - CONFIDENCE",
@@ -224,7 +224,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/seeds.py",
+        "physim/analysis/validation/seeds.py",
         "SeedStudy.code",
         "return DISAGREE if DISAGREE in codes else CONTACTS if CONTACTS in codes else FREE",
         "return max(codes[:1])",
@@ -233,7 +233,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/columns.py",
+        "physim/analysis/validation/columns.py",
         "StandardColumns.take",
         "wrong &= ~np.isnan(rows[name])",
         "wrong[:] = False",
@@ -242,7 +242,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/columns.py",
+        "physim/analysis/validation/columns.py",
         "wrongly_considered",
         "far <= reach and",
         "",
@@ -251,7 +251,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/replay.py",
+        "physim/analysis/validation/recomputed.py",
         "Replay.take",
         "self._hold(rows[order], block.row + order, told, found)",
         "pass",
@@ -260,7 +260,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/announced.py",
+        "physim/analysis/validation/consistency.py",
         "check_schedule",
         "due != after",
         "due > after",
@@ -269,7 +269,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/ending.py",
+        "physim/analysis/validation/consistency.py",
         "check_ending",
         'if record.ended == "finished" and not arrived:',
         "if False:",
@@ -278,7 +278,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/ending.py",
+        "physim/analysis/validation/consistency.py",
         "ArrivalCheck.take",
         "judged[known:]",
         "judged[known:] & False",
@@ -287,7 +287,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/commands.py",
+        "physim/analysis/validation/consistency.py",
         "_limits",
         "found.add_rows(name, column, rows, 0, wrong, limit, by)",
         "pass",
@@ -296,7 +296,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/rerun.py",
+        "physim/analysis/validation/rerun.py",
         "compare_runs",
         "difference = None if same else",
         "difference = None if True else",
@@ -305,7 +305,7 @@ EDITS = (
     ),
     Edit(
         "validation",
-        "physim/validation/validation.py",
+        "physim/analysis/validation/validation.py",
         "Validation.code",
         "or self.missed",
         "",
@@ -314,7 +314,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/metrics/contacts.py",
+        "physim/analysis/metrics/contacts.py",
         "severity",
         "0.5 * (1.0 - _elasticity(record))",
         "0.5",

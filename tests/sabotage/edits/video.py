@@ -1,4 +1,4 @@
-"""Edits of `physim.video`."""
+"""Edits of `physim.drawing.video`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "video",
-        "physim/timeline.py",
+        "physim/drawing/timeline.py",
         "Timeline.sample",
         "time - self.time[after - 1], after, after - 1",
         "time - self.time[after - 1], after - 1, after",
@@ -16,7 +16,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/timeline.py",
+        "physim/drawing/timeline.py",
         "Timeline.decisions",
         "np.asarray(time) + 1e-9",
         "np.asarray(time) - 1e-9",
@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/render.py",
+        "physim/drawing/video/render.py",
         "frame_times",
         "np.minimum(start + np.arange(shown) * (speed / fps), end)",
         "start + np.arange(shown) * (speed / fps)",
@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/render.py",
+        "physim/drawing/video/render.py",
         "playback_speed",
         "duration <= LONGEST * speed",
         "duration <= 2.0 * LONGEST * speed",
@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/timeline.py",
+        "physim/drawing/timeline.py",
         "Episodes.present",
         "self.ended[: self.count(time)] > time + 1e-9",
         "self.ended[: self.count(time)] > time + 1.0",
@@ -53,7 +53,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/timeline.py",
+        "physim/drawing/timeline.py",
         "episodes",
         "[*contact_episodes(record), *grazes(record)]",
         "[*contact_episodes(record), *contact_episodes(record), *grazes(record)]",
@@ -62,7 +62,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/closest.py",
+        "physim/drawing/video/marks.py",
         "closest_pair",
         "if least > best:",
         "if least > 0.0:",
@@ -71,7 +71,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/camera.py",
+        "physim/drawing/video/view.py",
         "Lens.pixels",
         "(self.scale, -self.scale)",
         "(self.scale, self.scale)",
@@ -80,7 +80,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/camera.py",
+        "physim/drawing/video/view.py",
         "Camera.centre",
         "np.interp(time, self._times, self._centre[:, k])",
         "self._centre[0, k]",
@@ -89,7 +89,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/robots.py",
+        "physim/drawing/video/marks.py",
         "Fleet.placed",
         "c * x - s * y, s * x + c * y",
         "c * x + s * y, c * y - s * x",
@@ -98,7 +98,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/strip.py",
+        "physim/drawing/video/strip.py",
         "Strip.paint",
         "image[:, : cursor + 1] = self._full[:, : cursor + 1]",
         "image[:] = self._full",
@@ -107,7 +107,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/strip.py",
+        "physim/drawing/video/strip.py",
         "Strip._y",
         "(high - np.asarray(value))",
         "(np.asarray(value) - low)",
@@ -116,7 +116,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/encoder.py",
+        "physim/drawing/video/render.py",
         "VideoFile._encode",
         "self._count += 1",
         "self._count += 2",
@@ -126,7 +126,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/encoder.py",
+        "physim/drawing/video/render.py",
         "VideoFile.__exit__",
         "if kind is None and self._fault is None: os.replace(self._part, self.path)",
         "if True:\n                os.replace(self._part, self.path)",
@@ -135,7 +135,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/beside.py",
+        "physim/drawing/video/frames.py",
         "Beside._outcome",
         "timeline, right = view.timeline,",
         "timeline, right = self._views[0].timeline,",
@@ -153,7 +153,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/video/panel.py",
+        "physim/drawing/video/panel.py",
         "Panel._figures",
         "pair.distance if pair.distance > 0.0 else depth",
         "pair.distance",

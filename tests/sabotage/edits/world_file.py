@@ -1,4 +1,4 @@
-"""Edits of `physim.world_file` and of the registry of parts."""
+"""Edits of `physim.world.file` and of the registry of parts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world_file",
-        "physim/world_file/geometry_check.py",
+        "physim/world/layout/shape_checks.py",
         "tunnelling",
         "TUNNEL_FRACTION * min(widths)",
         "4 * TUNNEL_FRACTION * min(widths)",
@@ -17,7 +17,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/geometry_check.py",
+        "physim/world/layout/shape_checks.py",
         "tunnelling",
         "robot.v + circumscribed_radius(robot.outline) * robot.omega",
         "robot.v",
@@ -27,7 +27,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/geometry_check.py",
+        "physim/world/layout/shape_checks.py",
         "tunnelling",
         "smallest_width(convex_parts(outline))",
         "least_width(outline)",
@@ -36,7 +36,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/geometry_check.py",
+        "physim/world/layout/shape_checks.py",
         "wall_faults",
         'predicate="dwithin", distance=CONTACT',
         'predicate="intersects"',
@@ -45,7 +45,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/geometry_check.py",
+        "physim/world/layout/shape_checks.py",
         "robot_faults",
         'predicate="dwithin", distance=CONTACT',
         'predicate="overlaps"',
@@ -54,7 +54,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/reading.py",
+        "physim/world/file/reading.py",
         "_Reader._key",
         "elif text in given:",
         "elif False:",
@@ -63,7 +63,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/reading.py",
+        "physim/world/file/reading.py",
         "_Reader._alias",
         "self._count(node.size, line, column)",
         "self._count(1, line, column)",
@@ -72,7 +72,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/reading.py",
+        "physim/world/file/reading.py",
         "_Reader._alias",
         "len(self.stack) + node.height > MOST_DEPTH + 1",
         "False",
@@ -81,7 +81,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/overrides.py",
+        "physim/world/file/overrides.py",
         "_left_out",
         "field is not None and field.is_required()",
         "False",
@@ -90,7 +90,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/loading.py",
+        "physim/world/file/loading.py",
         "_with_controller",
         "dict(settings) if chosen == name else {}",
         "dict(settings)",
@@ -99,7 +99,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/named_parts.py",
+        "physim/world/file/loading.py",
         "check_parts",
         "find_part(named.kind, name, trusted and is_controller)",
         "find_part(named.kind, name, True)",
@@ -108,7 +108,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/loading.py",
+        "physim/world/file/loading.py",
         "in_order",
         "return sorted(faults, key=lambda pair: (pair[1].line, pair[1].column))",
         "return faults",
@@ -117,7 +117,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/registry.py",
+        "physim/parts/registry.py",
         "find_part",
         "if not trusted:",
         "if False:",
@@ -126,7 +126,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/registry.py",
+        "physim/parts/registry.py",
         "checked_settings",
         "strict=True",
         "strict=False",
@@ -135,7 +135,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/named_parts.py",
+        "physim/world/file/loading.py",
         "check_parts",
         "trusted and is_controller",
         "trusted",
@@ -144,7 +144,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/named_parts.py",
+        "physim/world/file/loading.py",
         "check_parts",
         "found = world_faults(made, world, named.where)",
         "pass",
@@ -153,7 +153,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/named_parts.py",
+        "physim/world/file/loading.py",
         "check_parts",
         "warnings += world_doubts(made, world, named.where)",
         "pass",
@@ -162,7 +162,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/named_parts.py",
+        "physim/world/file/loading.py",
         "_named",
         "for kind in STAGES:",
         "for kind in STAGES[:1]:",
@@ -171,7 +171,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/registry.py",
+        "physim/parts/registry.py",
         "_registered",
         "if others:",
         "if False:",
@@ -180,7 +180,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world_file/schema.py",
+        "physim/world/file/schema.py",
         "world_schema",
         "for kind in (CONTROLLER, *STAGES):",
         "for kind in (CONTROLLER,):",

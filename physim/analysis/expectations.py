@@ -1,0 +1,83 @@
+"""What a world says a run must show (its ``expect`` block), held against what the run showed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from physim.analysis import metrics
+from physim.errors import RecordError
+from physim.record import Record
+
+Figure = bool | float | int | None
+
+
+class Held(NamedTuple):
+    """One expectation and how it fared."""
+
+    key: str
+    wanted: Figure
+    got: Figure
+    """[m] for distances; None where the figure has no meaning, which counts as held"""
+    held: bool
+
+    def __str__(self) -> str:
+        """``held: 2 <= 2``: how it fared, what was found, the bound."""
+        sign = "=" if self.key == "finished" else ">=" if self.key.startswith("min_") else "<="
+        return (
+            f"{'held' if self.held else 'NOT HELD'}: {_text(self.got)} {sign} {_text(self.wanted)}"
+        )
+
+
+def _text(value: Figure) -> str:
+    if value is None:
+        return "n/a"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f"{value:.4g} m" if isinstance(value, float) else str(value)
+
+
+def expectations(record: Record) -> list[Held]:
+    """Expectations of the record's world, in a fixed order; empty when it has none.
+
+    ``contacts`` is the largest number of contact episodes and contacts between two samples
+    together: touching is a contact, wherever the samples fall. ``min_distance``,
+    ``min_boundary_distance`` and ``max_distance`` are bounds [m] over all physics steps,
+    ``finished`` says whether all robots arrive. A distance that a run does not have (one robot,
+    no walls) holds any bound.
+    """
+    wanted = _wanted(record)
+    found: dict[str, Figure] = {
+        "contacts": len(metrics.contact_episodes(record)) + len(metrics.grazes(record)),
+        "min_distance": _value(metrics.shortest_distance(record)),
+        "min_boundary_distance": _value(metrics.shortest_boundary_distance(record)),
+        "max_distance": _value(metrics.farthest_pair(record)),
+        "finished": metrics.finished(record),
+    }
+    return [
+        Held(key, wanted[key], got, _holds(key, wanted[key], got))
+        for key, got in found.items()
+        if wanted.get(key) is not None
+    ]
+
+
+def _holds(key: str, wanted: Figure, got: Figure) -> bool:
+    if key == "finished":
+        return got is wanted
+    if got is None or wanted is None:
+        return True
+    return got >= wanted if key.startswith("min_") else got <= wanted
+
+
+def _value(moment: metrics.Moment | None) -> float | None:
+    return None if moment is None else moment.value
+
+
+def _wanted(record: Record) -> Mapping[str, Figure]:
+    expect = metrics.world_settings(record).get("expect")
+    if not isinstance(expect, Mapping):
+        return {}
+    for key, value in expect.items():
+        if not isinstance(value, bool | float | int | None):
+            raise RecordError(f"world text of {record!r}: expect.{key} is {value!r}, not a number")
+    return expect

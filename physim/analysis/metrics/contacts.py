@@ -1,0 +1,252 @@
+"""Contacts as episodes: who touched whom, when, how hard; and which are too deep to be true.
+
+A contact is too deep (`Deep`) where the engine could not hold two bodies apart.
+
+Severity is closing speed, change of speed of each body, and energy lost. All three are about
+the first sample of a contact, the impact. Pushing after it shows in the impulse of the whole
+contact.
+
+- Closing speed [m/s]: of the contact point of one body against that of the other, along the
+  normal, over the step that led to the contact, from the poses; 0 where they do not close.
+  Between samples bodies go straight, so it is off by at most |v| |omega| dt / 2 of each body.
+- Change of speed of a body [m/s]: impulse of the impact over its mass. That is how fast its
+  reference point, which the engine takes for the centre of mass, would change its velocity
+  were nothing else in its way: of a body that touches a third at the same sample it is an
+  upper bound as to this contact, and a lower one as to all that it undergoes.
+- Energy lost [J]: (1 - e) / 2 times impulse times closing speed, with the elasticity e of the
+  world; exact for two bodies that touch at a point without friction. What friction takes is
+  not in it, so it errs low where the world has friction.
+
+References: impulse and energy of an impact with restitution, e.g. Stronge, Impact Mechanics
+(2000), chapter 3; change of speed ("delta-v") is what crash research reports for severity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.contacts import Kind, touching
+from physim.geometry.polygon import signed_area
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from physim.tolerances import DEEP
+from physim.world.scene import DENSITY
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A contact that lasts: a maximal run of consecutive samples at which two bodies touch."""
+
+    a: int
+    """body ids, a < b"""
+    b: int
+    robots: bool
+    """both are robots; otherwise b is a boundary or an obstacle"""
+    step: int
+    """first sample"""
+    time: float
+    """[s] of the first sample"""
+    samples: int
+    """number of samples"""
+    depth: float
+    """[m] greatest depth"""
+    impact: float
+    """[N s] impulse of the first sample: the hit itself"""
+    impulse: float
+    """[N s] sum over the samples: the hit and all pushing after it"""
+
+
+@dataclass(frozen=True)
+class Graze:
+    """A contact between two samples: the bodies touch within a step and are apart at its ends."""
+
+    a: int
+    """body ids, a < b"""
+    b: int
+    robots: bool
+    """both are robots; otherwise b is a boundary or an obstacle"""
+    step: int
+    """sample at the end of the step"""
+    time: float
+    """[s] of that sample"""
+    depth: float
+    """[m] greatest depth within the step, 0 when they only touch"""
+
+
+def contact_episodes(record: Record) -> tuple[Episode, ...]:
+    """Contact episodes in the order of their beginning; their number is "contacts: N".
+
+    Contacts between two samples are none of them, see `grazes`.
+    """
+    rows = touching(record.contacts)
+    rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
+    if not len(rows):
+        return ()
+    pair = (np.diff(rows["a"]) != 0) | (np.diff(rows["b"]) != 0)
+    firsts = np.flatnonzero(np.concatenate(([True], pair | (np.diff(rows["step"]) > 1))))
+    runs = np.split(rows, firsts[1:])
+    episodes = [_episode(record, run) for run in runs]
+    return tuple(sorted(episodes, key=lambda episode: (episode.step, episode.a, episode.b)))
+
+
+def grazes(record: Record) -> tuple[Graze, ...]:
+    """Contacts between two samples, in the order of time. A pair may have one a step."""
+    rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
+    columns = zip(*(rows[key].tolist() for key in ("a", "b", "step", "depth")), strict=True)
+    return tuple(
+        Graze(a, b, b < record.robots, step, step * record.dt, depth)
+        for a, b, step, depth in columns
+    )
+
+
+def _episode(record: Record, run: NDArray[np.void]) -> Episode:
+    a, b, step = int(run["a"][0]), int(run["b"][0]), int(run["step"][0])
+    return Episode(
+        a, b, b < record.robots, step, step * record.dt, len(run),
+        float(run["depth"].max()), float(run["impulse"][0]), float(run["impulse"].sum()),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Severity:
+    """How hard two bodies met."""
+
+    closing: float
+    """[m/s] along the normal, just before"""
+    sliding: float
+    """[m/s] along each other, just before"""
+    changes: tuple[float, ...] | None
+    """[m/s] change of speed of each robot of the two, a first; None where masses are not known"""
+    energy: float | None
+    """[J] lost; None where the world is not known"""
+
+
+def severity(record: Record, episode: Episode, mass: FloatArray | None) -> Severity:
+    """Severity of a contact; ``mass`` (N,) [kg] as `masses` gives them.
+
+    Needs the poses of every step.
+    """
+    a, b, step = episode.a, episode.b, episode.step
+    row = _first_row(record, episode)
+    point, normal = (float(row["x"]), float(row["y"])), np.array((row["nx"], row["ny"]))
+    relative = point_velocity(record, a, step, point) - point_velocity(record, b, step, point)
+    closing = max(0.0, float(relative @ normal))
+    sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
+    if mass is None:
+        return Severity(closing, sliding, None, None)
+    changes = tuple(episode.impact / float(mass[i]) for i in (a, b) if i < record.robots)
+    energy = 0.5 * (1.0 - _elasticity(record)) * episode.impact * closing
+    return Severity(closing, sliding, changes, energy)
+
+
+def masses(record: Record) -> FloatArray | None:
+    """(N,) [kg] of the robots, by the world inside; None where the record has no text of it.
+
+    A robot without a mass of its own has `DENSITY` over the area of its footprint.
+    """
+    robots = record.world_settings.get("robots")
+    if not isinstance(robots, list) or len(robots) != record.robots:
+        return None
+    area = [sum(abs(signed_area(part)) for part in parts) for parts in record.footprints]
+    given: list[Any] = [one.get("mass") if isinstance(one, dict) else None for one in robots]
+    return np.array(
+        [DENSITY * a if m is None else float(m) for a, m in zip(area, given, strict=True)]
+    )
+
+
+def point_velocity(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
+    """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample.
+
+    0 for what stands still, and at the start.
+    """
+    if body >= record.robots or step == 0:
+        return np.zeros(2)
+    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
+    vx, vy, omega = (now - before) / record.dt
+    x, y = point[0] - now[0], point[1] - now[1]
+    return np.array((vx - omega * y, vy + omega * x))
+
+
+def _first_row(record: Record, episode: Episode) -> np.void | NDArray[np.void]:
+    rows = record.contacts
+    low, high = np.searchsorted(rows["step"], (episode.step, episode.step + 1))
+    rows = touching(rows[low:high])
+    found: np.void = rows[(rows["a"] == episode.a) & (rows["b"] == episode.b)][0]
+    return found
+
+
+def _elasticity(record: Record) -> float:
+    physics = record.world_settings.get("physics")
+    value = physics.get("elasticity") if isinstance(physics, dict) else None
+    return float(value) if isinstance(value, int | float) else 0.0
+
+
+@dataclass(frozen=True)
+class Deep:
+    """A pair of bodies that sank into each other by more than they may.
+
+    That is `physim.tolerances.DEEP`, or what one step at their fastest commands carries them, if
+    that is more: an impact is found at the next sample only.
+    """
+
+    a: int
+    """body ids, a < b"""
+    b: int
+    time: float
+    """[s] of the first sample deeper than allowed"""
+    allowed: float
+    """[m]"""
+    depth: float
+    """[m] greatest depth"""
+    depth_time: float
+    """[s] of the greatest depth"""
+    place: tuple[float, float]
+    """[m] world frame, where it is deepest"""
+
+    def sentence(self, names: Sequence[str]) -> str:
+        """Who, where, when, how deep, and what it means; ``names`` by body id."""
+        x, y = self.place
+        return (
+            f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
+            f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "
+            f"({x:.3f}, {y:.3f}) m); allowed are {1e3 * self.allowed:.0f} mm. The "
+            "engine could not hold them apart: their motion from then on is not physical."
+        )
+
+
+def deep_contacts(record: Record) -> tuple[Deep, ...]:
+    """Pairs deeper than allowed at a sample, in the order of time; empty where all were held."""
+    rows = touching(record.contacts)
+    rows = rows[rows["depth"] > DEEP]
+    if not len(rows):
+        return ()
+    found, advance = [], _advance(record)
+    for a, b in np.unique(np.stack((rows["a"], rows["b"]), 1), axis=0).tolist():
+        mine = rows[(rows["a"] == a) & (rows["b"] == b)]
+        allowed = max(DEEP, float(advance[[i for i in (a, b) if i < record.robots]].sum()))
+        mine = mine[mine["depth"] > allowed]
+        if not len(mine):
+            continue
+        worst = mine[int(np.argmax(mine["depth"]))]
+        found.append(
+            Deep(
+                a, b, int(mine["step"].min()) * record.dt, allowed, float(worst["depth"]),
+                int(worst["step"]) * record.dt, (float(worst["x"]), float(worst["y"])),
+            )
+        )  # fmt: skip
+    return tuple(sorted(found, key=lambda one: (one.time, one.a, one.b)))
+
+
+def _advance(record: Record) -> FloatArray:
+    """(N,) [m] farthest that a point of each robot goes in one step, by its fastest command."""
+    far = np.zeros(record.robots)
+    for rows in (record.updates, record.commands):
+        radius = record.shapes.radius[rows["robot"]]
+        speed = np.abs(rows["applied_v"]) + radius * np.abs(rows["applied_omega"])
+        np.maximum.at(far, rows["robot"], speed * record.dt)
+    return far

@@ -1,0 +1,258 @@
+"""Room that robots have: distances, collision times (11) and corridor widths (Figs. 3, 4, 6).
+
+Distances and collision times come as extremes, and over time for all pairs.
+
+A decision's collision time covers only the bodies that the robot must consider, under the
+command that it would take; `pair_collision_times` are what an observer sees who knows all
+poses and present commands.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from physim.analysis.metrics.metric import Moment, Place, Series
+from physim.analysis.metrics.progress import blocks
+from physim.errors import PhysimError
+from physim.geometry.corridor import SIDES, side_feet
+from physim.geometry.queries import collision_times as times_of_pair
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.record import Record
+
+MOST_DISTANCES = 100_000
+"""Distances that `pair_distances` works out."""
+
+
+def shortest_distance(record: Record) -> Moment | None:
+    """Shortest distance between two robots, (11) [m]; negative = depth. None for one robot."""
+    return _nearest(record, "clearance", "clearance_step", "clearance_other")
+
+
+def shortest_boundary_distance(record: Record) -> Moment | None:
+    """Shortest distance of a robot to a boundary or obstacle [m]; negative = depth."""
+    return _nearest(record, "boundary_clearance", "boundary_step", "boundary_other")
+
+
+def farthest_pair(record: Record) -> Moment | None:
+    """Largest distance that two robots ever had [m] (Fig. 6). None for one robot."""
+    row = record.farthest
+    if row["step"] < 0:
+        return None
+    step = int(row["step"])
+    return Moment(float(row["farthest"]), step, step * record.dt, int(row["a"]), int(row["b"]))
+
+
+def shortest_collision_time(record: Record) -> Moment | None:
+    """Shortest collision time at a decision, (11) [s] (Figs. 3, 6). None if none was seen."""
+    times = record.column("collision_time")
+    times = np.where(np.isnan(times), np.inf, times)
+    if not np.isfinite(times).any():
+        return None
+    return _at(record, record.updates[int(np.argmin(times))], "collision_time")
+
+
+def collision_times(record: Record) -> Series | None:
+    """Least collision time (11) [s] at each step with decisions, over all robots (Figs. 3, 6).
+
+    Time (K,) of the steps, values (K,); inf where the decisions saw no collision coming. None where
+    the controller reports no collision times.
+    """
+    rows = record.updates
+    if np.isnan(record.column("collision_time")).all():
+        return None
+    steps, place = np.unique(rows["step"], return_inverse=True)
+    least = np.full(len(steps), np.inf)
+    np.fmin.at(least, place, rows["collision_time"])
+    return Series(steps * record.dt, least)
+
+
+def pair_distances(record: Record, most: int = MOST_DISTANCES) -> tuple[Series, IntArray]:
+    """Distances (11) [m] of every pair of robots over time (Figs. 3, 6): 0 where they touch.
+
+    Time (K,), values (K, P) and the pairs (P, 2), robots a < b. Samples are evenly spread over
+    the recorded ones, so that there are at most about ``most`` distances, and two times at least:
+    the shortest ones are `shortest_distance`'s, not theirs.
+    """
+    pairs = np.array(list(combinations(range(record.robots), 2)), dtype=np.int64).reshape(-1, 2)
+    count = min(record.samples, max(2, most // max(1, len(pairs))))
+    rows = np.unique(np.linspace(0, record.samples - 1, count).round().astype(np.int64))
+    if not record.samples or not len(pairs):
+        return Series(np.zeros(0), np.zeros((0, len(pairs)))), pairs
+    shapes = np.stack([placed(record, i, record.pose[rows, i]) for i in range(record.robots)])
+    found = shapely.distance(shapes[pairs[:, 0]], shapes[pairs[:, 1]])
+    return Series(record.time[rows], np.asarray(found.T)), pairs
+
+
+def placed(record: Record, robot: int, pose: FloatArray) -> FloatArray:
+    """Shape of a robot at poses (K, 3), as shapely geometries (K,), world frame."""
+    cos, sin = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    turn = np.stack([np.stack([cos, sin], -1), np.stack([-sin, cos], -1)], axis=1)
+    parts = [shapely.polygons(part @ turn + pose[:, None, :2]) for part in record.footprints[robot]]
+    whole = parts[0] if len(parts) == 1 else shapely.multipolygons(np.stack(parts, axis=-1))
+    return np.asarray(whole)
+
+
+def _nearest(record: Record, value: str, step: str, other: str) -> Moment | None:
+    rows = record.extremes
+    if not len(rows) or not (rows[step] >= 0).any():
+        return None
+    who = int(np.argmin(rows[value]))
+    row = rows[who]
+    at = int(row[step])
+    return Moment(float(row[value]), at, at * record.dt, who, int(row[other]))
+
+
+def _at(record: Record, row: np.void, value: str) -> Moment:
+    step = int(row["step"])
+    return Moment(float(row[value]), step, step * record.dt, int(row["robot"]))
+
+
+HORIZON = 10.0
+"""[s] Later collisions are not looked for."""
+MOST_TIMES = 400_000
+"""Pairs and moments that are worked out; of more, moments are farther apart than decisions."""
+
+
+def pair_collision_times(record: Record, horizon: float = HORIZON) -> tuple[Series, FloatArray]:
+    """Least collision time over all pairs of robots after every step with decisions.
+
+    Time (K,) [s] and values (K,) [s], inf where no pair meets within ``horizon``; and the pairs
+    (K, 2) that would meet first. Each robot keeps the command applied to it then, on its arc.
+    """
+    steps = np.unique(record.updates["step"])
+    pairs = np.array(list(combinations(range(record.robots), 2)), dtype=np.int64).reshape(-1, 2)
+    steps = steps[np.isin(steps, record.steps) & (steps < record.steps_run)]
+    if not len(steps) or not len(pairs):
+        return Series(np.zeros(0), np.zeros(0)), np.zeros((0, 2))
+    steps = steps[:: -(-len(steps) * len(pairs) // MOST_TIMES)]
+    twist = _commands(record, steps)
+    pose = record.pose[np.searchsorted(record.steps, steps)]
+    shapes = record.shapes
+    least, who = np.full(len(steps), np.inf), np.zeros((len(steps), 2))
+    reach = _reach(record, twist, horizon)
+    for i, j in pairs:
+        gap = np.hypot(*(pose[:, i, :2] - pose[:, j, :2]).T)
+        near = np.flatnonzero(gap <= reach[:, i] + reach[:, j])
+        if not len(near):
+            continue
+        found = times_of_pair(
+            shapes, int(i), pose[near, i], twist[near, i],
+            shapes, int(j), pose[near, j], twist[near, j], horizon,
+        )  # fmt: skip
+        first = near[found < least[near]]
+        who[first] = (i, j)
+        least[near] = np.minimum(least[near], found)
+    return Series(steps * record.dt, least), who
+
+
+def shortest_pair_collision_time(record: Record, horizon: float = HORIZON) -> Moment | None:
+    """Shortest collision time of any pair under present commands [s]; None where none meets."""
+    (time, least), who = pair_collision_times(record, horizon)
+    if not np.isfinite(least).any():
+        return None
+    k = int(np.argmin(least))
+    a, b = (int(i) for i in who[k])
+    return Moment(float(least[k]), round(float(time[k]) / record.dt), float(time[k]), a, b)
+
+
+def _commands(record: Record, steps: IntArray) -> FloatArray:
+    """Applied commands (K, N, 2) over the steps that begin at the samples (K,), increasing."""
+    twist = np.zeros((len(steps), record.robots, 2))
+    for first, last in blocks(record):
+        mine = slice(*np.searchsorted(steps, (first, last)))
+        if mine.start < mine.stop:
+            twist[mine] = record.commands_over("applied", first, last)[steps[mine] - first]
+    return twist
+
+
+def _reach(record: Record, twist: FloatArray, horizon: float) -> FloatArray:
+    """How far (K, N) [m] from its position any point of a robot comes within the horizon."""
+    radius = record.shapes.radius
+    return np.asarray(np.abs(twist[:, :, 0]) * horizon + radius)
+
+
+EVERY = 0.1
+"""[m] between two places at which the width is taken"""
+
+
+class Width(NamedTuple):
+    """Free width at places along a path: shortest distance to the left plus to the right [m]."""
+
+    station: FloatArray
+    """(K,) [m] along the path"""
+    points: FloatArray
+    """(K, 2) [m] the places"""
+    left: FloatArray
+    """(K, 2) [m] nearest point of a boundary or obstacle on the left; not finite where open"""
+    right: FloatArray
+    """(K, 2) [m] the same on the right"""
+    width: FloatArray
+    """(K,) [m]; inf where a side is open, NaN where the two nearest points are not on opposite
+    sides (`side_feet`): there is no width there"""
+
+
+def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
+    """Width along a robot's path, every 0.1 m (Fig. 4).
+
+    In a world with a corridor: to its left and to its right wall. Obstacles, and boundaries of
+    other worlds, are left where they lie in the half-plane left of the path's direction, and so
+    for right; a path close to a bent boundary may find the same one on both sides there. Near a
+    wall across the path, as at the end of a room, one or both nearest points may lie on that wall,
+    before or behind the path: such places have no width. Raises PhysimError for a robot that
+    is not there.
+    """
+    if not 0 <= robot < record.robots:
+        raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
+    lines = record.paths
+    run = slice(lines.start[robot], lines.start[robot + 1])
+    points, station = lines.points[run], lines.station[run]
+    at: FloatArray = every * np.arange(float(int(station[-1] / every + 1e-9) + 1))
+    k = np.clip(np.searchsorted(station, at, side="right") - 1, 0, len(station) - 2)
+    along = np.diff(points, axis=0) / np.diff(station)[:, None]
+    places = points[k] + (at - station[k])[:, None] * along[k]
+    walls, obstacles = sides_of(record)
+    left, right, between = side_feet(places, along[k], obstacles, walls)
+    width = np.hypot(*(left - places).T) + np.hypot(*(right - places).T)
+    counts = ~np.isfinite(width) | between
+    return Width(at, places, left, right, np.where(counts, width, np.nan))
+
+
+def width_extreme(course: Width, robot: int, largest: bool) -> Place | None:
+    """Least or greatest width along a robot's path [m] (Fig. 4); None where there is none."""
+    width = np.where(np.isfinite(course.width), course.width, np.nan)
+    if np.isnan(width).all():
+        return None
+    k = int(np.nanargmax(width) if largest else np.nanargmin(width))
+    return Place(float(width[k]), float(course.station[k]), robot)
+
+
+def sides_of(record: Record) -> tuple[tuple[FloatArray, FloatArray] | None, FloatArray]:
+    """Segments (S, 4) ax, ay, bx, by [m] of a corridor's two walls, and of all else.
+
+    None for a world without a corridor. Its caps are left out.
+    """
+    corridor = record.world_settings.get("corridor") is not None
+    named: dict[str, FloatArray] = {}
+    others = [np.zeros((0, 4))]
+    for body in record.bodies[record.robots :]:
+        if corridor and body.kind == "boundary":
+            named[body.name] = _segments(record, body.id)
+        else:
+            others.append(_segments(record, body.id))
+    if set(SIDES) <= set(named):
+        return (named[SIDES[0]], named[SIDES[1]]), np.concatenate(others)
+    return None, np.concatenate([*named.values(), *others])
+
+
+def _segments(record: Record, body: int) -> FloatArray:
+    walls, k = record.walls, body - record.robots
+    found = []
+    for part in range(walls.body_start[k], walls.body_start[k + 1]):
+        points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
+        ends = points[1:] if len(points) == 2 else np.roll(points, -1, axis=0)
+        found.append(np.hstack((points[: len(ends)], ends)))
+    return np.concatenate(found) if found else np.zeros((0, 4))

@@ -1,0 +1,110 @@
+"""What a metric is (`Definition`), what it is for one run (`Metric`), and what it may give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+from physim.geometry.shapes import FloatArray
+
+if TYPE_CHECKING:
+    from physim.analysis.metrics.registry import Courses
+
+
+@dataclass(frozen=True)
+class Moment:
+    """An extreme value, when it was taken and by whom."""
+
+    value: float
+    """[m] or [s]"""
+    step: int
+    time: float
+    """[s]"""
+    a: int
+    """body id"""
+    b: int | None = None
+    """body id, where the value belongs to two bodies"""
+
+
+@dataclass(frozen=True)
+class Each:
+    """A figure of all robots together, and of each."""
+
+    value: float
+    robots: tuple[float | None, ...]
+    """by index; None where it has no meaning for that robot"""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A value at a station of a robot's path."""
+
+    value: float
+    """[m]"""
+    station: float
+    """[m] along the path"""
+    robot: int
+
+
+@dataclass(frozen=True)
+class DangerShare:
+    """How much of its active time a robot was in danger mode (Fig. 8); None without decisions."""
+
+    robot: int
+    decisions: float | None
+    """[-] share of its decisions"""
+    time: float | None
+    """[-] share of its time: each decision weighs as long as it held"""
+
+
+class Series(NamedTuple):
+    """A figure over time."""
+
+    time: FloatArray
+    """(K,) [s]"""
+    values: FloatArray
+    """(K, N), a column a robot, or (K,); NaN where there is no value"""
+
+
+Found = bool | int | float | Moment | Place | Each | None
+"""What finding a metric gives; None where it has no meaning."""
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What a metric is."""
+
+    name: str
+    unit: str
+    """"-" for shares and counts"""
+    meaning: str
+    source: str
+    """equation or figure of the paper; "-" for none"""
+    find: Callable[[Courses], Found]
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A metric of one run."""
+
+    definition: Definition
+    value: bool | int | float
+    time: float | None = None
+    """[s] when the value was taken, where it was at a moment"""
+    station: float | None = None
+    """[m] along the path of the robot, where the value belongs to a place"""
+    bodies: tuple[int, ...] = ()
+    """ids of the bodies that the value belongs to"""
+    robots: tuple[float | None, ...] | None = None
+    """value of each robot by index, where each has one; None where it has no meaning for it"""
+
+    @property
+    def name(self) -> str:
+        """Name in the registry."""
+        return self.definition.name
+
+    @property
+    def unit(self) -> str:
+        """Unit of the value."""
+        return self.definition.unit

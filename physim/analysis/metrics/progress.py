@@ -1,0 +1,219 @@
+"""How far robots came: who is active, who has arrived, and what keeps the others.
+
+A robot is active, under way, until it is at its stop station, less the world's tolerance; it has
+arrived once it stands there (see `physim.simulation.arrival`). Both are decided by places, never by
+what a controller says of itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.metrics.metric import Each, Series
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.record import Record
+from physim.simulation.arrival import STILL_DISTANCE, STILL_TIME
+
+Rows = NDArray[np.void]
+
+GRID = 0.1
+"""[s] between two values of a course over time: the longest update interval (14)"""
+MOST_COMMANDS = 500_000
+"""Commands of robots and steps that are looked at together."""
+
+
+def active_decisions(record: Record) -> tuple[Rows, FloatArray]:
+    """Decisions of robots that are not at their stop station, and the steps that each held."""
+    rows = record.updates
+    rows = rows[~_at_stop(record, rows)]
+    until = np.minimum(rows["next_step"], record.steps_run)
+    return rows, np.maximum(until - rows["step"], 0).astype(np.float64)
+
+
+def active_steps(record: Record) -> IntArray:
+    """(N,) steps from the start until each robot was at its stop station for good.
+
+    By its decisions, or by its arrival where it made none; to the end of the run where it was not.
+    """
+    rows, last = record.updates, np.full(record.robots, -1, dtype=np.int64)
+    at_stop = _at_stop(record, rows)
+    np.maximum.at(last, rows["robot"][~at_stop], rows["step"][~at_stop])
+    steps = np.where(record.arrived >= 0, record.arrived, record.steps_run)
+    decided = np.zeros(record.robots, dtype=np.bool_)
+    decided[rows["robot"]] = True
+    steps = np.where(decided, record.steps_run, steps)
+    after = rows[at_stop & (rows["step"] > last[rows["robot"]])]
+    robots, first = np.unique(after["robot"], return_index=True)
+    steps[robots] = after["step"][first]
+    return np.asarray(steps)
+
+
+def arrival_steps(record: Record) -> IntArray:
+    """Step (N,) from which on each robot has arrived, to the end of the run; -1 if it has not."""
+    return record.arrived
+
+
+def world_settings(record: Record) -> Mapping[str, Any]:
+    """The world of a record as plain values, see `Record.world_settings`."""
+    return record.world_settings
+
+
+def finished(record: Record) -> bool:
+    """Whether all robots have arrived at their stop stations, judged by their motion."""
+    return record.robots > 0 and bool((record.arrived >= 0).all())
+
+
+def time_to_finish(record: Record) -> float | None:
+    """Time at which the last robot had arrived [s]; None for a run that did not finish."""
+    return float(record.arrived.max() * record.dt) if finished(record) else None
+
+
+@dataclass(frozen=True)
+class Absent:
+    """A robot that has not arrived at the end of a run, and why."""
+
+    robot: int
+    short: float
+    """[m] along its path from where it is to its stop station; negative when past it"""
+    tolerance: float
+    """[m] by which it may be short"""
+    stands: bool
+    """it moved no more than 1 cm in the last 0.5 s"""
+
+    def sentence(self, name: str) -> str:
+        """Why robot ``name`` has not arrived."""
+        if self.short <= self.tolerance and self.stands:
+            return f"{name} is at its stop station, but has not stood there for {STILL_TIME:g} s"
+        if self.short <= self.tolerance:
+            return f"{name} still moves at its stop station"
+        short, allowed = self._lengths()
+        if self.stands:
+            return f"{name} stands {short} m short of its stop station (tolerance {allowed} m)"
+        return f"{name} still moves, {short} m short of its stop station"
+
+    def _lengths(self) -> tuple[str, str]:
+        """How far it is short, and the tolerance, with as many digits as tell them apart."""
+        digits = 2 if self.short < 10.0 else 1
+        while f"{self.short:.{digits}f}" == f"{self.tolerance:.{digits}f}" and digits < 9:
+            digits += 1
+        return f"{self.short:.{digits}f}", f"{self.tolerance:.{max(digits, 2)}f}"
+
+
+def absent(record: Record) -> tuple[Absent, ...]:
+    """Robots that have not arrived at the end of the run, by index; none of a run without poses."""
+    if not record.samples:
+        return ()
+    recent = record.time >= record.time[-1] - STILL_TIME - 1e-9
+    late = record.pose[recent][:, :, :2]
+    still = (np.hypot(*(late - late[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
+    still &= len(late) > 1
+    short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
+    return tuple(
+        Absent(i, float(short[i]), tolerance, bool(still[i]))
+        for i in np.flatnonzero(record.arrived < 0).tolist()
+    )
+
+
+def last_stations(record: Record) -> FloatArray:
+    """(N,) [m] station of each robot on its own path at the last sample.
+
+    The nearest point of the path, no farther along it from the station of the robot's last decision
+    than the robot has moved since, since a path may pass near itself.
+    """
+    found = np.zeros(record.robots)
+    rows = dict(zip(record.updates["robot"][(last := last_decisions(record))], last, strict=True))
+    lines = record.paths
+    for i, (a, b) in enumerate(pairwise(lines.start)):
+        near, reach, points, at = 0.0, np.inf, lines.points[a:b], lines.station[a:b]
+        if i in rows:
+            row = record.updates[rows[i]]
+            first = int(np.searchsorted(record.steps, row["step"]))
+            moves = np.diff(record.pose[max(first - 1, 0) :, i, :2], axis=0)
+            near, reach = float(row["station"]), 1.0 + 2.0 * float(np.hypot(*moves.T).sum())
+        along = np.diff(points, axis=0)
+        here = record.pose[-1, i, :2] - points[:-1]
+        share = np.clip((here * along).sum(axis=1) / np.square(along).sum(axis=1), 0.0, 1.0)
+        station = at[:-1] + share * np.diff(at)
+        gap = np.hypot(*(here - share[:, None] * along).T)
+        gap[np.abs(station - near) > reach] = np.inf
+        found[i] = station[int(np.argmin(gap))] if np.isfinite(gap).any() else near
+    return found
+
+
+def arrival_tolerance(record: Record) -> float:
+    """[m] by which a robot that stands may be short of its stop station: the world's, or 0.1."""
+    arrival = record.world_settings.get("arrival")
+    tolerance = arrival.get("tolerance") if isinstance(arrival, Mapping) else None
+    if isinstance(tolerance, int | float):
+        return float(tolerance)
+    from physim.world import Arrival
+
+    return Arrival().tolerance
+
+
+def active_time(record: Record) -> FloatArray:
+    """(N,) [s] that the decisions of each robot held before it was at its stop station."""
+    rows, held = active_decisions(record)
+    return np.asarray(np.bincount(rows["robot"], held, record.robots) * record.dt)
+
+
+def ratio(part: NDArray[Any], whole: NDArray[Any]) -> Each | None:
+    """``part / whole`` (N,) of all robots together, and of each; None where there is no whole."""
+    if not whole.sum() > 0:
+        return None
+    each = (float(p / w) if w > 0 else None for p, w in zip(part, whole, strict=True))
+    return Each(float(part.sum() / whole.sum()), tuple(each))
+
+
+def last_decisions(record: Record) -> IntArray:
+    """Row of the last decision of each robot that has made one, by robot."""
+    robots = record.updates["robot"]
+    _, from_end = np.unique(robots[::-1], return_index=True)
+    return (len(robots) - 1 - from_end).astype(np.int64)
+
+
+def blocks(record: Record) -> Iterator[tuple[int, int]]:
+    """First step and one past the last of stretches of the run whose commands fit into memory."""
+    size = max(1, MOST_COMMANDS // max(1, record.robots))
+    for first in range(0, record.steps_run, size):
+        yield first, min(first + size, record.steps_run)
+
+
+def grid(record: Record, every: float = GRID) -> FloatArray:
+    """Times (K,) [s] from 0 to the end of the run, ``every`` [s] apart."""
+    count = int(record.steps_run * record.dt / every + 1e-9) + 1
+    return np.asarray(every * np.arange(float(count)))
+
+
+def rows_of_robots(record: Record) -> list[Rows]:
+    """Decisions of each of the N robots, in the order of time."""
+    rows = record.updates
+    order = np.argsort(rows["robot"], kind="stable")
+    ends = np.searchsorted(rows["robot"][order], np.arange(record.robots + 1))
+    return [rows[order[a:b]] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+
+def column_over_time(record: Record, name: str, every: float = GRID) -> Series:
+    """A column of the decisions as a course of each robot: values (K, N).
+
+    Exact at decisions, linear between them, held after the last; NaN for a robot without any.
+    """
+    time = grid(record, every)
+    values = np.full((len(time), record.robots), np.nan)
+    for robot, rows in enumerate(rows_of_robots(record)):
+        rows = rows[np.isfinite(rows[name])]
+        if len(rows):
+            values[:, robot] = np.interp(time, rows["step"] * record.dt, rows[name])
+    return Series(time, values)
+
+
+def _at_stop(record: Record, rows: Rows) -> NDArray[np.bool_]:
+    """Whether each decision was made at the stop station, less the tolerance."""
+    least = record.stop_station - arrival_tolerance(record)
+    return np.asarray(rows["station"] >= least[rows["robot"]])

@@ -1,0 +1,252 @@
+"""The summary of a run: its figures as a value and as JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from physim.analysis.expectations import Held, expectations
+from physim.analysis.metrics import (
+    Absent,
+    DangerShare,
+    Deep,
+    Episode,
+    Graze,
+    Metric,
+    absent,
+    contact_episodes,
+    danger_shares,
+    deep_contacts,
+    grazes,
+    measured,
+)
+from physim.record import Record
+
+EXTREMES = (
+    ("shortest_distance_m", "shortest_distance"),
+    ("shortest_boundary_distance_m", "shortest_boundary_distance"),
+    ("farthest_pair_m", "farthest_distance"),
+    ("shortest_collision_time_s", "shortest_collision_time"),
+    ("formation_error_peak_m", "formation_error_peak"),
+    ("formation_error_final_m", "formation_error_final"),
+)
+"""Keys of the JSON that give a metric with its time and bodies, and the metric's name."""
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contact episodes of a run."""
+
+    count: int
+    between_robots: int
+    with_boundaries: int
+    first_s: float | None
+    """[s] begin of the first one"""
+    max_depth_m: float | None
+    max_impact_newton_seconds: float | None
+    """[N s] largest impulse in the first sample of an episode"""
+    episodes: tuple[Episode, ...]
+    """every one, in the order of their beginning"""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here.
+
+    Bodies and robots are told by id; `names_of` gives their names.
+    """
+
+    name: str
+    seed: int
+    dt: float
+    """[s]"""
+    robots: int
+    bodies: tuple[str, ...]
+    """names by id: robots, then boundaries, then obstacles"""
+    ended: str
+    metrics: dict[str, Metric]
+    """every named metric that has a meaning here"""
+    metric_faults: tuple[str, ...]
+    """why metrics that packages registered could not be computed, a line each"""
+    not_arrived: tuple[Absent, ...]
+    """robots that have not arrived, and why"""
+    contacts: Contacts | None
+    grazes: tuple[Graze, ...]
+    """contacts between two samples, in the order of time; none of ``contacts``"""
+    deep_contacts: tuple[Deep, ...]
+    """contacts too deep to be true: from the first on the record is not physical"""
+    rejected_contacts: int
+    danger: tuple[DangerShare, ...]
+    """of each robot"""
+    modes: tuple[str, ...]
+    """words of the modes that the controller declares"""
+    robot_steps: int
+    """of the whole run"""
+    expectations: tuple[Held, ...]
+    wall_clock: dict[str, float]
+    """all else is the same in every run of the same world and seed"""
+
+    @property
+    def held(self) -> bool:
+        """Whether the run showed everything that its world expects."""
+        return all(one.held for one in self.expectations)
+
+    @property
+    def real_time_factor(self) -> float | None:
+        """[-] simulated time over wall-clock time, where it is known."""
+        return self.wall_clock.get("factor")
+
+    def value(self, metric: str) -> Any:
+        """Value of a named metric; None where it has no meaning here."""
+        found = self.metrics.get(metric)
+        return None if found is None else found.value
+
+    def names_of(self, *ids: int) -> tuple[str, ...]:
+        """Names of bodies."""
+        return tuple(self.bodies[i] for i in ids)
+
+    def to_json(self) -> str:
+        """JSON text with units in the keys; what is not a finite number is null."""
+        tree = {
+            "name": self.name,
+            "seed": self.seed,
+            "robots": self.robots,
+            "ended": self.ended,
+            "simulated_s": self.value("simulated_time"),
+            "finished": self.value("finished"),
+            "time_to_finish_s": self.value("time_to_finish"),
+            "not_arrived": [self._absent(one) for one in self.not_arrived],
+            "contacts": self._contacts(),
+            "grazes": [
+                {"bodies": self.names_of(g.a, g.b), "time_s": g.time, "max_depth_m": g.depth}
+                for g in self.grazes
+            ],
+            "deep_contacts": [self._deep(one) for one in self.deep_contacts],
+            "rejected_contacts": self.rejected_contacts,
+            **{key: self._extreme(metric) for key, metric in EXTREMES},
+            "danger": [
+                {"robot": self.bodies[d.robot], "decisions": d.decisions, "time": d.time}
+                for d in self.danger
+            ],
+            "danger_time_share": self.value("danger_share"),
+            "modes": self.modes,
+            "decisions": self.value("decisions"),
+            "messages": self.value("messages"),
+            "collision_time_evaluations": self.value("collision_time_evaluations"),
+            "commands": {
+                "robot_steps": self.robot_steps,
+                "filtered_differs_from_nominal": self.value("filtered_steps"),
+                "applied_differs_from_filtered": self.value("disturbed_steps"),
+            },
+            "mean_speed_m_per_s": self.value("mean_speed"),
+            "metrics": {name: self._metric(self.metrics[name]) for name in sorted(self.metrics)},
+            "metric_faults": self.metric_faults,
+            "expectations": [dict(sorted(one._asdict().items())) for one in self.expectations],
+            "wall_clock": dict(sorted(self.wall_clock.items())),
+        }
+        return json.dumps(_finite(tree), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    def _contacts(self) -> dict[str, Any] | None:
+        if self.contacts is None:
+            return None
+        episodes = [
+            {
+                "bodies": self.names_of(e.a, e.b),
+                "begin_s": e.time,
+                "duration_s": e.samples * self.dt,
+                "max_depth_m": e.depth,
+                "impact_newton_seconds": e.impact,
+                "impulse_newton_seconds": e.impulse,
+            }
+            for e in self.contacts.episodes
+        ]
+        return {**vars(self.contacts), "episodes": episodes}
+
+    def _absent(self, one: Absent) -> dict[str, Any]:
+        name = self.bodies[one.robot]
+        return {
+            "robot": name,
+            "short_m": one.short,
+            "tolerance_m": one.tolerance,
+            "stands": one.stands,
+            "text": one.sentence(name),
+        }
+
+    def _deep(self, one: Deep) -> dict[str, Any]:
+        return {
+            "bodies": self.names_of(one.a, one.b),
+            "from_s": one.time,
+            "max_depth_m": one.depth,
+            "time_s": one.depth_time,
+            "place_m": one.place,
+            "text": one.sentence(self.bodies),
+        }
+
+    def _extreme(self, metric: str) -> dict[str, Any] | None:
+        """A metric that was taken at a moment."""
+        if (one := self.metrics.get(metric)) is None:
+            return None
+        return {"value": one.value, "time_s": one.time, "bodies": self.names_of(*one.bodies)}
+
+    def _metric(self, one: Metric) -> dict[str, Any]:
+        """A metric with its unit; what it does not have is left out."""
+        given = {
+            "value": one.value,
+            "unit": one.unit,
+            "time_s": one.time,
+            "station_m": one.station,
+            "bodies": self.names_of(*one.bodies) or None,
+            "robots": one.robots,
+        }
+        return {key: value for key, value in given.items() if value is not None}
+
+
+def summarise(record: Record) -> Summary:
+    """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
+    found, faults = measured(record)
+    recorded = "contacts" in record.tables
+    return Summary(
+        name=record.name,
+        seed=record.seed,
+        dt=record.dt,
+        robots=record.robots,
+        bodies=tuple(body.name for body in record.bodies),
+        ended=record.ended,
+        metrics=found,
+        metric_faults=faults,
+        not_arrived=absent(record),
+        contacts=_contacts(contact_episodes(record)) if recorded else None,
+        grazes=grazes(record),
+        deep_contacts=deep_contacts(record),
+        rejected_contacts=record.rejected_contacts,
+        danger=danger_shares(record),
+        modes=tuple(str(mode) for mode in record.modes),
+        robot_steps=record.steps_run * record.robots,
+        expectations=tuple(expectations(record)),
+        wall_clock=record.wall_clock,
+    )
+
+
+def _contacts(episodes: Sequence[Episode]) -> Contacts:
+    robots = sum(episode.robots for episode in episodes)
+    return Contacts(
+        count=len(episodes),
+        between_robots=robots,
+        with_boundaries=len(episodes) - robots,
+        first_s=episodes[0].time if episodes else None,
+        max_depth_m=max((episode.depth for episode in episodes), default=None),
+        max_impact_newton_seconds=max((episode.impact for episode in episodes), default=None),
+        episodes=tuple(episodes),
+    )
+
+
+def _finite(value: Any) -> Any:
+    """Value in types that JSON knows; infinite and NaN become None."""
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,207 @@
+"""The summary of a run as a short table."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from physim.analysis.expectations import Held
+from physim.analysis.metrics import DEFINITIONS, Metric
+from physim.analysis.summary.summary import Contacts, Summary
+
+SHOWN_ROBOTS = 12
+"""Robots that the table lists one by one."""
+SHOWN_CONTACTS = 8
+"""Contacts that the table lists one by one."""
+ENDED = MappingProxyType(
+    {
+        "running": "not closed (killed, or still running)",
+        "duration": "time is up",
+        "error": "broken off by an error",
+    }
+)
+"""How a run ended, in words, where the record's own word does not say it."""
+
+
+def table(summary: Summary) -> str:
+    """Short table in plain text, one figure a line, ending with a line break."""
+    rows = table_rows(summary)
+    width = max(len(label) for label, _ in rows)
+    return "".join(f"{label:<{width}}  {text}\n" for label, text in rows)
+
+
+def table_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Label and text of each line of the table, for whoever sets it out otherwise."""
+    s = summary
+    end = f"{ENDED.get(s.ended, s.ended)} after {s.value('simulated_time'):.2f} s"
+    factor = s.real_time_factor
+    known = s.value("collision_time_evaluations") is not None
+    no_time = "none" if known else "n/a (the controller computes none)"
+    robots = "1 robot" if s.robots == 1 else f"{s.robots} robots"
+    return [
+        ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
+        ("contacts", _contacts_text(s.contacts)),
+        *(("WARNING", one.sentence(s.bodies)) for one in s.deep_contacts),
+        *_contact_rows(s),
+        *_graze_rows(s),
+        ("shortest distance", _metric_text(s, "shortest_distance", 4)),
+        ("shortest boundary distance", _metric_text(s, "shortest_boundary_distance", 4)),
+        ("shortest collision time", _metric_text(s, "shortest_collision_time", 3, no_time)),
+        ("farthest pair", _metric_text(s, "farthest_distance", 2)),
+        ("formation error, peak", _metric_text(s, "formation_error_peak", 2)),
+        ("formation error, final", _metric_text(s, "formation_error_final", 2)),
+        *_motion_rows(s),
+        ("danger mode, share of time", _danger_text(s)),
+        ("decisions", _decisions_text(s)),
+        *_command_rows(s),
+        *_arrival_rows(s),
+        *_own_rows(s),
+        *((f"expected {one.key}", f"{one}{_with(one, s)}") for one in s.expectations),
+        ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
+    ]
+
+
+def _arrival_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Whether all have arrived, and why the first of those that have not did not."""
+    finish = summary.value("time_to_finish")
+    if finish is not None:
+        return [("all robots arrived", f"yes, at {finish:.2f} s")]
+    absent = summary.not_arrived
+    some = f", {summary.robots - len(absent)} of {summary.robots}" if absent else ""
+    reasons = [
+        ("  not arrived", one.sentence(summary.bodies[one.robot])) for one in absent[:SHOWN_ROBOTS]
+    ]
+    return [("all robots arrived", f"no{some}"), *reasons, *_more(len(absent) - SHOWN_ROBOTS)]
+
+
+def _more(count: int) -> list[tuple[str, str]]:
+    """How many are not listed; no line where there are none."""
+    return [("  ...", f"{count} more (physim summary --json lists all)")] if count > 0 else []
+
+
+def _command_rows(summary: Summary) -> list[tuple[str, str]]:
+    """How often a stage changed commands; none of a run in which none did."""
+    stages = (
+        ("filtered differs from nominal", summary.value("filtered_steps")),
+        ("applied from filtered", summary.value("disturbed_steps")),
+    )
+    parts = [
+        f"{words} in {count} robot-steps ({count / max(summary.robot_steps, 1):.1%})"
+        for words, count in stages
+        if count
+    ]
+    return [("commands", ", ".join(parts))] if parts else []
+
+
+def _contact_rows(summary: Summary) -> list[tuple[str, str]]:
+    """A line for each of the first contacts, and one that says how many more there are."""
+    contacts = summary.contacts
+    if contacts is None:
+        return []
+    rows = [
+        (
+            f"  {e.time:.2f} s",
+            f"{summary.bodies[e.a]} and {summary.bodies[e.b]}, {e.samples * summary.dt:.2f} s "
+            f"long, {1e3 * e.depth:.1f} mm deep, impact {e.impact:.1f} N s",
+        )
+        for e in contacts.episodes[:SHOWN_CONTACTS]
+    ]
+    return [*rows, *_more(contacts.count - len(rows))]
+
+
+def _graze_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Lines of the contacts between samples; none where there are none."""
+    grazes = summary.grazes
+    if not grazes:
+        return []
+    rows = [
+        (
+            f"  {g.time:.2f} s",
+            f"{summary.bodies[g.a]} and {summary.bodies[g.b]}, {1e3 * g.depth:.3g} mm deep, "
+            "apart at the samples before and after",
+        )
+        for g in grazes[:SHOWN_CONTACTS]
+    ]
+    first = ("grazes between samples", f"{len(grazes)}, first at {grazes[0].time:.2f} s")
+    return [first, *rows, *_more(len(grazes) - len(rows))]
+
+
+def _contacts_text(contacts: Contacts | None) -> str:
+    if contacts is None:
+        return "n/a (not recorded)"
+    if not contacts.count:
+        return "0"
+    kinds = f"{contacts.between_robots} between robots, {contacts.with_boundaries} with boundaries"
+    return f"{contacts.count} ({kinds}), first at {contacts.first_s:.2f} s"
+
+
+def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
+    found, rows = summary.metrics, []
+    if "deviation_peak" in found:
+        rms = f", rms {found['deviation_rms'].value:.2f} m" if "deviation_rms" in found else ""
+        rows.append(("path deviation, peak", _metric_text(summary, "deviation_peak", 2) + rms))
+    for label, name in (
+        ("speed averaged over 10 s", "averaged_speed"),
+        ("corridor width", "width"),
+    ):
+        if f"{name}_min" in found:
+            ends = [_metric_text(summary, f"{name}_{end}", 2) for end in ("min", "max")]
+            rows.append((label, " to ".join(ends)))
+    return rows
+
+
+def _own_rows(summary: Summary) -> list[tuple[str, str]]:
+    """Metrics that packages registered, and why others of theirs failed."""
+    own = {name: one for name, one in summary.metrics.items() if name not in DEFINITIONS}
+    rows = [(name, _own_text(one)) for name, one in own.items()]
+    return [*rows, *(("WARNING", fault) for fault in summary.metric_faults)]
+
+
+def _own_text(metric: Metric) -> str:
+    text = f"{metric.value:.4g}" if isinstance(metric.value, float) else str(metric.value).lower()
+    return text if metric.unit == "-" else f"{text} {metric.unit}"
+
+
+def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") -> str:
+    """``0.1234 m (r1 and r2 at 3.19 s)``; ``none`` where it has no meaning."""
+    metric = summary.metrics.get(name)
+    if metric is None:
+        return none
+    where = " and ".join(summary.names_of(*metric.bodies))
+    if metric.time is not None:
+        where = f"{where} at {metric.time:.2f} s"
+    elif metric.station is not None:
+        where = f"path of {where} at {metric.station:.1f} m"
+    return f"{metric.value:.{digits}f} {metric.unit} ({where})"
+
+
+def _decisions_text(summary: Summary) -> str:
+    count, rate, messages, times = (
+        summary.value(name)
+        for name in ("decisions", "updates_per_second", "messages", "collision_time_evaluations")
+    )
+    if count is None:
+        return "n/a (not recorded)"
+    each = f" ({rate:.1f} a second and robot)" if rate is not None else ""
+    computed = "" if times is None else f", {times} collision times computed"
+    return f"{count}{each}, {messages} messages{computed}"
+
+
+def _danger_text(summary: Summary) -> str:
+    share = summary.value("danger_share")
+    if share is None:
+        if not summary.value("decisions"):
+            return "n/a"
+        why = "modes of danger" if summary.modes else "modes"
+        return f"n/a (the controller declares no {why})"
+    each = [
+        f"{summary.bodies[d.robot]} " + ("n/a" if d.time is None else f"{d.time:.0%}")
+        for d in summary.danger[:SHOWN_ROBOTS]
+    ]
+    more = len(summary.danger) - len(each)
+    rest = f", and {more} more" if more else ""
+    return f"{share:.1%} ({', '.join(each)}{rest})"
+
+
+def _with(one: Held, summary: Summary) -> str:
+    return " (grazes included)" if one.key == "contacts" and summary.grazes else ""

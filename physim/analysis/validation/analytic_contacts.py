@@ -1,0 +1,316 @@
+"""The analytic contacts of a run: contacts and near approaches computed from the poses alone.
+
+Every pair robot-robot and robot-boundary is followed over every step, block by block, so memory
+stays flat however long the run. Footprints and walls come from the record; what the engine said
+is not looked at here. Between two samples position and angle go linearly, as the engine moves
+them. Discs leave out only what is farther than ``reach``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.compiled import compiled
+from physim.geometry.separation import body_distance, point_gap, wall_distance
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.swept import swept_pair, swept_walls
+from physim.record import Record
+from physim.tolerances import CONTACT
+
+FULL = -1
+"""Count returned when the output has no room for another row."""
+
+
+@compiled
+def travel_bound(start: FloatArray, end: FloatArray, radius: float) -> float:
+    """Upper bound [m] on how far any point of a body moves in one step."""
+    way = math.hypot(end[0] - start[0], end[1] - start[1])
+    return float(way + radius * abs(end[2] - start[2]))
+
+
+@compiled
+def touch_in_step(before: float, now: float, moved: float) -> bool:
+    """Whether a step may hold a contact that begins in it: only then it is looked at closely.
+
+    ``before`` and ``now`` [m] are the distances at its two samples, ``moved`` [m] bounds the
+    relative travel.
+    """
+    if before <= CONTACT:
+        return False
+    return now <= CONTACT or before + now <= moved + 4.0 * CONTACT
+
+
+@compiled
+def scan_robots(
+    poses: FloatArray,
+    first: int,
+    shapes: Shapes,
+    reach: float,
+    dt: float,
+    who: IntArray,
+    values: FloatArray,
+) -> int:
+    """Write a row for each pair of robots nearer than ``reach`` [m]; returns how many, or FULL.
+
+    ``poses`` (B, N, 3), samples from ``first`` (0 or 1) on are looked at. ``who`` (C, 3) takes the
+    sample's number in the block and robots a < b, ``values`` (C, 2) the signed distance [m] and
+    the time since the sample before [s] at which a contact begins (NaN: none begins).
+    """
+    count = 0
+    robots = poses.shape[1]
+    order = np.arange(robots)
+    largest = shapes.radius[:robots].max()
+    for k in range(first, len(poses)):
+        now = poses[k]
+        for m in range(1, robots):
+            i = order[m]
+            place = m
+            while place > 0 and now[order[place - 1], 0] > now[i, 0]:
+                order[place] = order[place - 1]
+                place -= 1
+            order[place] = i
+        for m in range(robots):
+            for n in range(m + 1, robots):
+                a, b = min(order[m], order[n]), max(order[m], order[n])
+                dx = now[order[n], 0] - now[order[m], 0]
+                if dx > reach + shapes.radius[order[m]] + largest:
+                    break
+                room = reach + shapes.radius[a] + shapes.radius[b]
+                dy = now[b, 1] - now[a, 1]
+                if dx * dx + dy * dy > room * room:
+                    continue
+                d = body_distance(shapes, a, now[a], shapes, b, now[b])
+                if d > reach:
+                    continue
+                if count == len(who):
+                    return FULL
+                who[count, 0], who[count, 1], who[count, 2] = k, a, b
+                values[count, 0], values[count, 1] = d, np.nan
+                if k > 0:
+                    old = poses[k - 1]
+                    ra, rb = shapes.radius[a], shapes.radius[b]
+                    moved = travel_bound(old[a], now[a], ra) + travel_bound(old[b], now[b], rb)
+                    if d <= CONTACT or d <= moved:
+                        before = body_distance(shapes, a, old[a], shapes, b, old[b])
+                        if touch_in_step(before, d, moved):
+                            values[count, 1] = swept_pair(
+                                shapes, a, old[a], now[a], b, old[b], now[b], dt
+                            )
+                count += 1
+    return count
+
+
+@compiled
+def walls_about(poses: FloatArray, i: int, radius: float, walls: Shapes, reach: float) -> IntArray:
+    """Wall parts that robot i may come nearer than ``reach`` [m] to in a block of poses."""
+    low_x, high_x = poses[:, i, 0].min(), poses[:, i, 0].max()
+    low_y, high_y = poses[:, i, 1].min(), poses[:, i, 1].max()
+    x, y = 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)
+    room = math.hypot(high_x - x, high_y - y) + radius + reach + 1e-6
+    parts = len(walls.part_start) - 1
+    found = np.empty(parts, dtype=np.int64)
+    count = 0
+    for p in range(parts):
+        if point_gap(walls.vertices, walls.part_start[p], walls.part_start[p + 1], x, y) <= room:
+            found[count] = p
+            count += 1
+    return found[:count]
+
+
+@compiled
+def scan_walls(
+    poses: FloatArray,
+    first: int,
+    shapes: Shapes,
+    walls: Shapes,
+    reach: float,
+    dt: float,
+    who: IntArray,
+    values: FloatArray,
+) -> int:
+    """`scan_robots` for each robot and each boundary or obstacle, whose id is N + its index."""
+    count = 0
+    robots = poses.shape[1]
+    for i in range(robots):
+        radius = shapes.radius[i]
+        about = walls_about(poses, i, radius, walls, reach)
+        for w in range(len(walls.body_start) - 1):
+            parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
+            if not len(parts):
+                continue
+            for k in range(first, len(poses)):
+                d = wall_distance(shapes, i, poses[k, i], walls, parts)
+                if d > reach:
+                    continue
+                if count == len(who):
+                    return FULL
+                who[count, 0], who[count, 1], who[count, 2] = k, i, robots + w
+                values[count, 0], values[count, 1] = d, np.nan
+                if k > 0:
+                    start, end = poses[k - 1, i], poses[k, i]
+                    moved = travel_bound(start, end, radius)
+                    if d <= CONTACT or d <= moved:
+                        before = wall_distance(shapes, i, start, walls, parts)
+                        if touch_in_step(before, d, moved):
+                            values[count, 1] = swept_walls(shapes, i, start, end, walls, parts, dt)[
+                                0
+                            ]
+                count += 1
+    return count
+
+
+BLOCK_POSES = 1 << 14
+"""Poses of robots in one block."""
+LEAST_STEPS = 16
+"""Steps in a block of very many robots."""
+
+NEAR = np.dtype(
+    [("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distance", "<f8"), ("entry", "<f8")]
+)
+"""A pair that is near at a sample: signed distance [m]; entry [s] since the sample before of a
+contact that begins in this step, NaN when none begins, inf when one should but was not found."""
+
+
+@dataclass
+class Approach:
+    """A stretch of consecutive samples over which two bodies are nearer than ``reach``."""
+
+    a: int
+    b: int
+    first: int
+    last: int
+    step: int
+    """sample of the smallest distance"""
+    distance: float
+    """[m] smallest signed distance at a sample"""
+
+
+@dataclass
+class AnalyticContacts:
+    """What the geometry says of K samples."""
+
+    reach: float
+    """[m] pairs farther apart than this are not listed"""
+    samples: int
+    robot_pairs: int
+    wall_pairs: int
+    touching: NDArray[np.void]
+    """rows of `NEAR` at which the shapes touch, in the order of steps"""
+    grazes: NDArray[np.void]
+    """rows of `NEAR`: apart at both samples of the step, touching between them"""
+    approaches: list[Approach] = field(default_factory=list)
+
+
+def near_reach(record: Record, shapes: Shapes) -> float:
+    """[m] what counts as near: the largest radius of a robot, about half its length.
+
+    Never less than twice what any robot can move in a step of this record, so that no contact
+    between samples is left out.
+    """
+    fastest = 0.0
+    for poses, _ in pose_blocks(record):
+        if len(poses) > 1:
+            moved = np.abs(np.diff(poses, axis=0))
+            way = np.hypot(moved[..., 0], moved[..., 1]) + shapes.radius * moved[..., 2]
+            fastest = max(fastest, float(way.max()))
+    return max(float(shapes.radius.max()), 2.0 * fastest + 1e-6)
+
+
+def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
+    """Poses (B, N, 3) of consecutive samples and the number of the first; each block begins with
+    the last sample of the one before."""
+    size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.robots))
+    for first in range(0, max(1, record.samples - 1), size):
+        last = min(first + size + 1, record.samples)
+        if last > first:
+            yield np.ascontiguousarray(record.read("/steps/pose", first, last)), first
+
+
+def analytic_contacts(record: Record) -> AnalyticContacts:
+    """Compute the contacts and approaches of a record that holds the poses of every step.
+
+    Raises RecordError if it is damaged.
+    """
+    shapes, walls = record.shapes, record.walls
+    reach = near_reach(record, shapes)
+    bodies = len(walls.body_start) - 1
+    touching, grazes = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)]
+    running: dict[tuple[int, int], Approach] = {}
+    done: list[Approach] = []
+    for poses, start in pose_blocks(record):
+        rows = near_rows(poses, start, shapes, walls, reach, record.dt)
+        touching.append(rows[rows["distance"] <= CONTACT])
+        grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
+        follow(rows, running, done)
+    done += running.values()
+    done.sort(key=lambda approach: (approach.distance, approach.step, approach.a, approach.b))
+    return AnalyticContacts(
+        reach, record.samples, record.robots * (record.robots - 1) // 2, record.robots * bodies,
+        np.concatenate(touching), np.concatenate(grazes), done,
+    )  # fmt: skip
+
+
+def near_rows(
+    poses: FloatArray, start: int, shapes: Shapes, walls: Shapes, reach: float, dt: float
+) -> NDArray[np.void]:
+    """Rows of `NEAR` of a block, sorted by step, a and b; its first sample only if ``start`` is 0.
+
+    The other blocks begin with a sample that has been looked at already.
+    """
+    first = 0 if start == 0 else 1
+
+    def robots(who: IntArray, values: FloatArray) -> int:
+        return scan_robots(poses, first, shapes, reach, dt, who, values)
+
+    def boundaries(who: IntArray, values: FloatArray) -> int:
+        return scan_walls(poses, first, shapes, walls, reach, dt, who, values)
+
+    found = [filled(robots, 2), filled(boundaries, 2)]
+    rows = np.zeros(sum(len(who) for who, _ in found), NEAR)
+    who = np.concatenate([pair[0] for pair in found])
+    values = np.concatenate([pair[1] for pair in found])
+    rows["step"], rows["a"], rows["b"] = who[:, 0] + start, who[:, 1], who[:, 2]
+    rows["distance"], rows["entry"] = values.T
+    return rows[np.lexsort((rows["b"], rows["a"], rows["step"]))]
+
+
+def follow(
+    rows: NDArray[np.void], running: dict[tuple[int, int], Approach], done: list[Approach]
+) -> None:
+    """Lengthen the approaches that go on in a block, in place, and move ended ones to ``done``."""
+    rows = rows[np.lexsort((rows["step"], rows["b"], rows["a"]))]
+    if not len(rows):
+        done += running.values()
+        running.clear()
+        return
+    new = (np.diff(rows["a"]) != 0) | (np.diff(rows["b"]) != 0) | (np.diff(rows["step"]) > 1)
+    for run in np.split(rows, np.flatnonzero(new) + 1):
+        nearest = run[int(np.argmin(run["distance"]))]
+        a, b, first, last = (int(v) for v in (run["a"][0], run["b"][0], *run["step"][[0, -1]]))
+        now = Approach(a, b, first, last, int(nearest["step"]), float(nearest["distance"]))
+        before = running.pop((a, b), None)
+        if before is not None and before.last == first - 1:
+            now.first = before.first
+            if before.distance <= now.distance:
+                now.step, now.distance = before.step, before.distance
+        elif before is not None:
+            done.append(before)
+        running[a, b] = now
+
+
+def filled(
+    scan: Callable[[IntArray, FloatArray], int], columns: int
+) -> tuple[IntArray, FloatArray]:
+    """Output of a scan, (C, 3) and (C, ``columns``), with as much room as it needs."""
+    room = 1024
+    while True:
+        who, values = np.empty((room, 3), dtype=np.int64), np.empty((room, columns))
+        count = scan(who, values)
+        if count != FULL:
+            return who[:count], values[:count]
+        room *= 4

@@ -1,0 +1,255 @@
+"""Tables and attributes of a record against each other: decisions, commands, and how it ended.
+
+Each decision says when its robot decides next; every robot begins at once. A row of ``/commands``
+stands where the stages of a command differ, or where the nominal one is not that of the last
+decision; where there is none, the nominal command of the last decision was applied. So each row
+must say something, and what stages there were must explain it. Arrival is judged from the poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from physim.analysis.validation.decisions import DecisionTable, SampleBlock
+from physim.analysis.validation.mismatch import Mismatches
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.record import Record
+from physim.record.layout import ARRIVED, OPTIONAL
+from physim.simulation.arrival import arrivals, still_steps
+from physim.tolerances import SHARE
+from physim.world.scene import Scene
+
+
+def check_schedule(record: Record, table: DecisionTable, found: Mismatches) -> None:
+    """Hold the step of every decision against what the one before announced.
+
+    A run whose robots were told what to do from outside has no decisions at all.
+    """
+    rows = record.updates
+    if not record.steps_run or (not len(rows) and len(record.commands)):
+        return
+    order = table.decisions.order
+    robot, step, due = (rows[name][order] for name in ("robot", "step", "next_step"))
+    begins = np.diff(robot, prepend=-1) != 0
+    for k in np.flatnonzero(begins & (step != 0)).tolist():
+        found.add(
+            "/updates", "step", int(step[k]), 0, "as every robot decides at the start",
+            row=int(order[k]), robot=int(robot[k]), step=int(step[k]),
+        )  # fmt: skip
+    for i in np.setdiff1d(np.arange(record.robots), robot).tolist():
+        found.add(
+            "/updates", "robot", "nowhere", "deciding at the start", "as every robot is", robot=i,
+            step=0,
+        )  # fmt: skip
+    after = np.append(step[1:], 0)
+    last = np.append(begins[1:], True) if len(rows) else begins
+    lost = np.where(last, due < record.steps_run, due != after)
+    for k in np.flatnonzero(lost).tolist():
+        found.add(
+            "/updates", "next_step", int(due[k]),
+            "never" if last[k] else int(after[k]),
+            "by the next decision of that robot in the table",
+            row=int(order[k]), robot=int(robot[k]), step=int(step[k]),
+        )  # fmt: skip
+    late = rows["step"] > record.steps_run - (0 if record.ended == "running" else 1)
+    found.add_rows("/updates", "step", rows, 0, late, record.steps_run - 1, "at the latest")
+
+
+PARTS = ("v", "omega")
+
+
+def check_commands(
+    record: Record,
+    table: DecisionTable,
+    scene: Scene | None,
+    stages: Sequence[str] | None,
+    found: Mismatches,
+) -> None:
+    """Hold both tables of commands against each other, the limits and the stages there were.
+
+    ``stages`` are words of the kinds of stages of the run ("filter", "disturbance"); None where
+    that is not known.
+    """
+    decided = _last_decided(record, table)
+    _same_in_both(record, table, decided, found)
+    _stages(record, decided, stages, found)
+    if scene is not None:
+        _limits(record, scene, found)
+    late = record.commands["step"] >= max(record.steps_run, 1)
+    if record.ended != "running":
+        found.add_rows(
+            "/commands", "step", record.commands, 0, late, record.steps_run - 1, "at the latest"
+        )
+
+
+def _last_decided(record: Record, table: DecisionTable) -> dict[str, FloatArray]:
+    """v and omega (R,) of the last decision up to each row of /commands; 0 before any."""
+    row = table.decisions.last(record.commands["robot"], record.commands["step"])
+    known = row >= 0
+    decided = {part: np.zeros(len(row)) for part in PARTS}
+    for part, values in decided.items():
+        values[known] = record.updates[f"nominal_{part}"][row[known]]
+    return decided
+
+
+def _same_in_both(
+    record: Record, table: DecisionTable, decided: dict[str, FloatArray], found: Mismatches
+) -> None:
+    """Applied commands of decisions are those of their step; each row of /commands says more."""
+    rows, commands = record.updates, record.commands
+    row = table.commands.at(rows["robot"], rows["step"])
+    listed = row >= 0
+    alike = np.ones(len(commands), dtype=np.bool_)
+    by = "by the table /commands and the nominal command"
+    for part in PARTS:
+        exact = rows[f"nominal_{part}"].copy()
+        exact[listed] = commands[f"applied_{part}"][row[listed]]
+        wrong = rows[f"applied_{part}"] != exact
+        found.add_rows("/updates", f"applied_{part}", rows, 0, wrong, exact, by)
+        nominal, filtered, applied = (
+            commands[f"{stage}_{part}"] for stage in ("nominal", "filtered", "applied")
+        )
+        alike &= (nominal == decided[part]) & (filtered == nominal) & (applied == filtered)
+    for k in np.flatnonzero(alike).tolist():
+        found.add(
+            "/commands", None, "there", "not", "as all stages are the command last decided",
+            row=k, robot=int(commands["robot"][k]), step=int(commands["step"][k]),
+        )  # fmt: skip
+
+
+def _stages(
+    record: Record,
+    decided: dict[str, FloatArray],
+    stages: Sequence[str] | None,
+    found: Mismatches,
+) -> None:
+    """Commands may change from one stage to the next only where there is something in between."""
+    commands = record.commands
+    for part in PARTS:
+        pairs = [
+            ("filtered", f"nominal_{part}", "filter", "by the nominal command: there is no filter"),
+            ("applied", f"filtered_{part}", "disturbance",
+             "by the filtered command: there is no disturbance"),
+        ]  # fmt: skip
+        for stage, before, word, by in pairs:
+            if stages is not None and word not in stages:
+                column = f"{stage}_{part}"
+                wrong = commands[column] != commands[before]
+                found.add_rows("/commands", column, commands, 0, wrong, commands[before], by)
+        if len(record.updates):
+            column, by = f"nominal_{part}", "by the last decision of that robot"
+            wrong = commands[column] != decided[part]
+            found.add_rows("/commands", column, commands, 0, wrong, decided[part], by)
+
+
+def _limits(record: Record, scene: Scene, found: Mismatches) -> None:
+    """Nominal and filtered commands are within the limits of their robots."""
+    for name, rows, stages in (
+        ("/updates", record.updates, ("nominal",)),
+        ("/commands", record.commands, ("nominal", "filtered")),
+    ):
+        for k, part in enumerate(PARTS):
+            limit = scene.limits[rows["robot"], k]
+            for stage in stages:
+                column = f"{stage}_{part}"
+                wrong = ~(np.abs(rows[column]) <= limit * (1.0 + SHARE))
+                by = "at most either way, by the limits of that robot in the world inside"
+                found.add_rows(name, column, rows, 0, wrong, limit, by)
+
+
+BY = "by the poses"
+
+
+class ArrivalCheck:
+    """Judges arrival anew, from poses and stations (`physim.simulation.arrival`)."""
+
+    def __init__(self, record: Record, scene: Scene) -> None:
+        self.dt = record.dt
+        self.least = scene.stop_station - scene.arrival_tolerance
+        self.window = still_steps(record.dt)
+        self.pose = np.zeros((0, record.robots, 3))
+        self.station = np.zeros((0, record.robots))
+        self.away: IntArray = np.full(record.robots, -1)
+        """(N,) last sample at which each robot had not arrived"""
+        self.all_since: int | None = None
+        """first sample at which all had arrived"""
+
+    def take(self, block: SampleBlock) -> None:
+        """Continue with the samples of a block."""
+        pose = np.concatenate((self.pose, block.pose[block.overlap :]))
+        station = np.concatenate((self.station, block.station[block.overlap :]))
+        known = len(self.pose)
+        found = np.zeros((len(pose) - known, pose.shape[1]), dtype=np.bool_)
+        near = (station[known:] >= self.least).any(axis=0)
+        if near.any():
+            judged = arrivals(pose[:, near], station[:, near], self.least[near], self.dt)
+            found[:, near] = judged[known:]
+        first = block.first + block.overlap
+        samples = first + np.arange(len(found))[:, None]
+        away = np.where(~found, samples, -1).max(axis=0, initial=-1)
+        self.away = np.maximum(self.away, away)
+        together = np.flatnonzero(found.all(axis=1))
+        if self.all_since is None and len(together):
+            self.all_since = first + int(together[0])
+        self.pose, self.station = pose[-self.window :], station[-self.window :]
+
+    def since(self, samples: int) -> IntArray:
+        """(N,) sample from which on each robot has arrived, to the last; -1 where it has not."""
+        return np.asarray(np.where(self.away + 1 < samples, self.away + 1, -1))
+
+
+def check_ending(record: Record, scene: Scene, exact: ArrivalCheck, found: Mismatches) -> None:
+    """Hold ``ended`` and ``/robots/arrived`` against the poses.
+
+    A run ends as soon as all robots have arrived, or when its steps are over. What a run that was
+    killed noted of arrivals may be older than its last sample: it is not looked at.
+    """
+    last, planned = record.steps_run, scene.steps
+    if exact.all_since is not None and exact.all_since < last:
+        found.add(
+            "attribute", "steps_run", last, exact.all_since, f"{BY}: all robots had arrived then"
+        )
+    arrived = exact.all_since is not None
+    since = exact.since(record.samples)
+    if record.ended == "finished" and not arrived:
+        missing = [record.names[i] for i in np.flatnonzero(since < 0)]
+        found.add(
+            "attribute", "ended", "finished", "not", f"{BY}: {', '.join(missing)} had not arrived"
+        )
+    elif record.ended in ("duration", "interrupted") and arrived:
+        found.add("attribute", "ended", record.ended, "finished", f"{BY}: all robots had arrived")
+    if last > planned or (record.ended == "duration" and last != planned):
+        found.add("attribute", "steps_run", last, planned, "by the world inside")
+    if record.ended == "running":
+        return
+    for i in np.flatnonzero(record.arrived != since).tolist():
+        found.add(ARRIVED, None, int(record.arrived[i]), int(since[i]), BY, row=i, robot=i)
+
+
+def check_counts(record: Record, found: Mismatches) -> None:
+    """Hold counts and lists in attributes against the tables."""
+    if record.ended != "running" and "false_contacts" in record.tables:
+        count = len(record.false_contacts)
+        if record.rejected_contacts != count:
+            found.add(
+                "attribute", "rejected_contacts", record.rejected_contacts, count,
+                "by the table /false_contacts",
+            )  # fmt: skip
+    for table in OPTIONAL:
+        if table not in record.tables and (rows := len(record.read(f"/{table}"))):
+            found.add(
+                "attribute", "tables", f"without {table}", f"with {table}",
+                f"by that table, which has {rows} rows",
+            )  # fmt: skip
+    steps = record.steps[1:]
+    exact = (np.arange(len(steps)) + 1) * record.record_every
+    if len(exact):
+        exact[-1] = min(int(exact[-1]), int(steps[-1]))
+    wrong = np.flatnonzero(steps != exact)
+    for k in wrong[:1].tolist():
+        apart = int(steps[k] - (steps[k - 1] if k else 0))
+        found.add(
+            "attribute", "record_every", record.record_every, apart, "by the recorded steps"
+        )  # fmt: skip

@@ -1,0 +1,200 @@
+"""Near misses: the smallest distances and collision times that did not end in contact.
+
+Distances are over all samples, one for each approach: a stretch of time over which a pair is
+nearer than the reach of the analytic contacts. Collision times are those of the deciding robot
+with every other body at every decision, under the commands that all hold from then on, computed
+here; one for each stretch of decisions of a pair. Approaches that end in contact, at a sample or
+between two, are left out: they are contacts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.validation.analytic_contacts import (
+    FULL,
+    AnalyticContacts,
+    filled,
+    pose_blocks,
+    walls_about,
+)
+from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.recorded_distances import SMALLEST, Exact
+from physim.compiled import compiled
+from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.record import Record
+from physim.tolerances import CONTACT
+
+SHOWN = 10
+LOOK = 3.0
+"""[s] Collision times beyond this are no near miss."""
+DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
+"""Who decided when: the same type whatever columns a controller declares, for the kernel."""
+APART = 1.0
+"""[s] Decisions of a pair farther apart in time belong to two near misses."""
+
+
+@dataclass(frozen=True)
+class NearMiss:
+    """A smallest value, when and of whom."""
+
+    a: int
+    b: int
+    step: int
+    time: float
+    """[s]"""
+    value: float
+    """[m] or [s]"""
+    behind: int | None = None
+    """robot that was behind along s*, and so had to consider the other; None for a boundary"""
+
+
+@dataclass(frozen=True)
+class NearMisses:
+    """The smallest first, at most `SHOWN` of each."""
+
+    distances: tuple[NearMiss, ...]
+    """[m]"""
+    times: tuple[NearMiss, ...]
+    """[s]"""
+    reach: float
+    """[m] distances listed are below this"""
+    smallest_robots: NearMiss | None
+    """smallest distance of two robots in the whole run, whatever it is"""
+    smallest_boundary: NearMiss | None
+    """smallest distance of a robot and a boundary or obstacle"""
+
+
+def near_misses(
+    record: Record, analytic: AnalyticContacts, table: DecisionTable, exact: Exact
+) -> NearMisses:
+    """Find the near misses of a record with the poses of every step; all by the shapes."""
+    grazed = [(int(row["a"]), int(row["b"]), int(row["step"])) for row in analytic.grazes]
+    distances = [
+        NearMiss(near.a, near.b, near.step, near.step * record.dt, near.distance)
+        for near in analytic.approaches
+        if near.distance > CONTACT
+        and not any((near.a, near.b) == (a, b) and near.first <= s <= near.last + 1
+                    for a, b, s in grazed)
+    ]  # fmt: skip
+    return NearMisses(
+        tuple(_with_order(table, one) for one in distances[:SHOWN]),
+        tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
+        analytic.reach,
+        *(_least(record, exact, columns) for columns, _ in SMALLEST),
+    )
+
+
+def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
+    """Say which of two robots was behind; equal stations: the higher index."""
+    if one.b >= table.record.robots:
+        return one
+    ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
+    return replace(one, behind=one.b if ahead else one.a)
+
+
+def _least(record: Record, exact: Exact, columns: tuple[str, str, str]) -> NearMiss | None:
+    value, step, other = columns
+    rows = exact.extremes.rows
+    who = int(np.argmin(rows[value]))
+    row = rows[who]
+    if row[other] < 0:
+        return None
+    at = int(row[step])
+    return NearMiss(who, int(row[other]), at, at * record.dt, float(row[value]))
+
+
+@compiled
+def decision_times(
+    rows: NDArray[np.void],
+    poses: FloatArray,
+    start: int,
+    command: FloatArray,
+    shapes: Shapes,
+    walls: Shapes,
+    horizon: float,
+    who: IntArray,
+    values: FloatArray,
+) -> int:
+    """Write step, bodies a < b (C, 3) and collision time [s] (C, 1) of every pair that meets.
+
+    ``rows`` are those of `DECIDED` in the order of steps, ``poses`` (B, N, 3) those from step
+    ``start`` on, ``command`` (B, N, 2) what drives the robots from there on. Returns how many, or
+    FULL.
+    """
+    robots = poses.shape[1]
+    count = 0
+    for k in range(len(rows)):
+        at, i = rows[k].step - start, rows[k].robot
+        pose, held = poses[at], command[at]
+        mine = (held[i, 0], held[i, 1])
+        for j in range(robots + len(walls.body_start) - 1):
+            if j == i:
+                continue
+            if j < robots:
+                theirs = (held[j, 0], held[j, 1])
+                xi = collision_time_pair(shapes, i, pose[i], mine, j, pose[j], theirs, horizon)
+            else:
+                w = j - robots
+                span = abs(mine[0]) * horizon + 1e-6
+                here = poses[at : at + 1]
+                about = walls_about(here, i, shapes.radius[i], walls, span)
+                parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
+                xi = collision_time_walls(shapes, i, pose[i], mine, walls, parts, horizon)
+            if xi <= horizon:
+                if count == len(who):
+                    return FULL
+                who[count, 0] = rows[k].step
+                who[count, 1] = min(i, j)
+                who[count, 2] = max(i, j)
+                values[count, 0] = xi
+                count += 1
+    return count
+
+
+def _times(record: Record) -> tuple[NearMiss, ...]:
+    shapes, walls = record.shapes, record.walls
+    decided = np.zeros(len(record.updates), dtype=DECIDED)
+    for name in DECIDED.names or ():
+        decided[name] = record.updates[name]
+    who, values = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)]
+    for poses, start in pose_blocks(record):
+        end = start + len(poses) - 1
+        first, last = np.searchsorted(decided["step"], [start, end])
+        rows, command = decided[first:last], record.commands_over("applied", start, end)
+        scan = partial(decision_times, rows, poses, start, command, shapes, walls, LOOK)
+        some, times = filled(scan, 1)
+        who.append(some)
+        values.append(times[:, 0])
+    return _smallest(record, np.concatenate(who), np.concatenate(values))
+
+
+def _smallest(record: Record, who: IntArray, xi: FloatArray) -> tuple[NearMiss, ...]:
+    """Smallest value of each stretch of decisions of a pair, but for those that end in contact."""
+    order = np.lexsort((who[:, 0], who[:, 2], who[:, 1]))
+    who, xi = who[order], xi[order]
+    if not len(who):
+        return ()
+    gap = np.diff(who[:, 0]) * record.dt > APART
+    cut = np.flatnonzero(gap | (np.diff(who[:, 1]) != 0) | (np.diff(who[:, 2]) != 0)) + 1
+    touched: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    for episode in contact_episodes(record):
+        span = episode.step, episode.step + episode.samples
+        touched.setdefault((episode.a, episode.b), []).append(span)
+    for graze in grazes(record):
+        touched.setdefault((graze.a, graze.b), []).append((graze.step - 1, graze.step))
+    found = []
+    for run in np.split(np.arange(len(who)), cut):
+        least = run[int(np.argmin(xi[run]))]
+        step, a, b = (int(v) for v in who[least])
+        first, last = int(who[run[0], 0]), int(who[run[-1], 0]) + round(APART / record.dt)
+        contact = any(begin <= last and end >= first for begin, end in touched.get((a, b), ()))
+        if not contact:
+            found.append(NearMiss(a, b, step, step * record.dt, float(xi[least])))
+    return tuple(sorted(found, key=lambda one: (one.value, one.step, one.a, one.b)))

@@ -1,0 +1,188 @@
+"""Collision times held against contacts: when was a contact due, and when did it come?
+
+A prediction is made at a decision of one of the two bodies: collision time (11) of the pair under
+the commands that both hold from then on, computed here from poses and commands, plus the time
+then. After the last decision before a contact both keep their commands, so the contact must come
+when it was predicted, to TIME = 1e-6 s, and be seen at the sample after that. Slack: between two
+samples bodies move on the chord, not on the arc (`tolerances.chord`), which shifts a contact by
+the gap of the two over the closing speed.
+
+Earlier predictions err because commands change; they tell how far ahead a contact lay under the
+commands of the moment.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim import tolerances
+from physim.analysis.validation.decisions import DecisionTable
+from physim.geometry.collision import collision_time_pair, collision_time_walls
+from physim.geometry.motion import arc
+from physim.geometry.separation import body_distance
+from physim.geometry.shapes import FloatArray, Shapes
+from physim.record import Record
+
+HORIZON = 10.0
+"""[s] how far ahead one query looks; a contact later than that takes several"""
+
+AS_COMMANDED = 1e-7
+"""[m, rad] A robot within this of the arc that it was to follow has moved as commanded."""
+
+AGREES = "same step"
+DISAGREES = "another step"
+NOT_AS_COMMANDED = "a robot did not move as commanded"
+STILL_TOUCHING = "they still touched at the last decision"
+NO_DECISION = "no decision before it"
+
+
+@dataclass(frozen=True)
+class Early:
+    """A prediction at some decision before a contact."""
+
+    step: int
+    lead: float
+    """[s] from the prediction to the actual contact"""
+    error: float
+    """[s] predicted less actual time; inf when no contact was predicted"""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the last decision before a contact foretold, and what came."""
+
+    a: int
+    b: int
+    step: int
+    """first sample of the contact"""
+    found: float
+    """[s] time of that sample"""
+    touched: float
+    """[s] first touch between the samples, by the swept check; the sample where it has none"""
+    made: float | None
+    """[s] time of the last decision of either before the contact"""
+    predicted: float | None
+    """[s]; inf when no contact was predicted"""
+    slack: float
+    """[s] by which chord and tolerance may shift the contact"""
+    verdict: str
+    """`AGREES`, `DISAGREES`, or why the two cannot be compared"""
+    early: tuple[Early, ...] = ()
+    """earlier decisions, in the order of time"""
+
+    @property
+    def error(self) -> float | None:
+        """[s] predicted time less time of first touch, where the two can be compared."""
+        if self.predicted is None or self.verdict not in (AGREES, DISAGREES):
+            return None
+        return self.predicted - self.touched
+
+
+def pair_time(
+    record: Record,
+    shapes: Shapes,
+    a: int,
+    b: int,
+    pose: FloatArray,
+    twist_a: tuple[float, float],
+    twist_b: tuple[float, float],
+) -> float:
+    """Collision time (11) [s] of bodies a < b at ``pose`` (N, 3) under constant commands."""
+    if b < record.robots:
+        return float(collision_time_pair(shapes, a, pose[a], twist_a, b, pose[b], twist_b, HORIZON))
+    walls, w = record.walls, b - record.robots
+    parts = np.arange(walls.body_start[w], walls.body_start[w + 1])
+    return float(collision_time_walls(shapes, a, pose[a], twist_a, walls, parts, HORIZON))
+
+
+class Predictor:
+    """Makes predictions for pairs of one record."""
+
+    def __init__(self, record: Record, table: DecisionTable) -> None:
+        self.record = record
+        self.table = table
+        self.shapes = record.shapes
+
+    def poses(self, step: int) -> FloatArray:
+        """(N, 3) at a sample."""
+        pose: FloatArray = self.record.read("/steps/pose", step, step + 1)[0]
+        return pose
+
+    def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
+        """Collision time [s] from a step on, under the commands held from then on.
+
+        Looked for up to ``until`` [s], at least; inf where there is none. Each query begins on the
+        arcs where the one before ended, so that none needs more advances than it may take.
+        """
+        other = self.table.held(b, step) if b < self.record.robots else (0.0, 0.0)
+        held = {a: self.table.held(a, step), b: other}
+        start = self.poses(step)
+        for k in range(max(1, math.ceil(until / HORIZON))):
+            later = k * HORIZON
+            pose = start.copy()
+            for i in (i for i in held if k and i < self.record.robots):
+                pose[i] = arc(tuple(start[i]), *held[i], later)
+            found = pair_time(self.record, self.shapes, a, b, pose, held[a], held[b])
+            if math.isfinite(found):
+                return later + found
+        return math.inf
+
+    def predict(
+        self, a: int, b: int, step: int, touched: float, closing: float, earlier: bool
+    ) -> Prediction:
+        """Hold the contact that begins at ``step`` against what was predicted before it.
+
+        ``touched`` [s] is the first touch by the swept check, ``closing`` [m/s] the speed at
+        which the two closed; ``earlier``: look at earlier decisions too.
+        """
+        dt, found = self.record.dt, step * self.record.dt
+        robots = [i for i in (a, b) if i < self.record.robots]
+        made = self.table.last_before(robots, step)
+        if made is None:
+            return Prediction(a, b, step, found, touched, None, None, 0.0, NO_DECISION)
+        gap = tolerances.CONTACT
+        for i in robots:
+            gap += tolerances.chord(*self.table.held(i, made), dt)
+        slack = tolerances.TIME + gap / max(closing, tolerances.CLOSING_SPEED)
+        predicted = made * dt + self.due(a, b, made, found + dt + slack - made * dt)
+        verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
+        if verdict == DISAGREES and self._touches_then(a, b, step, predicted, gap):
+            verdict = AGREES
+        if predicted == made * dt and verdict == DISAGREES:
+            verdict = STILL_TOUCHING
+        elif not all(self._as_commanded(i, made, step) for i in robots):
+            verdict = NOT_AS_COMMANDED
+        early = self._earlier(a, b, robots, made, step, touched) if earlier else ()
+        return Prediction(a, b, step, found, touched, made * dt, predicted, slack, verdict, early)
+
+    def _as_commanded(self, robot: int, start: int, end: int) -> bool:
+        v, omega = self.table.held(robot, start)
+        goal = arc(tuple(self.poses(start)[robot]), v, omega, (end - start) * self.record.dt)
+        return bool(np.abs(np.array(goal) - self.poses(end)[robot]).max() <= AS_COMMANDED)
+
+    def _touches_then(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:
+        """Whether the two are within ``gap`` at the predicted time: closing is slow, a graze."""
+        place = predicted / self.record.dt
+        if not step - 2 <= place <= step + 1 or b >= self.record.robots:
+            return False
+        before = max(0, min(math.floor(place), self.record.samples - 2))
+        start, end = self.poses(before), self.poses(before + 1)
+        now = start + (place - before) * (end - start)
+        return abs(body_distance(self.shapes, a, now[a], self.shapes, b, now[b])) <= 2.0 * gap
+
+    def _earlier(
+        self, a: int, b: int, robots: list[int], made: int, step: int, touched: float
+    ) -> tuple[Early, ...]:
+        """Decisions of the last `HORIZON` before a contact, and the last one however early."""
+        first = min(made, step - math.floor(HORIZON / self.record.dt))
+        steps = np.unique(np.concatenate([self.table.steps(i) for i in robots]))
+        steps = steps[(steps >= max(0, first)) & (steps < step)]
+        found = []
+        for at in (int(s) for s in steps):
+            time = at * self.record.dt
+            due = time + self.due(a, b, at, touched - time)
+            found.append(Early(at, touched - time, due - touched))
+        return tuple(found)

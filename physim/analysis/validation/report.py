@@ -1,0 +1,259 @@
+"""The report of a validation as plain text, like one that a safety engineer would file."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from physim.analysis.validation.contact_text import (
+    contact_lines,
+    opening,
+    prediction_lines,
+    table_lines,
+)
+from physim.analysis.validation.disagreements import UNEXPLAINED
+from physim.analysis.validation.mismatch import SLACK
+from physim.analysis.validation.near_misses import LOOK, NearMiss
+from physim.analysis.validation.validation import Validation, confusions
+from physim.analysis.validation.wording import joined, listed, wrapped
+from physim.errors import plural
+from physim.tolerances import ONE_STEP
+
+SHOWN = 20
+"""Disagreements of one sort that are listed one by one"""
+
+
+def check_lines(validation: Validation) -> list[str]:
+    """What was checked, and the result."""
+    comparison, run = validation.comparison, validation.run
+    pad = 34 * " "
+    lines = [
+        "CHECKS: physical contacts against exact distances, every pair at every step",
+        f"  {pad}{'both':>10}{'physical':>10}{'analytic':>10}{'neither':>14}",
+        f"  {pad}{'contact':>10}{'only':>10}{'only':>10}",
+    ]
+    for label, row in confusions(validation):
+        cells = f"{row.both:>10,}{row.physical_only:>10,}{row.analytic_only:>10,}"
+        lines.append(f"  {label:<34}{cells}{row.neither:>14,}")
+    said = []
+    if comparison.rejected:
+        times = "once" if comparison.rejected == 1 else f"{comparison.rejected:,} times"
+        said.append(
+            f"The engine reported a contact of shapes that were apart {times}; the exact check "
+            "rejected it."
+        )
+    strays = len(validation.motion.strays)
+    said.append(
+        f"Motion: {validation.motion.checked:,} steps of robots that touch nothing, held against "
+        "the arcs of their applied commands: "
+        f"{f'{strays} DIFFER' if strays else f'all agree within {ONE_STEP:g} m'}."
+    )
+    said += _decisions(validation)
+    if not validation.origin.held:
+        said.append("World: the record holds no text of its world; nothing is compared with it.")
+    if run.robots == 1:
+        said.append("A single robot: there are no pairs of robots.")
+    said += _again(validation)
+    return [*lines, *(line for text in said for line in wrapped(text, "  ", "    "))]
+
+
+def _decisions(validation: Validation) -> list[str]:
+    """What was computed of decisions, commands and the end, and what was not."""
+    found = validation.recomputed
+    parts = ["stations and formation errors"]
+    if found.replayed:
+        kind = validation.run.controller
+        parts.append(f"{found.replayed:,} made again by {kind} from what it saw")
+    if found.columns:
+        columns = joined([name.replace("_", " ") for name in found.columns])
+        parts.append(f"{columns} computed from the shapes")
+    wrong = len(found.mismatches)
+    result = f"{wrong} {'DIFFER' if wrong > 1 else 'DIFFERS'}" if wrong else "all agree"
+    lines = [
+        f"Decisions: {found.decisions:,}: {'; '.join(parts)}. Commands, their limits and stages, "
+        f"arrival and the end of the run: {result}."
+    ]
+    return [*lines, *(f"Not computed: {what}." for what in found.left_out)]
+
+
+def _again(validation: Validation) -> list[str]:
+    """What came of simulating the run again."""
+    again, run = validation.rerun, validation.run
+    if again is None:
+        return []
+    if again.difference is not None:
+        return ["Simulated again: ANOTHER RUN, see below."]
+    if again.same_digest:
+        return [f"Simulated again: the same run to the bit, digest {again.digest}."]
+    if again.exact:
+        return [
+            f"Simulated again: the same values to the bit in all {again.until:.2f} s that are in "
+            "the record."
+        ]
+    up_to = "" if again.whole else f", up to the first contact after {again.until:.2f} s"
+    made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
+    return [
+        f"Simulated again by other versions than made the record ({made or 'unknown'}): the same "
+        f"within {SLACK:g}{up_to}."
+    ]
+
+
+def disagreement_lines(validation: Validation) -> list[str]:
+    """Every disagreement on a line of its own, `SHOWN` of each sort."""
+    names = validation.names
+    sorts = [
+        [f"unexplained: {told}" for told in validation.origin.differences],
+        [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
+        _rerun(validation, names),
+        _strays(validation, names),
+        _pairs(validation, names),
+        _mispredicted(validation, names),
+    ]
+    count = sum(len(sort) for sort in sorts)
+    if not count:
+        return ["DISAGREEMENTS: none"]
+    explained = sum(one.cause != UNEXPLAINED for one in validation.comparison.disagreements)
+    lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
+    for sort in sorts:
+        for told in sort[:SHOWN]:
+            lines += wrapped(told, "  ", 15 * " ")
+    left = sum(len(sort[SHOWN:]) for sort in sorts)
+    return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
+
+
+def _rerun(validation: Validation, names: list[str]) -> list[str]:
+    again = validation.rerun
+    if again is None or again.difference is None:
+        return []
+    return [f"unexplained, the first difference of the run: {again.difference.line(names)}"]
+
+
+def _strays(validation: Validation, names: list[str]) -> list[str]:
+    lines = []
+    for stray in validation.motion.strays:
+        long = f" for {stray.steps} steps" if stray.steps > 1 else ""
+        lines.append(
+            f"{stray.time:9.4f} s  {names[stray.robot]}: unexplained (it touches nothing, yet its "
+            f"pose is {stray.gap:.3g} m and {stray.turn:.3g} rad from where its command leads from "
+            f"the sample before{long})"
+        )
+    return lines
+
+
+def _pairs(validation: Validation, names: list[str]) -> list[str]:
+    """Disagreements about contacts and distances, those without a cause first."""
+    lines = []
+    found = validation.comparison.disagreements
+    for one in sorted(found, key=lambda one: one.cause != UNEXPLAINED):
+        who = names[one.a] + ("" if one.b is None else f" and {names[one.b]}")
+        long = f" for {one.steps} samples" if one.steps > 1 else ""
+        apart = f", signed distance {one.distance:.3g} m" if isfinite(one.distance) else ""
+        lines.append(f"{one.time:9.4f} s  {who}{apart}{long}: {one.cause} ({one.what})")
+    return lines
+
+
+def _mispredicted(validation: Validation, names: list[str]) -> list[str]:
+    lines = []
+    for contact in validation.mispredicted:
+        p = contact.prediction
+        due = "none" if p.predicted is None or p.predicted > 1e9 else f"{p.predicted:.4f} s"
+        lines.append(
+            f"{p.found:9.4f} s  {names[p.a]} and {names[p.b]}: unexplained (first touch at "
+            f"{p.touched:.6f} s, but contact predicted at {p.made:.2f} s: {due})"
+        )
+    return lines
+
+
+def expectation_lines(validation: Validation) -> list[str]:
+    """What the world expects, and what was found; nothing where it expects nothing."""
+    if not validation.expectations:
+        return []
+    missed = len(validation.missed)
+    head = f"EXPECTED: {plural(missed, 'thing')} not so" if missed else "EXPECTED: all of it"
+    return [head, *(f"  {one.key:<22} {one}" for one in validation.expectations)]
+
+
+def report(validation: Validation) -> str:
+    """Full report of one run, ending with the verdict and a line break."""
+    parts = [
+        _head(validation),
+        ["VERDICT  " + validation.verdict, *warning_lines(validation), *opening(validation)],
+        _contacts(validation),
+        check_lines(validation),
+        disagreement_lines(validation),
+        expectation_lines(validation),
+        prediction_lines(validation),
+        _near_misses(validation),
+        warning_lines(validation),
+        [f"verdict: {validation.verdict}"],
+    ]
+    return "\n\n".join("\n".join(part) for part in parts if part) + "\n"
+
+
+def warning_lines(validation: Validation) -> list[str]:
+    """What makes the record unfit to be believed: contacts that are too deep."""
+    names = validation.names
+    return [
+        line
+        for one in validation.deep
+        for line in wrapped(one.sentence(names), "  WARNING  ", 11 * " ")
+    ]
+
+
+def _head(validation: Validation) -> list[str]:
+    run = validation.run
+    given = dict(run.given)
+    robots = "1 robot" if run.robots == 1 else f"{run.robots} robots"
+    others = [body.name for body in run.bodies[run.robots :]]
+    ends = {
+        "finished": "all robots arrived",
+        "duration": "ran for its whole duration",
+        "interrupted": "INTERRUPTED: judged as far as it was recorded",
+        "error": "BROKE OFF WITH AN ERROR: judged as far as it was recorded",
+        "running": "KILLED: judged as far as it was recorded",
+    }
+    lines = [
+        "COLLISION SAFETY REPORT",
+        f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
+        f"  record      {run.source}",
+        f"  controller  {run.controller}{', given from Python' if 'controller' in given else ''}",
+        f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
+        f"{ends.get(run.ended, run.ended)}",
+    ]
+    lines += [
+        f"  {kind:<11} {name}, given from Python"
+        for kind, name in run.given
+        if kind != "controller"
+    ]
+    made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
+    return [*lines, f"  made by     {made}"] if made else lines
+
+
+def _contacts(validation: Validation) -> list[str]:
+    if not validation.contacts:
+        return []
+    return ["CONTACTS", *table_lines(validation), *contact_lines(validation)]
+
+
+def _near_misses(validation: Validation) -> list[str]:
+    near = validation.near_misses
+    return [
+        "NEAR MISSES (approaches that did not end in contact)",
+        f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
+        *_near_rows(validation, near.distances, "m", 4),
+        f"  smallest collision times under the commands of the moment, below {LOOK:g} s",
+        *_near_rows(validation, near.times, "s", 3),
+    ]
+
+
+def _near_rows(
+    validation: Validation, some: tuple[NearMiss, ...], unit: str, digits: int
+) -> list[str]:
+    names = validation.names
+    lines = []
+    for one in some:
+        duty = "" if one.behind is None else f" ({names[one.behind]} had to give way)"
+        lines.append(
+            f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
+            f"{names[one.a]} and {names[one.b]}{duty}"
+        )
+    return lines or ["    none"]

@@ -1,0 +1,293 @@
+"""Simulated again: does the world inside a record give this very run?
+
+On the versions that made the record everything must be the same to the bit. On others values must
+agree within `SLACK` up to the first contact: from there on two runs may part by a rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.validation.mismatch import SLACK, SLACKS, Mismatch, differs, plain
+from physim.errors import PhysimError
+from physim.record import Record
+from physim.record.layout import (
+    ARRIVED,
+    ATTRIBUTES,
+    EXTREMES,
+    EXTREMES_FARTHEST,
+    FIXED,
+    STEPS,
+    TABLES,
+)
+
+if TYPE_CHECKING:
+    from physim.parts.controller import Controller
+    from physim.parts.stages import Disturbance, Filter, SensingStage
+    from physim.simulation.loop import Simulation
+
+BY = "simulated again"
+BLOCK = 4096
+"""Samples that are compared at a time."""
+LAST = ("safe_distance", "ended", "steps_run", "rejected_contacts")
+"""Attributes that are told last: how the run went, and what is drawn."""
+NOT_COMPARED = ("record_every", "tables", "given", "version")
+"""Attributes that do not say what happened: what was recorded, and how parts were named."""
+
+
+@dataclass(frozen=True)
+class Rerun:
+    """A run held against the same run simulated again."""
+
+    exact: bool
+    """to the bit; otherwise within `SLACK`, since other versions made the record"""
+    until: float
+    """[s] up to which it was compared"""
+    whole: bool
+    """that is all of it"""
+    digest: str
+    """of the record"""
+    same_digest: bool
+    """the run simulated again has the very digest"""
+    difference: Mismatch | None
+    """the first one in time"""
+
+
+def simulation_again(
+    record: Record,
+    *,
+    controller: Controller | None = None,
+    sensing: Sequence[SensingStage] = (),
+    filters: Sequence[Filter] = (),
+    disturbances: Sequence[Disturbance] = (),
+) -> Simulation:
+    """Set up the run of a record anew, at sample 0, from the world inside.
+
+    No code is run because a record names it: parts that were given from Python, and a controller
+    ``module:Class``, have to be given again. Raises PhysimError where one is missing.
+    """
+    from physim.simulation.loop import Simulation
+
+    where = record.path or "record in memory"
+    if not record.world_text.strip():
+        raise PhysimError(f"{where}: cannot be simulated again: it holds no text of its world")
+    name = record.controller or record.world.controller.type
+    if controller is None and (record.controller or ":" in name):
+        raise PhysimError(
+            f"{where}: has to be simulated again, and its controller is the class {name}; no code "
+            f"is run because a record names it: if you trust the class, give --controller {name}"
+        )
+    given = {"sensing stage": sensing, "filter": filters, "disturbance": disturbances}
+    for kind, parts in given.items():
+        names = [name for word, name in record.given if word == kind]
+        if len(names) != len(parts):
+            raise PhysimError(
+                f"{where}: has to be simulated again, and its {kind} {', '.join(names) or 'none'} "
+                "came from Python; give it again there: physim.analysis.validation.rerun(record, "
+                "sensing=..., filters=..., disturbances=...)"
+            )
+    return Simulation(
+        record.world, controller=controller, sensing=sensing, filters=filters,
+        disturbances=disturbances,
+    )  # fmt: skip
+
+
+def run_again(
+    record: Record,
+    simulation: Simulation,
+    *,
+    stop: Callable[[], bool] = lambda: False,
+    progress: Callable[[Simulation, float], None] | None = None,
+) -> Record:
+    """Run a simulation, in memory and with every sample, as far as the record goes.
+
+    Runs that were interrupted, killed or broke off end at their last step.
+    """
+    from physim.simulation.recorder import SaveAt
+    from physim.simulation.run import record_run
+
+    cut = record.ended in ("interrupted", "running", "error")
+    return record_run(
+        simulation,
+        save=SaveAt(every=1),
+        progress=progress,
+        stop=lambda: stop() or (cut and simulation.step_number >= record.steps_run),
+    )
+
+
+def rerun(record: Record, **parts: Any) -> Rerun:
+    """Simulate the run of a record again and compare; ``parts`` are those of `simulation_again`."""
+    with run_again(record, simulation_again(record, **parts)) as again:
+        return compare_runs(record, again)
+
+
+def compare_runs(record: Record, again: Record) -> Rerun:
+    """Hold a record against the same run simulated again, which has every sample and table."""
+    digest = record.digest()
+    same = digest == again.digest()
+    exact = record.versions == again.versions
+    until, whole = record.steps_run, True
+    if not exact:
+        touched = [int(one.contacts["step"][0]) for one in (record, again) if len(one.contacts)]
+        whole = not touched
+        until = min([until, *(step - 1 for step in touched)])
+    difference = None if same else _first(record, again, until, exact, whole)
+    return Rerun(exact, until * record.dt, whole, digest, same, difference)
+
+
+def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Mismatch | None:
+    """First difference: what is known before the run, then by time, then what sums it up."""
+    for found in _attributes(record, again, [k for k in ATTRIBUTES if k not in LAST]):
+        return found
+    found_at = [
+        *(_table(record, again, path, until, exact) for path in TABLES),
+        *(_samples(record, again, path, until, exact) for path in STEPS[1:]),
+    ]
+    if exact:
+        for found in _fixed(record, again):
+            return found
+    timed = [one for one in found_at if one is not None]
+    if timed:
+        return min(timed, key=lambda one: -1 if one.step is None else one.step)
+    if whole and record.ended != "running":
+        last = [key for key in LAST if key != "ended" or record.ended != "error"]
+        for found in (*_attributes(record, again, last), *_sums(record, again, exact)):
+            return found
+    return None
+
+
+def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator[Mismatch]:
+    for name in names:
+        key = "world_text" if name == "world" else name
+        if name in NOT_COMPARED or not hasattr(record, key):
+            continue
+        told, exact = getattr(record, key), getattr(again, key)
+        if told != exact:
+            if name == "world":
+                told, exact = _first_line(told, exact)
+            yield Mismatch("attribute", name, None, None, None, None, told, exact, BY)
+
+
+def _fixed(record: Record, again: Record) -> Iterator[Mismatch]:
+    """What stands still, to the bit; how well it must agree otherwise is held elsewhere."""
+    for path in FIXED:
+        rows, others = record.read(path), again.read(path)
+        if rows.shape != others.shape:
+            yield Mismatch(
+                path, None, None, None, None, None, f"{len(rows)} rows", f"{len(others)} rows", BY
+            )  # fmt: skip
+        elif (wrong := rows != others).any():
+            at = tuple(np.argwhere(wrong)[0])
+            told, other = (plain(some[at]) for some in (rows, others))
+            yield Mismatch(path, None, int(at[0]), None, None, None, told, other, BY)
+
+
+def _first_line(one: str, other: str) -> tuple[str, str]:
+    """First line of two texts that differs."""
+    lines, others = one.splitlines(), other.splitlines()
+    for told, exact in zip(lines, others, strict=False):
+        if told != exact:
+            return told.strip(), exact.strip()
+    return f"{len(lines)} lines", f"{len(others)} lines"
+
+
+def _table(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
+    """First row of a table that differs, among those up to a step."""
+    if path[1:] not in record.tables and path != "/commands":
+        return None
+    last = until if path.endswith("contacts") else until - 1  # decided at the step before
+    rows, others = (one.read(path) for one in (record, again))
+    rows, others = rows[rows["step"] <= last], others[others["step"] <= last]
+    common = min(len(rows), len(others))
+    for column in rows.dtype.names or ():
+        if column not in (others.dtype.names or ()):
+            return Mismatch(path, column, None, None, None, None, "there", "not", BY)
+    wrong = np.zeros(common, dtype=np.bool_)
+    unlike = {}
+    for column in rows.dtype.names or ():
+        unlike[column] = _unlike(rows[column][:common], others[column][:common], exact, column)
+        wrong |= unlike[column]
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        column = next(name for name, values in unlike.items() if values[k])
+        return _row(record, path, column, k, rows, plain(rows[column][k]), plain(others[column][k]))
+    if len(rows) != len(others):
+        some = rows if len(rows) > common else others
+        words = ("there", "not") if some is rows else ("not there", "there")
+        return _row(record, path, None, common, some, *words)
+    return None
+
+
+def _row(
+    record: Record, path: str, column: str | None, k: int, rows: NDArray[np.void], told: Any,
+    exact: Any,
+) -> Mismatch:  # fmt: skip
+    step = int(rows["step"][k])
+    who = next((name for name in ("robot", "a") if name in (rows.dtype.names or ())), None)
+    robot = None if who is None else int(rows[who][k])
+    return Mismatch(path, column, k, robot, step, step * record.dt, told, exact, BY)
+
+
+def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
+    """First sample that differs; clearances of a coarse record are the least since the last one."""
+    steps = record.steps
+    count = int(np.searchsorted(steps, until, side="right"))
+    for low in range(0, count, BLOCK):
+        high = min(low + BLOCK, count)
+        first = int(steps[low - 1]) + 1 if low else 0
+        theirs = again.read(path, first, int(steps[high - 1]) + 1)
+        if len(theirs) <= steps[high - 1] - first:
+            step = first + len(theirs)
+            return Mismatch(
+                path, None, None, None, step, step * record.dt, "there", "at its end", BY
+            )  # fmt: skip
+        if path == "/steps/pose":
+            theirs = theirs[steps[low:high] - first]
+        else:
+            begins = np.concatenate(([0], steps[low : high - 1] + 1 - first))
+            theirs = np.minimum.reduceat(theirs, begins, axis=0)
+        ours = record.read(path, low, high)
+        wrong = _unlike(ours, theirs, exact, path)
+        if wrong.any():
+            k, robot, *rest = (int(v) for v in np.argwhere(wrong)[0])
+            step = int(steps[low + k])
+            column = ("x", "y", "heading")[rest[0]] if rest else None
+            told, other = (plain(some[(k, robot, *rest)]) for some in (ours, theirs))
+            return Mismatch(
+                path, column, low + k, robot, step, step * record.dt, told, other, BY
+            )  # fmt: skip
+    return None
+
+
+def _sums(record: Record, again: Record, exact: bool) -> Iterator[Mismatch]:
+    """Extremes and arrivals."""
+    for path in (EXTREMES, EXTREMES_FARTHEST):
+        rows, others = (np.atleast_1d(one.read(path)) for one in (record, again))
+        for column in rows.dtype.names or ():
+            wrong = _unlike(rows[column], others[column], exact, column)
+            if not exact and rows[column].dtype.kind == "i":
+                continue  # when and of whom: of equal distances another version may take either
+            for k in np.flatnonzero(wrong)[:1].tolist():
+                told, other = plain(rows[column][k]), plain(others[column][k])
+                robot = k if path == EXTREMES else None
+                yield Mismatch(path, column, k, robot, None, None, told, other, BY)
+    for k in np.flatnonzero(record.arrived != again.arrived)[:1].tolist():
+        told, other = int(record.arrived[k]), int(again.arrived[k])
+        yield Mismatch(ARRIVED, None, k, k, None, None, told, other, BY)
+
+
+def _unlike(told: NDArray[Any], other: NDArray[Any], exact: bool, column: str) -> NDArray[np.bool_]:
+    """Whether values differ: to the bit, or by more than the slack of a column."""
+    if exact:
+        if told.dtype.kind == "f":
+            told, other = (np.ascontiguousarray(v).view(np.int64) for v in (told, other))
+        return np.asarray(told != other)
+    return differs(told, other, SLACKS.get(column, SLACK))
+
+
+__all__ = ["Rerun", "compare_runs", "rerun", "run_again", "simulation_again"]

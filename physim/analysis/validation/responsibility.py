@@ -1,0 +1,262 @@
+"""The robots of a contact: what each did and saw, who pushed whom, and who was responsible.
+
+Responsibility follows the paper's priority rule: a robot has to consider those that are further
+along the reference path s* (equal stations: the lower index has priority). So of two robots the
+one that was behind at its own last decision before the contact had to avoid it. With a boundary
+or an obstacle it is always the robot.
+
+Departure: the rule speaks of robots that move by their own commands. One that was pushed into the
+contact, or stood by command while the other came, is not charged but the one that did it. A robot
+counts as pushed when it closes on the other body by more than its command says, while it touches
+a further robot; that one is the pusher, or whoever pushes it in turn. A robot that stands by
+command and is pushed by nobody was run into by the other. Where there is no other that came, at a
+wall or where both stand, it was moved by one that it touches, whichever way: by itself it does
+not move.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from physim.analysis.metrics.contacts import point_velocity
+from physim.analysis.validation.decisions import DecisionTable
+from physim.contacts import touching
+from physim.geometry.motion import arcs
+from physim.geometry.shapes import FloatArray
+from physim.parts.declarations import NO_NUMBER, Mode, Rule
+from physim.record import Record
+from physim.tolerances import PUSH
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where two bodies touch: a sample, a point [m], and the normal from a to b."""
+
+    a: int
+    b: int
+    step: int
+    point: tuple[float, float]
+    normal: tuple[float, float]
+
+    def towards(self, robot: int) -> tuple[float, float]:
+        """Normal from a robot of the two to the other body."""
+        x, y = self.normal
+        return (x, y) if robot == self.a else (-x, -y)
+
+
+def pushed_by(record: Record, table: DecisionTable, robot: int, touch: Touch) -> int | None:
+    """Robot to be charged in place of ``robot``; None where it moved by its own command."""
+    if touch.step == 0:
+        return None
+    ends = {touch.a, touch.b}
+    pusher = _pusher(record, table, robot, touch, ends)
+    if pusher is not None or not stands(table, robot, touch.step):
+        return pusher
+    other = touch.a + touch.b - robot
+    if other < record.robots:
+        pusher = _pusher(record, table, other, touch, ends)
+        if pusher is None and not stands(table, other, touch.step):
+            return other
+    for one in (robot, other):
+        if pusher is None and one < record.robots:
+            pusher = _pusher(record, table, one, touch, ends, carried=True)
+    return pusher
+
+
+def stands(table: DecisionTable, robot: int, step: int) -> bool:
+    """Whether a robot was commanded to stand in the step that led to a sample.
+
+    That is, to move no point of its footprint by `PUSH` or more: a command of 1e-15 rad/s stands.
+    """
+    if table.last(robot, step - 1) is None:
+        return False
+    v, omega = table.held(robot, step - 1)
+    return abs(v) + float(table.radius[robot]) * abs(omega) < PUSH
+
+
+def _pusher(
+    record: Record,
+    table: DecisionTable,
+    robot: int,
+    touch: Touch,
+    seen: set[int],
+    carried: bool = False,
+) -> int | None:
+    """Robot at the end of the chain of pushes into a contact, not counting those ``seen``.
+
+    ``carried``: of a robot that stands by command, whichever way it moves.
+    """
+    if not carried and not _exceeds_command(record, table, robot, touch):
+        return None
+    for contact in _contacts(record, robot, touch.step):
+        third = contact.a + contact.b - robot
+        if third >= record.robots or third in seen:
+            continue
+        idle = stands(table, third, touch.step)
+        further = _pusher(record, table, third, contact, seen | {third}, carried and idle)
+        if further is not None:
+            return further
+        if not idle:
+            return third
+    return None
+
+
+def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: Touch) -> bool:
+    """Whether a robot closed on the other body by more than its command says."""
+    step = touch.step
+    before, now = record.read("/steps/pose", step - 1, step + 1)[:, robot]
+    command = np.array([table.held(robot, step - 1)])
+    x, y, turn = (now - arcs(before[None], command, record.dt)[0]) / record.dt
+    across, along = touch.point[0] - now[0], touch.point[1] - now[1]
+    nx, ny = touch.towards(robot)
+    return bool((x - turn * along) * nx + (y + turn * across) * ny > PUSH)
+
+
+def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
+    """Contacts of a robot in the step that led to a sample, the hardest first."""
+    rows = record.contacts
+    rows = touching(rows[(rows["step"] == step) | (rows["step"] == step - 1)])
+    rows = rows[(rows["a"] == robot) | (rows["b"] == robot)]
+    rows = rows[np.argsort(-rows["impulse"], kind="stable")]
+    return [
+        Touch(
+            int(row["a"]), int(row["b"]), step,
+            (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"])),
+        )
+        for row in rows
+    ]  # fmt: skip
+
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class RobotInContact:
+    """One robot in a contact."""
+
+    body: int
+    part: str
+    """where on the robot, seen from its reference point: front, front left, left, …"""
+    speed: float
+    """[m/s] of its reference point in the step that led to the contact"""
+    station: float
+    """[m] along s* when the contact began"""
+    decided: float | None
+    """[s] its last decision before the contact, and what it was:"""
+    mode: Mode | None
+    rule: Rule | None
+    v: float
+    """[m/s] command that drove it"""
+    omega: float
+    """[rad/s] command that drove it"""
+    reported_time: float
+    """[s] collision time that its controller reported; inf none within its horizon, NaN not
+    looked at"""
+    reported_distance: float
+    """[m] to the nearest robot it considered; inf none, NaN not looked at"""
+    reported_boundary: float
+    """[m] to the nearest boundary; NaN not looked at"""
+    considered: int
+    """robots it considered"""
+    behind: float | None
+    """[m] how far it was behind the other along s* at that decision; negative: ahead. None for
+    a boundary"""
+    stands: bool
+    """its command in that step was to stand: no point of it was to move by `PUSH` or more"""
+    pushed_by: int | None
+    """robot that pushed it into the contact, or ran into it where it stood, and so is charged in
+    its place; None where there is none, or where it did not have to keep clear"""
+    responsible: bool
+
+
+def robots_in_contact(
+    record: Record, table: DecisionTable, touch: Touch
+) -> tuple[tuple[RobotInContact, ...], tuple[int, ...]]:
+    """Robots of a contact, a first, and the ids of those that were responsible for it."""
+    a, b, step = touch.a, touch.b, touch.step
+    robots = [i for i in (a, b) if i < record.robots]
+    behind = {i: _behind(record, table, i, a + b - i, step) for i in robots}
+    ruled = [i for i in robots if _has_to_consider(behind[i], i, a + b - i, len(robots))]
+    if not ruled:  # they changed places between their last decisions
+        ruled = [max(robots, key=lambda i: -table.reference_station(i, step))]
+    pushed = {i: pushed_by(record, table, i, touch) for i in ruled}
+    charged = {i if by is None else by for i, by in pushed.items()}
+    sides = tuple(
+        _side(record, table, i, touch, behind[i], pushed.get(i), i in charged) for i in robots
+    )
+    return sides, tuple(sorted(charged))
+
+
+def _has_to_consider(behind: float | None, i: int, other: int, robots: int) -> bool:
+    """Whether Robot i had to consider the other: it was behind; ties by index."""
+    if behind is None:
+        return robots == 1
+    return behind > 0.0 or (behind == 0.0 and other < i)
+
+
+def _behind(record: Record, table: DecisionTable, i: int, other: int, step: int) -> float | None:
+    """How far [m] Robot i was behind the other along s* at its last decision before a step."""
+    if other >= record.robots:
+        return None
+    row = table.last(i, step - 1)
+    at = int(row["step"]) if row is not None else max(step - 1, 0)
+    return table.reference_station(other, at) - table.reference_station(i, at)
+
+
+def _side(
+    record: Record,
+    table: DecisionTable,
+    i: int,
+    touch: Touch,
+    behind: float | None,
+    pusher: int | None,
+    responsible: bool,
+) -> RobotInContact:
+    step, point = touch.step, touch.point
+    pose = record.read("/steps/pose", step, step + 1)[0, i]
+    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
+    row = table.last(i, step - 1)
+    v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
+    return RobotInContact(
+        body=i,
+        part=_part(pose, point),
+        speed=math.hypot(vx, vy),
+        station=table.reference_station(i, step),
+        decided=None if row is None else float(row["step"]) * record.dt,
+        mode=_declared(row, "mode", record.modes),
+        rule=_declared(row, "rule", record.declared.rules),
+        v=v,
+        omega=omega,
+        reported_time=_reported(row, "collision_time"),
+        reported_distance=_reported(row, "distance"),
+        reported_boundary=_reported(row, "boundary_distance"),
+        considered=0 if row is None else int(row["considered"]),
+        behind=behind,
+        stands=stands(table, i, step),
+        pushed_by=pusher,
+        responsible=responsible,
+    )
+
+
+def _declared(row: np.void | None, field: str, among: Sequence[T]) -> T | None:
+    """Mode or rule of a decision; None where it gave none."""
+    return None if row is None or row[field] == NO_NUMBER else among[row[field]]
+
+
+def _reported(row: np.void | None, column: str) -> float:
+    """What a decision reported; NaN where its controller declares no such column."""
+    known = row is not None and column in (row.dtype.names or ())
+    return float(row[column]) if known and row is not None else math.nan
+
+
+def _part(pose: FloatArray, point: tuple[float, float]) -> str:
+    """Where on a robot a point lies: one of eight directions from its reference point."""
+    names = ("front", "front left", "left", "rear left", "rear", "rear right", "right",
+             "front right")  # fmt: skip
+    bearing = math.atan2(point[1] - pose[1], point[0] - pose[0]) - pose[2]
+    return names[round(bearing / (math.pi / 4)) % 8]

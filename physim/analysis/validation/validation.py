@@ -1,0 +1,261 @@
+"""Validate a record: both kinds of contacts, their comparison, the reports, and the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from physim.analysis.expectations import Held, expectations
+from physim.analysis.metrics import Deep, deep_contacts
+from physim.analysis.validation.analytic_contacts import analytic_contacts
+from physim.analysis.validation.comparison import Comparison, Confusion, compare
+from physim.analysis.validation.consistency import check_counts
+from physim.analysis.validation.contact_report import (
+    ContactReport,
+    SweptContactReport,
+    contact_reports,
+    swept_contact_reports,
+)
+from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.mismatch import Mismatches
+from physim.analysis.validation.motion import Motion, check_motion
+from physim.analysis.validation.near_misses import NearMisses, near_misses
+from physim.analysis.validation.origin import Origin, compare_with_world, world_inside
+from physim.analysis.validation.prediction import DISAGREES, Predictor
+from physim.analysis.validation.recomputed import Recomputed, recompute
+from physim.analysis.validation.recorded_distances import exact_distances
+from physim.analysis.validation.rerun import Rerun, compare_runs
+from physim.errors import RecordError, plural
+from physim.record import Record
+from physim.record.layout import OPTIONAL
+from physim.world.scene import Body
+
+FREE, CONTACTS, DISAGREE = 0, 1, 3
+"""Exit codes of the verdict."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """What was validated."""
+
+    name: str
+    source: str
+    """file of the record, or what was run"""
+    seed: int
+    controller: str
+    bodies: tuple[Body, ...]
+    robots: int
+    dt: float
+    """[s]"""
+    samples: int
+    seconds: float
+    """[s] simulated"""
+    planned: float
+    """[s]"""
+    ended: str
+    versions: dict[str, str]
+    given: tuple[tuple[str, str], ...]
+    """parts that came from Python in place of or beside what the world names: kind and name"""
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Everything that `validate` finds out about one run."""
+
+    run: Run
+    comparison: Comparison
+    contacts: tuple[ContactReport, ...]
+    """at samples, where the engine sees them"""
+    grazes: tuple[SweptContactReport, ...]
+    """between two samples"""
+    near_misses: NearMisses
+    motion: Motion
+    """whether robots that touch nothing moved as commanded"""
+    origin: Origin
+    """whether the record is that of the world inside it"""
+    recomputed: Recomputed
+    """decisions, commands and the end of the run, computed anew"""
+    expectations: tuple[Held, ...]
+    """what the world inside expects of a run, as far as it can be said of this one"""
+    deep: tuple[Deep, ...]
+    """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
+    rerun: Rerun | None = None
+    """the run simulated again, where it was"""
+
+    @property
+    def names(self) -> list[str]:
+        """Name of every body by id."""
+        return [body.name for body in self.run.bodies]
+
+    @property
+    def mispredicted(self) -> tuple[ContactReport, ...]:
+        """Contacts that came in another step than the last decision before them foretold."""
+        return tuple(one for one in self.contacts if one.prediction.verdict == DISAGREES)
+
+    @property
+    def unexplained(self) -> int:
+        """Disagreements of the checks without a cause."""
+        return self.comparison.unexplained + len(self.mispredicted)
+
+    @property
+    def verdict(self) -> str:
+        """``contact-free``, ``contacts: N of P pairs`` or ``checks disagree: ...``.
+
+        Contacts between samples are counted apart: ``contacts: N of P pairs at samples, M between
+        samples``. What the world expects and did not get stands behind: ``; not as expected:
+        finished``.
+        """
+        if found := self._disagreeing():
+            return f"checks disagree: {'; '.join(found)}"
+        missed = ", ".join(one.key for one in self.missed if one.key != "contacts")
+        return self._touching() + (f"; not as expected: {missed}" if missed else "")
+
+    def _disagreeing(self) -> list[str]:
+        """By what the checks disagree, with the first place where it is one of many."""
+        found = [f"{self.unexplained} unexplained"] if self.unexplained else []
+        if count := len(self.motion.strays):
+            times = "once" if count == 1 else f"{count} times"
+            found.append(f"poses do not follow the commands, {times}")
+        found += self.origin.differences[:1]
+        if wrong := self.recomputed.mismatches:
+            found.append(f"{plural(len(wrong), 'wrong value')}, {wrong[0].line(self.names)}")
+        if self.rerun is not None and self.rerun.difference is not None:
+            difference = self.rerun.difference.line(self.names)
+            found.append(f"simulated again it is another run, {difference}")
+        return found
+
+    def _touching(self) -> str:
+        contacts = f"contacts: {len(self.contacts)}"
+        if self.contacts:
+            contacts += f" of {self.pairs} pair{'s' if self.pairs != 1 else ''}"
+        if self.grazes:
+            return f"{contacts} at samples, {len(self.grazes)} between samples"
+        return contacts if self.contacts else "contact-free"
+
+    @property
+    def missed(self) -> tuple[Held, ...]:
+        """What the world expects of a run and did not get."""
+        return tuple(one for one in self.expectations if not one.held)
+
+    @property
+    def pairs(self) -> int:
+        """Number of pairs of bodies that touched at samples."""
+        return len({(one.a, one.b) for one in self.contacts})
+
+    @property
+    def code(self) -> int:
+        """Exit code: 0 contact-free and as expected, 1 contacts or not as expected, 3 checks
+        disagree."""
+        if self._disagreeing():
+            return DISAGREE
+        return CONTACTS if self.contacts or self.grazes or self.missed else FREE
+
+
+def validate(record: Record, *, source: str | None = None) -> Validation:
+    """Validate a record that holds the poses of every step, and all tables.
+
+    ``source`` says in the report where it came from: its file, when absent.
+
+    Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
+    interrupted or killed is judged as far as it is recorded.
+    """
+    check_complete(record)
+    inside = world_inside(record)
+    analytic = analytic_contacts(record)
+    table = DecisionTable(record)
+    exact = exact_distances(record)
+    comparison = compare(record, analytic, exact)
+    contacts = contact_reports(record, analytic, table, Predictor(record, table))
+    return Validation(
+        _run(record, source), comparison, contacts, swept_contact_reports(record, table),
+        near_misses(record, analytic, table, exact), check_motion(record, table),
+        compare_with_world(record, inside), recompute(record, inside, table), _expectations(record),
+        deep_contacts(record),
+    )  # fmt: skip
+
+
+def confusions(validation: Validation) -> list[tuple[str, Confusion]]:
+    """Rows of the confusion table with their labels; kinds of pairs that do not exist left out."""
+    comparison = validation.comparison
+    rows = []
+    for kind, label in (("robots", "robot and robot"), ("boundaries", "robot and boundary")):
+        for when, tables in (
+            ("at samples", comparison.at_samples), ("between, swept", comparison.over_steps)
+        ):  # fmt: skip
+            if sum(tables[kind]):
+                rows.append((f"{label}, {when}", tables[kind]))
+    return rows
+
+
+def validate_again(record: Record, again: Record, source: str) -> Validation:
+    """Validate a run by the same run simulated again, which has what its record lacks.
+
+    What the record does have is held against that.
+    """
+    found, counts = validate(again, source=source), Mismatches(record)
+    check_counts(record, counts)
+    run = replace(
+        found.run, ended=record.ended, versions=record.versions, given=record.given,
+        controller=_controller(record),
+    )  # fmt: skip
+    wrong = (*counts.found, *found.recomputed.mismatches)
+    return replace(
+        found, run=run, origin=compare_with_world(record, world_inside(record)),
+        recomputed=replace(found.recomputed, mismatches=wrong),
+        rerun=compare_runs(record, again),
+    )  # fmt: skip
+
+
+def _expectations(record: Record) -> tuple[Held, ...]:
+    """What the world expects; whether all arrive cannot be said of a run that was cut short."""
+    cut = record.ended in ("running", "interrupted") and record.steps_run < record.steps_planned
+    held = expectations(record)
+    return tuple(one for one in held if not (cut and one.key == "finished"))
+
+
+def missing(record: Record) -> str:
+    """What a record lacks, so that its run has to be simulated again; empty where it has all."""
+    if record.record_every > 1 and record.steps_run > 0:
+        return f"poses of every {record.record_every}. step only"
+    tables = [table for table in OPTIONAL if table not in record.tables]
+    return f"no table {', '.join(tables)}" if tables else ""
+
+
+def check_complete(record: Record) -> None:
+    """Raise RecordError unless all tables and the poses of every step of the run are there."""
+    where = record.path or "record in memory"
+    if told := missing(record):
+        raise RecordError(
+            f"{where}: {told}; every step and all tables are needed (physim validate simulates "
+            "such a run again)"
+        )
+    steps = record.steps
+    if not len(steps):
+        raise RecordError(f"{where}: truncated: no samples; make the record again")
+    gap = np.flatnonzero(np.diff(steps) != 1)
+    if len(gap):
+        raise RecordError(
+            f"{where}: step {steps[gap[0]] + 1} has no sample, the record has those of steps "
+            f"{steps[gap[0]]} and {steps[gap[0] + 1]}; make the record again"
+        )
+    if len(steps) != record.steps_run + 1 or steps[0] != 0 or steps[-1] != record.steps_run:
+        raise RecordError(
+            f"{where}: truncated: {len(steps)} samples for {record.steps_run} steps; "
+            f"{record.steps_run + 1} are needed; make the record again"
+        )
+
+
+def _run(record: Record, source: str | None) -> Run:
+    return Run(
+        record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
+        record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
+        record.steps_planned * record.dt, record.ended, record.versions, record.given,
+    )  # fmt: skip
+
+
+def _controller(record: Record) -> str:
+    """Name of the controller: what decided, or that of the world's text."""
+    if record.controller:
+        return record.controller
+    return record.world.controller.type if record.world_text.strip() else "not named in the record"

@@ -1,0 +1,1 @@
+"""New worlds: from templates, and from tracks, maps and drawings."""

@@ -1,0 +1,7 @@
+"""Worlds from what people have: race-track CSV, ROS map, SVG drawing, WKT and GeoJSON."""
+
+from physim.authoring.importing.drawing import ImportSourceError, Options
+from physim.authoring.importing.importing import Imported, import_world
+from physim.authoring.importing.source import FORMATS
+
+__all__ = ["FORMATS", "ImportSourceError", "Imported", "Options", "import_world"]

@@ -1,0 +1,234 @@
+"""The area that drawn lines enclose: checked, closed where ends nearly meet, and chosen.
+
+What is too small or too crooked to become a world is found before any shape is made of it.
+Lines away from the area of the robots are dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations, compress
+from operator import not_
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused
+from physim.geometry.shapes import FloatArray
+
+SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
+"""[m] extent below which a place is refused, and above which its scale is doubted"""
+GRAIN = 2.0 * 10.0**-DIGITS
+"""[m] extent up to which a shape that became a point or a line was but a grain"""
+
+
+def check_sound(path: Path, drawing: Drawing) -> None:
+    """Refuse a place, path, obstacle or robot of which no shape can be made.
+
+    Walls and obstacles that vanish when they are rounded to the millimetre are left out and listed.
+    Raises ImportSourceError.
+    """
+    if drawing.boundaries:
+        check_size(path, np.ptp(np.vstack(drawing.boundaries), axis=0))
+    short = [line for line in drawing.boundaries if len(line) < 2]
+    drawing.changes += listed(
+        short, lambda line: f"boundary at {place(line[0])}: shorter than a millimetre, left out"
+    )
+    drawing.boundaries = [line for line in drawing.boundaries if len(line) > 1]
+    named = [(f"path of {name}", line) for name, line in drawing.paths.items()]
+    for what, line in (("path", drawing.reference), *named):
+        if line is not None and len(line) < 2:
+            raise refused(
+                path,
+                f"the {what} at {place(line[0])} is shorter than a millimetre; check --scale",
+            )
+    for robot in drawing.robots:
+        if not _has_area(robot.outline):
+            raise refused(
+                path,
+                f"a robot {_at(robot.outline)}has no area; draw its outline, and check --scale",
+            )
+        _check_simple(path, "a robot", robot.outline)
+    drawing.obstacles = _obstacles(path, drawing)
+
+
+def check_size(path: Path, extent: FloatArray) -> None:
+    """Refuse a place whose ``extent`` (2,) [m] in x and y is too small for robots."""
+    if max(extent) < SMALLEST_PLACE:
+        raise refused(
+            path,
+            f"the place is {extent[0]:.3g} x {extent[1]:.3g} m; --scale M says how many metres a "
+            "unit of the source is",
+        )
+
+
+def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
+    """Obstacles with area; grains are listed, and what has none otherwise is refused."""
+    kept, grains = [], []
+    for ring in drawing.obstacles:
+        if _has_area(ring):
+            _check_simple(path, "an obstacle", ring)
+            kept.append(ring)
+        elif len(ring) and np.ptp(ring, axis=0).max() > GRAIN:
+            raise refused(path, f"an obstacle {_at(ring)}encloses no area; draw its outline")
+        else:
+            grains.append(ring)
+    drawing.changes += listed(
+        grains, lambda ring: f"obstacle {_at(ring)}is smaller than a millimetre, left out"
+    )
+    return kept
+
+
+def _check_simple(path: Path, what: str, ring: FloatArray) -> None:
+    """Refuse an outline that crosses or touches itself: its inside would be a guess."""
+    shape = shapely.Polygon(ring)
+    if not shape.is_valid:
+        reason = shapely.is_valid_reason(shape)
+        raise refused(
+            path,
+            f"{what} {_at(ring)}crosses or touches itself ({reason}); its corners must go once "
+            "round the outline",
+        )
+
+
+def _at(ring: FloatArray) -> str:
+    return f"at {place(ring[0])} " if len(ring) else ""
+
+
+def _has_area(ring: FloatArray) -> bool:
+    """Whether an outline (n, 2) [m] is more than a line."""
+    return len(ring) > 2 and bool(shapely.MultiPoint(ring).convex_hull.area > 1e-9)
+
+
+NEARLY = 0.01
+"""[-] Ends nearer than this share of the drawing's extent are taken to meet."""
+
+
+def faces_of(lines: list[FloatArray]) -> list[Any]:
+    """Shapely polygons of all areas that lines enclose."""
+    united = shapely.union_all([shapely.LineString(line) for line in lines])
+    return list(shapely.get_parts(shapely.polygonize([united])))
+
+
+def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[float, int, int]]]:
+    """Both ends (2,) [m] of every line that is not closed, and how far any two are apart [m].
+
+    The nearest two come first.
+    """
+    ends = [line[k] for line in lines if (line[0] != line[-1]).any() for k in (0, -1)]
+    gaps = [(float(np.hypot(*(ends[i] - ends[j]))), i, j)
+            for i, j in combinations(range(len(ends)), 2)]  # fmt: skip
+    return ends, sorted(gaps)
+
+
+def join_ends(lines: list[FloatArray]) -> list[str]:
+    """Close a drawing whose lines enclose nothing; says what was done. Changes ``lines``.
+
+    Lines that enclose an area already are left as they are.
+    """
+    if not lines or faces_of(lines):
+        return []
+    changes = _bridged(lines, NEARLY * float(np.ptp(np.vstack(lines), axis=0).max()))
+    if len(lines) != 2 or faces_of(lines):
+        return changes
+    first, second = lines
+    straight = np.hypot(*(first[0] - second[0])) + np.hypot(*(first[-1] - second[-1]))
+    crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
+    if crossed < straight:
+        second = second[::-1]
+    for a, b in ((first[0], second[0]), (first[-1], second[-1])):
+        lines.append(np.array([a, b]))
+        changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
+    return changes
+
+
+def _bridged(lines: list[FloatArray], near: float) -> list[str]:
+    """Bridge the gap from each loose end to the nearest other end within ``near`` [m]."""
+    changes = []
+    ends, gaps = loose_ends(lines)
+    used: set[int] = set()
+    for gap, i, j in gaps:
+        if gap > near or used & {i, j}:
+            continue
+        used |= {i, j}
+        if gap > 0.0:
+            lines.append(np.array([ends[i], ends[j]]))
+            changes.append(f"wall ends {gap:.3f} m apart at {place(ends[i])} joined")
+    return changes
+
+
+NEAR = 1e-6
+"""[m] A line this near the area bounds it."""
+
+
+def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) -> None:
+    """Find the area of a drawing; drop and list the lines that do not bound it.
+
+    The area is the one that `chosen_area` takes. Raises ImportSourceError when nothing is enclosed,
+    or neither the reference path nor, without one, the point ``inside``.
+    """
+    if not drawing.boundaries:
+        raise refused(path, "no boundary found; a world needs lines that enclose an area")
+    faces = faces_of(drawing.boundaries)
+    if not faces:
+        raise refused(path, "the boundaries enclose no area; " + _open_ends(drawing.boundaries))
+    face = chosen_area(faces, drawing, inside)
+    if drawing.reference is not None:
+        if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
+            raise refused(path, "no area that the boundaries enclose contains the path")
+    elif inside is not None and not face.contains(shapely.Point(inside)):
+        raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
+    lines, rings = drawing.boundaries, drawing.obstacles
+    near = [face.distance(shapely.LineString(line)) <= NEAR for line in lines]
+    solid = [face.intersects(shapely.Polygon(ring)) for ring in rings]
+    drawing.changes += listed(list(compress(lines, map(not_, near))), _dropped_boundary)
+    drawing.changes += listed(list(compress(rings, map(not_, solid))), _dropped_obstacle)
+    drawing.boundaries = list(compress(lines, near))
+    drawing.obstacles = list(compress(rings, solid))
+    free = face.difference(shapely.union_all([shapely.Polygon(r) for r in drawing.obstacles]))
+    if free.is_empty:
+        raise refused(path, "the obstacles leave no place for robots; they cover the whole area")
+    drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
+
+
+def chosen_area(areas: Sequence[Any], drawing: Drawing, inside: tuple[float, float] | None) -> Any:
+    """The shapely polygon that is meant for the robots.
+
+    The one that holds the most of the reference path, else the point ``inside`` or is nearest to
+    it, else the most robots, else the largest.
+    """
+    if drawing.reference is not None:
+        line = shapely.LineString(drawing.reference)
+        return max(areas, key=lambda area: (area.intersection(line).length, area.area))
+    if inside is not None:
+        point = shapely.Point(inside)
+        return min(areas, key=lambda area: (area.distance(point), -area.area))
+    robots = [shapely.MultiPoint(one.outline).convex_hull.centroid for one in drawing.robots]
+    return max(areas, key=lambda area: (sum(area.contains(r) for r in robots), area.area))
+
+
+def _dropped_boundary(points: FloatArray) -> str:
+    length = shapely.LineString(points).length
+    return (
+        f"boundary of {length:.2f} m from {place(points[0])} to {place(points[-1])}: away from the "
+        "area of the robots, dropped"
+    )
+
+
+def _dropped_obstacle(ring: FloatArray) -> str:
+    polygon = shapely.Polygon(ring)
+    return (
+        f"obstacle of {polygon.area:.3f} m² at {place(polygon.centroid.coords[0])}: away from the "
+        "area of the robots, dropped"
+    )
+
+
+def _open_ends(boundaries: list[FloatArray]) -> str:
+    """Say which ends of lines lie nearest to each other without meeting."""
+    ends, gaps = loose_ends(boundaries)
+    if not gaps:
+        return "draw them closed"
+    gap, i, j = gaps[0]
+    return f"the nearest ends, {place(ends[i])} and {place(ends[j])}, are {gap:.3g} m apart"

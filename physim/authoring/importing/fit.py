@@ -1,0 +1,209 @@
+"""How large the robots may be, and which stretch of the reference path they can use.
+
+The shipped controller is tuned for boxes of about 1.8 × 1.0 m. Where the path has not the room for
+them, everything shrinks by one factor: robots, speeds, and every setting that is a length or a
+speed. Angles, times and gains stay, so the scaled group moves as the large one would.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import Drawing, Options, place, refused, rounded
+from physim.authoring.importing.lines import (
+    clearances,
+    directions_at,
+    length_of,
+    points_at,
+    samples,
+    stretch,
+)
+from physim.geometry.shapes import FloatArray
+
+LENGTH, WIDTH = 1.8, 1.0
+"""[m] the box at size 1"""
+ROOM = 1.8
+"""[m] clearance that the box needs at size 1: half its diagonal, 1.03 m, and as much again as
+the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
+END_ROOM = 1.6
+"""[-] times the room, where the path begins and ends"""
+SMALLEST = 0.01
+MOST_TRIMMED = 0.3
+"""[-] share of the path that may be left out at either end to get away from a wall"""
+SLIVER = 1e-6
+"""[m] of a path outside the area that are rounding"""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Factor ``size`` on the group, box (length, width) [m], path (n, 2), clearance needed [m]."""
+
+    size: float
+    box: tuple[float, float]
+    reference: FloatArray
+    room: float
+    narrowest: float
+    narrowest_at: FloatArray
+
+
+def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
+    """Choose the largest size, at most 1, at which the group passes everywhere along the path.
+
+    With ``options.robot`` or drawn robots the size is theirs. Raises ImportSourceError when the
+    path leaves the area or has no room at all.
+    """
+    reference, area = drawing.reference, drawing.area
+    assert reference is not None  # the pipeline finds one before
+    reference = _inside(drawing, reference)
+    length = length_of(reference)
+    at = samples(length, min(0.1, length / 500.0))
+    gaps = clearances(points_at(reference, at), area)
+    box = _given_box(drawing, options)
+    if box is not None:
+        size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
+        room = room_of(box)
+        ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
+        ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends))
+    else:
+        size, ends = _largest_size(path, at, gaps, reference)
+        box = (float(f"{LENGTH * size:.2g}"), float(f"{WIDTH * size:.2g}"))
+        room = ROOM * size
+    first, last = ends
+    inner = gaps[first : last + 1]
+    k = first + _narrowest(at[first : last + 1], inner)
+    where = points_at(reference, at[k])
+    if inner.min() <= 0.5 * box[1]:
+        raise refused(
+            path,
+            f"the path passes {max(inner.min(), 0.0):.3g} m from a boundary at {place(where)}; a "
+            f"robot {box[1]:g} m wide does not fit; move the path, or give --robot LENGTH,WIDTH",
+        )
+    trimmed = stretch(reference, float(at[first]), float(at[last]))
+    for name, left_out in (("start", at[first]), ("end", length - at[last])):
+        if left_out > 0.01:
+            drawing.changes.append(
+                f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
+            )
+    return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
+
+
+def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
+    """The path without what lies outside the area at either end, which is listed.
+
+    It stays as it is where more than ``MOST_TRIMMED`` of it would go.
+    """
+    line, length = shapely.LineString(reference), length_of(reference)
+    parts = shapely.get_parts(line.intersection(drawing.area))
+    within = shapely.points(shapely.get_coordinates(parts[shapely.length(parts) > SLIVER]))
+    if not within.size:
+        return reference
+    at = shapely.line_locate_point(line, within)
+    ends_inside = shapely.covers(drawing.area, shapely.points(reference[[0, -1]]))
+    begin = 0.0 if ends_inside[0] else float(at.min())
+    end = length if ends_inside[1] else float(at.max())
+    if max(begin, length - end) > MOST_TRIMMED * length or length - (end - begin) < SLIVER:
+        return reference
+    for what, station, left_out, side in (
+        ("enters", begin, begin, "before"),
+        ("leaves", end, length - end, "after"),
+    ):
+        if left_out > SLIVER:
+            where = place(points_at(reference, station))
+            drawing.changes.append(
+                f"path {what} the area at {where}: the {left_out:.2f} m {side} that left out"
+            )
+    return stretch(reference, begin, end)
+
+
+def room_of(box: tuple[float, float]) -> float:
+    """Clearance [m] that lets a robot of given length and width turn, and a margin."""
+    return 0.5 * hypot(*box) + 0.15 * box[0] / LENGTH
+
+
+def _narrowest(at: FloatArray, gaps: FloatArray) -> int:
+    """Sample with the least clearance, away from the ends, where a wall ahead is nearest."""
+    sideways = gaps < 0.95 * (np.minimum(at - at[0], at[-1] - at) + gaps[[0, -1]].min())
+    return int(np.argmin(np.where(sideways, gaps, np.inf) if sideways.any() else gaps))
+
+
+def _given_box(drawing: Drawing, options: Options) -> tuple[float, float] | None:
+    """Length and width of the robots, where the user gave or drew them."""
+    if options.robot is not None:
+        return options.robot
+    if drawing.robots:
+        width, length = np.max([_spans(robot.outline) for robot in drawing.robots], axis=0)
+        return float(length), float(width)
+    return None
+
+
+def _spans(outline: FloatArray) -> FloatArray:
+    """Shorter and longer side [m] of the smallest rectangle about an outline."""
+    rectangle = shapely.Polygon(outline).minimum_rotated_rectangle
+    corners = shapely.get_coordinates(rectangle)[:3]
+    return np.sort(np.hypot(*np.diff(corners, axis=0).T))
+
+
+def _largest_size(
+    path: Path, at: FloatArray, gaps: FloatArray, reference: FloatArray
+) -> tuple[float, tuple[int, int]]:
+    size = 1.0
+    while size >= SMALLEST:
+        rounded_size = float(f"{size:.2g}")
+        ends = _ends(at, gaps, ROOM * rounded_size)
+        if ends is not None:
+            return rounded_size, ends
+        size *= 0.96
+    inner = slice(int(MOST_TRIMMED * len(at)), int((1.0 - MOST_TRIMMED) * len(at)) + 1)
+    k = inner.start + int(np.argmin(gaps[inner]))
+    where = place(points_at(reference, at[k]))
+    beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"
+    raise refused(path, f"the path {beyond} at {where}; it must keep away from the boundaries")
+
+
+def _ends(at: FloatArray, gaps: FloatArray, room: float) -> tuple[int, int] | None:
+    """First and last sample between which the clearance is at least ``room`` everywhere."""
+    roomy = np.flatnonzero(gaps >= room - 1e-9)
+    if not roomy.size:
+        return None
+    first, last = int(roomy[0]), int(roomy[-1])
+    wide = np.flatnonzero(gaps >= END_ROOM * room)  # a wall ahead is further away, if it can be
+    if wide.size:
+        near = 2.0 * room
+        first = int(wide[0]) if at[wide[0]] - at[first] <= near else first
+        last = int(wide[-1]) if at[last] - at[wide[-1]] <= near else last
+    most = MOST_TRIMMED * at[-1]
+    if at[first] > most or at[-1] - at[last] > most or at[last] - at[first] < 4.0 * room:
+        return None
+    return (first, last) if (gaps[first : last + 1] >= room - 1e-9).all() else None
+
+
+def _clear_end(
+    reference: FloatArray,
+    area: Any,
+    at: FloatArray,
+    gaps: FloatArray,
+    room: float,
+    ends: tuple[int, int],
+) -> int:
+    """Last sample from which the way on is free for about a robot's length, ``END_ROOM * room``.
+
+    To the sides, too, as far as the last stretch has it. The end stays where no sample of the
+    stretch, twice ``room`` long, will do.
+    """
+    first, last = ends
+    reach = END_ROOM * room
+    tail = np.flatnonzero(at >= max(at[last] - 2.0 * room, at[first] + 4.0 * room))
+    tail = tail[(tail <= last) & (at[tail] >= (1.0 - MOST_TRIMMED) * at[-1])]
+    if not tail.size:
+        return last
+    points = points_at(reference, at[tail])
+    ahead = points + reach * directions_at(reference, at[tail], room)
+    free = shapely.covers(area, shapely.linestrings(np.stack([points, ahead], axis=1)))
+    clear = tail[free & (gaps[tail] >= min(reach, float(gaps[tail].max())) - 1e-6)]
+    return int(clear[-1]) if clear.size else last

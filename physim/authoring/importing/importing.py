@@ -1,0 +1,275 @@
+"""From a source to a world: read, enclose, find a path, place the robots, write, and check.
+
+The world file is pleasant to read: every length to the millimetre, sources named.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from math import ceil
+from pathlib import Path
+
+import numpy as np
+
+from physim.authoring.importing.drawing import (
+    Drawing,
+    Options,
+    number,
+    place,
+    printable,
+    refused,
+)
+from physim.authoring.importing.enclosure import LARGEST_PLACE, check_size, check_sound, enclose
+from physim.authoring.importing.fit import Fit, fit
+from physim.authoring.importing.lines import length_of
+from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
+from physim.authoring.importing.source import format_of
+from physim.authoring.templates.text import flow_list
+from physim.errors import WorldError, plural
+from physim.geometry.shapes import FloatArray
+from physim.world import World
+from physim.world.file import parse_world
+from physim.world.file.schema import FILE
+from physim.world.layout.scene_builder import build_scene
+from physim.world.yaml_text import scalar_text
+
+LINE = 100
+SETTINGS = {
+    "look_ahead": 2.0,
+    "safe_distance": 1.0,
+    "arrival_tolerance": 0.06,
+    "distance_low": 0.5,
+    "distance_high": 0.8,
+    "boundary_low": 0.15,
+}
+"""[m] settings of the shipped controller that are lengths, at size 1"""
+SPACE = 1.35
+"""[-] duration over the time that the path takes at the formation's speed"""
+
+
+def world_text(name: str, source: str, drawing: Drawing, found: Fit, robots: list[Placed]) -> str:
+    """YAML text of the world; loading it checks it."""
+    lines = [f"# yaml-language-server: $schema={FILE}", *_heading(source, drawing)]
+    group = "One robot" if len(robots) == 1 else f"{len(robots)} robots"
+    duration = 10.0 * ceil((length_of(found.reference) / found.size * SPACE + 20.0) / 10.0)
+    lines.append(f"name: {scalar_text(name)}")
+    lines.append(f"description: {scalar_text(f'{group} in a place imported from {source}.')}")
+    lines.append(f"time: {{step: 0.01, duration: {duration:.1f}}}  # [s]")
+    lines.append("boundaries:  # [m] polylines, points x, y")
+    for boundary in drawing.boundaries:
+        lines += _points("  - ", boundary)
+    if drawing.obstacles:
+        lines.append("obstacles:  # [m] closed, solid")
+        for obstacle in drawing.obstacles:
+            lines += _points("  - ", obstacle)
+    lines.append("reference_path:  # [m]")
+    lines += _points("  ", found.reference)
+    lines.append("robots:  # lengths [m] in the robot's frame, pose [m, m, rad], path [m]")
+    named: dict[int, str] = {}
+    for robot in robots:
+        anchor = _anchor(robot, robots, named) if robot.offset is None else ""
+        lines += _robot(robot, found.size, anchor)
+    lines += _control(found.size)
+    return "\n".join(lines) + "\n"
+
+
+def _heading(source: str, drawing: Drawing) -> Iterator[str]:
+    yield from _comment(f"Imported from {source}: {drawing.kind}.")
+    for text in (*drawing.facts, *drawing.changes):
+        yield from _comment(f"- {text}")
+
+
+def _comment(text: str) -> Iterator[str]:
+    indent = "#   " if text.startswith("- ") else "# "
+    yield from textwrap.wrap(
+        printable(text), LINE, initial_indent="# ", subsequent_indent=indent, break_long_words=True
+    )
+
+
+def _anchor(robot: Placed, robots: list[Placed], named: dict[int, str]) -> str:
+    """Anchor of a path that several robots follow, or the alias of one written before."""
+    key = id(robot.path)
+    if key in named:
+        return f"*{named[key]}"
+    if sum(other.path is robot.path for other in robots) == 1:
+        return ""
+    named[key] = f"lane{len(named) + 1}"
+    return f"&{named[key]} "
+
+
+def _points(head: str, points: FloatArray) -> Iterator[str]:
+    pieces = [f"[{number(float(x))}, {number(float(y))}]" for x, y in points]
+    return flow_list(head, pieces, LINE)
+
+
+def _robot(robot: Placed, size: float, anchor: str) -> Iterator[str]:
+    yield f"  - name: {scalar_text(robot.name)}"
+    if isinstance(robot.footprint, tuple):
+        length, width = robot.footprint
+        yield f"    footprint: {{length: {number(length)}, width: {number(width)}}}"
+    else:
+        yield from _points("    footprint: ", robot.footprint)
+    x, y, heading = robot.pose
+    yield f"    pose: [{number(x)}, {number(y)}, {number(heading)}]"
+    if robot.offset is not None:
+        yield f"    path: {{offset: {number(robot.offset)}}}"
+    elif anchor.startswith("*"):
+        yield f"    path: {anchor}"
+    else:
+        yield from _points(f"    path: {anchor}", robot.path)
+    if size != 1.0:
+        yield f"    limits: {{v: {_scaled(1.5, size)}, omega: 1.6}}  # [m/s], [rad/s]"
+
+
+def _control(size: float) -> Iterator[str]:
+    if size != 1.0:
+        yield f"# Lengths and speeds below are the usual ones times {size:g}, as the robots are."
+    limits = f"[{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
+    speeds = f"speed: {_scaled(1.0, size)}, limits: {limits}, range: {_scaled(10.0, size)}"
+    yield f"formation: {{gain: 0.05, {speeds}}}  # [1/s, m/s, m]"
+    if size != 1.0:
+        yield "controller:  # [m]"
+        yield "  type: mode_switching"
+        for key, value in SETTINGS.items():
+            yield f"  {key}: {_scaled(value, size)}"
+    else:
+        yield "controller: {type: mode_switching}"
+    yield "expect: {contacts: 0, finished: true}"
+
+
+def _scaled(value: float, size: float) -> str:
+    scaled = float(f"{value * size:.3g}")
+    text = f"{scaled:.9f}".rstrip("0")
+    return text + "0" if text.endswith(".") else text
+
+
+READERS = {
+    "track": ("physim.authoring.importing.track", "read_track"),
+    "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
+    "svg": ("physim.authoring.importing.svg", "read_svg"),
+    "wkt": ("physim.authoring.importing.polygons", "read_wkt"),
+    "geojson": ("physim.authoring.importing.polygons", "read_geojson"),
+}
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A world made from a source: its text, the same loaded, and what was done to get there.
+
+    ``facts`` say what was read and how; ``changes`` every line dropped or repaired.
+    """
+
+    text: str
+    world: World
+    kind: str
+    facts: tuple[str, ...]
+    changes: tuple[str, ...]
+
+
+def import_world(source: Path, options: Options | None = None) -> Imported:
+    """Make a world of a race-track CSV, ROS map, SVG drawing, WKT or GeoJSON file.
+
+    The world has been loaded and its scene built, so `physim run` takes it. Raises
+    ImportSourceError, which says what is wrong with the source and where.
+    """
+    options = options or Options()
+    form = options.format or format_of(source)
+    module, name = READERS[form]
+    reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
+    drawing = reader(source, options)
+    check_sound(source, drawing)
+    if drawing.area is None:
+        enclose(source, drawing, options.origin)
+    _check_extent(source, drawing)
+    _find_route(source, drawing, options)
+    found = fit(source, drawing, options)
+    drawn = bool(drawing.robots) and options.robots is None
+    if drawing.robots and not drawn:
+        drawing.changes.append(
+            f"{plural(len(drawing.robots), 'robot')} as drawn left out (--robots)"
+        )
+    if drawn:
+        robots = as_drawn(drawing, found)
+    else:
+        found, robots = fill_in(source, drawing, found, options)
+    drawing.facts += _about(drawing, found, robots, options)
+    drawing.facts += stop_warnings(found.reference, robots, found.size)
+    text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
+    return Imported(
+        text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
+    )
+
+
+def _check_extent(source: Path, drawing: Drawing) -> None:
+    """Refuse a place too small for robots, and report one that is hardly in metres."""
+    x0, y0, x1, y1 = drawing.area.bounds
+    check_size(source, np.array([x1 - x0, y1 - y0]))
+    if max(x1 - x0, y1 - y0) > LARGEST_PLACE:
+        drawing.changes.append(
+            f"mind the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
+            "millimetres)"
+        )
+
+
+def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
+    """Find a path where none is drawn, or where the user asks for another."""
+    if drawing.reference is not None:
+        if options.origin is None and options.goal is None:
+            return
+        drawing.changes.append("path of the source left out: --from and --to ask for another")
+    find = import_module("physim.authoring.importing.route").find_route
+    find(source, drawing, options)
+
+
+def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options) -> list[str]:
+    points = sum(len(line) for line in drawing.boundaries)
+    walls = (
+        f"{plural(len(drawing.boundaries), 'boundary', 'boundaries')} of {plural(points, 'point')}"
+    )
+    corners = sum(len(ring) for ring in drawing.obstacles)
+    if corners:
+        walls += f", {plural(len(drawing.obstacles), 'obstacle')} of {corners} corners"
+    length = length_of(found.reference)
+    facts = [
+        f"{walls}, to the millimetre",
+        f"reference path of {length:.2f} m, {len(found.reference)} points, narrowest at "
+        f"{place(found.narrowest_at)}: {found.narrowest / 2.0:.2f} m to the nearest boundary",
+    ]
+    count = plural(len(robots), "robot")
+    if drawing.robots and options.robots is None:
+        return [*facts, f"{count} as drawn"]
+    lanes = plural(min(options.lanes or 1, len(robots)), "lane")
+    chosen = "as asked (--robot)"
+    if options.robot is None and drawing.robots:
+        drawn = len(drawing.robots)
+        which = "the robot drawn" if drawn == 1 else f"the largest of {drawn} robots drawn"
+        chosen = f"the size of {which} (--robot)"
+    elif options.robot is None:
+        chosen = "as large as has room, at most 1.8 x 1.0 m (--robot)"
+    box = f"{number(found.box[0])} x {number(found.box[1])} m"
+    return [*facts, f"{count} in {lanes}, {box}, {chosen}"]
+
+
+def _name(source: Path) -> str:
+    return (printable(source.stem).strip() or "imported")[:100]
+
+
+def _checked(source: Path, text: str) -> World:
+    """Load the world and build its scene, as a run would."""
+    if len(text) > 5_000_000:
+        raise refused(
+            source,
+            f"the world would have {len(text) / 1e6:.1f} MB, and a world file has at most 5 MB; "
+            "use a larger --tolerance",
+        )
+    try:
+        world = parse_world(text, "the world")
+        build_scene(world)
+    except WorldError as error:
+        first = error.faults[0]
+        more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
+        raise refused(source, f"the world made of it cannot run: {first}{more}") from None
+    return world

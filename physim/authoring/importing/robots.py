@@ -1,0 +1,314 @@
+"""Robots on their paths: where they start and where they stop, filled in or as they are drawn.
+
+A group that is filled in goes abreast in lanes, in rows one behind the other, apart at the start
+and, where it can be, at its stops: in a bend two may come to stand too near each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from math import atan2, cos, pi, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import (
+    Drawing,
+    DrawnRobot,
+    ImportSourceError,
+    Options,
+    number,
+    refused,
+    rounded,
+)
+from physim.authoring.importing.fit import Fit
+from physim.authoring.importing.lines import (
+    Lane,
+    Pose,
+    directions_at,
+    lane,
+    length_of,
+    points_at,
+    pose_at,
+    station_of,
+    stretch,
+)
+from physim.authoring.templates.text import ROW, lane_offsets
+from physim.geometry.polygon import counter_clockwise
+from physim.geometry.shapes import FloatArray
+
+WAITING = 0.8
+"""[m] at size 1: robots that stop nearer than this keep each other in danger mode"""
+CLEAR = 0.9
+"""[m] at size 1: the gap between robots at their stops that a group is given where it can be"""
+
+Footprint = tuple[float, float] | FloatArray
+"""Length and width [m], or an outline (n, 2) [m] in the robot's frame"""
+
+
+@dataclass(frozen=True)
+class Placed:
+    """One robot of the world, and the path (n, 2) [m] that it follows."""
+
+    name: str
+    footprint: Footprint
+    pose: Pose
+    path: FloatArray
+    offset: float | None
+    """[m] of its path from the reference path, left positive; None where points are needed"""
+
+
+def shape_at(footprint: Footprint, pose: Pose) -> Any:
+    """Outline of a robot as a shapely polygon, world frame."""
+    x, y, heading = pose
+    outline = footprint
+    if isinstance(outline, tuple):
+        a, b = 0.5 * outline[0], 0.5 * outline[1]
+        outline = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
+    c, s = np.cos(heading), np.sin(heading)
+    return shapely.Polygon(outline @ np.array([[c, s], [-s, c]]) + (x, y))
+
+
+def stop_stations(
+    reference: FloatArray, lines: Sequence[FloatArray], poses: Sequence[Pose]
+) -> FloatArray:
+    """(N,) [m] station on its own path at which each robot stops, as a run has it.
+
+    The robot that starts furthest along the reference path stops at its path's end, the others as
+    far before theirs as they start behind it.
+    """
+    at = shapely.points([pose[:2] for pose in poses])
+    lead = shapely.line_locate_point(shapely.LineString(reference), at)
+    ends = np.array([length_of(line) for line in lines])
+    return np.asarray(np.maximum(ends - (lead.max() - lead), 0.0))
+
+
+def least_stop_gap(
+    reference: FloatArray, robots: Sequence[Placed], window: float
+) -> tuple[float, int, int]:
+    """Least distance [m] between two robots at their stops, and which two; infinite for one.
+
+    Each heads along the chord of its path over ``window`` [m] about its stop.
+    """
+    lines, poses = [one.path for one in robots], [one.pose for one in robots]
+    stops = stop_stations(reference, lines, poses)
+    shapes = [
+        shape_at(one.footprint, pose_at(one.path, station, window))
+        for one, station in zip(robots, stops, strict=True)
+    ]
+    pairs = combinations(range(len(shapes)), 2)
+    gaps = ((float(shapes[i].distance(shapes[j])), i, j) for i, j in pairs)
+    return min(gaps, default=(float("inf"), 0, 0))
+
+
+def stop_warnings(reference: FloatArray, robots: Sequence[Placed], size: float) -> list[str]:
+    """Say which two robots stop so near each other that they may wait for ever; else nothing."""
+    gap, i, j = least_stop_gap(reference, robots, size)
+    if gap >= WAITING * size:
+        return []
+    return [
+        f"mind: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
+        "of the path, and may wait for each other and never arrive; another end of the path "
+        "(--to), fewer --robots or --lanes 1"
+    ]
+
+
+COLUMN = 3.2
+"""[m] from robot to robot of a lane at size 1, where no lane is beside it"""
+GAP = 0.5
+"""[m] least distance between two robots at the start at size 1"""
+WALL_GAP = 0.15
+"""[m] least distance of a robot to a wall at the start at size 1"""
+SPREADS = (1.0, 1.25, 1.5)
+"""[-] how many times as far apart as need be robots start, where they would stop too near"""
+CUT, MOST_CUT = 0.4, 6.4
+"""[m] steps in which a path is shortened until its robots stop apart, and how far, at size 1"""
+MOST_CUT_SHARE = 0.15
+"""[-] share of the path by which it is shortened for that at most"""
+MOST_SHARE = 0.6
+"""[-] share of the path that the group may take up at the start"""
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Lanes of a group, its robots from the front to the rear, least gap at their stops [m]."""
+
+    found: Fit
+    lanes: list[Lane]
+    robots: list[Placed]
+    gap: float
+
+
+def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple[Fit, list[Placed]]:
+    """Place ``--robots`` boxes in ``--lanes`` lanes, the first of them furthest ahead.
+
+    Neighbouring lanes are staggered, so that the group arrives as it starts: no two stop abreast
+    of each other. Where two would stop near each other in a bend, the path ends before that.
+    Returns the fit with the path that they follow. Raises ImportSourceError when there is no room
+    for so many.
+    """
+    count = options.robots or options.lanes or 1
+    lanes = min(1 if options.lanes is None else options.lanes, count)
+    group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
+    drawing.changes += [
+        f"lane {one.offset:+.2f} m beside the path {narrowing}"
+        for one in sorted(group.lanes, key=lambda one: one.offset)
+        if (narrowing := one.narrowing())
+    ]
+    return group.found, group.robots
+
+
+def _group(
+    path: Path, area: Any, found: Fit, count: int, lanes: int, spread: float = 1.0
+) -> _Group:
+    """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
+    reference, size = found.reference, found.size
+    made = [
+        lane(reference, offset * size, area, found.room, size) for offset in lane_offsets(lanes)
+    ]
+    in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
+    step = spread * size * (COLUMN if in_one_file else ROW / lanes)
+    own = [made[i % lanes] for i in range(count)]
+    poses = _poses(path, area, found, own[::-1], step)[::-1]
+    robots = [
+        Placed(f"r{i + 1}", found.box, pose, one.line, one.plain_offset)
+        for i, (one, pose) in enumerate(zip(own, poses, strict=True))
+    ]
+    return _Group(found, made, robots, least_stop_gap(reference, robots, size)[0])
+
+
+def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
+    """The group on a path that ends earlier, where its robots would stop too near each other."""
+    found, wanted = group.found, CLEAR * group.found.size
+    if group.gap >= wanted:
+        return group
+    best, cut, apart = group, 0.0, 1.0
+    for spread, less in _tries(found):
+        line = stretch(found.reference, 0.0, length_of(found.reference) - less)
+        shorter = replace(found, reference=rounded(line))
+        count, lanes = len(group.robots), len(group.lanes)
+        try:
+            other = _group(path, drawing.area, shorter, count, lanes, spread)
+        except ImportSourceError:  # no room at the start on a shorter path
+            continue
+        if min(other.gap, wanted) > best.gap:
+            best, cut, apart = other, less, spread
+        if other.gap >= wanted:
+            break
+    if best is not group:
+        done = [f"path shortened by {cut:.2f} m more at its end"] if cut > 0.0 else []
+        done += [f"robots {apart:g} times as far apart as usual"] if apart > 1.0 else []
+        drawing.changes.append(
+            f"{', '.join(done)}: in the last bend two would stop {group.gap:.2f} m from each "
+            f"other, and do so {best.gap:.2f} m apart now"
+        )
+    return best
+
+
+def _tries(found: Fit) -> list[tuple[float, float]]:
+    """Spreads of a group, and by how much the path is shortened [m], in the order of trying."""
+    most = min(MOST_CUT * found.size, MOST_CUT_SHARE * length_of(found.reference))
+    cuts = np.arange(0.0, most, CUT * found.size)
+    return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
+
+
+def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
+    """Poses from the rear to the front: each as far back as the gaps allow."""
+    most = MOST_SHARE * length_of(found.reference)
+    inner = area.buffer(-WALL_GAP * found.size)
+    shapely.prepare(inner)
+    poses: list[Pose] = []
+    shapes: list[Any] = []
+    station = 0.0
+    for one in lanes:
+        while True:
+            if station > most:
+                raise _no_room(path, found, len(poses), len(lanes), most)
+            pose = _pose(found, one, station)
+            shape = shape_at(found.box, pose)
+            if inner.covers(shape) and not (
+                shapes and shapely.distance(shape, shapes).min() < GAP * found.size
+            ):
+                break
+            station += 0.1 * found.size
+        poses.append(pose)
+        shapes.append(shape)
+        station += step
+    return poses
+
+
+def _no_room(path: Path, found: Fit, placed: int, wanted: int, most: float) -> ImportSourceError:
+    """Error where only some of the robots, or none, start on the first ``most`` [m] of a path."""
+    box = f"{number(found.box[0])} x {number(found.box[1])} m"
+    where = f"on the first {most:.1f} m of the path"
+    if placed:
+        return refused(
+            path,
+            f"room for {placed} of {wanted} robots of {box} {where}; fewer --robots, more --lanes, "
+            "or a smaller --robot LENGTH,WIDTH",
+        )
+    return refused(
+        path,
+        f"no room for a robot of {box} {where}, {WALL_GAP * found.size:.2g} m clear of the walls; "
+        "a smaller --robot LENGTH,WIDTH, or another --from",
+    )
+
+
+def _pose(found: Fit, one: Lane, station: float) -> Pose:
+    """Place on a lane beside a station of the reference path, heading along the lane."""
+    beside = points_at(found.reference, station)
+    if one.offset != 0.0:
+        tx, ty = directions_at(found.reference, station, found.size)
+        beside = beside + one.offset * np.array([-ty, tx])
+    x, y, heading = pose_at(one.line, station_of(one.line, beside), found.size)
+    return round(x, 3), round(y, 3), round(heading, 4)
+
+
+def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
+    """Robots where they are drawn, each on its own path or beside the reference path.
+
+    A robot heads along its path: of the four directions of the smallest rectangle about its
+    outline the one nearest to the direction of the path. Its reference point is the middle of
+    that rectangle.
+    """
+    return [_as_drawn(robot, drawing, found) for robot in drawing.robots]
+
+
+def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
+    rectangle = shapely.Polygon(robot.outline).minimum_rotated_rectangle
+    centre = np.array(rectangle.centroid.coords[0]).round(3)
+    own = drawing.paths.get(robot.name)
+    line = found.reference if own is None else own
+    station = station_of(line, centre)
+    tx, ty = directions_at(line, station, found.size)
+    edge = np.diff(np.array(rectangle.exterior.coords)[:2], axis=0)[0]
+    turned = [atan2(edge[1], edge[0]) + k * pi / 2.0 for k in range(4)]
+    heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
+    heading = round((heading + pi) % (2.0 * pi) - pi, 4)
+    footprint = _footprint(robot.outline, centre, heading)
+    pose = (float(centre[0]), float(centre[1]), heading)
+    if own is not None:
+        return Placed(robot.name, footprint, pose, own, None)
+    x, y = centre - points_at(line, station)
+    gap = round(float(shapely.LineString(line).distance(shapely.Point(centre))), 2)
+    offset = gap if tx * y - ty * x >= 0.0 else -gap
+    one = lane(line, offset, drawing.area, found.room, found.size)
+    if narrowing := one.narrowing():
+        drawing.changes.append(
+            f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
+        )
+    return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
+
+
+def _footprint(outline: FloatArray, centre: FloatArray, heading: float) -> Footprint:
+    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
+    c, s = cos(heading), sin(heading)
+    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
+    half = np.abs(own).max(axis=0)
+    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
+        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
+    return own

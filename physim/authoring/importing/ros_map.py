@@ -1,0 +1,350 @@
+"""A ROS map: ``map.yaml`` and its image, as map_server and nav2 read them, and its outlines.
+
+Occupancy is 1 - brightness, or brightness with ``negate: 1``. A cell is free below
+``free_thresh``, occupied above ``occupied_thresh``, unknown between them; robots may go where it
+is free alone. ``mode: raw`` takes the pixels' values for occupancy in percent, and 255 for
+unknown.
+
+Outlines of the free cells are exact along the edges of cells, then simplified and checked. Free
+cells that meet at a corner alone do not make a passage.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import (
+    DIGITS,
+    MOST_LISTED,
+    Drawing,
+    Options,
+    listed,
+    place,
+    printable,
+    refused,
+)
+from physim.authoring.importing.enclosure import check_size
+from physim.authoring.importing.source import read_image, read_text
+from physim.errors import Location, nearest
+from physim.geometry.shapes import FloatArray
+from physim.world.file import Document, located, read_document
+
+SPECK = 2.0
+"""[cells] Occupied patches up to this many are left out unless the user says otherwise."""
+MOST_LOST = 0.1
+"""[-] share of its area that a ring may lose or gain when it is simplified"""
+MOST_EDGES = 1_000_000
+
+
+def outline_map(
+    path: Path,
+    drawing: Drawing,
+    free: Any,
+    cell: float,
+    origin: tuple[float, float, float],
+    options: Options,
+) -> None:
+    """Fill in boundaries, obstacles and area of a drawing from free cells.
+
+    ``free`` (rows, columns) bool, the lowest row first; ``cell`` [m] the side of a cell;
+    ``origin`` x, y [m] and yaw [rad] of the lower left corner.
+    """
+    tolerance = cell if options.tolerance is None else options.tolerance
+    specks = SPECK * cell * cell if options.specks is None else options.specks
+    free = free.copy()
+    if not free.any():
+        raise refused(path, "no cell of the map is free; see negate and free_thresh")
+    centre = _Centres(cell, origin)
+    drawing.changes += _fill_specks(free, specks, cell, centre)
+    region = _region(path, drawing, free, cell, centre, options.origin)
+    exact = shapely.transform(_polygon(path, region), lambda at: centre.placed(at * cell))
+    x0, y0, x1, y1 = exact.bounds
+    check_size(path, np.array([x1 - x0, y1 - y0]))
+    polygon = _simplified(exact, tolerance)
+    moved = max(_farthest(polygon, exact), _farthest(exact, polygon))
+    drawing.facts.append(
+        f"outlines along the edges of cells, simplified within {tolerance:g} m: moved by at most "
+        f"{moved:.4f} m (Hausdorff distance), area {exact.area:.2f} to {polygon.area:.2f} m²"
+    )
+    drawing.area = polygon
+    drawing.add_outline(polygon)
+
+
+@dataclass(frozen=True)
+class _Centres:
+    """From cells to the world."""
+
+    cell: float
+    origin: tuple[float, float, float]
+
+    def placed(self, points: FloatArray) -> FloatArray:
+        """Points [m] from the lower left corner in the frame of the world."""
+        x, y, yaw = self.origin
+        c, s = cos(yaw), sin(yaw)
+        return np.asarray(points @ np.array([[c, s], [-s, c]]) + (x, y))
+
+    def of(self, cells: FloatArray) -> FloatArray:
+        """Middles of cells (column, row)."""
+        return self.placed((np.asarray(cells) + 0.5) * self.cell)
+
+    def column_row(self, point: tuple[float, float]) -> tuple[int, int]:
+        """Cell that a point of the world lies in."""
+        x, y, yaw = self.origin
+        c, s = cos(yaw), sin(yaw)
+        column, row = np.array([[c, s], [-s, c]]) @ (point[0] - x, point[1] - y) // self.cell
+        return int(column), int(row)
+
+
+def _fill_specks(free: Any, most: float, cell: float, centre: _Centres) -> list[str]:
+    """Free the cells of small occupied patches; returns what was left out, largest first."""
+    count, labels, stats, middles = cv2.connectedComponentsWithStats(
+        (~free).astype(np.uint8), connectivity=8
+    )
+    area = stats[:, cv2.CC_STAT_AREA] * cell * cell
+    small = (area <= most * (1.0 + 1e-9)) & (np.arange(count) > 0)
+    free |= small[labels] & ~free
+    order = np.flatnonzero(small)[np.argsort(-area[small], kind="stable")]
+    return listed(
+        list(order),
+        lambda k: (
+            f"speck of {area[k]:.4g} m² at {place(centre.of(middles[k]))}: left out (--specks)"
+        ),
+    )
+
+
+def _region(
+    path: Path,
+    drawing: Drawing,
+    free: Any,
+    cell: float,
+    centre: _Centres,
+    inside: tuple[float, float] | None,
+) -> Any:
+    """Cells of the largest free region, or of the one at ``inside``; the others are listed."""
+    _, labels, stats, middles = cv2.connectedComponentsWithStats(
+        free.astype(np.uint8), connectivity=4
+    )
+    area = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
+    area[0] = -1.0
+    chosen = int(np.argmax(area))
+    if inside is not None:
+        column, row = centre.column_row(inside)
+        rows, columns = free.shape
+        if not (0 <= column < columns and 0 <= row < rows) or not free[row, column]:
+            raise refused(path, f"--from {place(inside)}: not in a free cell of the map")
+        chosen = int(labels[row, column])
+    others = [k for k in np.argsort(-area, kind="stable") if k not in (0, chosen)]
+    drawing.changes += listed(
+        others,
+        lambda k: (
+            f"free region of {area[k] * cell * cell:.4g} m² about "
+            f"{place(centre.of(middles[k]))}: not connected, left out"
+        ),
+    )
+    if len(others) > MOST_LISTED:
+        rest = area[others].sum() * cell * cell
+        drawing.changes.append(f"free regions left out: {rest:.4g} m² in all")
+    return labels == chosen
+
+
+def _polygon(path: Path, region: Any) -> Any:
+    """Exact outline of a region [cells], lower left corner of the map at (0, 0)."""
+    padded = np.pad(region, 1)
+    rows, columns = np.nonzero(padded[1:, :] != padded[:-1, :])
+    flat = np.stack([columns - 1, rows, columns, rows], axis=1)
+    rows, columns = np.nonzero(padded[:, 1:] != padded[:, :-1])
+    steep = np.stack([columns, rows - 1, columns, rows], axis=1)
+    edges = np.vstack([flat, steep]).astype(np.float64)
+    if len(edges) > MOST_EDGES:
+        raise refused(
+            path,
+            f"the outline of the free region has {len(edges)} edges, at most {MOST_EDGES} are "
+            "read; larger --specks or a smoother map",
+        )
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(edges.reshape(-1, 2, 2))))
+    inner = shapely.get_coordinates(shapely.point_on_surface(faces))
+    column, row = (np.floor(inner[:, k]).astype(int) for k in (0, 1))
+    own = faces[region[row, column]]
+    # Cells of one region may meet at a corner: one polygon still, joined there.
+    return max(own, key=shapely.area)
+
+
+def _simplified(exact: Any, tolerance: float) -> Any:
+    """Valid polygon on the millimetre grid, within ``tolerance`` of the exact one."""
+    grid = 10.0**-DIGITS
+    for share in (1.0, 0.5, 0.25, 0.0):
+        rings = [
+            _simple_ring(ring, max(share * tolerance - grid, 0.0))
+            for ring in (exact.exterior, *exact.interiors)
+        ]
+        simple = shapely.set_precision(shapely.Polygon(rings[0], rings[1:]), grid)
+        kept = len(getattr(simple, "interiors", ())) == len(exact.interiors)
+        if simple.geom_type == "Polygon" and simple.is_valid and kept and not simple.is_empty:
+            return simple
+    return max(shapely.get_parts(simple), key=shapely.area)
+
+
+def _simple_ring(ring: Any, tolerance: float) -> Any:
+    """Ring with fewer corners; a small one keeps its area, with a smaller tolerance."""
+    exact = shapely.Polygon(ring)
+    for share in (1.0, 0.5, 0.25):
+        simple = shapely.simplify(exact, share * tolerance, preserve_topology=True)
+        if abs(simple.area - exact.area) <= MOST_LOST * exact.area:
+            return simple.exterior
+    return shapely.simplify(ring, 0.0)
+
+
+def _farthest(a: Any, b: Any) -> float:
+    """[m] Largest distance of a corner of ``a`` to the outline of ``b``."""
+    edge = b.boundary
+    shapely.prepare(edge)
+    return float(shapely.distance(edge, shapely.points(shapely.get_coordinates(a))).max())
+
+
+KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
+MODES = ("trinary", "scale", "raw")
+OCCUPIED, FREE = 0.65, 0.196
+"""map_server's thresholds where the file gives none"""
+
+
+@dataclass(frozen=True)
+class RosMap:
+    """The YAML of a map: ``origin`` x, y [m], yaw [rad] of the lower left corner of its image."""
+
+    image: Path
+    resolution: float
+    origin: tuple[float, float, float]
+    negate: bool
+    occupied: float
+    free: float
+    mode: str
+    changes: tuple[str, ...]
+
+
+def read_ros_map(path: Path, options: Options) -> Drawing:
+    """Read a map into a drawing: outlines of its largest free region, or of that at ``--from``."""
+    text = read_text(path)
+    if not text.strip():
+        raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
+    found = _Yaml(path, read_document(text, printable(str(path)))).read()
+    brightness, clear = read_image(found.image)
+    free = _free(found, brightness, clear)
+    drawing = Drawing(kind="ROS map")
+    rows, columns = free.shape
+    cell = found.resolution * options.unit
+    drawing.facts.append(
+        f"{columns} x {rows} cells of {cell:g} m from {printable(found.image.name)}, "
+        f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
+        "what is unknown counts as occupied"
+    )
+    drawing.changes += found.changes
+    x, y, yaw = found.origin
+    origin = (x * options.unit, y * options.unit, yaw)
+    outline_map(path, drawing, np.flipud(free), cell, origin, options)
+    return drawing
+
+
+def _free(found: RosMap, brightness: Any, clear: Any) -> Any:
+    """(rows, columns) bool, top row first."""
+    if found.mode == "raw":
+        percent = np.round(brightness * 255.0)
+        return percent / 100.0 < found.free
+    occupancy = brightness if found.negate else 1.0 - brightness
+    free = occupancy < found.free
+    return free & ~clear if found.mode == "scale" else free
+
+
+@dataclass(frozen=True)
+class _Yaml:
+    """Checks of the keys, each refusal with its line."""
+
+    path: Path
+    document: Document
+
+    def read(self) -> RosMap:
+        values = self._values()
+        unknown = [key for key in values if key not in KEYS]
+        for key in ("image", "resolution", "origin"):
+            if key not in values:
+                near = nearest(key, [str(name) for name in unknown])
+                meant = next((name for name in unknown if near and f'"{name}"' in near), None)
+                line = 1 if meant is None else self.document.position((meant,)).line
+                message = f"{key}: missing; a map has {', '.join(KEYS)}{near}"
+                raise refused(self.path, message, line)
+        origin = values["origin"]
+        if not isinstance(origin, list) or len(origin) not in (2, 3):
+            raise self._fault(("origin",), "must be [x, y, yaw] in m and rad")
+        pose = [self._number(("origin", k), v) for k, v in enumerate(origin)] + [0.0]
+        resolution = self._number(("resolution",), values["resolution"])
+        if not 1e-6 <= resolution <= 1e3:
+            raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")
+        negate = values.get("negate", 0)
+        if negate not in (0, 1):
+            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(negate)[:40])}"')
+        mode = values.get("mode", "trinary")
+        if mode not in MODES:
+            raise self._fault(("mode",), f'must be {", ".join(MODES)}; given "{mode}"'[:200])
+        occupied = self._share("occupied_thresh", values.get("occupied_thresh", OCCUPIED))
+        free = self._share("free_thresh", values.get("free_thresh", FREE))
+        if free > occupied:
+            raise self._fault(("free_thresh",), f"{free:g} is above occupied_thresh, {occupied:g}")
+        changes = []
+        if unknown:
+            changes.append(f"keys left out: {', '.join(printable(str(key)) for key in unknown)}")
+        return RosMap(
+            self._image(values["image"]), resolution, (pose[0], pose[1], pose[2]),
+            bool(negate), occupied, free, str(mode), tuple(changes),
+        )  # fmt: skip
+
+    def _values(self) -> dict[str, Any]:
+        if self.document.faults:
+            raise located((), self.document)
+        values = self.document.values()
+        if not isinstance(values, dict):
+            raise refused(self.path, f"a map is a mapping of keys: {', '.join(KEYS)}", 1)
+        return values
+
+    def _fault(self, location: Location, message: str) -> Exception:
+        line = self.document.position(location).line
+        return refused(self.path, f"{location[0]}: {message}", line)
+
+    def _number(self, location: Location, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._fault(location, f'"{printable(str(value)[:40])}" is not a number')
+        if not math.isfinite(value) or abs(value) > 1e6:
+            raise self._fault(location, f"{value!r} is out of range, at most 1e6")
+        return float(value)
+
+    def _share(self, key: str, value: Any) -> float:
+        share = self._number((key,), value)
+        if not 0.0 <= share <= 1.0:
+            raise self._fault((key,), f"{share:g}; must be from 0 to 1")
+        return share
+
+    def _image(self, value: Any) -> Path:
+        """The image beside the map; never a file elsewhere, whatever the map says."""
+        if not isinstance(value, str) or not value.strip() or "\0" in value:
+            raise self._fault(("image",), "must be the name of a file")
+        folder = self.path.parent.resolve()
+        try:
+            image = (folder / value).resolve()
+        except (OSError, RuntimeError, ValueError):
+            raise self._fault(("image",), "is not the name of a file") from None
+        shown = printable(value[:100])
+        if not image.is_relative_to(folder):
+            raise self._fault(
+                ("image",), f'"{shown}" lies outside the folder of the map; put the image beside it'
+            )
+        if not image.exists():
+            there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
+            near = nearest(value, there)
+            raise self._fault(("image",), f'no file "{shown}" in {folder.name or "/"}{near}')
+        return self.path.parent / value if not Path(value).is_absolute() else image

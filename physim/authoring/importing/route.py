@@ -1,0 +1,228 @@
+"""A reference path through an open place: between two far places, where it is widest.
+
+The place is covered with a grid. The clearance that the group gets is as large as leaves a long
+way to go; the way between its two ends is the shortest on the grid when narrow places count as
+longer, and is then drawn smooth, without coming nearer to the walls than it must.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components, dijkstra
+
+from physim.authoring.importing.drawing import Drawing, Options, place, refused, rounded
+from physim.authoring.importing.fit import LENGTH, ROOM, room_of
+from physim.authoring.importing.lines import clearances, length_of, points_at, samples
+from physim.geometry.shapes import FloatArray
+
+KEPT = 0.9
+"""[-] A straight cut keeps this share of the clearance of the way it replaces."""
+ROUNDS = 60
+"""Times that every point moves towards the middle of its neighbours."""
+
+
+def smooth(way: FloatArray, area: Any, room: float) -> FloatArray:
+    """Straighten and round a way (n, 2) whose points have clearance ``room`` [m] in ``area``."""
+    line = _straightened(way, area, room)
+    at = samples(length_of(line), 0.3 * room)
+    points = points_at(line, at)
+    low = np.minimum(clearances(points, area), room)
+    for _ in range(ROUNDS):
+        moved = points.copy()
+        moved[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
+        allowed = clearances(moved, area) >= low
+        points = np.where(allowed[:, None], moved, points)
+    simple = shapely.simplify(shapely.LineString(points), 0.02 * room)
+    return np.asarray(shapely.get_coordinates(simple))
+
+
+def _straightened(way: FloatArray, area: Any, room: float) -> FloatArray:
+    """Replace stretches by straight ones that keep away from the walls nearly as well."""
+    edge = area.boundary
+    shapely.prepare(edge)
+    gaps = clearances(way, area)
+    kept, k = [0], 0
+    while k < len(way) - 1:
+        reach = len(way) - 1 - k
+        while reach > 1:
+            j = k + reach
+            there = float(gaps[k : j + 1].min())
+            wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
+            if shapely.distance(edge, shapely.LineString(way[[k, j]])) >= wanted:
+                break
+            reach = reach // 2 if reach > 8 else reach - 1
+        k += max(reach, 1)
+        kept.append(k)
+    return np.asarray(way[kept])
+
+
+MOST_CELLS = 80_000
+"""Cells of the grid within the area"""
+WORTH = 0.6
+"""[-] A way this share of the longest is long enough: then a wider one counts more."""
+SIZES = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 0.25, 0.2, 0.16, 0.125, 0.1, 0.08, 0.06, 0.04, 0.02, 0.01)
+"""[-] sizes of the group that are tried, largest first"""
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """Nodes (n, 2) [m] inside the area, the clearance of each, and the links between them."""
+
+    nodes: FloatArray
+    gaps: FloatArray
+    first: Any
+    second: Any
+    lengths: FloatArray
+
+    def graph(self, room: float, widest: bool) -> Any:
+        """Sparse graph of the nodes with clearance ``room``; narrow links longer if ``widest``."""
+        fits = self.gaps >= room
+        keep = fits[self.first] & fits[self.second]
+        weight = self.lengths[keep]
+        if widest:
+            gap = np.minimum(self.gaps[self.first[keep]], self.gaps[self.second[keep]])
+            weight = weight * (1.0 + 4.0 * (room / np.maximum(gap, room)) ** 2)
+        size = len(self.nodes)
+        return coo_matrix((weight, (self.first[keep], self.second[keep])), (size, size)).tocsr()
+
+
+def find_route(path: Path, drawing: Drawing, options: Options) -> None:
+    """Set the reference path of a drawing that has none; says how it was found.
+
+    Raises ImportSourceError when --from or --to lies outside, or nothing leads from one to the
+    other.
+    """
+    area = drawing.area
+    grid = _grid(area)
+    _check_inside(path, area, "--from", options.origin)
+    _check_inside(path, area, "--to", options.goal)
+    room, a, b = _ends(path, grid, options)
+    graph = grid.graph(room, widest=True)
+    before = dijkstra(graph, directed=False, indices=a, return_predecessors=True)[1]
+    chain = [b]
+    while chain[-1] != a:
+        chain.append(int(before[chain[-1]]))
+    line = rounded(smooth(grid.nodes[chain[::-1]], area, room))
+    drawing.reference = line
+    length = length_of(line)
+    gaps = clearances(points_at(line, samples(length, 0.1 * room)), area)
+    drawing.facts.append(
+        f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
+        f"least {gaps.min():.2f} m from every boundary (--from, --to)"
+    )
+
+
+def _grid(area: Any) -> _Grid:
+    """Square grid of at most ``MOST_CELLS`` nodes inside the area, linked to eight neighbours."""
+    x0, y0, x1, y1 = area.bounds
+    step = float(np.sqrt(area.area / MOST_CELLS))
+    xs, ys = np.arange(x0 + step / 2.0, x1, step), np.arange(y0 + step / 2.0, y1, step)
+    shapely.prepare(area)
+    gx, gy = np.meshgrid(xs, ys)
+    mask = shapely.contains_xy(area, gx, gy)
+    index = np.full(mask.shape, -1)
+    index[mask] = np.arange(int(mask.sum()))
+    nodes = np.stack([gx[mask], gy[mask]], axis=1)
+    gaps = clearances(nodes, area)
+    firsts, seconds, lengths = [], [], []
+    for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        here = index[: len(ys) - dy, max(-dx, 0) : len(xs) - max(dx, 0)]
+        there = index[dy:, max(dx, 0) : len(xs) + min(dx, 0)]
+        both = (here >= 0) & (there >= 0)
+        firsts.append(here[both])
+        seconds.append(there[both])
+        lengths.append(np.full(int(both.sum()), step * np.hypot(dx, dy)))
+    first, second, length = (np.concatenate(v) for v in (firsts, seconds, lengths))
+    clear = np.maximum(gaps[first], gaps[second]) > length / 2.0  # no link through a thin wall
+    return _Grid(nodes, gaps, first[clear], second[clear], length[clear])
+
+
+def _check_inside(path: Path, area: Any, word: str, point: tuple[float, float] | None) -> None:
+    if point is not None and not area.covers(shapely.Point(point)):
+        raise refused(path, f"{word} {place(point)}: not in the area of the robots")
+
+
+def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
+    """The clearance to keep [m], and the nodes at which the path begins and ends.
+
+    Of the clearances tried, largest first, the first that leaves a way between the points asked
+    for, or one nearly as long as the smallest does.
+    """
+    if options.robot is not None:
+        rooms = [ROOM * options.robot[0] / LENGTH, room_of(options.robot), 0.55 * options.robot[1]]
+    else:
+        rooms = [ROOM * size for size in SIZES]
+    origin, goal = options.origin, options.goal
+    if origin is not None and goal is not None:
+        for room in rooms:
+            pair = _joined(grid, room, origin, goal)
+            if pair is not None:
+                return room, *pair
+        raise refused(
+            path, f"no way from {place(origin)} to {place(goal)} that a robot fits through"
+        )
+    smallest = _far(grid, rooms[-1], origin) if goal is None else None
+    enough = WORTH * smallest[2] if smallest is not None else 0.0
+    for room in rooms:
+        found = _far(grid, room, origin if goal is None else goal)
+        if found is not None and found[2] >= enough and found[2] > 4.0 * room:
+            a, b, _ = found
+            return (room, a, b) if goal is None else (room, b, a)
+    raise refused(path, "no way that a robot fits through; --robot LENGTH,WIDTH may be smaller")
+
+
+def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:
+    """Node with that clearance nearest to a point; None when there is none close by."""
+    away = np.hypot(*(grid.nodes - np.array(point)).T)
+    away = np.where(grid.gaps >= room, away, np.inf)
+    k = int(np.argmin(away))
+    return k if away[k] <= 1.5 * room else None
+
+
+def _joined(
+    grid: _Grid, room: float, a: tuple[float, float], b: tuple[float, float]
+) -> tuple[int, int] | None:
+    """Nodes near two points that a way joins; None where there is none."""
+    first, second = _near(grid, room, a), _near(grid, room, b)
+    if first is None or second is None or first == second:
+        return None
+    labels = connected_components(grid.graph(room, widest=False), directed=False)[1]
+    return (first, second) if labels[first] == labels[second] else None
+
+
+def _far(
+    grid: _Grid, room: float, origin: tuple[float, float] | None
+) -> tuple[int, int, float] | None:
+    """Two nodes far apart on the way between them, and how far [m]; one of them if given.
+
+    None where no node has that clearance, or none close to ``origin``.
+    """
+    fits = np.flatnonzero(grid.gaps >= room)
+    if not fits.size:
+        return None
+    graph = grid.graph(room, widest=False)
+    if origin is None:
+        labels = connected_components(graph, directed=False)[1]
+        largest = int(np.argmax(np.bincount(labels[fits])))
+        a = _farthest(graph, int(fits[labels[fits] == largest][0]))[0]
+    else:
+        near = _near(grid, room, origin)
+        if near is None:
+            return None
+        a = near
+    b, length = _farthest(graph, a)
+    return a, b, length
+
+
+def _farthest(graph: Any, node: int) -> tuple[int, float]:
+    """Node farthest from another on the ways of a graph, and how far [m]."""
+    away = dijkstra(graph, directed=False, indices=node)
+    away = np.where(np.isfinite(away), away, -1.0)
+    k = int(np.argmax(away))
+    return k, float(away[k])

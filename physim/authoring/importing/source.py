@@ -1,0 +1,198 @@
+"""What is read from disk: which kind of source a file is, its text, and the pixels of an image.
+
+Size and encoding are checked before a file is read, the header of an image before anything is
+decoded. Decoders fill what a cut file lacks with black or grey; so a cut PGM or PNG is found
+here first.
+"""
+
+from __future__ import annotations
+
+import re
+import stat
+import zlib
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from physim.authoring.importing.drawing import printable, refused
+
+MOST_TEXT = 20_000_000
+"""Bytes of a text that is read."""
+MOST_IMAGE = 200_000_000
+"""Bytes of an image that is read."""
+
+FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
+
+SUFFIXES = {
+    ".csv": "track",
+    ".yaml": "ros-map",
+    ".yml": "ros-map",
+    ".svg": "svg",
+    ".wkt": "wkt",
+    ".geojson": "geojson",
+}
+
+IMAGES = (".pgm", ".png", ".pnm", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+
+
+def read_bytes(path: Path, most: int) -> bytes:
+    """Bytes of a regular file of at most ``most``; ImportSourceError otherwise."""
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise refused(path, "is a folder; name a file")
+        if not stat.S_ISREG(status.st_mode):
+            raise refused(path, "is not a regular file")
+        if status.st_size > most:
+            raise refused(path, f"{status.st_size / 1e6:.1f} MB; at most {most / 1e6:.0f} MB")
+        with path.open("rb") as file:
+            data = file.read(most + 1)
+    except FileNotFoundError:
+        raise refused(path, "no such file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise refused(path, f"cannot be read: {reason}") from None
+    if len(data) > most:
+        raise refused(path, f"more than {most / 1e6:.0f} MB")
+    return data
+
+
+def read_text(path: Path) -> str:
+    """Text (UTF-8) of a file, line ends as ``\\n``."""
+    data = read_bytes(path, MOST_TEXT)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise refused(path, message, line) from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def format_of(path: Path) -> str:
+    """Kind of a source, by its suffix, else by what it begins with."""
+    suffix = path.suffix.lower()
+    if suffix in IMAGES:
+        beside = sorted(p.name for p in path.parent.glob("*.yaml"))[:5]
+        near = f"; there: {', '.join(beside)}" if beside else ""
+        raise refused(
+            path, f"an image alone has no scale; name the map.yaml that belongs to it{near}"
+        )
+    if suffix in SUFFIXES:
+        return SUFFIXES[suffix]
+    if suffix in (".gz", ".svgz", ".zip"):
+        raise refused(path, "is compressed; unpack it first (Inkscape: save as plain SVG)")
+    start = read_bytes(path, MOST_TEXT)[:4000].decode("utf-8", errors="replace").lstrip("\ufeff \n")
+    if re.match(r"(<\?xml[^>]*>\s*)?(<!--.*?-->\s*)*<svg\b", start, re.DOTALL):
+        return "svg"
+    if start.startswith("{"):
+        return "geojson"
+    if re.match(r"(SRID=\d+;)?\s*[A-Z]*(POLYGON|LINESTRING|COLLECTION|POINT)\b", start, re.I):
+        return "wkt"
+    if re.search(r"^image\s*:", start, re.MULTILINE):
+        return "ros-map"
+    if re.match(r"#?\s*x_m\b", start) or re.match(r"[-+0-9.eE \t]+[,;]", start):
+        return "track"
+    raise refused(path, f"neither name nor content says what it is; --format {'|'.join(FORMATS)}")
+
+
+MOST_PIXELS = 100_000_000
+"""Pixels of an image that is decoded: 10 000 x 10 000."""
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+_TOKEN = re.compile(rb"(?:\s|#[^\n\r]*[\n\r])*([^\s#]+)")
+
+
+def read_image(path: Path) -> tuple[Any, Any]:
+    """Brightness (rows, columns) from 0 to 1, top row first, and where it is transparent.
+
+    Colours are averaged. Raises ImportSourceError for what is no image, too large or cut short.
+    """
+    data = read_bytes(path, MOST_IMAGE)
+    top = 0.0
+    if data[:2] in (b"P2", b"P5"):
+        top = _check_pgm(path, data)
+        data += b"\n"  # the decoder wants a space after the last number of a P2
+    elif data.startswith(_PNG):
+        _check_png(path, data)
+    else:
+        raise refused(path, "is neither PGM (P2, P5) nor PNG")
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        pixels = None
+    finally:
+        cv2.utils.logging.setLogLevel(level)
+    if pixels is None or not pixels.size:
+        raise refused(path, "cannot be decoded; the image is damaged")
+    full = top if data[:2] == b"P5" or top > 255.0 else 255.0 * 257.0 ** (pixels.dtype.itemsize - 1)
+    clear = np.zeros(pixels.shape[:2], dtype=bool)
+    if pixels.ndim == 3:
+        if pixels.shape[2] in (2, 4):
+            clear = pixels[:, :, -1] < 0.5 * full
+            pixels = pixels[:, :, :-1]
+        pixels = pixels.mean(axis=2)
+    return np.minimum(pixels.astype(np.float32) / np.float32(full), np.float32(1.0)), clear
+
+
+def _check_size(path: Path, width: int, height: int) -> None:
+    if width < 1 or height < 1:
+        raise refused(path, f"an image of {width} x {height} pixels")
+    if width * height > MOST_PIXELS:
+        raise refused(
+            path,
+            f"an image of {width} x {height} pixels; at most {MOST_PIXELS:,} are read; crop it or "
+            "make its cells larger".replace(",", " ", 2),
+        )
+
+
+def _check_pgm(path: Path, data: bytes) -> float:
+    """Check header and length of a PGM; returns its brightest value."""
+    numbers, at = [], 2
+    for name in ("width", "height", "brightest value"):
+        found = _TOKEN.match(data, at, at + 10_000)
+        if found is None or not found[1].isdigit() or len(found[1]) > 9:
+            given = printable(found[1][:20].decode("ascii", "replace")) if found else "nothing"
+            raise refused(path, f'PGM header: {name} is "{given}"; a whole number is needed')
+        numbers.append(int(found[1]))
+        at = found.end()
+    width, height, top = numbers
+    _check_size(path, width, height)
+    if not 0 < top < 65536:
+        raise refused(path, f"PGM header: brightest value {top}; 1 to 65535 are allowed")
+    if data[:2] == b"P5":
+        there = max(len(data) - at - 1, 0) // (1 if top < 256 else 2)
+    else:
+        there = len(data[at:].split())
+        if b"#" in data[at:]:
+            there = len(re.sub(rb"#[^\n\r]*", b"", data[at:]).split())
+    if there < width * height:
+        raise refused(
+            path, f"cut short: {there} of {width * height} pixels ({width} x {height}) are there"
+        )
+    return float(top)
+
+
+def _check_png(path: Path, data: bytes) -> None:
+    """Walk over the chunks of a PNG: sizes, check sums, and the end that a cut file lacks."""
+    at, first = len(_PNG), True
+    while True:
+        if at + 12 > len(data):
+            raise refused(path, f"cut short: the PNG ends after {len(data)} bytes without its end")
+        size, kind = int.from_bytes(data[at : at + 4], "big"), data[at + 4 : at + 8]
+        if at + 12 + size > len(data):
+            raise refused(path, f"cut short: the PNG ends after {len(data)} bytes, within a part")
+        body = data[at + 8 : at + 8 + size]
+        if zlib.crc32(kind + body) != int.from_bytes(data[at + 8 + size : at + 12 + size], "big"):
+            raise refused(path, f"damaged: the check sum of the PNG is wrong near byte {at}")
+        if first:
+            if kind != b"IHDR" or size != 13:
+                raise refused(path, "damaged: the PNG does not begin with its header")
+            _check_size(path, int.from_bytes(body[:4], "big"), int.from_bytes(body[4:8], "big"))
+        if kind == b"IEND":
+            return
+        at, first = at + 12 + size, False

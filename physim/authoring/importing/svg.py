@@ -1,0 +1,286 @@
+"""An SVG drawing: lines in layers or with ids ``boundary``, ``obstacle``, ``path`` and ``robot``.
+
+svgelements reads it: transforms, units and the viewBox are applied. The y axis is turned up, with
+the lower edge of the page at y = 0. Curves become polylines, no chord further from its curve
+than a stated tolerance.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import dataclass
+from math import acos, ceil, hypot, pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import svgelements
+
+from physim.authoring.importing.drawing import (
+    Drawing,
+    DrawnRobot,
+    Options,
+    listed,
+    place,
+    printable,
+    refused,
+    rounded,
+)
+from physim.authoring.importing.enclosure import join_ends
+from physim.authoring.importing.source import read_text
+from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.geometry.shapes import FloatArray
+
+MOST_CHORDS = 10_000
+"""Chords of one curve."""
+
+
+def subpaths(shape: Any, tolerance: float) -> list[tuple[FloatArray, bool]]:
+    """Polylines (n, 2) of an svgelements path, in its units, and whether each is closed.
+
+    ``tolerance`` in the same units. A closed one has its first point repeated.
+    """
+    found: list[tuple[FloatArray, bool]] = []
+    points: list[tuple[float, float]] = []
+    for segment in shape:
+        if isinstance(segment, svgelements.Move):
+            _finish(found, points, False)
+            points = [(segment.end.x, segment.end.y)]
+        elif isinstance(segment, svgelements.Close):
+            _finish(found, points, True)
+            points = [points[0]] if points else []
+        else:
+            if not points:
+                points = [(segment.start.x, segment.start.y)]
+            points += _chords(segment, tolerance)
+    _finish(found, points, False)
+    return found
+
+
+def _finish(
+    found: list[tuple[FloatArray, bool]], points: list[tuple[float, float]], closed: bool
+) -> None:
+    line = np.array(points, dtype=np.float64).reshape(-1, 2)
+    if not np.isfinite(line).all():
+        raise ValueError("a coordinate is not a finite number")
+    if len(line) < 2:
+        return
+    if closed and (line[0] != line[-1]).any():
+        line = np.vstack([line, line[:1]])
+    found.append((line, closed or bool(len(line) > 3 and (line[0] == line[-1]).all())))
+
+
+def _chords(segment: Any, tolerance: float) -> list[tuple[float, float]]:
+    """Points of a segment after its first."""
+    if isinstance(segment, svgelements.Line):
+        return [(segment.end.x, segment.end.y)]
+    count = min(max(ceil(_count(segment, tolerance)), 1), MOST_CHORDS)
+    inner = segment.npoint(np.arange(1, count) / count) if count > 1 else ()
+    return [*((float(x), float(y)) for x, y in inner), (segment.end.x, segment.end.y)]
+
+
+def _count(segment: Any, tolerance: float) -> float:
+    """Chords that keep within the tolerance: from the largest second difference, or the radius."""
+    if isinstance(segment, svgelements.QuadraticBezier):
+        a, b, c = segment.start, segment.control, segment.end
+        bend = hypot(a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y)
+        return sqrt(bend / (4.0 * tolerance))
+    if isinstance(segment, svgelements.CubicBezier):
+        p = (segment.start, segment.control1, segment.control2, segment.end)
+        bend = max(
+            hypot(a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y)
+            for a, b, c in (p[:3], p[1:])
+        )  # fmt: skip
+        return sqrt(0.75 * bend / tolerance)
+    radius = max(float(segment.rx), float(segment.ry))
+    turn = acos(max(1.0 - tolerance / radius, -1.0)) if radius > tolerance else pi / 2.0
+    return abs(float(segment.sweep)) / (2.0 * turn) if turn > 0.0 else float(MOST_CHORDS)
+
+
+TOLERANCE = 0.01
+"""[m] chords of curves, unless the user says otherwise"""
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+ROLE = re.compile(
+    r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
+)
+ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
+         "rob": "robot"}  # fmt: skip
+UNITS = ("mm", "cm", "in", "pt", "pc")
+METRES_PER_PIXEL = 0.0254 / 96.0
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One polyline of a drawing [m] with what it is for."""
+
+    role: str
+    name: str
+    points: FloatArray
+    is_closed: bool
+
+
+def read_svg(path: Path, options: Options) -> Drawing:
+    """Read a drawing; raises ImportSourceError with file:line where there is one."""
+    text = read_text(path)
+    look = look_at(path, text)
+    drawing = Drawing(kind="SVG drawing")
+    drawing.changes += listed(look.left_out)
+    try:
+        root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
+    except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
+        raise refused(path, f"cannot be read as SVG: {printable(str(error))[:100]}") from None
+    frame = _Frame.of(path, root, look, options)
+    tolerance = TOLERANCE if options.tolerance is None else options.tolerance
+    lines: list[_Line] = []
+    left_out: list[str] = []
+    for element, role, name in _shapes(root, "", ""):
+        own = element.values.get("attributes", {})
+        label = str(own.get(LABEL) or own.get("id") or "")
+        where = printable(repr(label) if label else f"<{type(element).__name__.lower()}>")
+        if not role:
+            left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
+            continue
+        try:
+            found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
+        except (ValueError, ArithmeticError) as error:
+            line = look.lines.get(str(element.id or ""))
+            raise refused(path, f"{where}: {printable(str(error))[:100]}", line) from None
+        for points, closed in found:
+            placed = rounded(frame.placed(points))
+            if len(placed) < 2:
+                left_out.append(f"{where}: a line of no length, left out")
+            else:
+                lines.append(_Line(role, name, placed, closed))
+    drawing.changes += listed(left_out)
+    drawing.facts.append(
+        f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
+        "left corner is (0, 0)"
+    )
+    _sort(path, drawing, lines)
+    return drawing
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """From pixels of svgelements to metres of the world."""
+
+    metres: float
+    height: float
+    scale: str
+    """what is said of it"""
+
+    @classmethod
+    def of(cls, path: Path, root: Any, look: SvgLook, options: Options) -> _Frame:
+        matrix = svgelements.Matrix(root.viewbox_transform or "")
+        units = sorted((abs(float(matrix.a)), abs(float(matrix.d))))
+        if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
+            raise refused(path, "width, height and viewBox stretch the page; give it one scale")
+        pixels = units[0]  # of one user unit
+        unit = re.sub(r"[-+0-9.eE\s]", "", look.width).lower()
+        if options.scale is not None:
+            metres = options.scale / pixels
+            scale = f"{options.scale:g} m per user unit (--scale)"
+        elif unit in UNITS:
+            metres = METRES_PER_PIXEL
+            scale = f"real-world units of the page ({unit}): {pixels * metres:.6g} m per user unit"
+        else:
+            raise refused(
+                path,
+                "the page has no real-world units; --scale M says how many metres a user unit is",
+                1,
+            )
+        height = float(root.height or 0.0)
+        return cls(metres, height if np.isfinite(height) and height > 0.0 else 0.0, scale)
+
+    def placed(self, points: FloatArray) -> FloatArray:
+        return np.stack([points[:, 0], self.height - points[:, 1]], axis=1) * self.metres
+
+
+def _role(element: Any) -> tuple[str, str]:
+    """Role of an element and the rest of its name; ids such as path42 are Inkscape's own."""
+    own = element.values.get("attributes", {})
+    for key in (LABEL, "id"):
+        text = str(own.get(key) or "").strip().lower()
+        found = ROLE.match(text)
+        if found is None or (key == "id" and re.fullmatch(r"path-?\d[\d-]*", text)):
+            continue
+        label = str(own[key]).strip()
+        return ROLES[text[:3]], label[len(found[1]) :].strip(" _:#-")
+    return "", ""
+
+
+def _shapes(group: Any, role: str, name: str) -> Any:
+    """Every shape below a group, with the role and name that it or its layer has."""
+    for element in group:
+        own, rest = _role(element)
+        if isinstance(element, svgelements.Group | svgelements.Use):
+            yield from _shapes(element, own or role, rest or name)
+        elif isinstance(element, svgelements.Shape):
+            if own and role and own != role and not rest:
+                own = role
+            label = element.values.get("attributes", {}).get(LABEL)
+            yield element, own or role, rest or (str(label) if label and not own else name)
+
+
+def _sort(path: Path, drawing: Drawing, lines: list[_Line]) -> None:
+    """Give every line its place in the drawing."""
+    named_paths: list[_Line] = []
+    for line in lines:
+        points = line.points
+        ring = points[:-1] if (points[0] == points[-1]).all() else points
+        if line.role == "boundary":
+            drawing.boundaries.append(points)
+        elif line.role == "path":
+            named_paths.append(line)
+        elif line.role == "robot":
+            if len(ring) < 3:
+                raise refused(path, f"a robot at {place(ring[0])} has no area; draw its outline")
+            drawing.robots.append(DrawnRobot(_free_name(line.name, drawing), ring))
+        else:
+            if len(points) < 3 or not line.is_closed:
+                drawing.changes.append(
+                    f"obstacle at {place(points[0])} is not closed: closed by a straight line"
+                )
+            drawing.obstacles.append(ring)
+    _paths(drawing, named_paths)
+    drawing.changes += join_ends(drawing.boundaries)
+    if not drawing.boundaries:
+        raise refused(
+            path,
+            "no line is a boundary; put the walls into a layer named boundary, or give them the "
+            "id boundary",
+        )
+
+
+def _free_name(name: str, drawing: Drawing) -> str:
+    """Name of the next robot: its own, unless there is none or another bears it."""
+    number = len(drawing.robots) + 1
+    name = printable(name)[:80] or f"r{number}"
+    taken = {robot.name for robot in drawing.robots}
+    while name in taken:
+        name = f"{name}_{number}"
+    return name
+
+
+def _paths(drawing: Drawing, paths: list[_Line]) -> None:
+    """A path with a robot's name is that robot's; the first of the others is the reference."""
+    robots = {robot.name for robot in drawing.robots}
+    for line in paths:
+        points = line.points
+        if line.is_closed:
+            points = points[:-1]
+            drawing.changes.append(
+                f"path at {place(points[0])} is closed: cut open there, before its last stretch"
+            )
+        if line.name in robots:
+            drawing.paths[line.name] = points
+        elif drawing.reference is None:
+            drawing.reference = points
+        else:
+            drawing.changes.append(
+                f"path from {place(points[0])} to {place(points[-1])}: belongs to no robot, "
+                "left out"
+            )
+    if drawing.reference is None and drawing.paths:
+        drawing.reference = next(iter(drawing.paths.values()))

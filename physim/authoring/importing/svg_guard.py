@@ -1,0 +1,187 @@
+"""First look at an SVG file: what could harm or surprise is found before any library reads it.
+
+Entities are refused where they are declared, references to other files where they stand, and
+copies of copies (``use``) are counted before they are made. The line of every id is kept for
+messages.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from physim.authoring.importing.drawing import ImportSourceError, printable, refused
+
+MOST_ELEMENTS = 100_000
+"""Elements of a drawing, copies written out."""
+MOST_DEPTH = 100
+MOST_PATH = 5_000_000
+"""Characters of all path data."""
+
+XLINK = "http://www.w3.org/1999/xlink|href"
+LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
+SVG = "http://www.w3.org/2000/svg|"
+NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
+NUMBERS = {
+    "matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
+    "skewY": (1,),
+}  # fmt: skip
+"""How many numbers each function of a transform takes."""
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
+HIDDEN = re.compile(r"display\s*:\s*none")
+NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
+"""Elements that hold no lines; they are listed as left out."""
+
+
+@dataclass
+class SvgLook:
+    """What the first look found: the line of each id, things without lines, width of the page."""
+
+    lines: dict[str, int] = field(default_factory=dict)
+    left_out: list[str] = field(default_factory=list)
+    width: str = ""
+
+
+@dataclass
+class _Element:
+    """An element with the ids that it copies and its children."""
+
+    count: int = 1
+    copies: list[str] = field(default_factory=list)
+
+
+def look_at(path: Path, text: str) -> SvgLook:
+    """Check an SVG text. Raises ImportSourceError with file:line."""
+    return _Guard(path).run(text)
+
+
+def transform_fault(text: str) -> str:
+    """What is wrong with the text of a transform; empty where nothing is.
+
+    One with too many or too few numbers would be applied as something else.
+    """
+    at = 0
+    text = text.strip()
+    while at < len(text) and text != "none":
+        found = FUNCTION.match(text, at)
+        if found is None or found[1] not in NUMBERS:
+            return f'"{printable(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
+        shown, allowed = printable(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
+        numbers = NUMBER.findall(found[2])
+        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
+            return f'"{shown}": only numbers may stand in the brackets'
+        if len(numbers) not in allowed:
+            counts = " or ".join(map(str, allowed))
+            return f'"{shown}" has {len(numbers)} numbers; {found[1]} takes {counts}'
+        at = found.end()
+    return ""
+
+
+class _Guard:
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.look = SvgLook()
+        self.elements: dict[str, _Element] = {}
+        self.open: list[tuple[str, _Element]] = []
+        self.all = _Element()
+        self.seen = 0
+        self.drawn = 0
+        self.hidden = 0
+        self.parser = expat.ParserCreate(namespace_separator="|")
+
+    def run(self, text: str) -> SvgLook:
+        parser = self.parser
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.EntityDeclHandler = self._entity
+        parser.ExternalEntityRefHandler = self._external
+        parser.SkippedEntityHandler = self._entity
+        try:
+            parser.Parse(text.encode("utf-8"), True)
+        except expat.ExpatError as error:
+            reason = expat.ErrorString(error.code)
+            raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
+        if self._written_out(self.all) > MOST_ELEMENTS:
+            raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
+        return self.look
+
+    def _refused(self, message: str) -> ImportSourceError:
+        return refused(self.path, message, self.parser.CurrentLineNumber)
+
+    def _entity(self, *_: object) -> None:
+        raise self._refused("declares an XML entity; save the drawing as plain SVG without any")
+
+    def _external(self, *_: object) -> int:
+        raise self._refused("refers to an external entity; nothing outside the file is read")
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        line = self.parser.CurrentLineNumber
+        tag = name.removeprefix(SVG)
+        if not self.open and tag != "svg":
+            raise self._refused(f"the root is <{printable(name[:40])}>, not <svg>")
+        if not self.open:
+            self.look.width = attributes.get("width", "")
+        self.seen += 1
+        if self.seen > MOST_ELEMENTS:
+            raise self._refused(f"more than {MOST_ELEMENTS} elements")
+        if len(self.open) >= MOST_DEPTH:
+            raise self._refused(f"nested deeper than {MOST_DEPTH} levels")
+        self.drawn += len(attributes.get("d", "")) + len(attributes.get("points", ""))
+        if self.drawn > MOST_PATH:
+            raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
+        if bad := NO_PATH_DATA.search(attributes.get("d", "")):
+            around = attributes["d"][bad.start() : bad.start() + 20]
+            raise self._refused(f'path data: "{printable(around)}" cannot be read')
+        if wrong := transform_fault(attributes.get("transform", "")):
+            raise self._refused(f"transform: {wrong}")
+        if self.hidden or tag == "defs":
+            self.hidden += 1
+        elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
+            self.hidden = 1
+            label = printable(attributes.get(LABEL, attributes.get("id", "")))[:60]
+            self.look.left_out.append(
+                f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
+            )
+        element = _Element()
+        href = attributes.get(XLINK, attributes.get("href", ""))
+        if tag in NOT_LINES and not self.hidden:
+            self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
+        elif tag == "use":
+            if not href.startswith("#"):
+                raise self._refused(
+                    f'refers to "{printable(href[:60])}"; nothing outside the file is read'
+                )
+            element.copies.append(href[1:])
+        own = attributes.get("id")
+        if own is not None:
+            self.elements.setdefault(own, element)
+            self.look.lines.setdefault(own, line)
+        self.open.append((tag, element))
+
+    def _end(self, _: str) -> None:
+        _, element = self.open.pop()
+        self.hidden = max(self.hidden - 1, 0)
+        parent = self.open[-1][1] if self.open else self.all
+        parent.count += element.count
+        parent.copies += element.copies
+
+    def _written_out(self, element: _Element) -> int:
+        """Elements below one, copies counted; refuses copies that contain themselves."""
+        known: dict[str, int] = {}
+
+        def count(name: str, within: tuple[str, ...]) -> int:
+            if name in within:
+                line = self.look.lines.get(name)
+                raise refused(self.path, f'"{printable(name[:60])}" copies itself (use)', line)
+            if name not in known:
+                found = self.elements.get(name)
+                inner = 1 if found is None else found.count
+                for other in () if found is None else found.copies:
+                    inner += count(other, (*within, name)) if len(within) < MOST_DEPTH else 10**9
+                known[name] = inner
+            return known[name]
+
+        return element.count + sum(count(name, ()) for name in element.copies)

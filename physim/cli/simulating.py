@@ -1,0 +1,137 @@
+"""Simulations on the command line: kernels loaded or compiled, a progress bar, Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+from physim.cli.parser import Options
+from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.errors import PhysimError, WorldError
+from physim.parts.controller import Controller
+from physim.parts.registry import CONTROLLER, make_part
+from physim.record import Record
+from physim.simulation.loop import Simulation
+from physim.simulation.run import is_warm, record_run, warm_up
+from physim.world import World
+from physim.world.file import located, read_world
+from physim.world.file.loading import world_of
+from physim.world.file.nodes import Document
+from physim.world.file.reading import read_document
+from physim.world.layout.scene_builder import build_scene
+from physim.world.scene import Scene
+
+EVERY_STEP = "time.record_every=1"
+COMPILING = 25
+"""[s] about, for all that a run needs"""
+
+
+def ready(world: World, document: Document, seed: int | None, options: Options) -> Simulation:
+    """Simulation of a world that was read, with the kernels loaded or compiled."""
+    try:
+        scene = build_scene(world, seed)
+    except WorldError as error:
+        raise located(error.faults, document) from None
+
+    def controller() -> Controller:
+        choice, trusted = world.controller, options.controller is not None
+        made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
+        return made
+
+    simulation = Simulation(scene, controller=controller())
+    _prepare(scene, controller(), options)
+    return simulation
+
+
+def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
+    """Compile the kernels where that is still to be done, and say so; load them otherwise."""
+    cold = not is_warm()
+    if cold:
+        announce_compiling("controller and distances", COMPILING, options.quiet)
+    seconds = warm_up(scene, controller)
+    if cold and not options.quiet:
+        text = f"compiled in {seconds:.0f} s and kept for later runs"
+        print(text, file=sys.stderr, flush=True)
+
+
+def world_given(options: Options, given: str) -> tuple[World, Document]:
+    """World of a file or a shipped one, with the changes of the command line."""
+    overrides = [*options.overrides, EVERY_STEP]
+    return read_world(given, overrides=overrides, controller=options.controller)
+
+
+def world_inside(options: Options, record: Record) -> tuple[World, Document]:
+    """World that a record holds, to be run with other seeds.
+
+    A class of one's own is code: it is imported only when named again by --controller. Other parts
+    from Python cannot be had here.
+    """
+    document = read_document(record.world_text, f"world of {record.path}")
+    for kind, name in record.given:
+        if kind != CONTROLLER.word:
+            raise PhysimError(
+                f"{record.path}: its {kind} {name} came from Python, which --seeds cannot give"
+            )
+    name = record.controller or str(record.world.controller.type)
+    if options.controller is None and (record.controller or ":" in name):
+        raise PhysimError(
+            f"{record.path}: has to be simulated again, and its controller is the class {name}; "
+            "no code is run because a record names it: if you trust the class, give "
+            f"--controller {name}"
+        )
+    overrides = [*options.overrides, EVERY_STEP]
+    return world_of(document, overrides=overrides, controller=options.controller)
+
+
+def run_of_record(record: Record, options: Options) -> Record:
+    """Simulate the run of a record again, as far as it goes; Ctrl-C raises KeyboardInterrupt."""
+    from physim.analysis.validation.rerun import run_again, simulation_again
+
+    simulation = simulation_again(record, controller=_controller(record, options.controller))
+    if not is_warm():
+        announce_compiling("controller and distances", COMPILING, options.quiet)
+    name = f"{record.name}, seed {record.seed}"
+    bar = Bar(name, record.steps_run * record.dt, "s", options.quiet)
+    with interrupts() as interrupt, bar:
+        again = run_again(record, simulation, stop=interrupt, progress=bar.simulated)
+    if interrupt():
+        again.close()
+        raise KeyboardInterrupt
+    return again
+
+
+def _controller(record: Record, named: str | None) -> Controller | None:
+    """The controller that the command line names; its settings are those inside the record where
+    that names the same."""
+    if named is None:
+        return None
+    own = record.world.controller
+    settings = own.settings if named == own.type else {}
+    made: Controller = make_part(CONTROLLER, named, settings, trusted=True)
+    return made
+
+
+def run_world(
+    world: World,
+    document: Document,
+    seed: int | None,
+    options: Options,
+    stop: Callable[[], bool] | None = None,
+) -> Record:
+    """Run to the end, or until ``stop`` says so, in memory.
+
+    Without ``stop`` Ctrl-C raises KeyboardInterrupt, after the step that is under way: in the
+    middle of it the engine would swallow it.
+    """
+    if stop is None:
+        with interrupts() as interrupt:
+            record = run_world(world, document, seed, options, interrupt)
+        if interrupt():
+            record.close()
+            raise KeyboardInterrupt
+        return record
+    simulation = ready(world, document, seed, options)
+    scene = simulation.scene
+    name = f"{scene.world.name}, seed {scene.seed}"
+    with Bar(name, scene.steps * scene.dt, "s", options.quiet) as bar:
+        return record_run(simulation, stop=stop, progress=bar.simulated)

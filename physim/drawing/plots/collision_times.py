@@ -1,0 +1,274 @@
+"""Collision times at the decisions over time (Figs. 3c, 6d), and what they were worth.
+
+Of many robots a row each, in shades of the shortest of each stretch. Predictions stand
+against actual contacts.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from physim.analysis.metrics import shortest_collision_time
+from physim.analysis.metrics.metric import Moment
+from physim.contacts import Kind, Phase
+from physim.drawing.plots.distances import mark_contacts
+from physim.drawing.plots.frame import (
+    framed,
+    legend_beside,
+    mark,
+    name_rows,
+    names_of,
+    nothing,
+    row_ends,
+    short,
+    thinned,
+    time_axis,
+)
+from physim.drawing.plots.style import BAND, INK, NARROW, QUIET, robot_mark
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.record import Record
+
+CLASSES = (0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
+"""[s] between two shades"""
+SHADES = ("#440154", "#46327e", "#365c8d", "#277f8e", "#4ac16d", "#a0da39", "#f4e96b")
+"""of the colour map viridis, the shortest times darkest"""
+MOST_ROWS = 40
+"""Robots whose rows are named, each with its shortest collision time."""
+
+
+def stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, IntArray]:
+    """Edges (count + 1,) [steps] of equal stretches of the run, and that of each decision."""
+    edges = np.linspace(0.0, max(record.steps_run, 1), count + 1)
+    place = np.searchsorted(edges, rows["step"], side="right") - 1
+    return edges, np.clip(place, 0, count - 1)
+
+
+def least_of_stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, FloatArray]:
+    """Edges (count + 1,) [steps] of equal stretches of the run, and shortest times (N, count) [s].
+
+    NaN where no decision of a robot foresaw a collision. ``rows`` are decisions that did.
+    """
+    edges, place = stretches(record, rows, count)
+    least = np.full((record.robots, count), np.inf)
+    np.minimum.at(least, (rows["robot"], place), rows["collision_time"])
+    return edges, np.where(np.isfinite(least), least, np.nan)
+
+
+def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
+    """Draw the rows; returns handles for the shades that occur."""
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    edges, least = least_of_stretches(record, rows, count)
+    shade = np.where(np.isnan(least), np.nan, np.searchsorted(CLASSES, least, side="right"))
+    axis.grid(False)
+    axis.pcolormesh(
+        edges * record.dt, np.arange(record.robots + 1) - 0.5, np.ma.masked_invalid(shade),
+        cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5, rasterized=True,
+    )  # fmt: skip
+    axis.set_ylim(record.robots - 0.5, -0.5)
+    few = record.robots <= MOST_ROWS
+    name_rows(axis, record, MOST_ROWS if few else 20, 7.5, most=10)
+    if few:
+        shortest = np.fmin.reduce(least, axis=1)
+        words = [f"{value:.2f} s" if np.isfinite(value) else None for value in shortest]
+        row_ends(axis, "least", words, (shortest == np.fmin.reduce(shortest)).tolist(), "least")
+    shown = [k for k in range(len(SHADES)) if (shade == k).any()]
+    handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in shown]
+    if np.isnan(least).any():
+        handles.append(Patch(facecolor="none", edgecolor=QUIET, linewidth=0.5, label="none ahead"))
+    return handles
+
+
+def _words(shade: int) -> str:
+    if shade == 0:
+        return f"below {CLASSES[0]:g} s"
+    if shade == len(CLASSES):
+        return f"{CLASSES[-1]:g} s and more"
+    return f"{CLASSES[shade - 1]:g} to {CLASSES[shade]:g} s"
+
+
+FLOOR = 0.01
+"""[s] Least collision time on the axis; smaller ones, and contact, lie on it."""
+MOST_SINGLE = 4
+"""Robots whose decisions are drawn one by one; those of more would cover each other."""
+STRETCHES = 240
+"""Stretches of the run of which many robots have one value each."""
+
+
+def collision_times(record: Record) -> Any:
+    """Figure: collision times [s] of the decisions that foresaw one, over time [s], log axis.
+
+    Of up to `MOST_SINGLE` robots every decision. Of more: above, the shortest of all robots and a
+    band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
+    least of the run at the end. The shortest of all is marked.
+    """
+    times = record.column("collision_time")
+    rows = record.updates[np.isfinite(times)]
+    shortest = shortest_collision_time(record)
+    many = record.robots > MOST_SINGLE and shortest is not None
+    tall = 2.9 + (min(4.6, 0.45 + 0.2 * record.robots) if many else 0.0)
+    wide = 5.6 if many else NARROW
+    title = "Collision times at decisions"
+    figure = framed(record, title, "Figs. 3c, 6d", height=tall, width=wide)
+    if many:
+        axis, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, tall - 2.9))
+    else:
+        axis = below = figure.subplots()
+    time_axis(below, record)
+    axis.set_ylabel("collision time [s]")
+    if shortest is None:
+        unknown = len(times) and np.isnan(times).all()
+        why = "the controller reports none" if unknown else "no decision foresaw a collision"
+        nothing(axis, why)
+        return figure
+    handles = _together(axis, record, rows) if many else _one_by_one(axis, record, rows)
+    _seconds(axis, shortest, float(rows["collision_time"].max()))
+    handles += mark_contacts([axis], record)
+    if many:
+        handles += draw_rows(below, record, rows, STRETCHES)
+    text = f"{shortest.value:.3g} s ({names_of(record, [shortest.a])})"
+    mark(axis, shortest.time, max(shortest.value, FLOOR), text, below=True)
+    legend_beside(figure, handles, marks=1.0 if many else 2.0)
+    return figure
+
+
+def _seconds(axis: Any, shortest: Moment, longest: float) -> None:
+    """Logarithmic axis from below the shortest collision time to above the longest."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    axis.set_yscale("log")
+    axis.set_ylim(min(0.5 * max(shortest.value, FLOOR), 0.5), 1.25 * longest)
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.yaxis.set_major_formatter("{x:g}")
+    axis.yaxis.set_minor_formatter(NullFormatter())
+
+
+def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
+    """A mark a decision, in the colours of the robots."""
+    handles = []
+    for robot in range(record.robots):
+        mine = rows[rows["robot"] == robot]
+        if not len(mine):
+            continue
+        colour, marker = robot_mark(robot)
+        time, values = thinned(mine["step"] * record.dt, mine["collision_time"])
+        handles += axis.plot(
+            time, np.maximum(values, FLOOR), marker, color=colour, markersize=2.4,
+            markeredgewidth=0.0, rasterized=True, linestyle="none",
+            label=short(record.names[robot]),
+        )  # fmt: skip
+    return handles
+
+
+def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
+    """The shortest of all robots in each stretch of the run, and where most decisions lie."""
+    _, place = stretches(record, rows, STRETCHES)
+    edges, least = least_of_stretches(record, rows, STRETCHES)
+    order = np.lexsort((rows["collision_time"], place))
+    counts = np.bincount(place, minlength=STRETCHES)
+    first = np.concatenate(([0], np.cumsum(counts)[:-1]))
+    values, known = rows["collision_time"][order], counts > 0
+    low, high = (
+        np.where(known, values[np.minimum(first + at, len(values) - 1)], np.nan)
+        for at in ((0.05 * (counts - 1)).astype(int), np.ceil(0.95 * (counts - 1)).astype(int))
+    )
+    time, shortest = edges * record.dt, np.fmin.reduce(least, axis=0)
+    how = {"step": "post", "linewidth": 0.0, "alpha": 0.3, "color": BAND}
+    band = axis.fill_between(time, *(np.append(v, v[-1]) for v in (low, high)), **how)
+    band.set_label("middle 90 % of\nthe decisions")
+    line = axis.stairs(np.maximum(shortest, FLOOR), time, color=INK, linewidth=1.0, baseline=None)
+    line.set_label("shortest of\nall robots")
+    return [line, band]
+
+
+MOST_NAMED = 12
+"""Robots in the legend."""
+
+
+class Predictions(NamedTuple):
+    """Decisions after which their robot came into contact, M of them."""
+
+    robot: IntArray
+    predicted: FloatArray
+    """(M,) [s] collision time at the decision"""
+    actual: FloatArray
+    """(M,) [s] from the decision to the robot's next physical contact"""
+    kept: IntArray
+    """(M,) 1 where the decision's command was the applied one until the contact, else 0"""
+
+
+def predictions(record: Record) -> Predictions:
+    """Decisions with a finite collision time, each with the next contact of its robot.
+
+    Decisions that are made in contact are left out, and so are those after the last contact.
+    """
+    times = record.column("collision_time")
+    rows = record.updates[np.isfinite(times) & (times > 0.0)]
+    found: list[tuple[int, float, float, int]] = []
+    contacts = record.contacts
+    began = contacts[(contacts["phase"] == Phase.BEGAN) & (contacts["kind"] == Kind.PHYSICAL)]
+    for robot in range(record.robots):
+        mine = rows[rows["robot"] == robot]
+        changed = np.sort(record.commands["step"][record.commands["robot"] == robot])
+        hits = np.unique(began["step"][(began["a"] == robot) | (began["b"] == robot)])
+        place = np.searchsorted(hits, mine["step"], side="right")
+        for row, k in zip(mine[place < len(hits)], place[place < len(hits)], strict=True):
+            actual = float((hits[k] - row["step"]) * record.dt)
+            between = np.searchsorted(changed, (row["step"], hits[k]))
+            kept = int(row["next_step"] >= hits[k] and between[0] == between[1])
+            found.append((robot, float(row["collision_time"]), actual, kept))
+    columns = np.array(found, dtype=np.float64).reshape(-1, 4).T
+    return Predictions(columns[0].astype(np.int64), columns[1], columns[2], columns[3].astype(int))
+
+
+def prediction(record: Record) -> Any:
+    """Figure: predicted against actual time to contact of every decision before a contact."""
+    known = predictions(record)
+    figure = framed(record, "Predicted and actual contact", width=4.4, height=4.3)
+    axis = figure.subplots()
+    axis.set_xlabel("actual time to the next contact [s]")
+    axis.set_ylabel("predicted: collision time at the decision [s]")
+    if not len(known.robot):
+        contacts = record.contacts
+        began = contacts[contacts["kind"] == Kind.PHYSICAL]
+        why = "no contact was foreseen" if len(began) else "no contact"
+        if len(began) and np.isnan(record.column("collision_time")).all():
+            why = "the controller reports\nno collision times"
+        if len(contacts) and not len(began):
+            why = "no contact at a sample,\ngrazes between samples only"
+        nothing(axis, why)
+        return figure
+    _scatter(axis, record, known)
+    most = 1.05 * float(known.actual.max())
+    axis.plot((0.0, most), (0.0, most), color=QUIET, linewidth=0.9, label="as predicted")
+    # The contact is seen at the first sample after it: up to one step late.
+    axis.fill_between((0.0, most), (-record.dt, most - record.dt), (0.0, most), color=QUIET,
+                      alpha=0.25, linewidth=0.0, label="within one step")  # fmt: skip
+    axis.set(xlim=(0.0, most), ylim=(0.0, 1.25 * most))
+    axis.set_aspect("auto")
+    axis.legend(loc="upper left")
+    beyond = int((known.predicted > 1.25 * most).sum())
+    if beyond:
+        axis.set_title(f"{beyond} predictions lie above", loc="right", fontsize=8.5, color=QUIET)
+    return figure
+
+
+def _scatter(axis: Any, record: Record, known: Predictions) -> None:
+    """One mark a robot; full where the command was held until the contact."""
+    robots = np.unique(known.robot)
+    for k, robot in enumerate(robots):
+        colour, marker = robot_mark(int(robot))
+        label = short(record.names[robot]) if k < MOST_NAMED else None
+        for kept in (0, 1):
+            rows = (known.robot == robot) & (known.kept == kept)
+            axis.plot(
+                known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
+                markerfacecolor=colour if kept else "none", markeredgewidth=0.8,
+                label=label if kept == int(known.kept[known.robot == robot].any()) else None,
+                clip_on=True,
+            )  # fmt: skip
+    if known.kept.any() and not known.kept.all():
+        axis.plot([], [], "o", color=INK, markersize=4.0, label="command held until contact")

@@ -1,0 +1,211 @@
+"""Curves of robots over time, a line each or quantile bands of a crowd.
+
+Signed deviation of each robot from its own path (Figs. 1b, 2c, 7d), formation errors and
+formation energy (Figs. 2b, 7a; (9), (10)), speeds averaged over 10 s (Figs. 1c, 7b, 7c).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from physim.analysis.metrics import (
+    averaged_speeds,
+    column_over_time,
+    deviation_peak,
+    deviation_rms,
+    deviations,
+    formation_energy,
+    formation_error_final,
+    formation_error_peak,
+    formation_errors,
+    world_settings,
+)
+from physim.analysis.metrics.motion import WINDOW
+from physim.drawing.plots.frame import (
+    framed,
+    keep_span,
+    legend_beside,
+    mark,
+    names_of,
+    nothing,
+    short,
+    time_axis,
+    zero_line,
+)
+from physim.drawing.plots.style import BAND, CYCLE, INK, QUIET, RULE, robot_colour
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+
+MOST_LINES = 12
+"""Robots that are drawn one by one; of more, bands are drawn."""
+QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
+"""Shares of the robots below the lines of a band."""
+
+
+def draw_courses(axis: Any, record: Record, time: FloatArray, values: FloatArray) -> list[Any]:
+    """Draw values (K, N) of robots over time (K,); returns the handles of a legend.
+
+    Of more than `MOST_LINES` robots: the median, bands of half and of nine tenths of them, and
+    the outermost values.
+    """
+    if values.shape[1] <= MOST_LINES:
+        return [
+            axis.plot(time, values[:, i], label=short(record.names[i]), **robot_line(i))[0]
+            for i in range(values.shape[1])
+            if np.isfinite(values[:, i]).any()
+        ]
+    return draw_bands(axis, time, values, f"{values.shape[1]} robots")
+
+
+def draw_bands(axis: Any, time: FloatArray, values: FloatArray, of: str) -> list[Any]:
+    """Bands of the quantiles of values (K, M) over time (K,), and the handles of their legend."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # moments without any value
+        quantile = np.nanquantile(values, QUANTILES, axis=1)
+    outer = axis.plot(time, quantile[0], color=INK, linewidth=0.6, label="least, greatest")[0]
+    axis.plot(time, quantile[-1], color=INK, linewidth=0.6)
+    shades = ((1, -2, 0.25, "middle 90 %"), (2, -3, 0.45, "middle 50 %"))
+    bands = [
+        axis.fill_between(
+            time, quantile[low], quantile[high], color=BAND, alpha=alpha, linewidth=0.0, label=label
+        )
+        for low, high, alpha, label in shades
+    ]
+    median = axis.plot(time, quantile[3], color=BAND, linewidth=1.5, label=f"median of\n{of}")[0]
+    return [median, bands[1], bands[0], outer]
+
+
+def robot_line(index: int) -> dict[str, Any]:
+    """Colour and dashes of a robot's line; dashed where colours come again."""
+    dashes = ("-", (0, (4, 1.5)), (0, (1, 1)))
+    return {
+        "color": robot_colour(index),
+        "linestyle": dashes[index // len(CYCLE) % len(dashes)],
+        "linewidth": 1.1,
+    }
+
+
+SHARP = 0.5
+"""[rad] A path that turns by more within `CORNER` has a sharp turn there."""
+CORNER = 1.0
+"""[m]"""
+
+
+def deviation(record: Record) -> Any:
+    """Figure: deviation [m] over time [s], left of the path positive, its peak marked."""
+    figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d")
+    axis = figure.subplots()
+    axis.set_ylabel("deviation [m], left positive")
+    time_axis(axis, record)
+    peak, rms = deviation_peak(record), deviation_rms(record)
+    if peak is None:
+        nothing(axis, "no decision was recorded")
+        return figure
+    turns = _mark_turns(axis, record) if record.robots == 1 else []
+    zero_line(axis)
+    handles = draw_courses(axis, record, *deviations(record))
+    axis.margins(y=0.2)
+    text = f"{peak.value:+.2f} m ({names_of(record, [peak.a])})"
+    mark(axis, peak.time, peak.value, text, below=peak.value < 0.0)
+    if rms is not None:
+        axis.set_title(f"root mean square {rms.value:.2f} m", loc="right", fontsize=8.5)
+    legend_beside(figure, [*handles, *turns])
+    return figure
+
+
+def _mark_turns(axis: Any, record: Record) -> list[Any]:
+    """Shade when a robot alone was within its look-ahead of a sharp turn of its path."""
+    time, station = column_over_time(record, "station")
+    shades = []
+    for turn in sharp_turns(record.paths.points):
+        near = np.flatnonzero(np.abs(station[:, 0] - turn) <= 2.0)
+        if len(near):
+            ends = time[near[[0, -1]]]
+            label = "sharp turn of\nthe path ± 2 m"
+            shades.append(axis.axvspan(*ends, color=RULE, alpha=0.7, linewidth=0.0, label=label))
+    return shades[:1]
+
+
+def sharp_turns(points: FloatArray) -> list[float]:
+    """Stations [m] at which a polyline (n, 2) turns sharply: by more than `SHARP` at a point."""
+    along = np.diff(points, axis=0)
+    station = np.concatenate(([0.0], np.cumsum(np.hypot(*along.T))))
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    return [
+        float(station[k + 1])
+        for k, (a, b) in enumerate(pairwise(heading))
+        if abs((b - a + np.pi) % (2 * np.pi) - np.pi) > SHARP
+    ]
+
+
+def formation(record: Record) -> Any:
+    """Figure: formation errors [m] above the formation energy W [m^2], over time [s]."""
+    figure = framed(record, "Formation errors", "Figs. 2b, 7a", height=4.0)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(5, 2))
+    above.set_ylabel("formation error [m]\nbehind its place positive")
+    below.set_ylabel("energy W (9)\n[m²]")
+    time_axis(below, record)
+    course = formation_errors(record)
+    peak, final = formation_error_peak(record), formation_error_final(record)
+    if course is None or peak is None or final is None:
+        why = "a robot alone has no formation" if record.robots == 1 else "no decision was recorded"
+        if record.robots > 1 and course is None:
+            why = "the world has no formation"
+        nothing(above, why)
+        nothing(below, why)
+        return figure
+    zero_line(above)
+    handles = draw_courses(above, record, *course)
+    k = int(np.argmin(np.abs(course.time - peak.time)))
+    signed = float(course.values[k, peak.a])
+    above.margins(y=0.2)
+    value = float(np.copysign(peak.value, signed))
+    text = f"{value:.2f} m ({names_of(record, [peak.a])})"
+    mark(above, peak.time, value, text, below=value < 0.0)
+    above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
+    energy = formation_energy(record)
+    if energy is None:
+        nothing(below, "the robots did not decide together at the start")
+    else:
+        below.fill_between(energy.time, 0.0, energy.values, color=INK, alpha=0.15, linewidth=0.0)
+        below.plot(energy.time, energy.values, color=INK, linewidth=1.0)
+        below.set_ylim(bottom=0.0)
+    legend_beside(figure, handles)
+    return figure
+
+
+def speeds(record: Record) -> Any:
+    """Figure: averaged rotational [rad/s] above averaged forward speed [m/s] over time [s]."""
+    figure = framed(record, f"Speeds averaged over {WINDOW:.0f} s", "Figs. 1c, 7b, 7c", height=4.3)
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.set_ylabel("rotational speed [rad/s]\nleft turn positive")
+    below.set_ylabel("forward speed [m/s]")
+    time_axis(below, record)
+    found = averaged_speeds(record)
+    if not np.isfinite(found.forward).any():
+        for axis in (above, below):
+            nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
+        return figure
+    zero_line(above)
+    _limits(below, record)
+    draw_courses(above, record, found.time, found.rotational)
+    legend_beside(figure, draw_courses(below, record, found.time, found.forward))
+    for axis in (above, below):
+        keep_span(axis, 0.2)
+    return figure
+
+
+def _limits(axis: Any, record: Record) -> None:
+    """Steady speed and limits of the formation, where the world has one."""
+    plan = world_settings(record).get("formation")
+    if not isinstance(plan, Mapping):
+        return
+    for value in (*plan.get("limits", ()), plan.get("speed")):
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            axis.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
+    axis.set_title("dashed: steady speed and limits of (7)", loc="right", fontsize=8.0, color=QUIET)

@@ -1,0 +1,174 @@
+"""Distances over time: of all pairs of robots, and the least of all; minima and contacts marked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from physim.analysis.metrics import (
+    contact_episodes,
+    farthest_pair,
+    grazes,
+    pair_distances,
+    shortest_boundary_distance,
+    shortest_distance,
+)
+from physim.drawing.plots.curves import draw_bands
+from physim.drawing.plots.frame import (
+    LONGEST_NAME,
+    clear_marks,
+    framed,
+    legend_beside,
+    mark,
+    names_of,
+    nothing,
+    thinned,
+    time_axis,
+    zero_line,
+)
+from physim.drawing.plots.style import CONTACT, INK, QUIET
+from physim.record import Record
+
+MOST_BANDS = 12
+"""Contacts that have a band and a line each; more would cover the curves."""
+STRIP = 0.035
+"""Share of an axis, at its top, that shows when there is any contact."""
+NARROWEST = 0.003
+"""Share of the axis: spans are at least as wide, and gaps as narrow are closed."""
+
+
+def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
+    """A strip at the top of each axis, filled for as long as there is any contact.
+
+    Of few contacts each has a pale band and a line where it begins, too; grazes have a dotted
+    line, or of many a mark in the strip. Returns the handles of a legend. All lie under the curves.
+    """
+    episodes, between = contact_episodes(record), grazes(record)
+    ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in episodes]
+    least = NARROWEST * max(record.steps_run, 1) * record.dt
+    handles: list[Any] = []
+    for axis in axes:
+        handles = []
+        if ends:
+            label = f"contact ({len(ends)})"
+            handles.append(_strip(axis, merged(ends, least), label))
+        for begin, end in ends if len(ends) <= MOST_BANDS else ():
+            axis.axvspan(begin, end, color=CONTACT, alpha=0.15, linewidth=0.0, zorder=0.5)
+            axis.axvline(begin, color=CONTACT, linewidth=1.1, zorder=0.6)
+        low = 0.0 if len(between) <= MOST_BANDS else 1.0 - STRIP
+        style: dict[str, Any] = {"color": CONTACT, "linewidth": 1.1, "zorder": 0.6}
+        label = f"graze ({len(between)})"
+        dots = [axis.axvline(g.time, low, linestyle=":", label=label, **style) for g in between]
+        handles += dots[:1]
+    return handles
+
+
+def merged(spans: Sequence[tuple[float, float]], least: float) -> list[tuple[float, float]]:
+    """Spans (begin, end) [s] joined where they overlap or less than ``least`` [s] lies between.
+
+    In order, each at least ``least`` long.
+    """
+    joined: list[tuple[float, float]] = []
+    for begin, end in sorted(spans):
+        end = max(end, begin + least)
+        if joined and begin <= joined[-1][1] + least:
+            joined[-1] = (joined[-1][0], max(joined[-1][1], end))
+        else:
+            joined.append((begin, end))
+    return joined
+
+
+def _strip(axis: Any, spans: list[tuple[float, float]], label: str) -> Any:
+    """The spans in a strip just above the axis; outside, so that it covers no curve."""
+    from matplotlib.collections import PolyCollection
+
+    low, high = 1.0, 1.0 + STRIP
+    corners = [[(a, low), (b, low), (b, high), (a, high)] for a, b in spans]
+    strip = PolyCollection(
+        corners, facecolor=CONTACT, linewidth=0.0, transform=axis.get_xaxis_transform(),
+        clip_on=False, label=label, gid="contacts",
+    )  # fmt: skip
+    return axis.add_collection(strip, autolim=False)
+
+
+MOST_PAIRS = 66
+"""Pairs that are drawn one by one: those of 12 robots; of more, bands of the nearest ones."""
+
+
+def distances(record: Record) -> Any:
+    """Figure: distances of all pairs of robots above the least distances [m], over time [s].
+
+    Above: each pair, or of many robots bands of each robot's distance to its nearest other, and
+    the largest. Below: the least of all robots to another and to a wall; below 0 are depths.
+    """
+    figure = framed(record, "Distances", "Figs. 3b, 6c", height=4.4)
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.set_ylabel("between robots [m]")
+    below.set_ylabel("least of all [m]")
+    time_axis(below, record)
+    handles = _pairs(above, record)
+    handles += _least(below, record)
+    handles += mark_contacts((above, below), record)
+    legend_beside(figure, handles)
+    clear_marks(figure)
+    return figure
+
+
+def _pairs(axis: Any, record: Record) -> list[Any]:
+    """Distances of every pair, thin, with the largest marked; bands of a crowd."""
+    farthest = farthest_pair(record)
+    if record.robots < 2 or not record.samples:
+        nothing(axis, "one robot alone" if record.robots == 1 else "no sample was recorded")
+        return []
+    if record.robots * (record.robots - 1) // 2 > MOST_PAIRS:
+        rows = np.unique(np.linspace(0, record.samples - 1, 1000).astype(int))
+        handles = draw_bands(
+            axis, record.time[rows], record.clearance[rows], "nearest-robot\ndistances"
+        )
+        axis.set_ylabel("to the nearest robot [m]")
+    else:
+        (time, values), _ = pair_distances(record)
+        handles = axis.plot(time, values, color=QUIET, linewidth=0.5, alpha=0.7)[:1]
+        handles[0].set_label("each pair")
+        if farthest is not None:
+            who = names_of(record, [farthest.a, farthest.b])
+            mark(axis, farthest.time, farthest.value, f"farthest {farthest.value:.3g} m ({who})")
+    axis.set_ylim(0.0, 1.12 * axis.get_ylim()[1])
+    return list(handles)
+
+
+def _least(axis: Any, record: Record) -> list[Any]:
+    """Least distance over all robots to another robot and to a wall, each with its minimum."""
+    wall = shortest_boundary_distance(record)
+    curves = (
+        (record.clearance, INK, "-", "robot to robot", shortest_distance(record)),
+        (record.boundary_clearance, QUIET, "--", "robot to wall", wall),
+    )
+    handles, marked = [], []
+    for values, colour, dash, label, shortest in curves:
+        least = values.min(axis=1) if values.size else np.zeros(0)
+        if np.isfinite(least).any():
+            time, least = thinned(np.asarray(record.time), least)
+            handles += axis.plot(time, least, dash, color=colour, label=label, linewidth=1.0)
+            if shortest is not None:
+                who = names_of(record, [shortest.a, shortest.b])
+                who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
+                handles[-1].set_label(f"{label},\nleast {shortest.value:.3g} m\n({who})")
+                marked.append((shortest, colour))
+    if not handles:
+        nothing(axis, "no sample was recorded")
+        return []
+    zero_line(axis)
+    axis.margins(y=0.2)
+    low = min((shortest.value for shortest, _ in marked), default=0.0)
+    close = len(marked) == 2 and abs(marked[0][0].time - marked[1][0].time) < 0.3 * record.time[-1]
+    bottom, top = axis.get_ylim()
+    axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
+    level = len(marked) == 2 and abs(marked[0][0].value - marked[1][0].value) < 0.1 * (top - low)
+    for row, (shortest, colour) in enumerate(sorted(marked, key=lambda pair: pair[0].value)):
+        text, below = f"{shortest.value:.3g} m", level or not close or row == 0
+        place = row * (level and close)
+        mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
+    return handles

@@ -1,0 +1,101 @@
+"""Safe and danger mode of each robot over time, with its share (Fig. 8)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.metrics import danger_time_share, mode_spans, share_of_modes
+from physim.drawing.plots.frame import (
+    framed,
+    legend_below,
+    name_rows,
+    nothing,
+    row_ends,
+    short,
+    time_axis,
+)
+from physim.drawing.plots.style import QUIET
+from physim.geometry.shapes import FloatArray
+from physim.parts.declarations import NO_NUMBER
+from physim.record import Record
+
+MOST_ROWS = 40
+"""Robots that have a row with name and share; of more, rows are thin and only some are named."""
+
+LONGEST_MODE = 30
+"""Characters of a mode in the legend."""
+BLANK = 0.002
+"""Share of the run without a mode from which on the legend says what a blank stretch means."""
+
+
+def modes(record: Record) -> Any:
+    """Figure: a row a robot, coloured by mode over time [s], its share out of danger at the end."""
+    few = record.robots <= MOST_ROWS
+    row = 0.21 if few else max(0.03, 8.4 / record.robots)
+    tall = min(9.0, max(2.0, 1.25 + row * record.robots))
+    figure = framed(record, "Modes", "Fig. 8", height=tall, width=5.6, source_on_top=True)
+    axis = figure.subplots()
+    axis.grid(False)
+    time_axis(axis, record)
+    spans = mode_spans(record)
+    if not len(spans):
+        nothing(axis, "no decision was recorded")
+        return figure
+    if (spans["mode"] == NO_NUMBER).all():
+        nothing(axis, "the controller gives no modes")
+        return figure
+    _rows(axis, record, spans, 0.76 if few else 1.0)
+    axis.set_ylim(record.robots - 0.4, -0.6)
+    name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
+    if few:
+        _shares(axis, record)
+    share = danger_time_share(record)
+    if share is not None:
+        words = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
+        axis.set_title(words, loc="right", fontsize=8.0, color=QUIET)
+    _legend(figure, record, spans)
+    return figure
+
+
+def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> None:
+    """Bars of each mode; danger over the others, since a short stretch of it matters most."""
+    from matplotlib.collections import PolyCollection
+
+    for mode in sorted(range(len(record.modes)), key=lambda k: record.modes[k].danger):
+        mine = spans[spans["mode"] == mode]
+        ends = np.column_stack((mine["begin"], mine["end"]))[:, [0, 1, 1, 0]]
+        sides = mine["robot"][:, None] + height / 2.0 * np.array([-1.0, -1.0, 1.0, 1.0])
+        corners: FloatArray = np.stack((ends, sides), axis=-1)
+        axis.add_collection(
+            PolyCollection(list(corners), facecolor=record.modes[mode].colour, linewidth=0.0)
+        )
+
+
+def _shares(axis: Any, record: Record) -> None:
+    """Share of time out of danger at the end of each row, bold where it is less than half."""
+    found = share_of_modes(record, danger=False)
+    if found is not None:
+        words = [None if share is None else f"{share:.0%}" for share in found.robots]
+        bold = [share is not None and share < 0.5 for share in found.robots]
+        row_ends(axis, "safe", words, bold, "share")
+
+
+def _legend(figure: Any, record: Record, spans: NDArray[np.void]) -> None:
+    from matplotlib.patches import Patch
+
+    lasting = spans["mode"][spans["end"] > spans["begin"]]
+    handles = [
+        Patch(facecolor=mode.colour, label=short(str(mode), LONGEST_MODE))
+        for k, mode in enumerate(record.modes)
+        if (lasting == k).any()
+    ]
+    coloured = spans[spans["mode"] != NO_NUMBER]
+    filled = np.bincount(
+        coloured["robot"], coloured["end"] - coloured["begin"], minlength=record.robots
+    )
+    if filled.min() < record.steps_run * record.dt * (1.0 - BLANK):
+        handles.append(Patch(facecolor="white", edgecolor=QUIET, label="blank: no mode given"))
+    legend_below(figure, handles, 4)

@@ -1,0 +1,136 @@
+"""Draw the named pictures of a record into a folder.
+
+Packages may register pictures of their own, classes in the entry point group ``physim.plots``; the
+name of the entry point is that of the picture and of its file::
+
+    class Speeds:
+        def draw(self, record):  # a physim.Record
+            figure = matplotlib.figure.Figure()
+            ...
+            return figure
+
+What fails in it is reported in one line.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from physim.analysis.metrics import own_part
+from physim.analysis.metrics.registered import taken_name
+from physim.drawing.plots.collision_times import collision_times, prediction
+from physim.drawing.plots.curves import deviation, formation, speeds
+from physim.drawing.plots.distances import distances
+from physim.drawing.plots.maps import trajectories, width
+from physim.drawing.plots.modes import modes
+from physim.drawing.plots.style import save_figure
+from physim.errors import PhysimError, nearest
+from physim.parts.user_code import asked, broken_by
+from physim.record import Record
+
+FORMATS = ("png", "svg", "pdf")
+PICTURES: dict[str, Callable[[Record], Any]] = {
+    "trajectories": trajectories,
+    "deviation": deviation,
+    "speeds": speeds,
+    "formation": formation,
+    "width": width,
+    "distances": distances,
+    "collision_times": collision_times,
+    "modes": modes,
+    "prediction": prediction,
+}
+"""Each makes a figure of a record."""
+NAMES = tuple(PICTURES)
+
+
+def names() -> tuple[str, ...]:
+    """All pictures: physim's own, then those that packages registered."""
+    return (*NAMES, *(name for name in _registered() if name not in PICTURES))
+
+
+def not_replaced(only: Sequence[str]) -> tuple[str, ...]:
+    """A line for each registered picture of ``only`` that has a name of physim's own."""
+    found = (name for name in _registered() if name in PICTURES and name in only)
+    return tuple(taken_name(_plot(), name) for name in found)
+
+
+def _registered() -> list[str]:
+    return sorted({entry.name for entry in entry_points(group="physim.plots")})
+
+
+def draw(
+    record: Record,
+    folder: str | os.PathLike[str],
+    *,
+    only: Sequence[str] | None = None,
+    format: str = "png",
+    force: bool = False,
+    snapshots: float | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> tuple[Path, ...]:
+    """Draw pictures of a record, all or ``only`` some, as ``folder/NAME.FORMAT``.
+
+    Returns the files. ``stop()`` is asked after each picture; once True, no more are drawn.
+    ``snapshots`` [s] is the time between the snapshots of ``trajectories``. The same record gives
+    the same file. Raises PhysimError for an unknown name or format, for a
+    file that exists unless ``force`` is set, where the folder cannot be written, and where a
+    picture that a package registered fails.
+    """
+    known = names()
+    only = known if only is None else only
+    for name in only:
+        if name not in known:
+            close = nearest(name[:100], list(known))
+            raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
+    own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
+    if format not in FORMATS:
+        raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
+    paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
+    for path in paths:
+        if os.path.lexists(path) and not force:
+            raise PhysimError(
+                f"{path}: exists; use --force to write over it, or -o for another folder"
+            )
+    drawn = 0
+    try:
+        for path in paths:
+            part = own.get(path.stem)
+            save_figure(path, format, partial(_figure, record, path.stem, snapshots, part))
+            drawn += 1
+            if stop is not None and stop():
+                break
+    except OSError as error:
+        raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
+    return paths[:drawn]
+
+
+def _plot() -> Any:
+    from physim.parts.registry import PLOT  # only here: it brings the models of worlds along
+
+    return PLOT
+
+
+def _own_figure(name: str, part: Any, record: Record) -> Any:
+    """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
+    try:
+        figure = asked(part.draw, "draw(record)", record)
+    except (Exception, SystemExit) as error:
+        raise PhysimError(f'plot "{name}" fails: {broken_by(error)}') from None
+    if not callable(getattr(figure, "savefig", None)):
+        raise PhysimError(
+            f'plot "{name}" gives a {type(figure).__name__}; it must give a matplotlib Figure'
+        )
+    return figure
+
+
+def _figure(record: Record, name: str, snapshots: float | None, own: Any) -> Any:
+    """Figure of a picture by name, ``own`` where a package registered it."""
+    if own is not None:
+        return _own_figure(name, own, record)
+    return trajectories(record, snapshots) if name == "trajectories" else PICTURES[name](record)

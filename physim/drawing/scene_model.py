@@ -1,0 +1,350 @@
+"""What pictures show of the place of a run: bodies, walls, paths, areas, names, colours.
+
+One frozen value, had alike from a world that is laid out, a scene and a record, so that preview,
+plots and video draw the same things in the same colours (`physim.drawing.palette`). It holds no
+kernels and no simulation, and nothing that changes in a run: where robots go is in the record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import shapely
+
+from physim.drawing.palette import (
+    DANGER_AREA,
+    FLOOR,
+    SAFE_AREA,
+    UNDECIDED,
+    Colour,
+    rgb,
+    robot_colour,
+)
+from physim.geometry.polygon import convex_parts
+from physim.geometry.shapes import FloatArray, Polylines, Shapes
+from physim.parts.declarations import NO_NUMBER, Mode
+from physim.world.scene import Body
+
+if TYPE_CHECKING:
+    from physim.record import Record
+    from physim.world.scene import Layout, Scene
+
+SEAM = 1e-6
+"""[m] Parts of a body closer than this are one: their shared edges agree only to rounding."""
+HAIR = 1e-6
+"""Share of L by which a path may miss the safe area and still count as in it: paths that run along
+its very edge."""
+
+
+class Area(NamedTuple):
+    """An area of the ground."""
+
+    name: str
+    colour: Colour
+    rings: tuple[FloatArray, ...]
+    """(n, 2), even-odd"""
+
+
+@dataclass(frozen=True, eq=False)
+class SceneModel:
+    """N robots and all that does not move; lengths [m], angles [rad], world frame unless said."""
+
+    name: str
+    seed: int
+    bodies: tuple[Body, ...]
+    """robots by index, then boundaries, then obstacles"""
+    footprints: tuple[tuple[FloatArray, ...], ...]
+    """convex parts (n, 2) of each robot, in its frame"""
+    outlines: tuple[FloatArray, ...]
+    """outline (n, 2) of each robot, in its frame"""
+    start: FloatArray
+    """(N, 3) poses at sample 0; NaN in a record without samples"""
+    boundaries: tuple[FloatArray, ...]
+    """polylines (n, 2)"""
+    obstacles: tuple[FloatArray, ...]
+    """outlines (n, 2), solid inside"""
+    paths: tuple[FloatArray, ...]
+    """own path (n, 2) of each robot"""
+    reference: FloatArray
+    """(n, 2) s*"""
+    stop_station: FloatArray
+    """(N,) along the own path"""
+    accessible: tuple[FloatArray, ...]
+    """rings (n, 2), even-odd"""
+    safe: tuple[FloatArray, ...]
+    """rings of the safe area, even-odd; none where no safe distance is known"""
+    safe_distance: float
+    """L; 0 where the controller has none"""
+    modes: tuple[Mode, ...]
+    """as the controller declares them; numbers of modes count in them"""
+
+    @classmethod
+    def of_layout(
+        cls, layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 0.0
+    ) -> SceneModel:
+        """Model of a world before its run; no kernel is called."""
+        world, drawn = layout.world, layout.boundaries
+        names = [("robot", robot.name) for robot in world.robots]
+        names += [("boundary", name) for name in drawn]
+        names += [("obstacle", f"obstacle {k + 1}") for k in range(len(layout.obstacles))]
+        area = layout.area
+        return cls(
+            name=world.name,
+            seed=world.seed,
+            bodies=tuple(Body(k, *one) for k, one in enumerate(names)),
+            footprints=tuple(convex_parts(outline) for outline in layout.footprints),
+            outlines=tuple(layout.footprints),
+            start=layout.start,
+            boundaries=tuple(drawn.values()),
+            obstacles=tuple(layout.obstacles),
+            paths=tuple(layout.paths),
+            reference=layout.reference,
+            stop_station=_stop_stations(layout),
+            accessible=tuple(area.accessible_rings),
+            safe=tuple(area.safe_rings(safe_distance)) if safe_distance > 0.0 else (),
+            safe_distance=safe_distance,
+            modes=tuple(modes),
+        )
+
+    @classmethod
+    def of_scene(
+        cls, scene: Scene, modes: Sequence[Mode] = (), safe_distance: float = 0.0
+    ) -> SceneModel:
+        """Model of a scene, e.g. that of a simulation, with the modes that it declares."""
+        parts = _bodies(scene.shapes)
+        area = scene.area
+        return cls(
+            name=scene.world.name,
+            seed=scene.seed,
+            bodies=scene.bodies,
+            footprints=parts,
+            outlines=tuple(outline(body) for body in parts),
+            start=scene.start,
+            **_walls(scene.bodies[scene.robots :], scene.walls),
+            paths=_lines(scene.paths),
+            reference=_lines(scene.reference)[0],
+            stop_station=scene.stop_station,
+            accessible=tuple(area.accessible_rings),
+            safe=tuple(area.safe_rings(safe_distance)) if safe_distance > 0.0 else (),
+            safe_distance=safe_distance,
+            modes=tuple(modes),
+        )
+
+    @classmethod
+    def of_record(cls, record: Record) -> SceneModel:
+        """Model of what a record tells."""
+        nowhere = np.full((record.robots, 3), np.nan)
+        return cls(
+            name=record.name,
+            seed=record.seed,
+            bodies=record.bodies,
+            footprints=record.footprints,
+            outlines=tuple(outline(body) for body in record.footprints),
+            start=record.pose[0] if record.samples else nowhere,
+            **_walls(record.bodies[record.robots :], record.walls),
+            paths=_lines(record.paths),
+            reference=_lines(record.reference)[0],
+            stop_station=record.stop_station,
+            accessible=tuple(record.accessible),
+            safe=tuple(record.safe) if record.safe_distance > 0.0 else (),
+            safe_distance=record.safe_distance,
+            modes=record.modes,
+        )
+
+    @property
+    def robots(self) -> int:
+        """Number of robots N."""
+        return len(self.footprints)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots."""
+        return tuple(body.name for body in self.bodies[: self.robots])
+
+    @property
+    def colours(self) -> tuple[Colour, ...]:
+        """Colours of the robots' own lines."""
+        return tuple(robot_colour(i) for i in range(self.robots))
+
+    def mode_colour(self, mode: int) -> Colour:
+        """Colour of a mode by number, and of a robot that has not decided or gave none."""
+        return rgb(self.modes[mode].colour) if mode != NO_NUMBER else UNDECIDED
+
+    @cached_property
+    def reach(self) -> FloatArray:
+        """(N,) [m] from the reference point of each robot to its farthest corner."""
+        return np.array([np.hypot(*np.concatenate(body).T).max() for body in self.footprints])
+
+    @cached_property
+    def accessible_area(self) -> shapely.Geometry:
+        """Inside of the accessible rings."""
+        return region(self.accessible)
+
+    @cached_property
+    def safe_area(self) -> shapely.Geometry:
+        """Inside of the safe rings."""
+        return region(self.safe)
+
+    @cached_property
+    def areas(self) -> tuple[Area, ...]:
+        """Areas that there are, in the order of drawing: one, or danger and in it safe area."""
+        if self.safe_distance <= 0.0:
+            areas = [Area("accessible area", FLOOR, self.accessible)]
+        else:
+            danger = Area("danger area", DANGER_AREA, self.accessible)
+            areas = [danger, Area("safe area", SAFE_AREA, self.safe)]
+        return tuple(area for area in areas if area.rings)
+
+    @cached_property
+    def solid_rings(self) -> tuple[FloatArray, ...]:
+        """Rings of all obstacles together, even-odd, without the seams between those that touch."""
+        return tuple(rings_of(shapely.union_all([_polygon(corners) for corners in self.obstacles])))
+
+    @cached_property
+    def path_pieces(self) -> tuple[tuple[list[FloatArray], list[FloatArray]], ...]:
+        """Own path of each robot in lines (n, 2), in the safe area and elsewhere.
+
+        All of it is in the first where no safe distance is known.
+        """
+        if self.safe_distance <= 0.0:
+            return tuple(([path], []) for path in self.paths)
+        return tuple(split_at(path, self._nearly_safe) for path in self.paths)
+
+    @property
+    def stops(self) -> FloatArray:
+        """(N, 2) places of the stop stations."""
+        lines = [shapely.LineString(path) for path in self.paths]
+        points = shapely.line_interpolate_point(lines, self.stop_station)
+        return np.asarray(shapely.get_coordinates(points))
+
+    @cached_property
+    def starting(self) -> tuple[FloatArray, ...]:
+        """Outlines (n, 2) of the robots at the start; NaN where it is not known."""
+        return tuple(map(placed, self.outlines, self.start))
+
+    @property
+    def extent(self) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest x, y of all lines and of the robots at the start."""
+        lines = [*self.boundaries, *self.obstacles, *self.paths, self.reference, *self.accessible]
+        points = np.concatenate((*lines, *self.starting))
+        return np.nanmin(points, axis=0), np.nanmax(points, axis=0)
+
+    @cached_property
+    def _nearly_safe(self) -> shapely.Geometry:
+        grown = self.safe_area.buffer(HAIR * self.safe_distance)
+        shapely.prepare(grown)
+        return grown
+
+
+def placed(points: FloatArray, pose: FloatArray) -> FloatArray:
+    """Points (n, 2) of a body's frame at a pose (3,), in the world's."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]) + pose[:2])
+
+
+def outline(parts: Sequence[FloatArray]) -> FloatArray:
+    """Outline (n, 2) of the union of parts, without seams; of pieces apart, the largest."""
+    if len(parts) == 1:
+        return np.asarray(parts[0], dtype=np.float64)
+    return rings_of(largest(union(parts)))[0]
+
+
+def union(parts: Sequence[FloatArray]) -> shapely.Geometry:
+    """Union of the convex parts (n, 2) of a body, without seams."""
+    polygons = [_polygon(part) for part in parts]
+    if len(parts) == 1:
+        return polygons[0]
+    whole = shapely.union_all([shapely.buffer(p, SEAM, join_style="mitre") for p in polygons])
+    return shapely.buffer(whole, -SEAM, join_style="mitre")
+
+
+def polygons_of(area: shapely.Geometry) -> list[shapely.Polygon]:
+    """Polygons that an area consists of."""
+    parts = shapely.get_parts(area)
+    return [part for part in parts if part.geom_type == "Polygon" and not part.is_empty]
+
+
+def largest(area: shapely.Geometry) -> shapely.Polygon:
+    """Largest polygon of an area."""
+    return max(polygons_of(area), key=lambda polygon: float(polygon.area))
+
+
+def rings_of(area: shapely.Geometry) -> list[FloatArray]:
+    """Outlines and holes (n, 2) of an area; an outline and its holes go in opposite senses."""
+    rings = [ring for part in polygons_of(area) for ring in (part.exterior, *part.interiors)]
+    return [shapely.get_coordinates(ring)[:-1] for ring in rings]
+
+
+def pieces_of(lines: Iterable[FloatArray]) -> FloatArray:
+    """Straight pieces (s, 2, 2) of lines (n, 2)."""
+    pieces = [np.stack((line[:-1], line[1:]), axis=1) for line in lines]
+    return np.concatenate(pieces) if pieces else np.zeros((0, 2, 2))
+
+
+def closed(ring: FloatArray) -> FloatArray:
+    """Ring (n, 2) as a line (n + 1, 2) that ends where it begins."""
+    return np.concatenate((ring, ring[:1]))
+
+
+def _polygon(corners: FloatArray) -> shapely.Geometry:
+    return shapely.make_valid(shapely.Polygon(corners))
+
+
+def region(rings: Iterable[FloatArray]) -> shapely.Geometry:
+    """Area within rings by the even-odd rule."""
+    area: shapely.Geometry = shapely.Polygon()
+    for ring in rings:
+        if len(ring) >= 3:
+            area = area.symmetric_difference(_polygon(ring))
+    return area
+
+
+def split_at(line: FloatArray, area: shapely.Geometry) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Pieces (n, 2) of a line inside of an area, and outside of it, each as long as it goes."""
+    whole = shapely.LineString(line)
+    return _joined(whole.intersection(area)), _joined(whole.difference(area))
+
+
+def _joined(geometry: shapely.Geometry) -> list[FloatArray]:
+    parts = [part for part in shapely.get_parts(geometry) if part.length > 0.0]
+    if not parts:
+        return []
+    merged = shapely.line_merge(shapely.MultiLineString(parts))
+    return [shapely.get_coordinates(line) for line in shapely.get_parts(merged)]
+
+
+def _bodies(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
+    parts = [shapes.vertices[a:b] for a, b in pairwise(shapes.part_start)]
+    return tuple(tuple(parts[a:b]) for a, b in pairwise(shapes.body_start))
+
+
+def _walls(bodies: Sequence[Body], walls: Shapes) -> dict[str, tuple[FloatArray, ...]]:
+    """Polylines of the boundaries and outlines of the obstacles, from their convex parts."""
+    found: dict[str, list[FloatArray]] = {"boundary": [], "obstacle": []}
+    for body, parts in zip(bodies, _bodies(walls), strict=True):
+        line = [parts[0][0], *(part[1] for part in parts)] if body.kind == "boundary" else []
+        found[body.kind].append(np.array(line) if line else outline(parts))
+    return {"boundaries": tuple(found["boundary"]), "obstacles": tuple(found["obstacle"])}
+
+
+def _lines(lines: Polylines) -> tuple[FloatArray, ...]:
+    return tuple(lines.points[a:b] for a, b in pairwise(lines.start))
+
+
+def _stop_stations(layout: Layout) -> FloatArray:
+    """(N,) stop stations: ends of the paths, staggered by the desired leads of the formation."""
+    formation = layout.world.formation
+    lead = np.zeros(len(layout.start))
+    if formation is not None and formation.spacing == "initial":
+        line = shapely.LineString(layout.reference)
+        station = shapely.line_locate_point(line, shapely.points(layout.start[:, :2]))
+        lead = station - station[0]
+    elif formation is not None:
+        lead = np.array(formation.spacing, dtype=np.float64)
+    ends = shapely.length([shapely.LineString(path) for path in layout.paths])
+    return np.asarray(np.maximum(ends - (lead.max() - lead), 0.0))

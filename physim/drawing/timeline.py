@@ -1,0 +1,219 @@
+"""What a record says at given times: poses, last decisions, contacts. Nothing is interpolated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes, has_formation
+from physim.contacts import Phase
+from physim.drawing.palette import Colour
+from physim.drawing.scene_model import SceneModel
+from physim.errors import RecordError
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.parts.declarations import NO_NUMBER
+
+if TYPE_CHECKING:
+    from physim.record import Record
+
+MOST_MODES = 8
+"""Modes that are explained; of more, those that the run has."""
+COLUMNS = ("target_x", "target_y", "formation_error", "deviation")
+"""Columns of the decisions that pictures show."""
+
+
+class Moment(NamedTuple):
+    """A record at one time, N robots."""
+
+    time: float
+    """[s]"""
+    sample: int
+    """index of the nearest sample"""
+    pose: FloatArray
+    """(N, 3)"""
+    decisions: IntArray
+    """(N,) rows of the last decisions, -1 for none"""
+    modes: IntArray
+    """(N,) numbers of their modes, -1 for none"""
+    colours: list[Colour]
+    """of these modes"""
+    targets: FloatArray
+    """(N, 2) [m], NaN where there is none"""
+
+
+class Curves(NamedTuple):
+    """One figure a robot over time: its name with the unit, and its column of the decisions."""
+
+    title: str
+    column: str
+
+
+class Timeline:
+    """Look-ups in a record at any time [s]; N robots.
+
+    Raises `physim.errors.RecordError` for a record without samples or robots.
+    """
+
+    def __init__(self, record: Record) -> None:
+        self.time: FloatArray = np.asarray(record.time, dtype=np.float64)
+        if len(self.time) == 0 or len(record.names) == 0:
+            raise RecordError(
+                f"record {record.name!r}: no sample to show; at least one robot and one recorded "
+                "step are needed"
+            )
+        self.record = record
+        self.scene = SceneModel.of_record(record)
+        self.robots = len(record.names)
+        self.duration = float(self.time[-1])
+        decided = np.asarray(record.updates["step"], dtype=np.float64) * record.dt
+        mine = [np.flatnonzero(record.updates["robot"] == i) for i in range(self.robots)]
+        self._decided = [decided[rows] for rows in mine]
+        # row -1, no decision, finds what is added at the ends
+        self._rows = [np.concatenate(([-1], rows)) for rows in mine]
+        self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
+        self._values = {name: np.append(record.column(name), np.nan) for name in COLUMNS}
+        self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
+        self.contacts = episodes(record)
+
+    def at(self, time: float) -> Moment:
+        """Return all that is shown of one time [s]."""
+        sample, rows = int(self.sample(time)), self.decisions(time)
+        modes = self.modes(rows)
+        colours = [self.scene.mode_colour(mode) for mode in modes.tolist()]
+        targets = np.column_stack((self.values("target_x", rows), self.values("target_y", rows)))
+        pose = np.asarray(self.record.pose[sample], dtype=np.float64)
+        return Moment(time, sample, pose, rows, modes, colours, targets)
+
+    def sample(self, time: Any) -> Any:
+        """Return the index of the sample nearest to ``time`` (of two, the earlier)."""
+        after = np.clip(np.searchsorted(self.time, time), 1, max(len(self.time) - 1, 1))
+        if len(self.time) == 1:
+            return np.zeros_like(after)
+        return np.where(self.time[after] - time < time - self.time[after - 1], after, after - 1)
+
+    def pose(self, time: Any) -> FloatArray:
+        """Return the poses (N, 3), or (T, N, 3) for an array of times."""
+        return np.asarray(self.record.pose[self.sample(time)], dtype=np.float64)
+
+    def decisions(self, time: Any) -> IntArray:
+        """Return the rows of all robots' last decisions at or before ``time``; -1 for none.
+
+        (N,), or (T, N) for an array of times.
+        """
+        until = np.asarray(time) + 1e-9
+        pairs = zip(self._decided, self._rows, strict=True)
+        return np.stack([rows[np.searchsorted(decided, until)] for decided, rows in pairs], axis=-1)
+
+    def modes(self, rows: IntArray) -> IntArray:
+        """Return the modes of decisions ``rows``; -1 where there is none."""
+        return np.asarray(self._mode[rows])
+
+    def values(self, column: str, rows: IntArray) -> FloatArray:
+        """Return a column, one of `COLUMNS`, of decisions ``rows``; NaN where there is none."""
+        return np.asarray(self._values[column][rows])
+
+    @cached_property
+    def explained_modes(self) -> list[int]:
+        """Numbers of the modes to explain: all that are declared, if any was ever given."""
+        given = [mode for mode in np.unique(self._mode).tolist() if mode != NO_NUMBER]
+        declared = len(self.scene.modes)
+        return given[:MOST_MODES] if declared > MOST_MODES or not given else list(range(declared))
+
+    def arrived(self, time: float) -> int:
+        """Return how many robots have arrived at ``time``, judged by their motion."""
+        return int((self._arrived <= time + 1e-9).sum())
+
+    def has(self, *columns: str) -> bool:
+        """Whether any decision has finite values in all these columns."""
+        values = np.array([self._values[column] for column in columns])
+        return bool(np.isfinite(values).all(axis=0).any())
+
+    @property
+    def curves(self) -> Curves | None:
+        """What to show over time: formation errors, else deviations; None where there are none."""
+        if self.robots > 1 and self.has("formation_error") and has_formation(self.record):
+            return Curves("formation error [m]", "formation_error")
+        if self.has("deviation"):
+            return Curves("deviation from the path, left positive [m]", "deviation")
+        return None
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """One row a contact episode or graze, by the time it began; C of them."""
+
+    began: FloatArray
+    """(C,) [s]"""
+    ended: FloatArray
+    """(C,) [s] first sample apart; after the record's end for a contact that lasts to the end"""
+    bodies: IntArray
+    """(C, 2) body ids"""
+    swept: NDArray[np.bool_]
+    """(C,) a graze: the two touch between two samples only"""
+    first: IntArray
+    """(C,) where an episode begins in ``places``"""
+    last: IntArray
+    """(C,) and where it ends"""
+    times: FloatArray
+    """(R,) [s] of ``places``"""
+    places: FloatArray
+    """(R, 2) [m] deepest points, episode by episode"""
+
+    def count(self, time: float) -> int:
+        """Return how many began at or before ``time`` [s], grazes included."""
+        return int(np.searchsorted(self.began, time + 1e-9, side="right"))
+
+    def grazes(self, time: float) -> int:
+        """Return how many of them are grazes."""
+        return int(self.swept[: self.count(time)].sum())
+
+    def recent(self, time: float, lasts: float) -> IntArray:
+        """Return the episodes that began at most ``lasts`` seconds before ``time``, old first."""
+        first = int(np.searchsorted(self.began, time - lasts, side="right"))
+        return np.arange(first, self.count(time))
+
+    def present(self, time: float) -> IntArray:
+        """Return the episodes in which bodies touch at ``time`` [s], old first."""
+        return np.flatnonzero(self.ended[: self.count(time)] > time + 1e-9)
+
+    def place_at(self, episode: int, time: float) -> FloatArray:
+        """Return the deepest point (2,) [m] at ``time``; before and after, the nearest one."""
+        first, last = int(self.first[episode]), int(self.last[episode])
+        after = np.searchsorted(self.times[first + 1 : last + 1], time + 1e-9, side="right")
+        return np.asarray(self.places[first + int(after)])
+
+    def touching(self, time: float, robots: int) -> NDArray[np.bool_]:
+        """Return for each robot (N,) whether it touches anything at ``time``."""
+        now = self.bodies[self.present(time)]
+        result = np.zeros(robots, dtype=bool)
+        result[now[now < robots]] = True
+        return result
+
+
+def episodes(record: Record) -> Episodes:
+    """Contact episodes and grazes of a record, with the places of their contacts."""
+    found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
+    found.sort(key=lambda one: one.step)
+    swept = [isinstance(one, Graze) for one in found]
+    columns = [(e.a, e.b, e.step, 1 if isinstance(e, Graze) else e.samples) for e in found]
+    a, b, step, samples = np.array(columns, dtype=np.int64).reshape(-1, 4).T
+    table = np.asarray(record.contacts)
+    # pair by pair, each in order of time: an episode is then a run of rows
+    table = table[table["phase"] != Phase.ENDED]
+    table = table[np.lexsort((table["step"], table["b"], table["a"]))]
+    row = {key: k for k, key in enumerate(table[["a", "b", "step"]].tolist())}
+    first = np.array([row[key[:3]] for key in columns], dtype=np.int64)
+    return Episodes(
+        began=np.asarray(step * record.dt),
+        ended=np.asarray((step + samples) * record.dt),
+        bodies=np.column_stack((a, b)),
+        swept=np.array(swept, dtype=bool),
+        first=first,
+        last=first + samples - 1,
+        times=np.asarray(table["step"] * record.dt, dtype=np.float64),
+        places=np.column_stack((table["x"], table["y"])).astype(np.float64),
+    )

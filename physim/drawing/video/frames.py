@@ -1,0 +1,165 @@
+"""One frame of the video, put together: of one run, or of two side by side at the same time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from physim.drawing import palette
+from physim.drawing.timeline import Timeline
+from physim.drawing.video.ground import Overview, ground, plain
+from physim.drawing.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image, arrange
+from physim.drawing.video.panel import (
+    CONTACT,
+    ROW,
+    SIGN,
+    Panel,
+    draw_modes,
+    draw_progress,
+    draw_signs,
+    signs,
+)
+from physim.drawing.video.strip import Strip
+from physim.drawing.video.text import BOLD, shorten, width, write
+from physim.drawing.video.view import View
+from physim.world.differences import differences
+
+if TYPE_CHECKING:
+    from physim.world import World
+
+
+LEAST_OVERVIEW = 24
+"""[px] height below which the overview is left out"""
+
+
+class Painter:
+    """Draws frames of one run at one playback speed: the view, figures beside it and below."""
+
+    def __init__(self, timeline: Timeline, speed: float, fps: float) -> None:
+        self.timeline = timeline
+        curves = timeline.curves
+        view, self._panel_box, self._strip_box = arrange(curves is not None)
+        world = ground(timeline)
+        self._view = View(timeline, world, view, speed, fps)
+        camera, shown = self._view.camera, signs(timeline, world)
+        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, shown)
+        free = self._panel.free
+        crowded = camera.whole or free.height < LEAST_OVERVIEW
+        self._overview = None if crowded else Overview(plain(timeline, world), free)
+        self._strip = Strip(timeline, curves, self._strip_box) if curves else None
+
+    def frame(self, time: float) -> Image:
+        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
+        now = self.timeline.at(time)
+        image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
+        pair = self._view.paint(image, now)
+        panel = self._panel_box.of(image)
+        self._panel.paint(panel, now, pair)
+        if self._overview is not None:
+            corners = self._view.camera.corners(time)
+            self._overview.paint(self._panel.free.of(panel), corners, now)
+        if self._strip is not None:
+            self._strip.paint(self._strip_box.of(image), now)
+        return image
+
+
+HEADER, FOOTER = 62, 78
+"""[px] height of the titles above the two views, and of time and legend below"""
+PAD, GAP = 16, 3
+MOST_NAMED = 2
+"""Differing values of the two worlds that the titles name; of more the number."""
+
+
+class Beside:
+    """Draws frames of two runs: the first on the left, the second on the right.
+
+    The titles say in what the two worlds differ. A run that is over stays as it ended.
+    """
+
+    def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
+        timelines = left, right
+        self.duration = max(timeline.duration for timeline in timelines)
+        self._speed = speed
+        half, high = (WIDTH - GAP) // 2, HEIGHT - HEADER - FOOTER
+        boxes = Box(0, HEADER, half, high), Box(WIDTH - half, HEADER, half, high)
+        self._views = [
+            View(timeline, ground(timeline), box, speed, fps)
+            for timeline, box in zip(timelines, boxes, strict=True)
+        ]
+        self._titles = titles(left.record.world, right.record.world)
+        self._still = self._draw_still()
+
+    def frame(self, time: float) -> Image:
+        """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
+        image = self._still.copy()
+        for view in self._views:
+            then = min(time, view.timeline.duration)
+            view.paint(image, view.timeline.at(then))
+            self._outcome(image, view, then)
+        y = HEIGHT - FOOTER + 32
+        write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
+        draw_progress(image, PAD + 200, WIDTH - PAD, y - 8, time / max(self.duration, 1e-9))
+        return image
+
+    def _outcome(self, image: Image, view: View, time: float) -> None:
+        """What came of a run so far, at the right end of its title."""
+        timeline, right = view.timeline, view.box.left + view.box.width - PAD
+        count, arrived = timeline.contacts.count(time), timeline.arrived(time)
+        colour = palette.CONTACT if count else palette.INK
+        words = f"{count} contacts so far" if count != 1 else "1 contact so far"
+        write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
+        ended = time >= timeline.duration and timeline.duration < self.duration
+        words = f"over at {timeline.duration:.1f} s, " if ended else ""
+        words += f"{arrived} of {timeline.robots} arrived"
+        write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
+
+    def _draw_still(self) -> Image:
+        image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+        for view, title in zip(self._views, self._titles, strict=True):
+            record, left = view.timeline.record, view.box.left + PAD
+            room = view.box.width - 2 * PAD - 200
+            words = shorten(f"{record.name}, seed {record.seed}", TEXT, room)
+            write(image, shorten(title, TITLE, room, BOLD), (left, 26), TITLE,
+                  weight=BOLD)  # fmt: skip
+            write(image, words, (left, 48), TEXT, colour=palette.QUIET)
+        middle = WIDTH // 2
+        cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
+        at = PAD + 190, HEIGHT - FOOTER + 31
+        write(image, f"×{self._speed:g}", at, 17, colour=palette.QUIET, weight=BOLD, anchor="right")
+        self._draw_legend(image)
+        return image
+
+    def _draw_legend(self, image: Image) -> None:
+        """The modes of both runs, each once, in one row."""
+        modes = {
+            str(mode): mode
+            for view in self._views
+            for mode in (view.timeline.scene.modes[k] for k in view.timeline.explained_modes)
+        }
+        left, top = PAD, HEIGHT - FOOTER + 48
+        room = (WIDTH - 2 * PAD) // (len(modes) + 1)
+        draw_signs(image, left, top, ROW, [CONTACT])
+        left += SIGN + width(CONTACT, TEXT) + 2 * PAD
+        for words, mode in modes.items():
+            draw_modes(image, left, top, ROW, [mode], room)
+            shown = shorten(words, TEXT, room - SIGN)
+            left += SIGN + width(shown, TEXT) + 2 * PAD
+
+
+def titles(left: World, right: World) -> tuple[str, str]:
+    """Say of two effective worlds in what they differ: a title for either.
+
+    Each is one line: the values of the keys that differ, or the number of these where they are
+    many; empty where the worlds are the same.
+    """
+    found = differences(left, right)
+    if len(found) > MOST_NAMED:
+        return f"{len(found)} values differ", f"{len(found)} values differ"
+    words = [key.removesuffix(".type").rsplit(".", 1)[-1] for key in found]
+    first, second = (
+        ", ".join(f"{word}: {pair[side]}" for word, pair in zip(words, found.values(), strict=True))
+        for side in (0, 1)
+    )
+    return first, second

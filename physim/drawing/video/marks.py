@@ -1,0 +1,235 @@
+"""What moves in the view: robots, filled by mode, with a heading mark; trails, targets, the
+closest pair, contacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from physim.drawing import palette
+from physim.drawing.palette import Colour
+from physim.drawing.scene_model import largest, placed, rings_of, union
+from physim.drawing.video.layout import FLASH, MARK, ONE, SHIFT, Image, Lens, fixed
+from physim.geometry.shapes import FloatArray
+
+FAR = 0.2
+"""Distance of the reference point from the centroid, over the reach, from which it is shown."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A robot's footprint made ready to draw, robot's frame [m]."""
+
+    rings: tuple[FloatArray, ...]
+    """outline and holes of the union of its parts"""
+    mark: FloatArray
+    """(3, 2) heading mark, a triangle pointing along x at the widest place of the footprint"""
+    eccentric: bool
+    """whether the reference point is far from the centroid, so that it must be shown"""
+
+
+def figure(parts: Sequence[FloatArray]) -> Figure:
+    """Prepare a footprint given as convex parts (n, 2)."""
+    whole = union(parts)
+    middle, size = _widest(largest(whole))
+    mark = middle + 0.72 * size * np.array([[0.95, 0.0], [-0.6, 0.72], [-0.6, -0.72]])
+    reach = np.hypot(*np.concatenate(parts).T).max()
+    eccentric = float(np.hypot(whole.centroid.x, whole.centroid.y)) > FAR * reach
+    return Figure(tuple(rings_of(whole)), mark, eccentric)
+
+
+def _widest(shape: shapely.Geometry) -> tuple[FloatArray, float]:
+    """Return middle [m] and radius [m] of a disc about as large as any within ``shape``.
+
+    The centroid where that serves, since a long shape has many such discs.
+    """
+    middle, edge = shapely.get_coordinates(shapely.maximum_inscribed_circle(shape))
+    radius = float(np.hypot(*(edge - middle)))
+    room = float(shapely.distance(shape.centroid, shape.boundary))
+    if shape.contains(shape.centroid) and room > 0.85 * radius:
+        return shapely.get_coordinates(shape.centroid)[0], room
+    return middle, radius
+
+
+class Outline(NamedTuple):
+    """A robot at one time, in OpenCV's fixed-point pixels."""
+
+    rings: list[NDArray[np.int32]]
+    mark: NDArray[np.int32]
+
+
+class Fleet:
+    """All robots: their vertices are placed together, in one go a frame."""
+
+    def __init__(self, footprints: Sequence[Sequence[FloatArray]]) -> None:
+        self.figures = [figure(parts) for parts in footprints]
+        pieces = [[*s.rings, s.mark] for s in self.figures]
+        flat = [piece for body in pieces for piece in body]
+        self._points = np.concatenate(flat)
+        self._owner = np.repeat(
+            np.arange(len(pieces)), [sum(len(piece) for piece in body) for body in pieces]
+        )
+        self._ends = np.cumsum([len(piece) for piece in flat])[:-1]
+
+    def placed(self, pose: FloatArray) -> FloatArray:
+        """Return all vertices (V, 2) [m] in the world frame for poses (N, 3)."""
+        c, s = np.cos(pose[:, 2])[self._owner], np.sin(pose[:, 2])[self._owner]
+        x, y = self._points.T
+        turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
+        return turned + pose[self._owner, :2]
+
+    def split(self, vertices: NDArray[np.int32]) -> list[Outline]:
+        """Divide vertices (V, 2) into the outlines of each robot."""
+        pieces = iter(np.split(vertices, self._ends))
+        return [
+            Outline([next(pieces) for _ in shape.rings], next(pieces)) for shape in self.figures
+        ]
+
+
+def draw_robot(view: Image, outline: Outline, colour: Colour, touching: bool) -> None:
+    """Draw one robot in the colour of its mode, given in OpenCV's fixed-point pixels.
+
+    A robot that touches something has a firm outline in the contact colour.
+    """
+    rings = outline.rings
+    cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
+    edge, width = (palette.CONTACT, 3) if touching else (palette.mix(colour, (0, 0, 0), 0.6), 1)
+    cv2.polylines(view, rings, True, edge, width, cv2.LINE_AA, SHIFT)
+    cv2.fillPoly(view, [outline.mark], palette.WHITE, cv2.LINE_AA, SHIFT)
+
+
+class Pair(NamedTuple):
+    """Two robots, their distance [m] (0 when they touch or overlap) and the points (2, 2) [m]."""
+
+    a: int
+    b: int
+    distance: float
+    points: FloatArray
+
+
+def closest_pair(
+    footprints: Sequence[Sequence[FloatArray]], pose: FloatArray, reach: FloatArray
+) -> Pair | None:
+    """Find the closest pair of robots; of equal ones the first. None for one robot.
+
+    ``footprints``: convex parts of the N robots, in their frames; ``pose`` (N, 3); ``reach`` (N,)
+    [m]: radius of a disc around the reference point that holds the robot.
+
+    Pairs are taken in the order of a lower bound, the distance of their enclosing discs, so far
+    fewer than all are worked out.
+    """
+    count = len(pose)
+    if count < 2:
+        return None
+    a, b = np.triu_indices(count, 1)
+    gap = np.hypot(*(pose[a, :2] - pose[b, :2]).T)
+    order = np.argsort(gap - reach[a] - reach[b], kind="stable")
+    bound = (gap - reach[a] - reach[b])[order]
+    best, found = np.inf, (0, 1)
+    shapes: dict[int, shapely.Geometry] = {}
+    for index, least in zip(order, bound, strict=True):
+        if least > best:
+            break
+        i, j = int(a[index]), int(b[index])
+        for k in (i, j):
+            if k not in shapes:
+                parts = [shapely.Polygon(placed(part, pose[k])) for part in footprints[k]]
+                shapes[k] = shapely.GeometryCollection(parts)
+        distance = float(shapely.distance(shapes[i], shapes[j]))
+        if distance < best:
+            best, found = distance, (i, j)
+    i, j = found
+    line = shapely.shortest_line(shapes[i], shapes[j])
+    return Pair(i, j, best, shapely.get_coordinates(line))
+
+
+CORNERS = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+"""of the diamond of a graze"""
+ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
+"""of the cross of a contact"""
+
+
+def draw_lines(
+    image: Image, lines: NDArray[np.int32], colour: Colour, width: int, closed: bool = False
+) -> None:
+    """Draw lines (k, n, 2) of fixed-point pixels."""
+    cv2.polylines(image, list(lines), closed, colour, width, cv2.LINE_AA, SHIFT)
+
+
+def draw_disc(
+    image: Image, at: NDArray[np.int32], radius: float, colour: Colour, width: int = cv2.FILLED
+) -> None:
+    """Draw a disc, or a ring of some ``width``, of ``radius`` [px] round fixed-point pixels."""
+    cv2.circle(image, at.tolist(), round(radius * ONE), colour, width, cv2.LINE_AA, SHIFT)
+
+
+def draw_trail(view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int) -> None:
+    """Draw where a robot went, (T, 2) fixed-point pixels, old to new, fading in ``bands`` steps."""
+    count = len(pixels) - 1
+    for band in range(bands):
+        first, last = band * count // bands, (band + 1) * count // bands
+        if last > first:
+            shade = palette.mix(colour, palette.SAFE_AREA, 0.85 * (1.0 - (band + 1) / bands))
+            draw_lines(view, pixels[None, first : last + 1], shade, 2)
+
+
+def draw_target(view: Image, lens: Lens, robot: FloatArray, target: FloatArray) -> None:
+    """Draw a target (2,) [m] as a small ring, joined to its robot by a thin line."""
+    if not np.isfinite(target).all():
+        return
+    ends = lens.fixed(np.stack((robot, target)))
+    draw_lines(view, ends[None], palette.QUIET, 1)
+    draw_disc(view, ends[1], 3.0, palette.WHITE)
+    draw_disc(view, ends[1], 3.0, palette.INK, 1)
+
+
+def draw_reference_point(view: Image, lens: Lens, place: FloatArray) -> None:
+    """Draw the reference point (2,) [m] of a robot, where its target line starts."""
+    at = lens.fixed(place)
+    draw_disc(view, at, 3.5, palette.WHITE)
+    draw_disc(view, at, 2.2, palette.INK)
+
+
+def draw_closest(view: Image, lens: Lens, pair: Pair) -> None:
+    """Join the closest points of the closest pair."""
+    ends = lens.fixed(pair.points)
+    draw_lines(view, ends[None], palette.WHITE, 5)
+    draw_lines(view, ends[None], palette.INK, 2)
+    for end in ends:
+        draw_disc(view, end, 3.0, palette.INK)
+
+
+def draw_flash(view: Image, centre: FloatArray, age: float, speed: float) -> None:
+    """Draw the growing ring round a contact that began ``age`` simulated seconds ago."""
+    grown = age / (FLASH * speed)
+    if grown < 1.0 and np.isfinite(centre).all():
+        draw_ring(view, centre, 9.0 + 25.0 * grown, 4)
+
+
+def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> None:
+    """Draw a ring in the contact colour round ``centre`` (2,), all [px]."""
+    draw_disc(image, fixed(centre), radius, palette.WHITE, width + 3)
+    draw_disc(image, fixed(centre), radius, palette.CONTACT, width)
+
+
+def draw_contact(image: Image, centre: FloatArray, swept: bool, small: bool = False) -> None:
+    """Draw the cross of a contact, or the open diamond of a graze, at ``centre`` (2,) [px]."""
+    if not np.isfinite(centre).all():
+        return
+    shape = CORNERS[None] if swept else ARMS
+    arm, width = ((5.0, 2) if swept else (4.0, 2)) if small else ((9.0, 3) if swept else (7.0, 4))
+    lines = fixed(centre + arm * shape)
+    draw_lines(image, lines, palette.WHITE, width + 3, swept)
+    draw_lines(image, lines, palette.CONTACT, width, swept)
+
+
+def mark_lasts(speed: float) -> float:
+    """Return how long [s, simulated] a contact's mark stays at least, at a playback speed."""
+    return max(MARK, FLASH * speed)

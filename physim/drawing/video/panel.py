@@ -1,0 +1,249 @@
+"""The panel beside the view: time, speed, contacts, distances, scale bar, and the legend, with
+one small drawing and a few words for each sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import cv2
+import numpy as np
+
+from physim.drawing import palette
+from physim.drawing.labels import metres, number, round_step
+from physim.drawing.palette import Colour, rgb
+from physim.drawing.timeline import Moment, Timeline
+from physim.drawing.video.ground import PATH_TINT, Ground
+from physim.drawing.video.layout import SMALL, TEXT, TITLE, TRAIL, Box, Image, Lens
+from physim.drawing.video.marks import (
+    Fleet,
+    Pair,
+    draw_closest,
+    draw_contact,
+    draw_ring,
+    draw_robot,
+    draw_target,
+    draw_trail,
+)
+from physim.drawing.video.text import BOLD, shorten, write
+from physim.parts.declarations import Mode
+
+ROW, LEAST_ROW = 21, 15
+"""[px] height of a line of the legend, and the least where there are many"""
+SIGN, WIDE = 30, 22
+"""[px] room for a sign, and its width"""
+CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
+BEGINS = "a contact begins"
+GRAZE = "graze between samples"
+RECENT = f"trail, last {TRAIL:g} s"
+DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
+BOUNDARY = "boundary"
+START, MIDDLE, END = np.array([[0.0, 0.0], [WIDE / 2.0, 0.0], [WIDE, 0.0]])
+_BOX = np.array([[-9.0, -5.5], [9.0, -5.5], [9.0, 5.5], [-9.0, 5.5]])
+
+
+def draw_modes(
+    image: Image, left: int, top: int, row: int, modes: Sequence[Mode], room: int
+) -> None:
+    """Draw one line a mode: a robot in its colour, and its words, ``room`` [px] wide at most."""
+    fleet = Fleet([[_BOX]])
+    for k, mode in enumerate(modes):
+        y = top + k * row + row / 2.0
+        vertices = Lens(1.0, left + MIDDLE[0], y).fixed(fleet.placed(np.zeros((1, 3))))
+        draw_robot(image, fleet.split(vertices)[0], rgb(mode.colour), False)
+        words = shorten(str(mode), TEXT, room - SIGN)
+        write(image, words, (left + SIGN, y + 5), TEXT)
+
+
+def signs(timeline: Timeline, ground: Ground) -> list[str]:
+    """Return the words of the signs that can appear in the video of a record, in order."""
+    dashed = any(stroke.dash is not None for stroke in ground.strokes)
+    scene, contacts = timeline.scene, timeline.contacts
+    shown = {
+        CONTACT: True,
+        BEGINS: contacts.began.size > 0,
+        GRAZE: bool(contacts.swept.any()),
+        CLOSEST: timeline.robots > 1,
+        TARGET: timeline.has("target_x", "target_y"),
+        RECENT: True,
+        DASHED: dashed,
+        PATH: not dashed,
+        REFERENCE: True,
+        BOUNDARY: bool(scene.boundaries or scene.obstacles),
+    }
+    areas = [area.name for area in reversed(scene.areas)]
+    return [words for words, there in shown.items() if there] + areas
+
+
+def draw_signs(image: Image, left: int, top: int, row: int, shown: Sequence[str]) -> int:
+    """Draw the signs of the words ``shown``, one a line of ``row`` [px]; return the height used."""
+    for k, words in enumerate(shown):
+        y = top + k * row + row / 2.0
+        _SIGNS[words](image, Lens(1.0, left, y))
+        write(image, words, (left + SIGN, y + 5), TEXT)
+    return len(shown) * row
+
+
+def _area(colour: Colour) -> Callable[[Image, Lens], None]:
+    def draw(image: Image, lens: Lens) -> None:
+        x, y = round(lens.x), round(lens.y)
+        corners = (x, y - 6), (x + WIDE, y + 6)
+        cv2.rectangle(image, *corners, colour, cv2.FILLED)
+        cv2.rectangle(image, *corners, palette.mix(colour, palette.INK, 0.25), 1)
+
+    return draw
+
+
+def _line(colour: Colour, width: int, *pieces: tuple[int, int]) -> Callable[[Image, Lens], None]:
+    def draw(image: Image, lens: Lens) -> None:
+        x, y = round(lens.x), round(lens.y)
+        for start, end in pieces:
+            cv2.line(image, (x + start, y), (x + end, y), colour, width)
+
+    return draw
+
+
+_OWN = palette.robot_colour(0)
+_OWN_PATH = palette.mix(_OWN, palette.WHITE, PATH_TINT)
+_SIGNS: dict[str, Callable[[Image, Lens], None]] = {
+    CONTACT: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), False),
+    BEGINS: lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2),
+    GRAZE: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), True),
+    CLOSEST: lambda image, lens: draw_closest(
+        image, lens, Pair(0, 1, 0.0, np.stack((START + (3.0, 0.0), END - (3.0, 0.0))))
+    ),
+    TARGET: lambda image, lens: draw_target(image, lens, START, END - (4.0, 0.0)),
+    RECENT: lambda image, lens: draw_trail(
+        image, lens.fixed(np.linspace(START, END, 13)), _OWN, 12
+    ),
+    DASHED: _line(_OWN_PATH, 1, (0, 9), (12, 15), (19, 22)),
+    PATH: _line(_OWN_PATH, 1, (0, WIDE)),
+    REFERENCE: _line(palette.REFERENCE, 2, (0, WIDE)),
+    BOUNDARY: _line(palette.WALL, 3, (0, WIDE)),
+    "safe area": _area(palette.SAFE_AREA),
+    "danger area": _area(palette.DANGER_AREA),
+    "accessible area": _area(palette.FLOOR),
+}
+
+
+PAD = 18
+CLOCK, FIGURES, MODES = 70, 142, 228
+"""[px] tops of the clock, the figures and the modes"""
+BELOW = 134
+"""[px] room below the legend for the scale bar and a small overview"""
+
+
+class Panel:
+    """Draws the panel; all that stays the same is drawn once."""
+
+    def __init__(
+        self, timeline: Timeline, box: Box, scale: float, speed: float, signs: Sequence[str]
+    ) -> None:
+        """``scale`` [px/m] is the view's; ``signs`` are the words of the legend's signs."""
+        self._timeline, self._box = timeline, box
+        self._right = box.width - PAD
+        self._still = self._draw_still(scale, speed, signs)
+
+    @property
+    def free(self) -> Box:
+        """The part of the panel, in its own pixels, that is left for the overview."""
+        top = self._bottom + 8
+        return Box(PAD, top, self._right - PAD, self._box.height - top - 14)
+
+    def _draw_still(self, scale: float, speed: float, signs: Sequence[str]) -> Image:
+        image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
+        cv2.line(image, (0, 0), (0, self._box.height), palette.RULE, 1)
+        record, room = self._timeline.record, self._right - PAD
+        name = shorten(record.name, TITLE, room, BOLD)
+        write(image, name, (PAD, 32), TITLE, weight=BOLD)
+        count = self._timeline.robots
+        robots = "1 robot" if count == 1 else f"{count} robots"
+        words = f"{robots}, seed {record.seed}"
+        write(image, words, (PAD, 53), SMALL, colour=palette.QUIET)
+        write(image, f"×{speed:g}", (self._right, CLOCK + 31), 20, colour=palette.QUIET,
+              weight=BOLD, anchor="right")  # fmt: skip
+        modes = [self._timeline.scene.modes[k] for k in self._timeline.explained_modes]
+        row = self._row_height = self._row(len(modes) + len(signs))
+        draw_modes(image, PAD, MODES, row, modes, room - 30)
+        top = MODES + len(modes) * row + (12 if modes else 0)
+        self._rule(image, MODES - 8)
+        if modes:
+            self._rule(image, top - 6)
+        used = draw_signs(image, PAD, top, row, signs)
+        self._bottom = self._scale_bar(image, top + used + 6, scale)
+        return image
+
+    def _row(self, rows: int) -> int:
+        """Height of a line of the legend [px], so that scale bar and overview have room."""
+        room = self._box.height - MODES - BELOW
+        return max(LEAST_ROW, min(ROW, room // max(rows, 1)))
+
+    def _rule(self, image: Image, y: int) -> None:
+        cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
+
+    def _scale_bar(self, image: Image, top: int, scale: float) -> int:
+        """Draw a bar of a round length at most 150 px long; return its bottom."""
+        step = round_step(150.0 / scale, 1)
+        lengths = (step / k for k in (1.0, 2.0, 2.5, 5.0, 10.0))
+        length = next(length for length in lengths if length * scale <= 150.0)
+        self._rule(image, top)
+        y, end = top + 20, PAD + round(length * scale)
+        cv2.line(image, (PAD, y), (end, y), palette.INK, 2)
+        for x in (PAD, end):
+            cv2.line(image, (x, y - 5), (x, y + 5), palette.INK, 2)
+        write(image, f"{number(length, length)} m", (end + 10, y + 5), TEXT)
+        return top + 34
+
+    def paint(self, image: Image, now: Moment, pair: Pair | None) -> None:
+        """Draw the panel at one moment, with the closest pair of robots."""
+        image[:] = self._still
+        write(image, f"{now.time:.1f} s", (PAD, CLOCK + 32), 30, weight=BOLD)
+        share = now.time / max(self._timeline.duration, 1e-9)
+        draw_progress(image, PAD, self._right, CLOCK + 50, share)
+        arrived = self._timeline.arrived(now.time)
+        if arrived:
+            every = arrived == self._timeline.robots > 1
+            self._at_right(image, "all arrived" if every else f"{arrived} arrived", 53, SMALL)
+        for row, (words, value, colour) in enumerate(self._figures(now, pair)):
+            y = FIGURES + 12 + row * 22
+            write(image, words, (PAD, y), TEXT, colour=palette.QUIET)
+            self._at_right(image, value, y, colour=colour)
+        for k, mode in enumerate(self._timeline.explained_modes):
+            count = int((now.modes == mode).sum())
+            y = MODES + k * self._row_height + self._row_height // 2 + 5
+            self._at_right(image, str(count), y, colour=palette.INK if count else palette.QUIET)
+
+    def _at_right(
+        self, image: Image, text: str, y: int, size: int = TEXT, colour: Colour = palette.INK
+    ) -> None:
+        write(image, text, (self._right, y), size, colour=colour, weight=BOLD, anchor="right")
+
+    def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
+        """Words, value and colour of every line of figures."""
+        record, contacts = self._timeline.record, self._timeline.contacts
+        grazes = contacts.grazes(now.time)
+        touched = contacts.count(now.time) - grazes
+        colour = palette.CONTACT if touched or grazes else palette.INK
+        if contacts.swept.any():
+            yield "contacts, grazes so far", f"{touched}, {grazes}", colour
+        else:
+            yield "contacts so far", str(touched), colour
+        if pair is not None:
+            names = " – ".join(shorten(record.names[k], TEXT, 48) for k in (pair.a, pair.b))
+            depth = min(float(np.min(record.clearance[now.sample])), 0.0)
+            gap = pair.distance if pair.distance > 0.0 else depth
+            yield f"closest: {names}", metres(gap), palette.INK if gap > 0.0 else palette.CONTACT
+        wall = float(np.min(record.boundary_clearance[now.sample]))
+        if np.isfinite(wall):
+            colour = palette.INK if wall > 0.0 else palette.CONTACT
+            yield "closest to a wall", metres(wall), colour
+        deviation = float(self._timeline.values("deviation", now.decisions)[0])
+        if pair is None and np.isfinite(deviation):
+            side = "left" if deviation >= 0.0 else "right"
+            yield f"off its path, {side}", metres(abs(deviation)), palette.INK
+
+
+def draw_progress(image: Image, left: int, right: int, y: int, share: float) -> None:
+    """Draw a bar of which a share is done."""
+    cv2.line(image, (left, y), (right, y), palette.FAINT, 5)
+    cv2.line(image, (left, y), (left + round((right - left) * share), y), palette.QUIET, 5)

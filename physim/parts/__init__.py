@@ -1,0 +1,1 @@
+"""Parts that users add: what controllers and stages are, and how they are found by name."""

@@ -1,0 +1,282 @@
+"""What a controller sees and says: `Observation` in, `Decision` out.
+
+A controller of one's own is a class with one method::
+
+    class Steady:
+        def decide(self, observation, memory):
+            return Decision(v=1.0, omega=0.0, hold=0.1)
+
+It is asked again ``hold`` seconds later (rounded down to physics steps, at least one). ``memory``
+is whatever the last decision returned, None at first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray, IntArray
+from physim.parts.declarations import Column, Mode, Rule
+
+if TYPE_CHECKING:
+    from physim.errors import Fault
+    from physim.geometry.path import Path
+    from physim.world import Robot
+    from physim.world.scene import Scene
+
+
+LONGEST_HOLD = 10**9
+"""[steps] a hold of inf: never again"""
+
+
+@dataclass(frozen=True)
+class ObservedRobot:
+    """Another robot within range, as Robot i perceives it."""
+
+    index: int
+    pose: FloatArray
+    """(3,) x, y [m], heading [rad], world frame"""
+    footprint: tuple[FloatArray, ...]
+    """convex parts (n, 2) [m] in that robot's frame"""
+    v: float
+    """held command [m/s]"""
+    omega: float
+    """held command [rad/s]"""
+    station: float
+    """[m] along the reference path"""
+    time: float
+    """[s] when this was true, as far as is known"""
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """A formation neighbour: its station is broadcast, so it may be beyond the range."""
+
+    index: int
+    station: float
+    """[m] along the reference path"""
+    lead: float
+    """[m] its desired lead over Robot 1"""
+    time: float
+    """[s] when it was sent"""
+
+
+@dataclass(frozen=True)
+class Observation:
+    """All that Robot i may know when it decides. World frame, SI units.
+
+    Arrays are read-only, or copies of its own (the path).
+    """
+
+    time: float
+    """[s]"""
+    index: int
+    name: str
+    pose: FloatArray
+    """(3,) own x, y, heading (unwrapped)"""
+    v: float
+    """held command before this decision [m/s]"""
+    omega: float
+    footprint: tuple[FloatArray, ...]
+    """own convex parts (n, 2) [m], robot's frame"""
+    limits: tuple[float, float]
+    """largest |v| [m/s], |omega| [rad/s]"""
+    path: Path
+    station: float
+    """[m] own projection q_i along the own path, continuous in time"""
+    stop_station: float
+    """[m] along the own path"""
+    reference_station: float
+    """[m] own projection along the reference path"""
+    lead: float
+    """[m] own desired lead over Robot 1"""
+    neighbours: tuple[Neighbour, ...]
+    others: tuple[ObservedRobot, ...]
+    """robots within ``range``, by index"""
+    walls: tuple[FloatArray, ...]
+    """parts of boundaries (2, 2) and obstacles (n, 2) within ``range``, in the world's order"""
+    range: float
+    """[m]"""
+    dt: float
+    """[s] physics step: no command holds for less"""
+    formation: FormationView
+    speeds: tuple[float, ...] | None = None
+    """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
+    omegas: tuple[float, ...] | None = None
+    """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
+
+
+@dataclass(frozen=True)
+class FormationView:
+    """The settings of (7) that every robot of the cluster knows."""
+
+    active: bool
+    gain: float
+    speed: float
+    v_min: float
+    v_max: float
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A command and how long it holds.
+
+    ``v`` [m/s] along the heading, ``omega`` [rad/s] counter-clockwise: finite and within the
+    robot's limits, or the run stops. ``hold`` [s] until the next decision, rounded down to physics
+    steps, at least one (0: every step; inf: never again). ``memory`` comes back at the next
+    decision; it must be a value that can be pickled. The rest goes to the record: ``mode`` and
+    ``rule``, by name or as declared (`Mode`, `Rule`); ``considered``, the robots that the decision
+    took into account; ``report``, numbers by the names of declared columns.
+    """
+
+    v: float
+    omega: float
+    hold: float
+    mode: str | Mode | None = None
+    memory: Any = None
+    rule: str | Rule | None = None
+    considered: Sequence[int] = ()
+    report: Mapping[str, float] = field(default_factory=dict)
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """Decides for one robot from what that robot sees.
+
+    It may declare ``modes``, ``rules`` and ``columns``, tuples of `Mode`, `Rule` and `Column`.
+    """
+
+    def decide(self, observation: Observation, memory: Any) -> Decision:
+        """Choose the command to hold from now on."""
+        ...
+
+
+@runtime_checkable
+class ChecksRobots(Protocol):
+    """A controller that can say before a run which robots it cannot drive.
+
+    It is asked when a world is read, so that `physim check`, `preview` and `run` refuse alike.
+    """
+
+    def robot_faults(self, robots: Mapping[int, Robot]) -> Iterable[Fault]:
+        """Faults of these robots, by number, under the controller's settings; or none.
+
+        ``Fault(("controller", key), message)`` points at a setting, and
+        ``Fault(("robots", i, "limits", "omega"), message)`` at a value of Robot i.
+        """
+        ...
+
+
+class Snapshot(NamedTuple):
+    """All robots at one sample, as they are. Arrays never change once they are handed out."""
+
+    step: int
+    pose: FloatArray
+    """(N, 3)"""
+    command: FloatArray
+    """(N, 2) nominal commands held before this step"""
+    station: FloatArray
+    """(N,) [m] own projection on the own path"""
+    deviation: FloatArray
+    """(N,) [m] from the own path, left positive"""
+    reference_station: FloatArray
+    """(N,) [m] projection on s*"""
+
+
+class Sensed(NamedTuple):
+    """What robots know at one step: rows of bodies, of which observer i has ``rows(i)``.
+
+    Where all know the same, every observer has all rows, and nothing is copied. Among its rows
+    every observer has one of itself. Arrays must not be written to.
+    """
+
+    step: int
+    robot: IntArray
+    """(M,) which robot"""
+    pose: FloatArray
+    """(M, 3)"""
+    command: FloatArray
+    """(M, 2) nominal command held before this step"""
+    reference_station: FloatArray
+    """(M,) [m] along s*"""
+    age: FloatArray
+    """(M,) [s] how old the row is"""
+    first: IntArray
+    """(N,) first row of each observer"""
+    end: IntArray
+    """(N,) one past its last row"""
+    station: FloatArray
+    """(N,) [m] own projection of each observer on its own path"""
+
+    def rows(self, i: int) -> slice:
+        """Rows of observer i."""
+        return slice(int(self.first[i]), int(self.end[i]))
+
+
+class Decisions(NamedTuple):
+    """Decisions of the robots that were due, one row each, in the order of ``robot``."""
+
+    robot: IntArray
+    command: FloatArray
+    """(M, 2) nominal"""
+    hold: FloatArray
+    """(M,) [s]"""
+    mode: IntArray
+    """(M,) number of the declared mode, or `physim.parts.declarations.NO_NUMBER`"""
+    rule: IntArray
+    """(M,) number of the declared rule, or `physim.parts.declarations.NO_NUMBER`"""
+    report: FloatArray
+    """(M, C) declared columns"""
+    considered: IntArray
+    """(E,) robots considered, those of row k from ``considered_start[k]`` on"""
+    considered_start: IntArray
+    """(M + 1,)"""
+
+
+class BatchController(Protocol):
+    """Decides for all robots that are due, in one call.
+
+    Its memory is a mapping of named arrays, held by the simulation and written in place.
+    """
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """Memory before the first decision."""
+        ...
+
+    def decide_due(
+        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
+    ) -> Decisions:
+        """Decide for robots ``due`` (increasing indices) from what each of them senses."""
+        ...
+
+
+@runtime_checkable
+class BatchCapable(Protocol):
+    """A controller that has a batch form too; both must decide alike."""
+
+    def batch(self, scene: Scene) -> BatchController:
+        """Set up the batch form for a scene."""
+        ...
+
+
+__all__ = [
+    "LONGEST_HOLD",
+    "BatchCapable",
+    "BatchController",
+    "ChecksRobots",
+    "Column",
+    "Controller",
+    "Decision",
+    "Decisions",
+    "FormationView",
+    "Mode",
+    "Neighbour",
+    "Observation",
+    "ObservedRobot",
+    "Rule",
+    "Sensed",
+    "Snapshot",
+]

@@ -1,0 +1,207 @@
+"""The stages of a step: sense, filter, disturb, and observers that look on.
+
+    sense → decide → filter → disturb → move → report
+
+Every stage is a list of parts found by name (an entry point and a key of the world) or given from
+Python. A part is an object with frozen settings; what it remembers is an explicit state, any value
+that can be pickled and is never written to, which the simulation holds: each call gets it and
+returns the next one. Parts of one stage run one after the other. Truth (`Snapshot`) is for
+disturbances alone: controllers and filters get what sensing gives (`Sensed`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.errors import ControllerError
+from physim.geometry.path import project_near
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.parts.controller import Decisions, Sensed, Snapshot
+from physim.world.scene import Scene
+
+if TYPE_CHECKING:
+    from physim.simulation.loop import Simulation
+
+
+@runtime_checkable
+class SensingStage(Protocol):
+    """Changes what robots know of one another: noise, delay, loss."""
+
+    def start(self, scene: Scene) -> Any:
+        """State at sample 0."""
+        ...
+
+    def sense(
+        self, scene: Scene, truth: Snapshot, sensed: Sensed, state: Any
+    ) -> tuple[Sensed, Any]:
+        """What robots know at this step, and the state for the next; called at every step.
+
+        ``sensed`` is what the stage before gave; rows for each observer come from `for_each`.
+        """
+        ...
+
+
+@runtime_checkable
+class Filter(Protocol):
+    """Stands between what controllers want and what robots are told, at every step."""
+
+    def start(self, scene: Scene) -> Any:
+        """State at sample 0."""
+        ...
+
+    def filter(
+        self, scene: Scene, sensed: Sensed, nominal: FloatArray, state: Any
+    ) -> tuple[FloatArray, Any]:
+        """Filtered commands (N, 2) for nominal ones (N, 2), which must not be written to."""
+        ...
+
+
+@runtime_checkable
+class Disturbance(Protocol):
+    """Makes robots move otherwise than told: gains, slip, pushes."""
+
+    def start(self, scene: Scene) -> Any:
+        """State at sample 0."""
+        ...
+
+    def disturb(
+        self, scene: Scene, truth: Snapshot, filtered: FloatArray, state: Any
+    ) -> tuple[FloatArray, Any]:
+        """Applied commands (N, 2) for filtered ones (N, 2), which must not be written to.
+
+        They must be finite; the robots' limits bind controllers and filters only.
+        """
+        ...
+
+
+class Step(NamedTuple):
+    """What happened in one step, from sample ``truth.step`` to the next. Nothing in it changes."""
+
+    truth: Snapshot
+    """the sample at which it began"""
+    sensed: Sensed
+    decisions: Decisions | None
+    """of the robots that were due; None where nobody was, or commands came from outside"""
+    next_step: IntArray
+    """(M,) when each of them decides again"""
+    nominal: FloatArray
+    """(N, 2) [m/s, rad/s] as controllers want it"""
+    filtered: FloatArray
+    """(N, 2) after the filters"""
+    applied: FloatArray
+    """(N, 2) after the disturbances: what the bodies are driven by"""
+    pose: FloatArray
+    """(N, 3) at the sample after the step, as contacts allow"""
+    contacts: NDArray[np.void]
+    """rows of `physim.contacts.CONTACT` of that sample"""
+    false_contacts: NDArray[np.void]
+    """rows of `physim.contacts.FALSE_CONTACT` of that sample"""
+    arrived: NDArray[np.bool_]
+    """(N,) who has arrived at that sample, see `physim.simulation.arrival`"""
+
+
+@runtime_checkable
+class Observer(Protocol):
+    """Looks on at a run; it cannot change it."""
+
+    def start(self, simulation: Simulation) -> None:
+        """Look at the sample at which it begins."""
+        ...
+
+    def after_step(self, step: Step) -> None:
+        """After every step."""
+        ...
+
+    def close(self, ended: str) -> None:
+        """After the last step; ``ended`` is one of `physim.record.layout.ENDED`."""
+        ...
+
+
+def everybody(truth: Snapshot, rows: tuple[IntArray, IntArray, IntArray, FloatArray]) -> Sensed:
+    """What is sensed where everybody knows the truth: no copy; ``rows`` are those of `shared`."""
+    robot, first, end, age = rows
+    return Sensed(
+        truth.step, robot, truth.pose, truth.command, truth.reference_station, age, first, end,
+        truth.station,
+    )  # fmt: skip
+
+
+def shared(robots: int) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+    """Robot, first, end and age of rows that all of N observers share."""
+    robot = np.arange(robots)
+    first, end, age = np.zeros(robots, np.int64), np.full(robots, robots), np.zeros(robots)
+    return read_only(robot), read_only(first), read_only(end), read_only(age)
+
+
+def for_each(sensed: Sensed) -> Sensed:
+    """Give every observer rows of its own, in the order of observers: copies to be changed."""
+    rows = [np.arange(a, b) for a, b in zip(sensed.first, sensed.end, strict=True)]
+    taken = np.concatenate(rows) if rows else np.zeros(0, np.int64)
+    ends = np.cumsum([len(one) for one in rows])
+    return sensed._replace(
+        robot=sensed.robot[taken],
+        pose=sensed.pose[taken],
+        command=sensed.command[taken],
+        reference_station=sensed.reference_station[taken],
+        age=sensed.age[taken],
+        first=np.concatenate(([0], ends[:-1])).astype(np.int64),
+        end=ends.astype(np.int64),
+        station=sensed.station.copy(),
+    )
+
+
+def observer_of_row(sensed: Sensed) -> IntArray:
+    """(M,) which observer each row belongs to, of rows that came from `for_each`."""
+    return np.repeat(np.arange(len(sensed.first)), sensed.end - sensed.first)
+
+
+def with_poses(scene: Scene, sensed: Sensed, pose: FloatArray) -> Sensed:
+    """Put other poses (M, 3) into rows that came from `for_each`; stations follow them.
+
+    Projections look near the stations that the rows had before, so that a path which passes near
+    itself misleads nobody.
+    """
+    reference, own = sensed.reference_station.copy(), sensed.station.copy()
+    who = observer_of_row(sensed)
+    for row, (x, y, _) in enumerate(pose):
+        j = int(sensed.robot[row])
+        reference[row] = project_near(scene.reference, 0, x, y, float(reference[row]))
+        if j == who[row]:
+            own[j] = project_near(scene.paths, j, x, y, float(own[j]))
+    return sensed._replace(pose=pose, reference_station=reference, station=own)
+
+
+def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
+    """Refuse rows that are not finite or do not fit; every observer must have one of itself."""
+    where = f"sensing stage {type(part).__name__} at {sensed.step * scene.dt:g} s"
+    for name in ("robot", "first", "end"):
+        found = getattr(sensed, name)
+        if not isinstance(found, np.ndarray) or found.dtype.kind not in "iu":
+            kind = found.dtype if isinstance(found, np.ndarray) else type(found).__name__
+            raise ControllerError(f"{where}: {name} is of type {kind}; an array of int is needed")
+    rows, robots = len(sensed.robot), scene.robots
+    shapes = {
+        "robot": (rows,), "pose": (rows, 3), "command": (rows, 2), "reference_station": (rows,),
+        "age": (rows,), "first": (robots,), "end": (robots,), "station": (robots,),
+    }  # fmt: skip
+    for name, shape in shapes.items():
+        found = getattr(sensed, name)
+        if found.shape != shape:
+            raise ControllerError(f"{where}: {name} has the shape {found.shape}, not {shape}")
+        if not np.isfinite(found).all():
+            raise ControllerError(f"{where}: {name} is not finite")
+    if rows and not 0 <= sensed.robot.min() <= sensed.robot.max() < robots:
+        raise ControllerError(f"{where}: robot names one that there is not; 0 to {robots - 1}")
+    for i in range(robots):
+        if not 0 <= sensed.first[i] <= sensed.end[i] <= rows:
+            raise ControllerError(
+                f"{where}: rows {sensed.first[i]} to {sensed.end[i]} of {scene.names[i]}; there "
+                f"are {rows}"
+            )
+        if np.count_nonzero(sensed.robot[sensed.rows(i)] == i) != 1:
+            raise ControllerError(f"{where}: {scene.names[i]} must have one row of itself")
+    for array in sensed[1:]:
+        read_only(array)

@@ -1,0 +1,162 @@
+"""Code that users write: importing and calling it, and its errors on one line each.
+
+A line names the file and line of their code, not of ours.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+import sys
+import traceback
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from physim.errors import ControllerError, nearest
+from physim.world.faults import describe as shown
+
+if TYPE_CHECKING:
+    from physim.parts.registry import Kind
+
+
+OWN = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "")
+"""Where the code of physim is, which no message about somebody else's code points into."""
+
+
+class MistakenError(Exception):
+    """What a part gave or takes is not what it must be; the text says all, its own line too."""
+
+
+def broken_by(error: BaseException) -> str:
+    """Type, text and place of an error in somebody else's code, on one line."""
+    if isinstance(error, MistakenError):
+        return str(error)
+    text = " ".join(str(error).split())[:200]
+    if isinstance(error, SyntaxError):  # its text names file and line
+        return f"{type(error).__name__}: {text}"
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
+    ours = (OWN, importlib.__path__[0])  # what imports their module is not theirs
+    theirs = [f for f in frames if not f.filename.startswith(ours)] or frames
+    inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
+    place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
+    return f"{type(error).__name__}: {text}{place}"
+
+
+def asked(call: Callable[..., Any], usage: str, *given: Any) -> Any:
+    """Call a method of a part; `MistakenError` where it does not take what it is given.
+
+    ``usage`` is how it is called, such as ``filter(scene, sensed, nominal, state)``.
+    """
+    try:
+        return call(*given)
+    except TypeError as error:
+        if takes(call, *given):
+            raise
+        raise MistakenError(
+            f"it is called as {usage}, which it does not take{place_of(call)}"
+        ) from error
+
+
+def takes(call: Callable[..., Any], *given: Any) -> bool:
+    """Whether arguments go with what a function or class declares; True where that is unknown."""
+    try:
+        inspect.signature(call).bind(*given)
+    except TypeError:
+        return False
+    except ValueError:  # built in, without a signature
+        return True
+    return True
+
+
+def place_of(written: Any) -> str:
+    """`` (file:line)`` at which a function, method or class is written; empty if unknown."""
+    try:
+        code = getattr(inspect.unwrap(written), "__code__", None)
+        if code is not None:
+            return f" ({code.co_filename}:{code.co_firstlineno})"
+        return f" ({inspect.getsourcefile(written)}:{inspect.getsourcelines(written)[1]})"
+    except (OSError, TypeError, ValueError):
+        return ""
+
+
+def kind_of(value: object) -> str:
+    """Say what a value is, for a message that tells what was given instead of it."""
+    if value is None:
+        return "None"
+    if isinstance(value, np.ndarray):
+        return f"an array of the shape {value.shape}"
+    name = type(value).__name__
+    word = f"{'an' if name[:1].lower() in 'aeiou' else 'a'} {name}"
+    if isinstance(value, tuple | list) and not hasattr(value, "_fields"):
+        return f"{word} of {len(value)}"
+    return word
+
+
+def load_class(kind: Kind, target: str, name: str) -> type[Any]:
+    """Import ``module:Class``; every failure is a `ControllerError` on one line."""
+    module_name, _, class_name = target.partition(":")
+    if "/" in module_name or module_name.endswith(".py"):
+        stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
+        raise ControllerError(
+            f"{kind.word} {shown(name)} names a file; write the module: {stem}:{class_name}, and "
+            "run in its folder or put that on PYTHONPATH"
+        )
+    try:
+        module = importlib.import_module(module_name)
+    except ModuleNotFoundError as error:
+        if error.name != module_name:
+            raise ControllerError(
+                f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
+                f"{broken_by(error)}"
+            ) from error
+        package = _package(kind, name, target)
+        advice = (
+            f"; package {package} registers it: name it in py-modules of its pyproject.toml, then "
+            "pip install again"
+            if package
+            else ""
+        )
+        raise ControllerError(
+            f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
+            f"on the Python path{advice}"
+        ) from error
+    except (Exception, SystemExit) as error:
+        raise ControllerError(
+            f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
+            f"{broken_by(error)}"
+        ) from error
+    found: Any = module
+    for part in class_name.split("."):
+        found = getattr(found, part, None)
+    if not isinstance(found, type):
+        classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
+        raise ControllerError(
+            f"{kind.word} {shown(name)}: module {shown(module_name)} has no class "
+            f"{shown(class_name)}{nearest(class_name[:100], classes)}"
+        )
+    for method in kind.methods:
+        if not callable(getattr(found, method, None)):
+            raise ControllerError(
+                f"{kind.word} {shown(name)}: class {class_name} has no method {kind.usage(method)}"
+            )
+    return found
+
+
+def make_folder_importable() -> None:
+    """Let ``module:Class`` name a file of the current folder, as ``python -m`` does."""
+    folder = os.getcwd()
+    if folder not in sys.path and "" not in sys.path:
+        sys.path.insert(0, folder)
+        importlib.invalidate_caches()
+
+
+def _package(kind: Kind, name: str, target: str) -> str:
+    """Name of the package that registered a target under a name; empty where none did."""
+    for entry in entry_points(group=kind.group, name=name):
+        if entry.value == target and entry.dist is not None:
+            return entry.dist.name
+    return ""

@@ -1,0 +1,220 @@
+"""What a record knows before the first step, as it is written and as it is read.
+
+That is attributes, bodies, shapes, walls, paths and areas, and the modes, rules and columns
+of the controller, which are checked like those of a controller when they are read.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Sequence
+from functools import cached_property
+from importlib.metadata import PackageNotFoundError, version
+from itertools import pairwise
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physim.errors import ControllerError, RecordError
+from physim.geometry.shapes import FloatArray, Polylines, Shapes, pack_polylines, pack_shapes
+from physim.parts.declarations import Column, Declared, Mode, Rule
+from physim.record import layout
+from physim.record.checks import damaged
+from physim.record.rows import RecordFile, frozen
+from physim.world.scene import Body, Scene
+
+LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
+
+
+def write_attributes(
+    file: h5py.File,
+    scene: Scene,
+    *,
+    name: str,
+    world_text: str,
+    record_every: int,
+    safe_distance: float,
+    tables: Sequence[str],
+    given: Sequence[tuple[str, str]],
+) -> None:
+    """Set the root attributes of a run that begins."""
+    attributes = {
+        "format": layout.FORMAT,
+        "version": layout.VERSION,
+        "units": layout.UNITS,
+        "name": name,
+        "world": world_text,
+        "seed": np.int64(scene.seed),
+        "dt": float(scene.dt),
+        "steps_planned": np.int64(scene.steps),
+        "record_every": np.int64(record_every),
+        "tables": json.dumps(list(tables)),
+        "given": json.dumps([list(one) for one in given]),
+        "safe_distance": float(safe_distance),
+        "steps_run": np.int64(0),
+        "rejected_contacts": np.int64(0),
+        "versions": json.dumps(_versions()),
+        "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
+    }
+    for key, value in attributes.items():
+        file.attrs[key] = value
+
+
+def write_scene(
+    file: h5py.File, scene: Scene, accessible: Sequence[ArrayLike], safe: Sequence[ArrayLike]
+) -> None:
+    """Write bodies, footprints, walls, paths and areas (rings (n, 2) [m], world frame)."""
+    text = h5py.string_dtype("utf-8")
+    file["/bodies/id"] = np.array([body.id for body in scene.bodies], dtype=np.int32)
+    for column in ("kind", "name"):
+        values = [getattr(body, column) for body in scene.bodies]
+        file.create_dataset(f"/bodies/{column}", data=values, dtype=text)
+    for i, parts in enumerate(unpack(scene.shapes)[: len(scene.start)]):
+        for p, part in enumerate(parts):
+            file[f"{layout.FOOTPRINTS.format(i)}/{p:02d}"] = part
+    file["/robots/stop_station"] = np.asarray(scene.stop_station, dtype=np.float64)
+    file["/robots/lead"] = np.asarray(scene.formation.lead, dtype=np.float64)
+    for field in ("vertices", "part_start", "body_start"):
+        file[f"/walls/{field}"] = getattr(scene.walls, field)
+    for group, lines in (("/paths", scene.paths), ("/reference", scene.reference)):
+        file[f"{group}/points"] = lines.points
+        file[f"{group}/start"] = lines.start
+    for group, rings in (("/areas/accessible", accessible), ("/areas/safe", safe)):
+        arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
+        file[f"{group}/points"] = np.concatenate([np.zeros((0, 2)), *arrays])
+        lengths = [0, *(len(ring) for ring in arrays)]
+        file[f"{group}/start"] = np.cumsum(lengths).astype(np.int64)
+
+
+def write_declared(file: h5py.File, declared: Declared) -> None:
+    """Write modes, rules and columns of the controller, in the order of their numbers."""
+    text = h5py.string_dtype("utf-8")
+    for group, rows, fields in (
+        ("/modes", declared.modes, ("name", "words", "colour")),
+        ("/rules", declared.rules, ("name", "words")),
+        ("/columns", declared.columns, ("name", "unit", "words")),
+    ):
+        for field in fields:
+            values = np.array([getattr(row, field) for row in rows], dtype=object)
+            file.create_dataset(f"{group}/{field}", data=values, dtype=text)
+    file["/modes/danger"] = np.array([mode.danger for mode in declared.modes], dtype=np.int8)
+
+
+def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
+    """Convex parts (n, 2) of every body of packed shapes."""
+    vertices = np.split(shapes.vertices, shapes.part_start[1:-1])
+    starts: NDArray[np.int64] = shapes.body_start
+    return tuple(tuple(vertices[first:last]) for first, last in pairwise(starts))
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Versions of the libraries that made a record; looked up once, for it takes 2 ms."""
+    found = {}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:
+            found[library] = "unknown"
+    return found
+
+
+def read_declared(file: h5py.File, where: str) -> Declared:
+    """Read what the controller declared. Raises RecordError for what none can declare."""
+    try:
+        danger = [bool(value) for value in file["/modes/danger"][:]]
+        modes = [
+            Mode(name, colour, words, is_danger)
+            for name, colour, words, is_danger in zip(
+                *_texts(file, "/modes", "name", "colour", "words"), danger, strict=True
+            )
+        ]
+        rules = [Rule(*row) for row in zip(*_texts(file, "/rules", "name", "words"), strict=True)]
+        columns = [
+            Column(*row)
+            for row in zip(*_texts(file, "/columns", "name", "unit", "words"), strict=True)
+        ]
+    except (OSError, RuntimeError, KeyError, ValueError, UnicodeDecodeError) as error:
+        raise damaged(where, "/modes, /rules or /columns", error) from error
+    try:
+        return Declared.of(SimpleNamespace(modes=modes, rules=rules, columns=columns))
+    except ControllerError as error:
+        fault = str(error).replace("SimpleNamespace.", "/")
+        raise RecordError(f"{where}: {fault}; make the record again") from error
+
+
+def _texts(file: h5py.File, group: str, *fields: str) -> list[list[str]]:
+    return [[value.decode() for value in file[f"{group}/{field}"][:]] for field in fields]
+
+
+class RecordedScene(RecordFile):
+    """What a `physim.record.Record` knows of its scene: lengths [m], world frame unless said."""
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """Robots by index, then boundaries, then obstacles: id, kind and name."""
+        columns = [self.read(f"/bodies/{column}") for column in ("id", "kind", "name")]
+        rows = zip(*columns, strict=True)
+        return tuple(Body(int(id), kind.decode(), name.decode()) for id, kind, name in rows)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots: labels only."""
+        return tuple(body.name for body in self.bodies[: self.robots])
+
+    @cached_property
+    def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
+        """Convex parts (n, 2) [m] of each robot, in its frame."""
+        return tuple(self._parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots))
+
+    @cached_property
+    def shapes(self) -> Shapes:
+        """Footprints of the N robots, packed, in their frames."""
+        return pack_shapes(self.footprints)
+
+    @cached_property
+    def walls(self) -> Shapes:
+        """Boundaries and obstacles, world frame; body k of them has id N + k."""
+        vertices = self._points("/walls/vertices")
+        part_start = self._starts("/walls/part_start", len(vertices), empty=False)
+        body_start = self._starts(
+            "/walls/body_start", len(part_start) - 1, empty=False,
+            runs=self._bounds.bodies - self.robots,
+        )  # fmt: skip
+        lengths = np.hypot(vertices[:, 0], vertices[:, 1])
+        runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
+        radius = [float(lengths[first:last].max()) for first, last in runs]
+        return Shapes(vertices, part_start, body_start, frozen(np.array(radius, dtype=float)))
+
+    @cached_property
+    def paths(self) -> Polylines:
+        """Own path of each robot."""
+        return pack_polylines(self._runs("/paths", self.robots))
+
+    @cached_property
+    def reference(self) -> Polylines:
+        """The one reference path s*."""
+        return pack_polylines(self._runs("/reference", 1))
+
+    @cached_property
+    def stop_station(self) -> FloatArray:
+        """(N,) [m] along the own path."""
+        return self.read("/robots/stop_station")
+
+    @cached_property
+    def lead(self) -> FloatArray:
+        """(N,) [m] wanted lead of each robot over the first along the reference path."""
+        return self.read("/robots/lead")
+
+    @cached_property
+    def accessible(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the accessible area."""
+        return tuple(self._runs("/areas/accessible"))
+
+    @cached_property
+    def safe(self) -> tuple[FloatArray, ...]:
+        """Rings (n, 2) [m] of the safe area."""
+        return tuple(self._runs("/areas/safe"))

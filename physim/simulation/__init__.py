@@ -1,0 +1,1 @@
+"""The simulation: one step after another, recorded or not."""

@@ -1,0 +1,327 @@
+"""Decisions at a step: controllers are asked, and what they answer is checked.
+
+A controller that decides for one robot at a time is adapted to the batch form of the loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import nan
+from operator import index
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from physim.errors import ControllerError, PhysimError, nearest
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.parts.controller import (
+    LONGEST_HOLD,
+    BatchController,
+    Controller,
+    Decision,
+    Decisions,
+    Sensed,
+)
+from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
+from physim.parts.user_code import asked, broken_by
+from physim.simulation.observation import observe
+from physim.tolerances import SHARE
+from physim.world.scene import Scene
+
+_NO_NUMBER = (TypeError, ValueError, OverflowError)
+"""What Python raises where something cannot be made a number."""
+
+
+class Row(NamedTuple):
+    """A decision as numbers: rows of `physim.parts.controller.Decisions`."""
+
+    command: tuple[float, float]
+    hold: float
+    mode: int
+    rule: int
+    considered: list[int]
+    report: list[float]
+
+
+def decision_row(decision: object, where: str, declared: Declared, robots: int) -> Row:
+    """Numbers of a decision.
+
+    Raises ControllerError, which begins with ``where``, when it is no Decision, when one of its
+    fields is of a wrong type, or names what the controller has not declared.
+    """
+    if not isinstance(decision, Decision):
+        given = type(decision).__name__
+        raise ControllerError(f"{where}: decide returned {given}; it must return a Decision")
+    return Row(
+        (_number(decision.v, "v", where), _number(decision.omega, "omega", where)),
+        _number(decision.hold, "hold", where),
+        _declared(decision.mode, "mode", declared.modes, where),
+        _declared(decision.rule, "rule", declared.rules, where),
+        _considered(decision.considered, where, robots),
+        _report(decision.report, where, declared),
+    )
+
+
+def _number(value: object, field: str, where: str) -> float:
+    try:
+        if isinstance(value, str | bytes):
+            raise TypeError
+        return float(value)  # type: ignore[arg-type]
+    except _NO_NUMBER:
+        given = _shown(value)
+        raise ControllerError(f"{where}: {field} is {given}; it must be a number") from None
+
+
+def _declared(
+    given: str | Mode | Rule | None, field: str, among: Sequence[Mode | Rule], where: str
+) -> int:
+    """Number of a declared mode or rule, given by name or as it was declared."""
+    if given is None:
+        return NO_NUMBER
+    name = getattr(given, "name", given)
+    for number, one in enumerate(among):
+        if one.name == name and (given is name or given == one):
+            return number
+    names = [one.name for one in among]
+    hint = nearest(name[:100], names) if isinstance(name, str) else ""
+    allowed = f"declared: {', '.join(names)}" if names else f"the controller declares no {field}s"
+    raise ControllerError(f"{where}: {field} is {_shown(given)}; {allowed}{hint}")
+
+
+def _considered(given: object, where: str, robots: int) -> list[int]:
+    try:
+        found = [index(j) for j in given]  # type: ignore[attr-defined]
+    except TypeError:
+        raise ControllerError(
+            f"{where}: considered is {_shown(given)}; it must list robots by index"
+        ) from None
+    if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
+        raise ControllerError(
+            f"{where}: considered is {_shown(given)}; it must list robots 0 to {robots - 1}, "
+            "each once"
+        )
+    return found
+
+
+def _report(report: object, where: str, declared: Declared) -> list[float]:
+    """Numbers of a report, one a declared column; NaN where one is left out or None."""
+    if not isinstance(report, Mapping):
+        raise ControllerError(
+            f"{where}: report is a {type(report).__name__}; it must be a mapping of columns"
+        )
+    names = [column.name for column in declared.columns]
+    for name in report:
+        if name not in names:
+            hint = nearest(name[:100], names) if isinstance(name, str) else ""
+            allowed = ", ".join(names) or "none, give the controller some: columns = (Column(...),)"
+            raise ControllerError(
+                f"{where}: report names {_shown(name)}, which is not declared; declared: "
+                f"{allowed}{hint}"
+            )
+    values = (report.get(name) for name in names)
+    return [
+        nan if value is None else _number(value, f"report {name}", where)
+        for name, value in zip(names, values, strict=True)
+    ]
+
+
+def _shown(value: object) -> str:
+    """What was given, on one line and cut off where it is long."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # of code that is not ours; or a whole number too long to be written out
+        text = f"of type {type(value).__name__}"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def broken(error: BaseException, where: str) -> ControllerError:
+    """One line about an error inside a controller: type, text, and the line it arose on."""
+    return ControllerError(f"{where}: {broken_by(error)}")
+
+
+COMMAND = (("v", "m/s"), ("omega", "rad/s"))
+"""Quantity and unit of either part of a command."""
+NOBODY = read_only(np.zeros(0, dtype=np.int64))
+
+
+class Decided(NamedTuple):
+    """Nominal commands (N, 2) from a step on, and who decided at it."""
+
+    nominal: FloatArray
+    decisions: Decisions | None = None
+    next_step: IntArray = NOBODY
+
+
+def decide(
+    batch: BatchController,
+    scene: Scene,
+    declared: Declared,
+    sensed: Sensed,
+    due: IntArray,
+    held: FloatArray,
+    memory: dict[str, NDArray[Any]],
+) -> Decided:
+    """Ask the robots that are due and check their answers; ``held`` (N, 2) are commands so far.
+
+    Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
+    """
+    time = sensed.step * scene.dt
+    decisions = batch.decide_due(sensed, due, memory)
+    try:
+        check_commands(scene, time, due, decisions.command)
+        check_decisions(scene, time, decisions, declared)
+        next_step = sensed.step + hold_steps(scene, time, due, decisions.hold)
+    except ControllerError as error:
+        name = type(getattr(batch, "controller", batch)).__name__
+        raise ControllerError(f"controller {name}: {error}") from None
+    nominal = held.copy()
+    nominal[due] = decisions.command
+    return Decided(read_only(nominal), decisions, next_step)
+
+
+DECIDE = "decide(observation, memory)"
+MEMORY = "memory"
+"""Name of the one array of a plain controller's memories: (N,) of Python values."""
+
+
+class PerRobotAdapter:
+    """A controller that decides for one robot at a time, asked for each robot that is due."""
+
+    def __init__(self, controller: Controller, scene: Scene, declared: Declared) -> None:
+        self.controller = controller
+        self.scene = scene
+        self.declared = declared
+
+    def memory(self) -> dict[str, NDArray[Any]]:
+        """What each robot's last decision returned: None at first."""
+        return {MEMORY: np.full(self.scene.robots, None, dtype=object)}
+
+    def decide_due(
+        self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
+    ) -> Decisions:
+        """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
+        rows, memories = [], []
+        for i in due.tolist():
+            decision, row = self._decide(i, sensed, memory[MEMORY][i])
+            rows.append(row)
+            memories.append(decision.memory)
+        for i, value in zip(due, memories, strict=True):
+            memory[MEMORY][i] = value
+        considered = [row.considered for row in rows]
+        columns = len(self.declared.columns)
+        return Decisions(
+            due,
+            np.array([row.command for row in rows], dtype=np.float64),
+            np.array([row.hold for row in rows], dtype=np.float64),
+            np.array([row.mode for row in rows], dtype=np.int64),
+            np.array([row.rule for row in rows], dtype=np.int64),
+            np.array([row.report for row in rows], dtype=np.float64).reshape(len(due), columns),
+            np.array([j for robots in considered for j in robots], dtype=np.int64),
+            np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
+        )
+
+    def _decide(self, i: int, sensed: Sensed, memory: Any) -> tuple[Decision, Row]:
+        name, time = type(self.controller).__name__, sensed.step * self.scene.dt
+        where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
+        try:
+            observation = observe(self.scene, sensed, i)
+            decision = asked(self.controller.decide, DECIDE, observation, memory)
+        except PhysimError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise broken(error, where) from error
+        return decision, decision_row(decision, where, self.declared, self.scene.robots)
+
+
+def outside(scene: Scene, time: float, given: ArrayLike) -> FloatArray:
+    """Commands (N, 2) from outside, a copy; ControllerError where robots cannot take them."""
+    try:
+        nominal = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ControllerError(f"commands at {time:g} s are no array of numbers (N, 2)") from None
+    check_commands(scene, time, np.arange(scene.robots), nominal)
+    return read_only(nominal)
+
+
+def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatArray) -> None:
+    """Refuse commands (M, 2) that are not finite or beyond the robots' limits."""
+    if command.shape != (len(robots), 2):
+        raise ControllerError(
+            f"commands at {time:g} s have the shape {command.shape}; it must be ({len(robots)}, 2)"
+        )
+    allowed = scene.limits[robots] * (1.0 + SHARE)
+    fine = np.abs(command) <= allowed  # False for NaN
+    if fine.all():
+        return
+    row, column = np.argwhere(~fine)[0]
+    quantity, unit = COMMAND[column]
+    raise ControllerError(
+        f"{scene.names[robots[row]]} at {time:g} s: command {quantity} = "
+        f"{command[row, column]:g} {unit}; it must be finite and within "
+        f"{scene.limits[robots[row], column]:g} {unit} either way"
+    )
+
+
+def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:
+    """Refuse applied commands that are no finite (N, 2)."""
+    name, shape = type(part).__name__, (scene.robots, 2)
+    if np.shape(applied) != shape:
+        raise ControllerError(
+            f"disturbance {name}: commands at {time:g} s have the shape {np.shape(applied)}; it "
+            f"must be {shape}"
+        )
+    if not np.isfinite(applied).all():
+        row, column = np.argwhere(~np.isfinite(applied))[0]
+        quantity, unit = COMMAND[column]
+        raise ControllerError(
+            f"disturbance {name}: {scene.names[row]} at {time:g} s: command {quantity} = "
+            f"{applied[row, column]:g} {unit}; it must be finite"
+        )
+
+
+def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: Declared) -> None:
+    """Refuse numbers of modes, rules and robots, and shapes, that no record may hold."""
+    d, robots = decisions, decisions.robot
+    many = len(robots)
+    start = d.considered_start
+    shapes = (
+        ("hold", d.hold.shape, (many,)),
+        ("mode", d.mode.shape, (many,)),
+        ("rule", d.rule.shape, (many,)),
+        ("report", d.report.shape, (many, len(declared.columns))),
+        ("considered_start", start.shape, (many + 1,)),
+    )
+    for name, found, wanted in shapes:
+        if found != wanted:
+            raise ControllerError(
+                f"decisions at {time:g} s: {name} has the shape {found}; it must be {wanted}"
+            )
+    for name, values, most in (
+        ("mode", d.mode, len(declared.modes)),
+        ("rule", d.rule, len(declared.rules)),
+    ):
+        if values.min() < NO_NUMBER or values.max() >= most:
+            row = int(np.argmax((values < NO_NUMBER) | (values >= most)))
+            raise ControllerError(
+                f"{scene.names[robots[row]]} at {time:g} s: {name} = {values[row]}; allowed: "
+                f"{NO_NUMBER} to {most - 1}"
+            )
+    if len(d.considered) and (d.considered.min() < 0 or d.considered.max() >= scene.robots):
+        raise ControllerError(
+            f"decisions at {time:g} s: considered robots {d.considered.min()} to "
+            f"{d.considered.max()}; allowed: 0 to {scene.robots - 1}"
+        )
+
+
+def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) -> IntArray:
+    """Steps (M,) that decisions hold: ``hold`` [s] rounded down, one at least (14)."""
+    fine = hold >= 0.0
+    if not fine.all():
+        row = int(np.argmin(fine))
+        raise ControllerError(
+            f"{scene.names[robots[row]]} at {time:g} s: hold = {hold[row]:g} s; it must be a "
+            "time of at least 0 s"
+        )
+    steps = np.floor(hold / scene.dt + SHARE)
+    return np.minimum(np.maximum(steps, 1.0), LONGEST_HOLD).astype(np.int64)

@@ -1,0 +1,301 @@
+"""Host the robots in the engine: solve, then move."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.errors import PhysimError
+from physim.geometry.motion import chord_velocities
+from physim.geometry.separation import describe_pairs
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, joined_shapes, part_bodies
+from physim.simulation.engine.engine import ContactGuard, Engine, Touches
+from physim.simulation.engine.pairs import (
+    Pairs,
+    contact_rows,
+    false_rows,
+    gather,
+    impulse_of,
+    no_contacts,
+    no_false_contacts,
+    no_pairs,
+    phases,
+    split,
+)
+from physim.simulation.engine.space import body_parts, build_space, moment
+from physim.simulation.engine.state import (
+    Impulses,
+    PhysicsState,
+    goes_on_from_impulses,
+    no_impulses,
+)
+
+
+class Journal:
+    """The last sample from which poses alone lead on, and the commands applied since.
+
+    Such is a start, and every sample at which the engine reports no contact, not even a false one:
+    it then remembers nothing. To go on from a later sample, the steps since are done again.
+    """
+
+    def __init__(self, robots: int) -> None:
+        """Begin with no sample."""
+        self.step = 0
+        self.pose: FloatArray = np.zeros((0, 3))
+        """(N, 3) at that sample"""
+        self.rejected = 0
+        """false contacts kept out until then"""
+        self._applied: list[FloatArray] = []
+        self._robots = robots
+
+    @property
+    def applied(self) -> FloatArray:
+        """(M, N, 2) commands of the steps since that sample."""
+        return np.array(self._applied).reshape(-1, self._robots, 2)
+
+    def begin(self, step: int, pose: FloatArray, rejected: int) -> None:
+        """Take a sample; the commands so far are forgotten."""
+        self.step, self.pose, self.rejected = step, pose.copy(), rejected
+        self._applied = []
+
+    def add(self, command: FloatArray) -> None:
+        """Note the commands (N, 2) of one step."""
+        self._applied.append(np.array(command, dtype=np.float64))
+
+
+class Physics:
+    """N robots among walls as rigid bodies that follow commands and are stopped by contact.
+
+    While something touches, a step first asks the engine what contacts allow of the wanted
+    velocities (push); then every body moves with the velocity it may have, and the contacts at
+    the new poses are found (impact). Without contact robots move exactly as commanded, and a held
+    robot is free at once when its command turns away.
+
+    ``contacts`` holds the rows (`physim.contacts.CONTACT`) of the present sample, sorted by a and
+    b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the pair
+    exchanged in the step that led to the sample: the push while it touched (a robot held from
+    v is pushed with m v a step) and the impact of new contacts (m v for a dead stop), magnitudes
+    added over the parts that touch.
+
+    ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT`) of the present sample: pairs
+    that the engine reported as touching, and which the exact check found apart and kept out.
+
+    The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
+    a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
+    step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
+    is deeper than DEEP is reported by whoever reads the record.
+
+    Every contact at a sample is found, to the tolerance CONTACT; a graze that begins and ends
+    between two samples is not.
+    """
+
+    def __init__(
+        self,
+        shapes: Shapes,
+        walls: Shapes,
+        start: FloatArray,
+        mass: FloatArray,
+        dt: float,
+        friction: float = 0.0,
+        elasticity: float = 0.0,
+        *,
+        _guarded: bool = True,
+    ) -> None:
+        """Place robots and find what touches at sample 0.
+
+        ``shapes`` of the N robots in their own frames, ``walls`` in the world frame, ``start``
+        (N, 3) x, y [m], heading [rad], ``mass`` (N,) [kg], time step ``dt`` [s], coefficients of
+        ``friction`` and ``elasticity`` of every contact. Since velocities are commanded anew at
+        each step, elasticity adds to the impulse of an impact but nothing bounces.
+        """
+        start = np.ascontiguousarray(start, dtype=np.float64)
+        hosted = build_space(shapes, walls, start, mass, friction, elasticity)
+        self.dt = dt
+        self._robots = len(start)
+        self._shapes = joined_shapes(shapes, walls)
+        self._body_of_part = part_bodies(self._shapes)
+        self._bodies = len(self._shapes.body_start) - 1
+        self._guard = ContactGuard(hosted, self._shapes, checks=_guarded)
+        self._engine = Engine(hosted, shapes, walls, self._guard, dt)
+        self._arrays = self._engine.arrays
+        inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
+        self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
+        self._wanted = np.zeros((self._robots, 3))
+        self._placed = np.zeros((self._bodies, 3))
+        self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
+        self._no_false = no_false_contacts()
+        self._journal = None if goes_on_from_impulses() else Journal(self._robots)
+        self._begin(0, start, 0)
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) x, y [m], heading [rad, unwrapped] at this sample; a copy."""
+        return self._arrays.pose.copy()
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """(N,) whether each robot touches a robot or a wall at this sample."""
+        touching = np.zeros(self._bodies, dtype=np.bool_)
+        touching[split(self._pairs.key, self._bodies)] = True
+        return touching[: self._robots]
+
+    @property
+    def rejected(self) -> int:
+        """False contacts of the engine that were kept out so far, counted by parts and solves."""
+        return self._guard.rejected
+
+    def step(self, command: FloatArray) -> None:
+        """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
+        arrays = self._arrays
+        chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
+        pushes = self._no_pairs
+        self.false_contacts = self._no_false
+        if len(self._pairs.key):
+            self._wanted[:] = arrays.velocity
+            pushes = self._hold_back()
+            arrays.velocity[:] = self._wanted
+        arrays.write_velocity()
+        self.step_number += 1
+        self._move(pushes)
+        if self._journal is not None:
+            self._journal.add(command)
+            if not self._engine.remembers:
+                self._journal.begin(self.step_number, self._arrays.pose, self.rejected)
+
+    @property
+    def state(self) -> PhysicsState:
+        """All that the next step depends on, as a value; `restore` goes on from it bit for bit."""
+        journal, known = self._journal, no_impulses()
+        if journal is None:
+            journal, known = Journal(self._robots), self._engine.impulses()
+        return PhysicsState(
+            step=np.array(self.step_number),
+            pose=self._arrays.pose,
+            touching=split(self._pairs.key, self._bodies),
+            part=known.part,
+            feature=known.feature,
+            impulse=known.impulse,
+            rejected=np.array(self.rejected),
+            contacts=self.contacts,
+            false_contacts=self.false_contacts,
+            origin_step=np.array(journal.step),
+            origin_pose=journal.pose,
+            origin_rejected=np.array(journal.rejected),
+            applied=journal.applied,
+        )
+
+    def restore(self, state: PhysicsState) -> None:
+        """Go back, or on, to a state of the same scene: what follows is the same to the last bit.
+
+        The state may come from another `Physics` of the same arguments, in another process on the
+        same kind of machine. One that holds its origin is reached by doing the steps since again.
+        Raises PhysimError for a state of another scene; restore or reset before going on then.
+        """
+        self._check(state.pose)
+        if len(state.origin_pose):
+            self._do_again(state)
+        else:
+            self._take_up(state)
+        if self._arrays.pose.tobytes() != state.pose.tobytes():
+            raise PhysimError("the state is of another scene: its steps lead to other poses")
+        touching = state.touching[:, 0] * self._bodies + state.touching[:, 1]
+        self._pairs = Pairs(touching, np.zeros(len(touching)))
+        self.step_number = int(state.step)
+        self._guard.rejected = int(state.rejected)
+        self.contacts, self.false_contacts = state.contacts, state.false_contacts
+
+    def reset(self, start: FloatArray) -> None:
+        """Begin anew at poses (N, 3) x, y [m], heading [rad]: the same as if built with them.
+
+        Raises PhysimError for another number of poses, or one that is not finite.
+        """
+        start = np.asarray(start, dtype=np.float64)
+        self._check(start)
+        self._engine.stand(start)
+        self._begin(0, start, 0)
+
+    def _check(self, pose: FloatArray) -> None:
+        if pose.shape != (self._robots, 3):
+            raise PhysimError(f"poses of shape {pose.shape}; allowed: {(self._robots, 3)}")
+        if not np.isfinite(pose).all():
+            raise PhysimError("a pose is not finite")
+
+    def _take_up(self, state: PhysicsState) -> None:
+        if self._journal is None:
+            known = Impulses(state.part, state.feature, state.impulse)
+            self._engine.recall(state.pose, known)
+            return
+        if len(state.part):
+            raise PhysimError(
+                "this version of pymunk cannot go on from a state in contact that another one made"
+            )
+        self._engine.recall(state.pose, None)
+        self._journal.begin(int(state.step), state.pose, int(state.rejected))
+
+    def _do_again(self, state: PhysicsState) -> None:
+        self._engine.stand(state.origin_pose)
+        self._begin(int(state.origin_step), state.origin_pose, int(state.origin_rejected))
+        for command in state.applied:
+            self.step(command)
+
+    def _begin(self, step: int, pose: FloatArray, rejected: int) -> None:
+        """Find what touches at a sample without a past, at whose poses the robots stand."""
+        self.step_number = step
+        self._guard.rejected = rejected
+        self._pairs = self._no_pairs
+        self.contacts, self.false_contacts = self._no_contacts, self._no_false
+        if self._journal is not None:
+            self._journal.begin(step, pose, rejected)
+        self._move(self._no_pairs)
+
+    def _hold_back(self) -> Pairs:
+        """Replace wanted velocities of robots in contact by what contacts allow; the pushes.
+
+        Bodies stand still, but for the engine's easing of overlaps, and are driven by the forces
+        that would give them the wanted velocities.
+        """
+        drive = self._arrays.drive
+        drive[:, :3] = 0.0
+        np.multiply(self._wanted, self._drive_per_speed, out=drive[:, 3:])
+        self._arrays.write_drive()
+        pushes = self._gather(self._engine.step())
+        self._arrays.read_velocity()
+        self._engine.rejected()  # the same as those met when the bodies came here
+        held = np.unique(split(pushes.key, self._bodies))
+        held = held[held < self._robots]
+        self._wanted[held] = self._arrays.velocity[held]
+        return pushes
+
+    def _move(self, pushes: Pairs) -> None:
+        """Move all bodies, find the contacts at their new poses, and set ``contacts``."""
+        touches = self._engine.step()
+        self._arrays.read_pose()
+        self._note_false(self._engine.rejected())
+        before = self._pairs
+        if not len(before.key) and not len(touches.part):
+            self.contacts = self._no_contacts
+            return
+        self._pairs = now = self._gather(touches)
+        key = np.union1d(before.key, now.key)
+        pairs = split(key, self._bodies)
+        self._placed[: self._robots] = self._arrays.pose
+        self.contacts = contact_rows(
+            self.step_number,
+            pairs,
+            phases(key, before.key, now.key),
+            describe_pairs(self._shapes, self._placed, pairs),
+            impulse_of(key, pushes, now),
+        )
+
+    def _note_false(self, parts: IntArray) -> None:
+        """Set ``false_contacts``: pairs that the engine reported at this sample, yet are apart."""
+        if not len(parts):
+            return
+        reported = self._gather(Touches(parts, np.zeros(len(parts))))
+        pairs = split(reported.key, self._bodies)
+        self._placed[: self._robots] = self._arrays.pose
+        found = describe_pairs(self._shapes, self._placed, pairs)
+        self.false_contacts = false_rows(self.step_number, pairs, found[:, 4])
+
+    def _gather(self, touches: Touches) -> Pairs:
+        return gather(self._body_of_part[touches.part], touches.impulse, self._bodies)

@@ -1,0 +1,219 @@
+"""Is a contact that the engine reports true, and how is this pair of parts to act on it?
+
+A robot that slides along a wall of several segments meets the end of the next one, and that end
+would hold it although the wall goes straight on. The engine's own remedy, naming to segments their
+neighbours, also loses true contacts (a nose in a corner touches neither wall, by its rule). So that
+remedy is not used, and the rule is here: a contact at the end of a segment that pushes the robot
+towards the segment's neighbour is left to the neighbour, if that pushes it in a direction of its
+own; where each leans on the other, both push along their own normals.
+
+In a corner that closes round the robot each segment holds it along its own normal, whatever the
+way out that is the shortest from the segment alone: left to the neighbour, or pushed past the
+segment's end into the neighbour, the robot would get through the wall. There it does not matter
+whether the neighbour belongs to the same body: walls and caps of a corridor hold like one line.
+
+How far a part is beyond a segment, measured along the segment's own normal.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.compiled import compiled
+from physim.geometry.separation import relative_frame
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
+from physim.geometry.witness import part_witness
+from physim.tolerances import CONTACT
+
+APART = 0
+"""the parts are apart: a false contact"""
+ACTS = 1
+"""a true contact"""
+LEFT = 2
+"""a true contact that is left to the neighbouring segment"""
+SIDE = 3
+"""a true contact of a segment, to be taken along the segment's own normal"""
+
+SIDE_ANGLE = 1e-6
+"""[rad] A normal within this of a segment's own is a contact with its side, not with an end."""
+
+
+class Links(NamedTuple):
+    """What meets each part at its first and second end; only segments have ends."""
+
+    part: IntArray
+    """(P, 2) the segment that meets it there, of the same body if there is one; or -1"""
+    end: IntArray
+    """(P, 2) which end of that segment"""
+    own: NDArray[np.bool_]
+    """(P, 2) whether it is of the same body"""
+
+
+def segment_links(shapes: Shapes) -> Links:
+    """Find which segments meet: where an end of one is exactly an end of the other."""
+    count = len(shapes.part_start) - 1
+    links = Links(
+        np.full((count, 2), -1, dtype=np.int64),
+        np.zeros((count, 2), dtype=np.int64),
+        np.zeros((count, 2), dtype=np.bool_),
+    )
+    body = part_bodies(shapes)
+    segments = np.flatnonzero(np.diff(shapes.part_start) == 2).tolist()
+    meeting: dict[tuple[float, float], list[tuple[int, int]]] = {}
+    for p in segments:
+        for end in (0, 1):
+            x, y = shapes.vertices[shapes.part_start[p] + end].tolist()
+            meeting.setdefault((x, y), []).append((p, end))
+    for some in meeting.values():
+        for p, end in some:
+            others = [one for one in some if one[0] != p]
+            own = [one for one in others if body[one[0]] == body[p]]
+            if others:
+                links.part[p, end], links.end[p, end] = (own or others)[0]
+                links.own[p, end] = bool(own)
+    return links
+
+
+@compiled
+def touch(
+    shapes: Shapes, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
+) -> tuple[float, float, float]:
+    """Signed distance [m] of parts p and q at the poses (3,) of their bodies, and its normal.
+
+    The distance is that of `body_distance` to the last bit; the unit normal (world frame) leads
+    from q to p.
+    """
+    c, s, tx, ty = relative_frame(pose_p, pose_q)
+    v, start = shapes.vertices, shapes.part_start
+    found = part_witness(
+        v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0
+    )
+    cp, sp = np.cos(pose_p[2]), np.sin(pose_p[2])
+    return found[0], -(cp * found[1] - sp * found[2]), -(sp * found[1] + cp * found[2])
+
+
+@compiled
+def leans_on(shapes: Shapes, links: Links, segment: int, nx: float, ny: float) -> tuple[int, int]:
+    """Neighbour towards which a push (nx, ny) from a segment (world frame) leads, and at which end.
+
+    (-1, 0) where it leads to none. The push comes from the end that lies farthest along it. It
+    leads on to the neighbour if that lies still farther along.
+    """
+    v, k = shapes.vertices, shapes.part_start[segment]
+    ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
+    along = nx * ex + ny * ey
+    if abs(along) <= SIDE_ANGLE * np.hypot(ex, ey):
+        return -1, 0
+    end = 1 if along > 0.0 else 0
+    if links.part[segment, end] < 0:
+        return -1, 0
+    ox, oy = onward(shapes, links, segment, end)
+    return (links.part[segment, end], end) if nx * ox + ny * oy > 0.0 else (-1, 0)
+
+
+@compiled
+def onward(shapes: Shapes, links: Links, segment: int, end: int) -> tuple[float, float]:
+    """Vector [m] along a segment's neighbour, from where the two meet to its far end."""
+    v, k = shapes.vertices, shapes.part_start[segment] + end
+    far = shapes.part_start[links.part[segment, end]] + 1 - links.end[segment, end]
+    return v[far, 0] - v[k, 0], v[far, 1] - v[k, 1]
+
+
+@compiled
+def side(shapes: Shapes, segment: int, p: int, pose_p: FloatArray) -> tuple[float, float]:
+    """Unit normal of a segment (world frame) towards the side where the middle of part p is."""
+    v, k = shapes.vertices, shapes.part_start[segment]
+    ex, ey = v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1]
+    first, last = shapes.part_start[p], shapes.part_start[p + 1]
+    x, y = 0.0, 0.0
+    for m in range(first, last):
+        x += v[m, 0] / (last - first)
+        y += v[m, 1] / (last - first)
+    c, s = np.cos(pose_p[2]), np.sin(pose_p[2])
+    dx = pose_p[0] + c * x - s * y - v[k, 0]
+    dy = pose_p[1] + s * x + c * y - v[k, 1]
+    size = np.copysign(np.hypot(ex, ey), ex * dy - ey * dx)
+    return -ey / size, ex / size
+
+
+@compiled
+def judge(
+    shapes: Shapes, links: Links, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
+) -> tuple[int, float, float]:
+    """Judge parts p < q (robots first) at the poses (3,) of their bodies.
+
+    Returns APART, ACTS, LEFT or SIDE and, for SIDE, the unit normal to take from q to p.
+    """
+    distance, nx, ny = touch(shapes, p, pose_p, q, pose_q)
+    if distance > CONTACT:
+        return APART, nx, ny
+    if shapes.part_start[q + 1] - shapes.part_start[q] != 2:
+        return ACTS, nx, ny
+    other, end = leans_on(shapes, links, q, nx, ny)
+    if other < 0:
+        return ACTS, nx, ny
+    mx, my = side(shapes, q, p, pose_p)
+    ox, oy = onward(shapes, links, q, end)
+    if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy):
+        return SIDE, mx, my
+    if not links.own[q, end]:
+        return ACTS, nx, ny
+    distance, ox, oy = touch(shapes, p, pose_p, other, pose_q)
+    if distance > CONTACT:
+        return ACTS, nx, ny
+    if leans_on(shapes, links, other, ox, oy)[0] < 0:
+        return LEFT, nx, ny
+    return SIDE, mx, my
+
+
+def deepest(
+    shapes: Shapes, links: Links, p: int, pose_p: FloatArray, segment: int, nx: float, ny: float
+) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Points of part p farthest beyond a segment, two at most, each with its foot on its line.
+
+    The unit normal (nx, ny) leads from the segment to the side on which the part belongs. The part
+    is cut off at the ends of the segment, beyond which other walls may stand otherwise; but not at
+    an end where the next segment bends to the part's side: what is beyond one line there is beyond
+    the corner. The deepest point first; the nearest one where none is beyond.
+    """
+    v, k = shapes.vertices, shapes.part_start[segment]
+    length = float(np.hypot(*(v[k + 1] - v[k])))
+    ex, ey = (v[k + 1] - v[k]) / length
+    c, s = np.cos(pose_p[2]), np.sin(pose_p[2])
+    points = v[shapes.part_start[p] : shapes.part_start[p + 1]]
+    x = pose_p[0] - v[k, 0] + c * points[:, 0] - s * points[:, 1]
+    y = pose_p[1] - v[k, 1] + s * points[:, 0] + c * points[:, 1]
+    # (along the segment, height over it)
+    part = np.stack((ex * x + ey * y, nx * x + ny * y), 1)
+    for end, at in ((0, 0.0), (1, length)):
+        if links.part[segment, end] >= 0:
+            ox, oy = onward(shapes, links, segment, end)
+            if nx * ox + ny * oy > 0.0:
+                continue
+        part = _cut(part, at, 1.0 - 2.0 * end)
+    if not len(part):
+        return []
+    part = part[np.argsort(part[:, 1], kind="stable")]
+    beyond = part[part[:, 1] <= 0.0][:2]
+    found = []
+    for along, height in (beyond if len(beyond) else part[:1]).tolist():
+        foot = (float(v[k, 0] + along * ex), float(v[k, 1] + along * ey))
+        found.append(((foot[0] + height * nx, foot[1] + height * ny), foot))
+    return found
+
+
+def _cut(part: FloatArray, at: float, sign: float) -> FloatArray:
+    """Polygon (n, 2) without what lies where sign * x < sign * at."""
+    kept: list[FloatArray] = []
+    inside = sign * (part[:, 0] - at) >= 0.0
+    for k in range(len(part)):
+        if inside[k] != inside[k - 1]:
+            one, other = part[k - 1], part[k]
+            share = (at - one[0]) / (other[0] - one[0])
+            kept.append(np.array((at, one[1] + share * (other[1] - one[1]))))
+        if inside[k]:
+            kept.append(part[k])
+    return np.array(kept).reshape(-1, 2)

@@ -1,0 +1,345 @@
+"""The simulation: sense, decide, filter, disturb, move, report, once a step.
+
+One step runs from sample k to sample k + 1: the robots that are due at k decide from what they
+sense of it, all hold their commands over the step, and the physics moves them as far as contacts
+allow. What each stage is for: `physim.parts.stages`.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.errors import PhysimError, WorldError
+from physim.geometry.path import Tracking
+from physim.geometry.shapes import FloatArray, read_only
+from physim.parts.controller import (
+    BatchCapable,
+    BatchController,
+    Controller,
+    Observation,
+    Sensed,
+    Snapshot,
+)
+from physim.parts.declarations import NO_NUMBER, Declared
+from physim.parts.stages import (
+    Disturbance,
+    Filter,
+    Observer,
+    SensingStage,
+    Step,
+    everybody,
+    shared,
+)
+from physim.parts.world_checks import listed
+from physim.simulation.arrival import Arrivals
+from physim.simulation.decisions import Decided, PerRobotAdapter, decide, outside
+from physim.simulation.engine import Physics
+from physim.simulation.observation import observe
+from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
+from physim.simulation.state import SimulationState, replaced, scene_digest
+from physim.world import World
+from physim.world.layout.scene_builder import build_scene, reseeded
+from physim.world.scene import Scene
+
+
+class Simulation:
+    """A world in motion, step by step.
+
+    How things stand at the present sample: ``now``, a `Snapshot` (poses, nominal commands,
+    stations); ``mode`` (N,), the number of each robot's declared mode; ``last``, what happened in
+    the last step. ``declared`` are the modes, rules and columns of the controller.
+    Nothing that was handed out changes later. Stepping may go on beyond the world's duration;
+    `simulate` stops there. A copy (`copy.deepcopy`, pickle) goes on like the original; it has no
+    observers, and shares the controller and the stages, which are settings only.
+    """
+
+    now: Snapshot
+    mode: NDArray[np.int64]
+    next_decision: NDArray[np.int64]
+    last: Step | None
+    memory: dict[str, NDArray[Any]]
+    _next_due: int
+    _sensed: tuple[Sensed, tuple[Any, ...]] | None
+    _stages: tuple[tuple[Any, ...], ...]
+
+    def __init__(
+        self,
+        world: World | Scene,
+        seed: int | None = None,
+        controller: Controller | str | None = None,
+        *,
+        sensing: Sequence[SensingStage] = (),
+        filters: Sequence[Filter] = (),
+        disturbances: Sequence[Disturbance] = (),
+        observers: Sequence[Observer] = (),
+        state: SimulationState | None = None,
+    ) -> None:
+        """Set up sample 0, or the sample of a ``state`` of the same world and parts.
+
+        Without ``seed`` the world's own is used, or that of ``state``; a Scene has its seed.
+        ``controller`` is an object, or a registered name or ``module:Class`` that takes the place
+        of the world's own; ``sensing``, ``filters`` and ``disturbances`` stand behind those that
+        the world names. Raises WorldError or ControllerError where it cannot be run, TypeError for
+        a name or a file in place of a world, PhysimError for a state of something else.
+        """
+        if isinstance(world, World):
+            if isinstance(controller, str):
+                world = world.changed(controller={"type": controller})
+            seed = state.seed if seed is None and state is not None else seed
+            world = build_scene(world, seed)
+        if not isinstance(world, Scene):
+            raise TypeError(
+                f"a World or a Scene is needed, not {type(world).__name__}; "
+                "load_world(name or file) gives one"
+            )
+        self.scene = world
+        self.parts = parts_of(world.world, controller, sensing, filters, disturbances)
+        self.declared = Declared.of(self.parts.controller)
+        if faults := part_faults(self.parts, world.world):
+            raise WorldError(faults)
+        self.observers: list[Observer] = []
+        self._host()
+        self._begin()
+        if state is not None:
+            self.restore(state)
+        for observer in listed("observers", observers):
+            self.look_on(observer)
+
+    # How things stand
+
+    @property
+    def step_number(self) -> int:
+        """Number of the present sample."""
+        return self.now.step
+
+    @property
+    def time(self) -> float:
+        """[s] simulated time of the present sample."""
+        return self.now.step * self.scene.dt
+
+    @property
+    def pose(self) -> FloatArray:
+        """(N, 3) x, y [m], heading [rad, unwrapped]; read-only."""
+        return self.now.pose
+
+    @property
+    def command(self) -> FloatArray:
+        """(N, 2) nominal commands v [m/s], omega [rad/s] that are held; read-only."""
+        return self.now.command
+
+    @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """(N,) who has arrived, by `physim.simulation.arrival`; read-only."""
+        return self._arrivals.arrived
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """Rows of `physim.contacts.CONTACT` of the present sample."""
+        return self.physics.contacts
+
+    @property
+    def finished(self) -> bool:
+        """Whether every robot has arrived."""
+        return self._arrivals.all
+
+    def observe(self, i: int) -> Observation:
+        """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
+        if not 0 <= i < self.scene.robots:
+            raise PhysimError(f"robot {i}; allowed: 0 to {self.scene.robots - 1}")
+        return observe(self.scene, self._sense()[0], i)
+
+    def look_on(self, observer: Observer) -> None:
+        """Let an observer look on from now on."""
+        observer.start(self)
+        self.observers.append(observer)
+
+    # A step
+
+    def step(self, commands: FloatArray | None = None) -> None:
+        """Go from this sample to the next.
+
+        With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
+        ControllerError for a command that is not finite or beyond a robot's limits.
+        """
+        truth = self.now
+        sensed, sensing = self._sense()
+        if commands is None:
+            decided = self._decide(sensed)
+        else:
+            decided = Decided(outside(self.scene, self.time, commands))
+        filtered, filters = self._filter(sensed, decided.nominal)
+        applied, disturbances = self._disturb(truth, filtered)
+        self.physics.step(applied)
+        self._stages = (sensing, filters, disturbances)
+        self._arrive(truth.step + 1, decided.nominal)
+        self.last = Step(
+            truth, sensed, decided.decisions, decided.next_step, decided.nominal, filtered,
+            applied, self.now.pose, self.physics.contacts, self.physics.false_contacts,
+            self._arrivals.arrived,
+        )  # fmt: skip
+        for observer in self.observers:
+            observer.after_step(self.last)
+
+    def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
+        """What robots know at this sample, and the states of the stages for the next."""
+        if self._sensed is None:
+            sensed, states = everybody(self.now, self._shared), []
+            if not self.parts.sensing:
+                return sensed, ()
+            for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
+                sensed, state = ask_sense(part, self.scene, self.now, sensed, state)
+                states.append(state)
+            self._sensed = sensed, tuple(states)
+        return self._sensed
+
+    def _decide(self, sensed: Sensed) -> Decided:
+        """Nominal commands of all robots from now on; those that are due are asked."""
+        if sensed.step < self._next_due:
+            return Decided(self.now.command)
+        due = (self.next_decision <= sensed.step).nonzero()[0]
+        decided = decide(
+            self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
+        )
+        if decided.decisions is not None:
+            self.mode = replaced(self.mode, due, decided.decisions.mode)
+        self.next_decision = replaced(self.next_decision, due, decided.next_step)
+        self._next_due = int(self.next_decision.min())
+        return decided
+
+    def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+        """Filtered commands (N, 2): the nominal ones through every filter in turn."""
+        if not self.parts.filters:
+            return nominal, ()
+        filtered, states = nominal, []
+        for part, state in zip(self.parts.filters, self._stages[1], strict=True):
+            filtered, state = ask_filter(part, self.scene, sensed, filtered, state)
+            states.append(state)
+        return filtered, tuple(states)
+
+    def _disturb(self, truth: Snapshot, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+        """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
+        if not self.parts.disturbances:
+            return filtered, ()
+        applied, states = filtered, []
+        for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
+            applied, state = ask_disturbance(part, self.scene, truth, applied, state)
+            states.append(state)
+        return applied, tuple(states)
+
+    def _arrive(self, step: int, nominal: FloatArray) -> None:
+        """Take up the sample to which the physics brought the robots."""
+        pose = read_only(self.physics.pose)
+        self._arrivals.follow(self._tracking, step, pose)
+        self._take(step, pose, nominal)
+
+    def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
+        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
+        self._sensed = None
+
+    # State
+
+    @property
+    def state(self) -> SimulationState:
+        """Everything that the next step depends on, as a value."""
+        return SimulationState(
+            scene=scene_digest(self.scene),
+            seed=self.scene.seed,
+            parts=self.parts.names,
+            now=self.now,
+            mode=self.mode,
+            next_decision=self.next_decision,
+            memory={name: array.copy() for name, array in self.memory.items()},
+            stages=self._stages,
+            trail=self._arrivals.trail.copy(),
+            arrived=self.arrived,
+            physics=self.physics.state,
+        )
+
+    def restore(self, state: SimulationState) -> None:
+        """Go to the sample of a state; what follows is bit for bit what followed there.
+
+        Raises PhysimError for a state of another world, seed, controller or stage.
+        """
+        if state.parts != self.parts.names:
+            raise PhysimError(
+                f"the state is of a run with {', '.join(state.parts)}; this one has "
+                f"{', '.join(self.parts.names)}"
+            )
+        if state.scene != scene_digest(self.scene):
+            raise PhysimError("the state is of another world or seed; restore it in its own")
+        self.physics.restore(state.physics)
+        for array in (*state.now[1:], state.mode, state.next_decision):
+            read_only(array)  # which unpickled arrays are not
+        self._tracking.stations = read_only(np.stack(state.now[3:]))
+        self.now, self.mode, self.next_decision = state.now, state.mode, state.next_decision
+        self._next_due = int(state.next_decision.min())
+        self.memory = {name: array.copy() for name, array in state.memory.items()}
+        self._stages = state.stages
+        self._arrivals.restore(state.trail, state.arrived)
+        self._sensed, self.last = None, None
+
+    def reset(self, seed: int | None = None) -> None:
+        """Go back to sample 0, with another seed or the same. Observers are let go."""
+        if seed is not None and seed != self.scene.seed:
+            self.scene = reseeded(self.scene, seed)
+        self.observers = []
+        self.physics.reset(self.scene.start)
+        self._begin()
+
+    def _host(self) -> None:
+        """Put the robots into the engine."""
+        scene = self.scene
+        self.physics = Physics(
+            scene.shapes,
+            scene.walls,
+            scene.start,
+            scene.mass,
+            scene.dt,
+            friction=scene.world.physics.friction,
+            elasticity=scene.world.physics.elasticity,
+        )
+
+    def _begin(self) -> None:
+        """Everything but the engine, as it is at sample 0."""
+        scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
+        self._batch: BatchController = (
+            controller.batch(scene)
+            if isinstance(controller, BatchCapable)
+            else PerRobotAdapter(controller, scene, self.declared)
+        )
+        self.memory = self._batch.memory()
+        self._shared = shared(robots)
+        self._stages = self.parts.start(scene)
+        self._tracking = Tracking(
+            scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
+        )
+        least, pose = scene.stop_station - scene.arrival_tolerance, read_only(self.physics.pose)
+        self._arrivals = Arrivals(least, scene.dt, pose)
+        self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
+        self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
+        self._next_due, self.last = 0, None
+        self._take(0, pose, read_only(np.zeros((robots, 2))))
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Scene, parts and state: the engine itself is built anew from these."""
+        return {"scene": self.scene, "parts": self.parts, "state": self.state}
+
+    def __setstate__(self, values: dict[str, Any]) -> None:
+        """Build the engine anew and go to the state."""
+        self.scene, self.parts = values["scene"], values["parts"]
+        self.declared = Declared.of(self.parts.controller)
+        self.observers = []
+        self._host()
+        self._begin()
+        self.restore(values["state"])
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Simulation:
+        """Return a simulation of its own that shares what never changes."""
+        other = copy.copy(self)  # by __getstate__
+        memo[id(self)] = other
+        return other

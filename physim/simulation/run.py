@@ -1,0 +1,236 @@
+"""Run a world to its end and record it: `simulate`.
+
+`warm_up` compiles or loads every kernel that a run needs, so that no run waits in its middle.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+from physim.compiled import is_cached
+from physim.errors import ControllerError, PhysimError, RecordError
+from physim.geometry.clearance import clearances, fill
+from physim.parts.controller import Controller
+from physim.parts.declarations import kept_distance
+from physim.parts.registry import OBSERVER, check_part
+from physim.parts.stages import Disturbance, Filter, Observer, SensingStage, Step
+from physim.parts.world_checks import call, listed, naming
+from physim.record import Record, RecordWriter
+from physim.simulation.engine import Physics
+from physim.simulation.loop import Simulation
+from physim.simulation.recorder import Recorder, SaveAt
+from physim.simulation.swept_contacts import warm_up_swept_contacts
+from physim.world import World
+from physim.world.scene import Scene
+
+EVERYTHING = SaveAt()
+
+
+def simulate(
+    world: World,
+    *,
+    seed: int | None = None,
+    controller: Controller | str | None = None,
+    sensing: Sequence[SensingStage] = (),
+    filters: Sequence[Filter] = (),
+    disturbances: Sequence[Disturbance] = (),
+    observers: Sequence[Observer] = (),
+    save: SaveAt = EVERYTHING,
+    path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    progress: Callable[[Simulation, float], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Record:
+    """Run a world until every robot has arrived or its duration is over, and record it.
+
+    The record goes to the file ``path``, which must not exist unless ``overwrite`` is set, or
+    stays in memory; ``save`` says what is recorded. Stages and controller are as for `Simulation`;
+    ``observers`` look on. ``progress`` is called after every step with the simulation and the
+    real-time factor; when ``stop`` says True the run ends there, with a complete record. Raises
+    WorldError or ControllerError; a run that breaks off leaves its record closed, ended "error".
+    """
+    simulation = Simulation(
+        world, seed, controller, sensing=sensing, filters=filters, disturbances=disturbances
+    )
+    return record_run(
+        simulation, observers=observers, save=save, path=path, overwrite=overwrite,
+        progress=progress, stop=stop,
+    )  # fmt: skip
+
+
+def record_run(
+    simulation: Simulation,
+    *,
+    observers: Sequence[Observer] = (),
+    save: SaveAt = EVERYTHING,
+    path: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    progress: Callable[[Simulation, float], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Record:
+    """Run a simulation from its start to its end and record it; see `simulate`.
+
+    Raises ValueError for one that has made steps already: its record would lack them.
+    """
+    if simulation.step_number:
+        raise ValueError(
+            f"the simulation is at step {simulation.step_number}; a record begins at step 0"
+        )
+    if path is not None and os.path.lexists(path) and not overwrite:
+        raise RecordError(f"{path}: exists; give another path, or overwrite=True")
+    every = save.every or simulation.scene.world.time.record_every
+    writer = _writer(simulation, path, every, save.tables)
+    recorder = Recorder(writer, every, save.tables)
+    looking_on: list[Observer] = []
+    started = time.perf_counter()
+    ended = "error"
+    try:
+        looking_on.append(recorder)
+        simulation.look_on(recorder)
+        others: list[Observer] = [Named(one) for one in listed("observers", observers)]
+        for observer in [*others, *([] if progress is None else [Progress(progress)])]:
+            simulation.look_on(observer)
+            looking_on.append(observer)  # one whose start failed is not closed
+        ended = _loop(simulation, stop)
+        late = _close(looking_on, ended)
+    finally:
+        simulation.observers = []
+        elapsed = time.perf_counter() - started
+        if ended == "error":
+            for observer in looking_on[1:]:
+                with suppress(Exception):  # the error that ended the run is the one to report
+                    observer.close(ended)
+            recorder.close(ended)
+        writer.close(
+            ended,
+            steps_run=simulation.step_number,
+            rejected=recorder.rejected,
+            wall_clock={"seconds": elapsed, "factor": simulation.time / max(elapsed, 1e-9)},
+        )
+    if late is not None:
+        raise LateError(str(late), writer.record()) from late
+    return writer.record()
+
+
+class LateError(ControllerError):
+    """An observer failed after the last step, in ``close``: the run and its record are whole."""
+
+    def __init__(self, message: str, record: Record) -> None:
+        self.record = record
+        super().__init__(message)
+
+
+def _close(looking_on: Sequence[Observer], ended: str) -> PhysimError | None:
+    """Close every observer, whatever becomes of the others; the first error of one."""
+    late = None
+    try:
+        looking_on[0].close(ended)  # the recorder
+    finally:
+        for observer in looking_on[1:]:
+            try:
+                observer.close(ended)
+            except PhysimError as error:
+                late = late or error
+    return late
+
+
+def _loop(simulation: Simulation, stop: Callable[[], bool] | None) -> str:
+    """Step to the end; says how it ended."""
+    while simulation.step_number < simulation.scene.steps:
+        simulation.step()
+        if simulation.finished:
+            return "finished"
+        if stop is not None and stop():
+            return "interrupted"
+    return "duration"
+
+
+class Named:
+    """An observer whose errors are one line that names it and the time; they end the run."""
+
+    def __init__(self, observer: Observer) -> None:
+        check_part(OBSERVER, observer)
+        self.observer = observer
+
+    def start(self, simulation: Simulation) -> None:
+        """Let it look at sample 0."""
+        self.dt, self.time = simulation.scene.dt, simulation.time
+        with naming(OBSERVER, self.observer, self.time):
+            call(OBSERVER, self.observer, "start", simulation)
+
+    def after_step(self, step: Step) -> None:
+        """Let it look at a step."""
+        self.time = (step.truth.step + 1) * self.dt
+        with naming(OBSERVER, self.observer, self.time):
+            call(OBSERVER, self.observer, "after_step", step)
+
+    def close(self, ended: str) -> None:
+        """Let it finish."""
+        with naming(OBSERVER, self.observer, self.time):
+            call(OBSERVER, self.observer, "close", ended)
+
+
+class Progress:
+    """Calls a function after every step with the simulation and the real-time factor."""
+
+    def __init__(self, report: Callable[[Simulation, float], None]) -> None:
+        self.report = report
+
+    def start(self, simulation: Simulation) -> None:
+        """Begin to measure."""
+        self.simulation, self.started = simulation, time.perf_counter()
+
+    def after_step(self, step: Step) -> None:
+        """Report how far the run is."""
+        elapsed = time.perf_counter() - self.started
+        self.report(self.simulation, self.simulation.time / elapsed)
+
+    def close(self, ended: str) -> None:
+        """Nothing is left to do."""
+
+
+def _writer(
+    simulation: Simulation,
+    path: str | os.PathLike[str] | None,
+    every: int,
+    tables: Sequence[str],
+) -> RecordWriter:
+    scene = simulation.scene
+    area, distance = scene.area, kept_distance(simulation.parts.controller)
+    return RecordWriter(
+        path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
+        safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
+        declared=simulation.declared, tables=tables, given=simulation.parts.given,
+    )  # fmt: skip
+
+
+def is_warm() -> bool:
+    """Whether the kernels of a run lie compiled on disk.
+
+    `warm_up` compiles the clearances last: when they are there, so is the rest.
+    """
+    return is_cached(fill)
+
+
+def touch_a_wall(scene: Scene) -> None:
+    """Put the first robot on a corner of a wall: compiles what only a contact needs."""
+    start = scene.start.copy()
+    start[0, :2] = scene.walls.vertices[0]
+    Physics(scene.shapes, scene.walls, start, scene.mass, scene.dt)
+
+
+def warm_up(scene: Scene, controller: Controller | None = None) -> float:
+    """Take one step of a simulation that is thrown away; returns the seconds it took.
+
+    ``controller`` should be one of its own, since it is asked once.
+    """
+    started = time.perf_counter()
+    simulation = Simulation(scene, controller=controller)
+    simulation.step()
+    touch_a_wall(scene)
+    warm_up_swept_contacts(scene)
+    clearances(simulation.pose[None], scene.shapes, scene.walls, scene.wall_grid)
+    return time.perf_counter() - started

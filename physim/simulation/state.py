@@ -1,0 +1,57 @@
+"""The whole state of a simulation as one value: all that the next step depends on."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.parts.controller import Snapshot
+from physim.simulation.engine import PhysicsState
+from physim.world.scene import Scene
+
+
+@dataclass(frozen=True)
+class SimulationState:
+    """State at one sample. It never changes; it can be compared, copied and pickled.
+
+    With the scene (a world and a seed) and the same parts it determines all that follows.
+    """
+
+    scene: str
+    """digest of the effective world, seed included"""
+    seed: int
+    parts: tuple[str, ...]
+    """names of controller, sensing stages, filters and disturbances, in their order"""
+    now: Snapshot
+    """step; poses, nominal commands, stations"""
+    mode: IntArray
+    """(N,) number of the declared mode of each robot's last decision"""
+    next_decision: IntArray
+    """(N,) step"""
+    memory: dict[str, NDArray[Any]]
+    """what the controller remembers: named arrays"""
+    stages: tuple[tuple[Any, ...], ...]
+    """states of sensing stages, filters and disturbances"""
+    trail: FloatArray
+    """(W + 1, N, 2) places of the last samples, see `physim.simulation.arrival`"""
+    arrived: NDArray[np.bool_]
+    """(N,)"""
+    physics: PhysicsState
+    """of the engine"""
+
+
+def scene_digest(scene: Scene) -> str:
+    """SHA-256 of the effective world, its seed in it."""
+    return hashlib.sha256(scene.world.to_yaml().encode()).hexdigest()
+
+
+def replaced(array: NDArray[np.int64], at: NDArray[np.int64], values: Any) -> NDArray[np.int64]:
+    """Copy of an array with other values in some places."""
+    new = array.copy()
+    new[at] = values
+    return read_only(new)

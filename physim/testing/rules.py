@@ -1,0 +1,342 @@
+"""What every controller keeps to, and what breaks it: rule, world, robot, time and what is wrong.
+
+The plain form is tried on the decisions of a trial by asking for them again, the batch form on
+what was sensed in that trial.
+"""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import asdict, dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from physim.errors import ControllerError
+from physim.geometry.shapes import IntArray
+from physim.parts.controller import BatchCapable, BatchController, Controller
+from physim.parts.declarations import Declared
+from physim.simulation.decisions import broken, check_decisions
+from physim.testing.contents import (
+    Contents,
+    Difference,
+    StateWatch,
+    contents,
+    difference,
+    is_shared,
+)
+from physim.testing.trial import (
+    Answer,
+    Make,
+    Query,
+    Trial,
+    TrialStep,
+    ask,
+    other_answer,
+    own,
+    rows_of,
+    unreadable,
+    values_of,
+)
+
+
+class Rule(StrEnum):
+    """What every controller keeps to."""
+
+    RAISES = "raises"
+    """`decide` raises nothing"""
+    DECISION = "decision"
+    """it returns a `Decision` that a run can take: numbers, within limits, fit for the record"""
+    REPEATS = "repeats"
+    """the same settings, observation and memory give the same decision"""
+    STATE = "state"
+    """what one decision leaves for the next is in its memory: on the object, its class or its
+    module nothing changes"""
+    ORDER = "order"
+    """nothing depends on the order in which robots are asked, nor on who else is"""
+    MEMORY = "memory"
+    """the memory that is handed over is left as it is"""
+    COPIES = "copies"
+    """memory can be deep-copied and pickled, and a copy gives the same decision"""
+    OBSERVATION = "observation"
+    """nothing is written into what is seen"""
+    BATCH = "batch"
+    """the batch form, where there is one, decides as the plain form"""
+    BATCH_ORDER = "batch_order"
+    """and in whatever portions and order it is asked for the robots that are due"""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One rule that a controller breaks in one world: where this is seen first."""
+
+    rule: Rule
+    world: str
+    """name or file, or that of a situation (`physim.testing.situations`)"""
+    robot: str
+    time: float
+    """[s]"""
+    text: str
+    """one line"""
+
+    def __str__(self) -> str:
+        """``rule: world, robot at time s: text``."""
+        return f"{self.rule}: {self.world}, {self.robot} at {self.time:g} s: {self.text}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the finding as JSON holds it."""
+        return {**asdict(self), "rule": str(self.rule)}
+
+
+class FindingLog:
+    """Findings of one world as they come: the first of each rule, and how many more there were."""
+
+    def __init__(self, world: str) -> None:
+        self.world = world
+        self._first: dict[Rule, Finding] = {}
+        self._more: dict[Rule, int] = {}
+
+    def add(self, rule: Rule, robot: str, time: float, text: str) -> None:
+        """Take down a finding; ``text`` is brought onto one line."""
+        if rule in self._first:
+            self._more[rule] += 1
+            return
+        line = " ".join(text.split())
+        self._first[rule] = Finding(rule, self.world, robot, time, line)
+        self._more[rule] = 0
+
+    def __contains__(self, rule: Rule) -> bool:
+        """Whether a rule is broken."""
+        return rule in self._first
+
+    def findings(self) -> tuple[Finding, ...]:
+        """One finding a rule, in the order in which they were made."""
+        return tuple(
+            replace(one, text=f"{one.text} (and {more} more)") if more else one
+            for one, more in ((one, self._more[rule]) for rule, one in self._first.items())
+        )
+
+
+BELONGS = "what a decision leaves for the next belongs in its memory"
+
+
+def check_plain(trial: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
+    """Report what a trial shows, then ask for its decisions again in other ways.
+
+    ``asked_all_along`` is the controller that made them; ``make`` makes others.
+    """
+    _of_the_trial(trial, found)
+    again = _Repeated(trial, make, found)
+    again.watching_state(asked_all_along)
+    again.by_new_instances()
+    again.in_other_orders()
+    again.from_pickled_memory()
+
+
+def _of_the_trial(trial: Trial, found: FindingLog) -> None:
+    """Findings that the run itself shows."""
+    for one in trial.asked:
+        if one.answer.fault:
+            rule = Rule.RAISES if one.answer.raised else Rule.DECISION
+            _report(found, rule, one, one.answer.fault)
+        if one.observation_change is not None:
+            text = f"decide modifies its observation: {_changed(one.observation_change)}"
+            _report(found, Rule.OBSERVATION, one, text)
+        if one.memory_change is not None:
+            text = f"decide modifies the memory it is given: {_changed(one.memory_change)}"
+            _report(found, Rule.MEMORY, one, f"{text}; return a new one")
+        if one.copy_error:
+            _report(found, Rule.COPIES, one, f"its memory cannot be deep-copied: {one.copy_error}")
+
+
+@dataclass
+class _Repeated:
+    """Asks for the decisions of a run again; what comes out otherwise is a finding."""
+
+    trial: Trial
+    make: Make
+    found: FindingLog
+    shares_state: bool = False
+    """whether something was seen to change that all instances share"""
+
+    def watching_state(self, controller: Controller) -> None:
+        """The same one again, looking after each decision at what it keeps.
+
+        It has been asked all this before: what it only had to work out once is there by now.
+        """
+        watch = StateWatch(controller)
+        before = watch.look()
+        for one in self._copyable(self.trial.asked):
+            answer = self._ask(controller, one)
+            after = watch.look()
+            if (change := difference(before, after)) is not None:
+                text = f"decide changes {_changed(change)}; {BELONGS}"
+                _report(self.found, Rule.STATE, one, text)
+                self.shares_state = self.shares_state or is_shared(change.place)
+            text = f"asked all this again it decides otherwise ({{}}); {BELONGS}"
+            self._compare(Rule.STATE, one, answer, text)
+            before = after
+
+    def by_new_instances(self) -> None:
+        """A new instance for every single decision, with nothing but the memory."""
+        text = (
+            "a new instance, given the memory, decides otherwise than the one asked all along "
+            f"({{}}); {BELONGS}"
+        )
+        self._ask_all(Rule.STATE, self.trial.asked, text)
+
+    def in_other_orders(self) -> None:
+        """One instance asked with the robots in reverse; and one for each robot alone."""
+        queries = [one for step in self.trial.steps for one in reversed(step.asked)]
+        text = "asked with the robots in reverse order it decides otherwise: {}"
+        self._ask_all(Rule.ORDER, queries, text, self.make())
+        for i in range(self.trial.scene.robots):
+            queries = [one for one in self.trial.asked if one.robot == i]
+            text = "asked for this robot alone it decides otherwise: {}"
+            self._ask_all(Rule.ORDER, queries, text, self.make())
+
+    def _ask_all(
+        self, rule: Rule, queries: list[Query], text: str, controller: Controller | None = None
+    ) -> None:
+        """Ask one controller for all decisions again, or, without one, a new one for each."""
+        for one in self._copyable(queries):
+            answer = self._ask(self.make() if controller is None else controller, one)
+            self._compare(rule, one, answer, text)
+
+    def from_pickled_memory(self) -> None:
+        """A new instance with the memory pickled and unpickled."""
+        for one in self._copyable(self.trial.asked):
+            if one.memory is None:
+                continue
+            try:
+                memory = pickle.loads(pickle.dumps(one.memory))
+            except Exception as error:
+                text = f"its memory cannot be pickled: {type(error).__name__}: {error}"
+                _report(self.found, Rule.COPIES, one, text)
+                continue
+            answer = self._ask(self.make(), one, memory)
+            text = "from its memory pickled and unpickled it decides otherwise: {}"
+            self._compare(Rule.COPIES, one, answer, text)
+
+    def _copyable(self, queries: list[Query]) -> list[Query]:
+        """Those whose memory is there to be handed over again."""
+        return [one for one in queries if not one.copy_error]
+
+    def _ask(self, controller: Controller, one: Query, memory: Any = None) -> Answer:
+        """Ask for a decision again, from a copy of its memory unless another one is given.
+
+        A controller that modifies its observation gets a copy of that, too.
+        """
+        seen = copy.deepcopy(one.observation) if Rule.OBSERVATION in self.found else one.observation
+        memory = copy.deepcopy(one.memory) if memory is None else memory
+        return ask(controller, self.trial.scene, seen, memory)
+
+    def _compare(self, rule: Rule, one: Query, answer: Answer, text: str) -> None:
+        """Report an answer that is other than that of the run, by the rule that explains it.
+
+        New instances that do not agree with each other explain it best: it does not repeat.
+        """
+        change = other_answer(one.answer.values, answer.values)
+        if not change:
+            return
+        first, second = (self._ask(self.make(), one) for _ in range(2))
+        apart = other_answer(first.values, second.values)
+        if apart and not self.shares_state:
+            text = (
+                "new instances with the same settings decide otherwise from the same "
+                f"observation and memory: {apart}"
+            )
+            _report(self.found, Rule.REPEATS, one, text)
+        elif apart or (rule is Rule.ORDER and Rule.STATE in self.found):
+            _report(self.found, Rule.STATE, one, text.format(change))
+        else:
+            _report(self.found, rule, one, text.format(change))
+
+
+def _report(found: FindingLog, rule: Rule, one: Query, text: str) -> None:
+    found.add(rule, one.observation.name, one.time, text)
+
+
+def _changed(change: Difference) -> str:
+    return f"{change.place} from {change.before} to {change.after}"
+
+
+def check_batch(trial: Trial, controller: BatchCapable, found: FindingLog) -> None:
+    """Hold the batch form against the plain one, then against itself asked robot by robot."""
+    whole = _BatchDriver(trial, controller, found, Rule.BATCH)
+    alone = _BatchDriver(trial, controller, found, Rule.BATCH_ORDER)
+    for step in trial.steps:
+        rows = whole.decide(step, [step.due])
+        if rows is None:
+            return
+        others = alone.decide(step, [step.due[k : k + 1] for k in reversed(range(len(step.due)))])
+        for one in step.asked:
+            row = rows[one.robot]
+            change = other_answer({name: one.answer.values.get(name) for name in row}, row)
+            if change and not one.answer.fault:
+                text = "the batch form decides otherwise than the plain one"
+                whole.report(f"{text}: {change}", one.robot)
+            if others is not None and (change := other_answer(row, others[one.robot])):
+                text = "asked robot by robot, last first, the batch form decides otherwise"
+                alone.report(f"{text}: {change}", one.robot)
+
+
+class _BatchDriver:
+    """A batch form that is given what was sensed in a run, step by step, until it fails."""
+
+    def __init__(
+        self, trial: Trial, controller: BatchCapable, found: FindingLog, rule: Rule
+    ) -> None:
+        self.trial = trial
+        self.controller = controller
+        self.found = found
+        self.rule = rule
+        self.time = 0.0
+        self.failed = False
+        self.batch: BatchController | None = None
+        self.memory: dict[str, Any] = {}
+        self.declared = Declared.of(controller)
+
+    def report(self, text: str, robot: int, rule: Rule | None = None) -> None:
+        """Take down a finding."""
+        self.found.add(rule or self.rule, self.trial.scene.names[robot], self.time, text)
+
+    def decide(self, step: TrialStep, portions: list[IntArray]) -> dict[int, Contents] | None:
+        """Values of each decision of a step by robot.
+
+        None from the step on at which it fails, which is a finding.
+        """
+        self.time = step.time
+        rows: dict[int, Contents] = {}
+        for due in portions:
+            if self.failed or not self._decide(step, due, rows):
+                self.failed = True
+                return None
+        return rows
+
+    def _decide(self, step: TrialStep, due: IntArray, rows: dict[int, Contents]) -> bool:
+        """Put the values of robots ``due`` into ``rows``; whether there are any."""
+        sensed, asked = own(step.sensed), due.copy()
+        try:
+            if self.batch is None:
+                self.batch = self.controller.batch(self.trial.scene)
+                self.memory = self.batch.memory()
+            decisions = self.batch.decide_due(sensed, asked, self.memory)
+        except (Exception, SystemExit) as error:
+            self.report(str(broken(error, "the batch form fails")), due[0])
+            return False
+        given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))
+        if change := difference(given, after):
+            text = "the batch form modifies what is sensed, or the list of robots it is asked for"
+            self.report(f"{text}, at {change.place}", due[0], Rule.OBSERVATION)
+        fault = unreadable(decisions, due)
+        if not fault:
+            try:
+                check_decisions(self.trial.scene, self.time, decisions, self.declared)
+            except ControllerError as error:
+                fault = f"returned what no record may hold: {error}"
+        if fault:
+            self.report(f"decide_due {fault}", due[0])
+            return False
+        rows |= {robot: values_of(row, self.declared) for robot, row in rows_of(decisions).items()}
+        return True

@@ -1,5 +1,0 @@
-"""Videos and stills of a run, from its record alone."""
-
-from physim.video.render import frame_at, render
-
-__all__ = ["frame_at", "render"]

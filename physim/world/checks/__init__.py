@@ -1,0 +1,7 @@
+"""Check worlds before running them: all errors and warnings with their places, and room."""
+
+from physim.world.checks.check import check_world
+from physim.world.checks.findings import Finding, Findings
+from physim.world.checks.room import ClearanceProfile, Stretch
+
+__all__ = ["ClearanceProfile", "Finding", "Findings", "Stretch", "check_world"]

@@ -1,0 +1,122 @@
+"""Boundaries that may be drawn so, but are seldom meant: crossings, and bends that fold over.
+
+Boundaries may touch, and a polyline may close; where they cross each other or themselves a wall
+cuts through the road, unless it merely ends beyond a corner.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from physim.errors import Location, plural
+from physim.geometry.corridor import SIDES
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
+from physim.world.checks.findings import Diagnostics
+from physim.world.layout.layout import PartialLayout, corridor_line
+from physim.world.layout.shape_checks import crossings, self_crossings
+
+MOST_CROSSINGS = 3
+"""Crossings of one polyline with itself that are reported one by one."""
+LEAST_LOSS = 0.02
+"""Share of the written distance to a wall that a fold must take away to be reported"""
+
+
+def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
+    """Boundaries do not cross, and the walls of a corridor do not fold over in its bends."""
+    if laid.world.boundaries is not None:
+        _check_drawn(laid, found)
+        return
+    centreline = corridor_line(laid.world)[0]
+    if centreline is None:
+        return
+    for x, y in self_crossings(centreline)[:MOST_CROSSINGS]:
+        found.error(
+            ("corridor", "centreline"),
+            f"the centreline crosses itself at ({x:.6g}, {y:.6g}); walls would cut through the "
+            "road there; lead it round, or draw boundaries instead",
+        )
+    if laid.boundaries and (laid.area is not None or laid.reference is None):
+        _check_folds(centreline, [laid.boundaries[side] for side in SIDES], found)
+
+
+def _check_drawn(laid: PartialLayout, found: Diagnostics) -> None:
+    lines = list(laid.boundaries.values())
+    keys: list[Location] = [("boundaries", int(name.split()[1]) - 1) for name in laid.boundaries]
+    ends = _overshoots([shape for _, shape in laid.walls])
+    for key, line in zip(keys, lines, strict=True):
+        for place in self_crossings(line)[:MOST_CROSSINGS]:
+            _add_crossing(key, "itself", place, ends, found)
+    for a, b, place in crossings(lines):
+        _add_crossing(keys[max(a, b)], laid.walls[min(a, b)][0], place, ends, found)
+
+
+def _add_crossing(
+    where: Location, other: str, place: tuple[float, float], ends: FloatArray, found: Diagnostics
+) -> None:
+    crossing = f"crosses {other} at ({place[0]:.6g}, {place[1]:.6g})"
+    if len(ends) and np.hypot(*(ends - place).T).min() <= LENGTH:
+        found.warn(where, f"{crossing} and ends beyond it; let it end there")
+    else:
+        found.error(where, f"{crossing}; boundaries may touch and close, but not cross")
+
+
+def _overshoots(lines: list[shapely.LineString]) -> FloatArray:
+    """(n, 2) ends of the pieces of boundaries that border no face: loose ends beyond a corner."""
+    if not lines:
+        return np.zeros((0, 2))
+    noded = shapely.unary_union(lines)
+    _, _, dangles, _ = shapely.polygonize_full(shapely.get_parts(noded))
+    return np.asarray(shapely.get_coordinates(dangles))
+
+
+def _check_folds(centreline: FloatArray, walls: list[FloatArray], found: Diagnostics) -> None:
+    """Warn of a wall that folds over on the inner side of a bend.
+
+    ``walls`` (n + 2, 2) left and right, prolonged by one point at both ends. A folded wall crosses
+    itself, or runs backwards for a while and comes nearer to the centreline than half the width.
+    """
+    for name, wall in zip(SIDES, walls, strict=True):
+        places = self_crossings(wall)
+        if places:
+            x, y = places[0]
+            more = f" and at {plural(len(places) - 1, 'more place')}" if len(places) > 1 else ""
+            what = f"the {name} crosses itself at ({x:.6g}, {y:.6g}){more}"
+        else:
+            what = _folded(name, wall[1:-1], centreline)
+        if what:
+            found.warn(
+                ("corridor",),
+                f"{what}: the bend is tighter than half the width, so the corridor is narrower "
+                "there than written; widen the bend, or put the points of the centreline further "
+                "apart",
+            )
+
+
+def _folded(name: str, wall: FloatArray, centreline: FloatArray) -> str:
+    """Where a wall (n, 2) runs against its centreline (n, 2) and comes too near; or nothing."""
+    backwards = (np.diff(wall, axis=0) * np.diff(centreline, axis=0)).sum(axis=1) <= 0.0
+    ends = np.flatnonzero(np.append(backwards, False) | np.append(False, backwards))
+    if not len(ends):
+        return ""
+    places = shapely.points(wall[ends])
+    room = shapely.distance(shapely.LineString(centreline), places)
+    # half the width of the written corridor: the wall's distance from the two lines at the corner
+    wanted = _distance_across(wall, centreline)[ends]
+    k = int(np.argmin(room / wanted))
+    if room[k] >= wanted[k] * (1.0 - LEAST_LOSS):
+        return ""
+    x, y = wall[ends[k]]
+    return (
+        f"the {name} folds over at ({x:.6g}, {y:.6g}), {room[k]:.4g} m from the centreline instead "
+        f"of {wanted[k]:.4g} m"
+    )
+
+
+def _distance_across(wall: FloatArray, centreline: FloatArray) -> FloatArray:
+    """(n,) [m] distance of each point of a wall from the line through the segment it starts."""
+    step = np.diff(centreline, axis=0)
+    step = np.vstack([step, step[-1:]]) / np.hypot(*np.vstack([step, step[-1:]]).T)[:, None]
+    apart = wall - centreline
+    return np.asarray(np.abs(step[:, 0] * apart[:, 1] - step[:, 1] * apart[:, 0]))

@@ -1,0 +1,146 @@
+"""Check a world file: everything that is wrong with it, at once, without running it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+
+import shapely
+
+from physim.errors import Fault, Position, WorldError
+from physim.world.checks.boundaries import check_boundaries
+from physim.world.checks.findings import Diagnostics, Finding, Findings, printable
+from physim.world.checks.formation import check_formation, check_formation_speed
+from physim.world.checks.paths import (
+    check_passage,
+    check_paths,
+    check_reference,
+    check_room,
+    check_width,
+)
+from physim.world.checks.room import (
+    ClearanceProfile,
+    check_always_danger,
+    check_safe_area,
+    check_turning_room,
+    clearance_profiles,
+    setting,
+)
+from physim.world.checks.starts import (
+    check_expected,
+    check_footprints,
+    check_headings,
+    check_random_headings,
+    check_scale,
+    check_start_used,
+)
+from physim.world.file import read_document
+from physim.world.file.files import file_text, find_world
+from physim.world.file.loading import Validated, in_order, placed, validate
+from physim.world.file.nodes import Document, collector_paused
+from physim.world.layout.layout import PartialLayout, partial_layout
+from physim.world.partial import sound_parts
+
+MOST_REPORTED = 100
+"""Errors, and likewise warnings, of one world that are reported one by one."""
+
+
+def check_world(
+    path: str | os.PathLike[str],
+    *,
+    overrides: Sequence[str] = (),
+    controller: str | None = None,
+    seed: int | None = None,
+) -> Findings:
+    """Check a world file, or a shipped world by its name; never raises for a bad world.
+
+    ``overrides``, ``controller`` and ``seed`` are as the command line gives them; the world is
+    checked as a run with them would read it. What `physim run` refuses is among the errors; so is
+    what would run but cannot be meant, as a path through a wall.
+    """
+    try:
+        file = find_world(path)
+        if seed is not None:
+            overrides = [*overrides, f"seed={seed}"]
+        with collector_paused():
+            document = read_document(file_text(file), str(file))
+            checked = validate(document, overrides=overrides, controller=controller)
+    except WorldError as error:
+        return _refused(error, str(path))
+    document = checked.document
+    found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
+    profiles = _check_geometry(checked, found)
+    return Findings(
+        file=printable(document.source),
+        errors=_located(found.errors, document, document.faults),
+        warnings=_located(found.warnings, document),
+        clearance=profiles,
+        world=checked.world,
+    )
+
+
+def _refused(error: WorldError, file: str) -> Findings:
+    """Findings of a file that could not be read at all."""
+    positions = error.positions or (None,) * len(error.faults)
+    return Findings(
+        file=printable(file),
+        errors=tuple(
+            Finding.of(fault, position, str(position.file) if position is not None else file)
+            for fault, position in zip(error.faults, positions, strict=True)
+        ),
+    )
+
+
+def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
+    """Everything that lies in where things are; what cannot be read is passed over."""
+    whole = checked.world is not None
+    try:
+        laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
+        return _check_layout(laid, checked, found)
+    except shapely.errors.ShapelyError as error:
+        reason = " ".join(str(error).split())[:100]
+        found.error((), f"the geometry is beyond what can be computed ({reason})")
+        return ()
+
+
+def _check_layout(
+    laid: PartialLayout, checked: Validated, found: Diagnostics
+) -> tuple[ClearanceProfile, ...]:
+    safe_distance, low, speed = (
+        setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
+    )
+    check_footprints(laid, found)
+    check_boundaries(laid, found)
+    found.errors += laid.faults
+    check_start_used(checked.world, found)
+    check_reference(laid, found)
+    check_random_headings(laid, found)
+    check_expected(laid, found)
+    check_headings(laid, found)
+    check_paths(laid, found)
+    profiles = clearance_profiles(laid, safe_distance)
+    too_wide = check_width(laid, found)
+    fitting = tuple(profile for profile in profiles if profile.number not in too_wide)
+    check_room(laid, fitting, found)
+    check_passage(laid, fitting, found)
+    check_safe_area(laid, safe_distance, found)
+    check_always_danger(profiles, low, found)
+    check_turning_room(laid, profiles, found)
+    check_formation(laid, 1.0 if speed is None else speed, found)
+    check_formation_speed(laid, found)
+    check_scale(laid, found)
+    return profiles
+
+
+def _located(
+    faults: list[Fault], document: Document, others: Iterable[tuple[Fault, Position]] = ()
+) -> tuple[Finding, ...]:
+    """Each fault once, at its place, in the order of the file, and ``others`` that have theirs."""
+    source = document.source
+    pairs = in_order([*others, *placed(dict.fromkeys(faults), document)])
+    found = [Finding.of(fault, position, source) for fault, position in pairs]
+    if len(found) > MOST_REPORTED:
+        left = len(found) - MOST_REPORTED + 1
+        more = Finding(source, None, None, "", f"and {left} more; mend these first")
+        found = [*found[: MOST_REPORTED - 1], more]
+    return tuple(found)

@@ -1,0 +1,108 @@
+"""What a check found: errors and warnings with their places, and how much room each path has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from physim.errors import Fault, Location, Position, dotted, names_key
+
+if TYPE_CHECKING:
+    from physim.world import World
+    from physim.world.checks.room import ClearanceProfile
+
+
+MOST_ALIKE = 5
+"""Findings of one kind that are reported one by one."""
+
+
+@dataclass
+class Diagnostics:
+    """Errors and warnings as the checks find them, before they get their places in the file."""
+
+    errors: list[Fault] = field(default_factory=list)
+    warnings: list[Fault] = field(default_factory=list)
+
+    def error(self, location: Location, message: str) -> None:
+        """Add what makes the world unfit."""
+        self.errors.append(Fault(location, message))
+
+    def warn(self, location: Location, message: str) -> None:
+        """Add what is seldom meant."""
+        self.warnings.append(Fault(location, message))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing wrong, or doubtful, in a world file."""
+
+    file: str
+    """or the option of the command line that gave the value, as ``--set time.step``"""
+    line: int | None
+    """from 1; None where there is no file to point into"""
+    column: int | None
+    """from 1"""
+    key: str
+    """where in the world: ``robots[2].pose``; empty for the whole of it"""
+    message: str
+
+    @classmethod
+    def of(cls, fault: Fault, position: Position | None, file: str) -> Finding:
+        """A fault at its place; signs of the file's name that cannot be printed are replaced."""
+        file = printable(file)
+        if position is None:
+            message = fault.message.removeprefix(f"{file}: ")
+            return cls(file, None, None, dotted(fault.location), message)
+        if (place := str(position)).startswith("--"):
+            return cls(printable(place), None, None, dotted(fault.location), fault.message)
+        return cls(file, position.line, position.column, dotted(fault.location), fault.message)
+
+    def __str__(self) -> str:
+        """``file:line:column: key: message``."""
+        place = self.file if self.line is None else f"{self.file}:{self.line}:{self.column}"
+        key = "" if names_key(place, self.key) else self.key
+        return ": ".join(part for part in (place, key, self.message) if part)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the finding as JSON holds it."""
+        return {
+            "file": self.file,
+            "line": self.line,
+            "column": self.column,
+            "key": self.key,
+            "message": self.message,
+        }
+
+
+def printable(text: str) -> str:
+    """Return a text with U+FFFD for every sign that could break a line or a terminal."""
+    return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Everything that a check of one world file found, in the order of the file."""
+
+    file: str
+    errors: tuple[Finding, ...] = ()
+    """what makes the world unfit to run, or to mean what it says"""
+    warnings: tuple[Finding, ...] = ()
+    """what may be meant so, but is seldom"""
+    clearance: tuple[ClearanceProfile, ...] = ()
+    """room along the path of each robot whose path and footprint are sound"""
+    world: World | None = field(default=None, repr=False)
+    """the world, where it could be read without a fault"""
+
+    @property
+    def ok(self) -> bool:
+        """Whether there is no error; there may be warnings."""
+        return not self.errors
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the findings as JSON holds them."""
+        return {
+            "file": self.file,
+            "errors": [finding.as_json() for finding in self.errors],
+            "warnings": [finding.as_json() for finding in self.warnings],
+            "clearance": [profile.as_json() for profile in self.clearance],
+        }

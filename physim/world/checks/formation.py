@@ -1,0 +1,314 @@
+"""The formation: whether the robots, each at its wanted place, stand apart, and can get there.
+
+By (7) Robot i drives nu_0 + alpha S_i, held within the limits, with S_i the sum over its
+neighbours of l_ij - l*_ij. The larger the gain, the smaller the error at which a limit is
+reached; where a limit is reached by almost any error, the speed jumps between the limits and
+nothing of (7) is left.
+
+The greatest sensible gain is M / S*, with M [m/s] the distance of nu_0 from the nearer limit and
+S* [m] a sum that (7) should still answer within the limits, the larger of
+
+* a tenth of the largest abs(S_i) at the start: large errors may well saturate, their last tenth
+  should not;
+* n (v_max - v_min) 0.1 s: what S_i of a robot with n neighbours changes by within one update (14)
+  when they drive at opposite limits; beyond it the robots swing from limit to limit.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from physim.errors import Location
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import CONTACT
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout
+
+PLACES = 12
+"""Stations of the reference path at which the whole formation is laid out."""
+
+
+def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> None:
+    """Spacing longer than the footprints, and a reference path longer than the formation.
+
+    ``speed`` [m/s] is that at which robots move by themselves, in a world without formation.
+    """
+    plan = laid.world.formation
+    if laid.reference is None or not laid.world.robots:
+        return
+    line = shapely.LineString(laid.reference)
+    stations = start_stations(laid, line)
+    leads: FloatArray | None = np.zeros(len(laid.world.robots))
+    if plan is not None:
+        leads = listed_leads(laid)
+        if leads is None and stations is not None and plan.spacing == "initial":
+            leads = stations - stations[0]
+        if leads is None:
+            return
+        speed = 1.0 if plan.speed is None else plan.speed
+        _check_spacing(laid, line, leads, found)
+    if stations is not None and leads is not None:
+        _check_length(laid, line, stations, leads, speed, found)
+
+
+def start_stations(laid: PartialLayout, line: shapely.LineString) -> FloatArray | None:
+    """(N,) [m] stations at the start along the reference path; None unless all are known."""
+    if np.isnan(laid.start).any():
+        return None
+    return np.asarray(line.project(shapely.points(laid.start[:, :2])))
+
+
+def listed_leads(laid: PartialLayout) -> FloatArray | None:
+    """(N,) [m] wanted lead of each robot over the first, where the world lists them."""
+    spacing = laid.world.formation.spacing
+    is_one_each = isinstance(spacing, tuple) and len(spacing) == len(laid.world.robots)
+    return np.array(spacing, dtype=np.float64) if is_one_each else None
+
+
+def _check_spacing(
+    laid: PartialLayout, line: shapely.LineString, leads: FloatArray, found: Diagnostics
+) -> None:
+    """Lay the formation out along the reference path and see which footprints meet."""
+    shared = [i for i in laid.paths if i in laid.footprints]
+    if len(shared) < 2 or len(shared) > 1000:
+        return
+    room = line.length - (leads.max() - leads.min())
+    if room <= 0.0:
+        return  # reported as a reference path that is too short
+    met: dict[tuple[int, int], int] = {}
+    bases = np.linspace(-leads.min(), -leads.min() + room, PLACES)
+    shapes_of = [
+        _laid_out(line, bases + leads[n], laid.paths[n], laid.footprints[n]) for n in shared
+    ]
+    for shapes in np.array(shapes_of, dtype=object).T:
+        tree = shapely.STRtree(shapes)
+        for i, j in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
+            if i < j:
+                pair = (shared[i], shared[j])
+                met[pair] = met.get(pair, 0) + 1
+    is_listed = listed_leads(laid) is not None
+    where: Location = ("formation", "spacing") if is_listed else ("formation",)
+    everywhere = sorted(pair for pair, count in met.items() if count == PLACES)
+    for i, j in everywhere[:MOST_ALIKE]:
+        found.error(
+            (*where, j) if is_listed else where,
+            f"{abs(leads[j] - leads[i]):.4g} m between {_name(laid, i)} and {_name(laid, j)} "
+            "along the reference path is less than their footprints need on their paths: they "
+            f"would overlap in formation; {_remedy(laid, i, j)}",
+        )
+    somewhere = sorted(pair for pair, count in met.items() if count < PLACES)
+    for i, j in somewhere[:MOST_ALIKE]:
+        found.warn(
+            where,
+            f"in formation {_name(laid, i)} and {_name(laid, j)} would overlap at "
+            f"{met[i, j]} of {PLACES} places along the reference path, where their paths come "
+            "close; space them further apart there",
+        )
+
+
+def _remedy(laid: PartialLayout, i: int, j: int) -> str:
+    """What parts two robots that would overlap in formation: depends on where spacing is from."""
+    if listed_leads(laid) is not None:
+        return "space them further apart, or part their paths"
+    if any(laid.world.robots[k].pose is None for k in (i, j)):
+        return (
+            "spacing is initial, and the seed places them so close along the road; try another "
+            "seed, a larger min_gap or another abreast in start, or list the leads in "
+            "formation.spacing"
+        )
+    return (
+        "spacing is initial, so they start so close along the road; move their poses apart, or "
+        "list the leads in formation.spacing, or part their paths"
+    )
+
+
+def _laid_out(
+    line: shapely.LineString, stations: FloatArray, path: FloatArray, outline: FloatArray
+) -> Any:
+    """Footprints (K,) on the robot's own path, beside stations (K,) of the reference path."""
+    own = shapely.LineString(path)
+    along = own.project(line.interpolate(stations))
+    places = shapely.get_coordinates(own.interpolate(along))
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    k = np.clip(np.searchsorted(way, along, side="right") - 1, 0, len(path) - 2)
+    c, s = (np.diff(path, axis=0)[k] / np.diff(way)[k][:, None]).T
+    x, y = outline.T
+    turned = np.stack([np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)], axis=2)
+    return shapely.polygons(turned + places[:, None])
+
+
+def _check_length(
+    laid: PartialLayout,
+    line: shapely.LineString,
+    stations: FloatArray,
+    leads: FloatArray,
+    speed: float,
+    found: Diagnostics,
+) -> None:
+    """Refuse a reference path that is shorter than the formation; warn of robots with no way."""
+    extent = float(leads.max() - leads.min())
+    if extent > line.length:
+        found.error(
+            laid.reference_key,
+            f"the reference path is {line.length:.4g} m long and the formation {extent:.4g} m; "
+            "make it longer than the formation",
+        )
+        return
+    for k, path in laid.paths.items():
+        where: Location = ("robots", k, "pose")
+        own, position = shapely.LineString(path), laid.start[k, :2]
+        stop = max(own.length - float(leads.max() - leads[k]), 0.0)
+        begin = float(own.project(shapely.Point(position)))
+        if begin >= stop:
+            found.warn(
+                where,
+                f"{_name(laid, k)} starts at station {begin:.2f} m of its path, at or past its "
+                f"stop station, {stop:.2f} m: it has arrived before it moves",
+            )
+        elif (
+            laid.world.formation is not None
+            and stations[k] <= 0.0
+            and _is_before(line, position, circumscribed_radius(laid.footprints.get(k, [(0, 0)])))
+        ):
+            found.warn(
+                where,
+                f"{_name(laid, k)} starts before the reference path begins, where the "
+                "formation cannot measure its distance; prolong the reference path backwards",
+            )
+        _check_duration(laid, k, stop - begin, speed, found)
+
+
+def _check_duration(
+    laid: PartialLayout, k: int, way: float, speed: float, found: Diagnostics
+) -> None:
+    """Warn once where the run is too short to arrive although it is expected to."""
+    expect, duration = laid.world.expect, laid.world.time.duration
+    if expect is None or not expect.finished or duration is None:
+        return
+    own = laid.world.robots[k].limits.v
+    speed = speed if own is None else min(own, speed)
+    needed = way / speed
+    message = "the run is too short to finish: "
+    if needed > duration and not any(message in f.message for f in found.warnings):
+        found.warn(
+            ("time", "duration"),
+            f"{message}{_name(laid, k)} has {way:.4g} m to go, {needed:.4g} s at "
+            f"{speed:.4g} m/s, and the run lasts {duration:.6g} s; "
+            "make it longer, or take expect.finished away",
+        )
+
+
+def _is_before(line: shapely.LineString, position: FloatArray, reach: float) -> bool:
+    """Whether a place lies behind the first point of a path, by more than a robot's reach [m]."""
+    (ax, ay), (bx, by) = shapely.get_coordinates(line)[:2]
+    along = (position[0] - ax) * (bx - ax) + (position[1] - ay) * (by - ay)
+    return bool(along / hypot(bx - ax, by - ay) < -reach - CONTACT)
+
+
+def _name(laid: PartialLayout, number: int) -> str:
+    return describe(laid.names[number])
+
+
+LAST_SHARE = 0.1
+"""Share of the initial error sums at which (7) should be within the limits again."""
+UPDATE = 0.1
+"""[s] longest update interval (14)"""
+
+
+def check_formation_speed(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of a steady speed outside the limits, slow robots, and a gain that saturates."""
+    plan = laid.world.formation
+    if plan is None or plan.speed is None or plan.limits is None or len(laid.world.robots) < 2:
+        return
+    speed, (low, high) = plan.speed, plan.limits
+    if low > high:
+        return
+    _check_slow(laid, low, found)
+    if not low <= speed <= high:
+        found.warn(
+            ("formation", "speed" if "speed" in plan.model_fields_set else "limits"),
+            f"the steady speed, {speed:.6g} m/s, lies outside the limits, {low:.6g} to {high:.6g} "
+            f"m/s: (7) holds every robot at {low if speed < low else high:.6g} m/s until errors "
+            "are large; write a speed between the limits, or widen them",
+        )
+    elif plan.gain is not None:
+        _check_gain(laid, found)
+
+
+def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
+    """Warn of robots slower than the least speed [m/s] that (7) gives the others."""
+    tops = [robot.limits.v for robot in laid.world.robots]
+    slow = [i for i, top in enumerate(tops) if top is not None and top < low]
+    for i in slow[:MOST_ALIKE]:
+        found.warn(
+            ("robots", i, "limits", "v"),
+            f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
+            f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
+            "the least speed of the formation",
+        )
+
+
+def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
+    plan = laid.world.formation
+    gain, speed, (low, high) = plan.gain, plan.speed, plan.limits
+    margin = min((m for m in (high - speed, speed - low) if m > 0.0), default=0.0)
+    sums, neighbours = _error_sums(laid)
+    start = float(np.abs(sums).max(initial=0.0))
+    swing = neighbours * (high - low) * UPDATE
+    error = max(LAST_SHARE * start, swing)
+    if margin <= 0.0 or error <= 0.0 or gain * error <= margin:
+        return
+    why = (
+        f"a tenth of the {start:.3g} m that the errors of (7) sum up to at the start"
+        if LAST_SHARE * start >= swing
+        else f"{swing:.3g} m, the change of the sum within {UPDATE:g} s that {neighbours} "
+        f"neighbour{'s' if neighbours > 1 else ''} at the opposite limit can make"
+    )
+    found.warn(
+        ("formation", "gain"),
+        f"{gain:.6g} 1/s saturates the cluster: an error sum of {margin / gain:.3g} m takes a "
+        f"robot from {speed:.6g} m/s to a limit, and all beyond changes nothing; use at "
+        f"most {margin / error:.3g} 1/s ({margin:.3g} m/s to the nearer limit, divided by {why})",
+    )
+
+
+def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
+    """S_i (N,) [m] at the start, and the most neighbours that a robot has there; 0 if unknown."""
+    count, plan = len(laid.world.robots), laid.world.formation
+    reference = laid.reference
+    station = None if reference is None else start_stations(laid, shapely.LineString(reference))
+    if station is None:
+        return np.zeros(count), 1
+    listed = listed_leads(laid)
+    lead = station if listed is None else listed
+    sums, most = np.zeros(count), 0
+    pairs = _pairs(laid)
+    reach = plan.range or 0.0
+    for i in range(count):
+        near = np.abs(station - station[i]) <= reach
+        if plan.neighbours != "range":
+            near = np.ones(count, dtype=bool) if pairs is None else pairs[i]
+        near[i] = False
+        sums[i] = ((station - station[i]) - (lead - lead[i]))[near].sum()
+        most = max(most, int(near.sum()))
+    return sums, most
+
+
+def _pairs(laid: PartialLayout) -> NDArray[np.bool_] | None:
+    """Who keeps distance to whom (N, N), where pairs of names are listed; else None."""
+    given = laid.world.formation.neighbours
+    if not isinstance(given, tuple):
+        return None
+    index = {name: i for i, name in enumerate(laid.names)}
+    near = np.zeros((len(index), len(index)), dtype=bool)
+    for a, b in given:
+        if a in index and b in index:
+            near[index[a], index[b]] = near[index[b], index[a]] = True
+    return near

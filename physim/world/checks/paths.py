@@ -1,0 +1,244 @@
+"""Paths: inside the accessible area, with room for the robot, in order, and long enough."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from physim.errors import plural
+from physim.geometry.corridor import SHARPEST_TURN
+from physim.geometry.polygon import least_width
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import CONTACT, LENGTH
+from physim.world import Offset
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout, corridor_line
+
+SHORTEST = 1.0
+"""[m] A path or reference path shorter than this is hardly meant."""
+
+
+def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
+    """Every path lies inside the accessible area, and in the sense of the reference path."""
+    for i, path in laid.paths.items():
+        _check_inside(laid, i, path, found)
+        if isinstance(laid.world.robots[i].path, Offset):
+            _check_offset_folds(laid, i, path, found)
+        else:
+            _check_sense(laid, i, path, found)
+
+
+def _check_inside(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
+    if laid.area is None:
+        return
+    outside = laid.area.outside_stretches(path)
+    if not len(outside):
+        return
+    first, last = outside[0]
+    more = (
+        f" and on {plural(len(outside) - 1, 'more stretch', 'more stretches')}"
+        if len(outside) > 1
+        else ""
+    )
+    line = shapely.LineString(path)
+    middle = line.interpolate((first + last) / 2.0)
+    place = f"from {first:.2f} m to {last:.2f} m along it{more}"
+    through = next((name for name, solid in laid.solids if solid.covers(middle)), None)
+    if through is not None:
+        found.warn(
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} leads through {through} {place}; the robot "
+            "will have to find its way round; lead the path round it",
+        )
+    else:
+        found.error(
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} leaves the accessible area {place}; keep it "
+            "between the boundaries",
+        )
+
+
+def _check_offset_folds(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
+    """Warn of a path beside the reference path that runs backwards in a tight bend."""
+    if laid.reference is None:
+        return
+    turned = (np.diff(path, axis=0) * np.diff(laid.reference, axis=0)).sum(axis=1) <= 0.0
+    if turned.any():
+        x, y = path[int(np.argmax(turned))]
+        found.warn(
+            laid.path_key(i),
+            f"{laid.world.robots[i].path.offset:g} m to the side, the path of "
+            f"{describe(laid.names[i])} runs backwards near ({x:.6g}, {y:.6g}), where the "
+            "reference path bends more tightly than that; use a smaller offset, or waypoints of "
+            "its own",
+        )
+
+
+def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
+    """Own paths go the way of the reference path, on which the formation measures."""
+    if laid.reference is None:
+        return
+    reference = shapely.LineString(laid.reference)
+    line = shapely.LineString(path)
+    if line.length < SHORTEST:
+        found.warn(
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} is only {line.length:.4g} m long; lengths are "
+            "in metres",
+        )
+    first, last = (reference.project(shapely.Point(path[k])) for k in (0, -1))
+    if last < first - LENGTH and not _is_ring(path):
+        found.warn(
+            laid.path_key(i),
+            f"the path of {describe(laid.names[i])} runs against the reference path, from station "
+            f"{first:.2f} m back to {last:.2f} m; are the waypoints in order?",
+        )
+
+
+def _is_ring(path: FloatArray) -> bool:
+    return float(np.hypot(*(path[0] - path[-1]))) < SHORTEST
+
+
+def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
+    """The reference path goes forward and does not pass through itself."""
+    line = laid.reference
+    if line is None:
+        return
+    steps = np.diff(line, axis=0)
+    steps /= np.hypot(*steps.T)[:, None]
+    turn = np.arccos(np.clip((steps[:-1] * steps[1:]).sum(axis=1), -1.0, 1.0))
+    is_corridor = laid.reference_key[0] == "corridor"
+    if not is_corridor:  # the walls of a corridor cannot be drawn there, which is reported
+        for k in np.flatnonzero(turn > SHARPEST_TURN)[:MOST_ALIKE]:
+            x, y = line[k + 1]
+            found.warn(
+                laid.reference_key,
+                f"the reference path turns back by {np.degrees(turn[k]):.0f} degrees at "
+                f"({x:.6g}, {y:.6g}); are the waypoints in order?",
+            )
+        if not shapely.LineString(line).is_simple:
+            found.warn(
+                laid.reference_key,
+                "the reference path crosses or touches itself; a robot near that place may be "
+                "counted on the wrong branch",
+            )
+    length = float(shapely.LineString(line).length)
+    if length < SHORTEST:
+        found.warn(
+            laid.reference_key,
+            f"the reference path is only {length:.4g} m long; lengths are in metres",
+        )
+
+
+def check_width(laid: PartialLayout, found: Diagnostics) -> set[int]:
+    """Refuse a corridor too narrow for robots however they are turned; numbers of those.
+
+    A robot needs the least width of its footprint, a nonconvex one at least the diameter of its
+    inscribed circle. Reported once, where the width stands.
+    """
+    centreline, widths = corridor_line(laid.world)
+    if centreline is None or widths is None:
+        return set()
+    k = int(np.argmin(widths))
+    width = float(widths[k])
+    needed = {number: _narrowest_gap(outline) for number, outline in laid.footprints.items()}
+    too_wide = {number for number, gap in needed.items() if gap >= width - CONTACT}
+    if too_wide:
+        worst = max(sorted(too_wide), key=lambda number: needed[number])
+        more = f", and {len(too_wide) - 1} more do not fit either" if len(too_wide) > 1 else ""
+        x, y = centreline[k]
+        is_listed = isinstance(laid.world.corridor.width, tuple)
+        found.error(
+            ("corridor", "width", k) if is_listed else ("corridor", "width"),
+            f"{width:.4g} m at ({x:.6g}, {y:.6g}) is too narrow: {describe(laid.names[worst])}"
+            f" needs more than {needed[worst]:.4g} m however it is turned{more}; widen the "
+            "corridor, or make the robots smaller",
+        )
+    return too_wide
+
+
+def _narrowest_gap(outline: FloatArray) -> float:
+    """Width [m] that a corridor must exceed for a robot to get through: never too large."""
+    hull = shapely.Polygon(outline).convex_hull
+    is_convex = hull.area <= shapely.Polygon(outline).area * (1.0 + 1e-9)
+    return least_width(outline) if is_convex else 2.0 * inscribed_radius(outline)
+
+
+def check_room(
+    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
+) -> None:
+    """Report paths so close to a wall that the robot fits there at no heading.
+
+    An error where the controller follows the path itself; a warning where it keeps a safe distance
+    and moves the target into the safe area, or where an obstacle is in the way. Robots that share
+    a path are reported once.
+    """
+    together: dict[tuple[float, ...], list[ClearanceProfile]] = {}
+    for profile in profiles:
+        # outside the area, or on a wall: reported as a path that leaves the area
+        if profile.verdict == NOT and profile.narrowest[3] > CONTACT:
+            together.setdefault(profile.narrowest, []).append(profile)
+    for (station, x, y, clearance), group in together.items():
+        point = shapely.Point(x, y)
+        near = [(s.distance(point), name) for name, s in (*laid.walls, *laid.solids)]
+        name = min(near)[1]
+        first = group[0]
+        others = f", shared with {len(group) - 1} more," if len(group) > 1 else ","
+        message = (
+            f"{describe(first.robot)} does not fit at station {station:.2f} m of "
+            f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name}, while the "
+            f"footprint reaches {first.inscribed:.4g} m from the reference point even at its "
+            "narrowest"
+        )
+        where = laid.path_key(first.number)
+        if first.safe_distance is not None:
+            found.warn(
+                where,
+                f"{message}; the controller leads it through the safe area, "
+                f"{first.safe_distance:.4g} m from the boundaries, where there is one",
+            )
+        elif any(name == wall for wall, _ in laid.walls):
+            found.error(where, f"{message}; lead the path further away, or widen the place")
+        else:
+            found.warn(where, f"{message}; lead the path further away")
+
+
+def check_passage(
+    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
+) -> None:
+    """Refuse a robot that cannot get from one end of its path to the other, whatever way it takes.
+
+    It cannot where the area less a margin of its inscribed radius falls apart between the two
+    ends: no point of it that keeps this distance from the walls leads from one to the other.
+    """
+    if laid.area is None:
+        return
+    known: dict[float, list[object]] = {}
+    faulty = {fault.location[:2] for fault in found.errors}
+    for profile in profiles:
+        if ("robots", profile.number) in faulty:
+            continue
+        r = profile.inscribed
+        if r not in known:
+            room = laid.area.polygon.buffer(-r, quad_segs=8)
+            known[r] = [part for part in shapely.get_parts(room) if not part.is_empty]
+        path, position = laid.paths[profile.number], laid.start[profile.number, :2]
+        begin = path[0] if np.isnan(position).any() else position
+        ends = [shapely.Point(begin), shapely.Point(path[-1])]
+        rooms = [_part_of(known[r], end) for end in ends]
+        if rooms[0] is None or rooms[0] != rooms[1]:
+            found.error(
+                laid.path_key(profile.number),
+                f"there is no way for {describe(profile.robot)} from its start to the end of its "
+                f"path: somewhere the room is narrower than {2.0 * r:.4g} m, the narrowest that "
+                "the robot can pass; widen the place, or make the robot smaller",
+            )
+
+
+def _part_of(parts: list[object], point: shapely.Point) -> int | None:
+    """Number of the part nearest to a point; None without any."""
+    if not parts:
+        return None
+    return int(np.argmin(shapely.distance(parts, point)))

@@ -1,0 +1,279 @@
+"""Robots at the start as they are seldom meant, and numbers that are valid but out of scale.
+
+Millimetres, degrees, speeds nobody drives; starts with the back to the path.
+"""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.errors import Location
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
+from physim.world import World
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout, corridor_line
+from physim.world.layout.shape_checks import Placed, placed_outline
+
+
+def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of footprints that do not hold the point about which their robot turns."""
+    for i, outline in laid.footprints.items():
+        far = shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
+        if far > LENGTH:
+            found.warn(
+                ("robots", i, "footprint"),
+                f"the reference point (0, 0), about which the robot turns and which follows the "
+                f"path, lies {far:.4g} m outside the footprint; corners count from that point",
+            )
+
+
+def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of a least distance between robots that two of them already fall below at the start."""
+    expect = laid.world.expect
+    least = expect.min_distance if expect is not None else None
+    shapes, names = [], []
+    for i, outline in laid.footprints.items():
+        pose = laid.world.robots[i].pose
+        is_random = pose is not None and pose[2] == "random"
+        if not np.isnan(laid.start[i]).any() and not is_random:
+            shapes.append(placed_outline(laid.start[i], outline))
+            names.append(laid.names[i])
+    if least is None or len(shapes) < 2:
+        return
+    tree = shapely.STRtree(shapes)
+    (one, other), gaps = tree.query_nearest(shapes, exclusive=True, return_distance=True)
+    k = int(np.argmin(gaps))
+    if gaps[k] < least - LENGTH:
+        found.warn(
+            ("expect", "min_distance"),
+            f"{describe(names[one[k]])} and {describe(names[other[k]])} are {gaps[k]:.4g} m apart "
+            f"at the start, so {least:.6g} m cannot hold",
+        )
+
+
+def check_start_used(world: World | None, found: Diagnostics) -> None:
+    """Warn of a region of the world's in which no robot starts."""
+    if world is None or world.start is None:
+        return
+    if all(world.start_of(i) is not world.start for i in range(len(world.robots))):
+        found.warn(
+            ("start",),
+            "no robot starts in this region, as each has a pose or a region of its own; take the "
+            "pose away from those that the seed should place, or take start away",
+        )
+
+
+def is_drawn(laid: PartialLayout, i: int) -> bool:
+    """Whether a robot has no heading written: it is random, or there is no pose."""
+    pose = laid.world.robots[i].pose
+    return pose is None or pose[2] == "random"
+
+
+def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn where another seed may let a robot with a random heading start in contact.
+
+    Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
+    warning may be too cautious for a long robot.
+    """
+    faulty = {fault.location[1] for fault in laid.faults if fault.location[2:] == ("pose",)}
+    posed = [i for i in laid.footprints if laid.world.robots[i].pose is not None]
+    random = {i for i in posed if is_drawn(laid, i) and i not in faulty}
+    if not random:
+        return
+    turning = [
+        Placed(i, laid.names[i], _circle(laid.start[i], outline))
+        if i in random
+        else Placed(i, laid.names[i], placed_outline(laid.start[i], outline))
+        for i, outline in laid.footprints.items()
+        if i not in faulty and not np.isnan(laid.start[i]).any()
+    ]
+    others = [*laid.walls, *laid.solids]
+    tree = shapely.STRtree([*(shape for _, shape in others), *(p.shape for p in turning)])
+    names = [*(name for name, _ in others), *(describe(p.name) for p in turning)]
+    shapes = [p.shape for p in turning]
+    met: dict[int, str] = {}
+    for i, k in np.transpose(tree.query(shapes, predicate="intersects")):
+        robot = turning[i]
+        itself = k == len(others) + i
+        if robot.number in random and not itself:
+            met.setdefault(robot.number, names[k])
+    for index, name in sorted(met.items()):
+        found.warn(
+            ("robots", index, "pose", 2),
+            f"random; with this seed {describe(laid.names[index])} starts free, with another "
+            f"it may touch {name}; leave room to turn, or write a heading",
+        )
+
+
+def _circle(pose: FloatArray, outline: FloatArray) -> shapely.Polygon:
+    radius = circumscribed_radius(outline)
+    return shapely.Point(pose[:2]).buffer(radius + LENGTH, quad_segs=16)
+
+
+def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of robots that start with their backs to their path."""
+    for i, path in laid.paths.items():
+        if is_drawn(laid, i):
+            continue
+        pose = laid.world.robots[i].pose
+        along = direction_near(path, pose[:2])
+        away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
+        if away > pi / 2.0 + 1e-6 and abs(pose[2]) <= 2.0 * pi:
+            found.warn(
+                ("robots", i, "pose", 2),
+                f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
+                f"its path, which goes {along:.4g} rad there; it will have to turn round",
+            )
+
+
+def direction_near(path: FloatArray, position: tuple[float, float]) -> float:
+    """Direction [rad] of the segment of a path that is nearest to a place."""
+    a, b = path[:-1], path[1:]
+    d = b - a
+    share = np.clip(((position - a) * d).sum(axis=1) / (d * d).sum(axis=1), 0.0, 1.0)
+    k = int(np.argmin(np.hypot(*(a + share[:, None] * d - position).T)))
+    return float(np.arctan2(d[k, 1], d[k, 0]))
+
+
+LONGEST_ROBOT = 30.0
+"""[m] A longer robot is likely given in millimetres or centimetres."""
+SHORTEST_ROBOT = 0.01
+"""[m]"""
+WIDEST_CORRIDOR = 500.0
+"""[m]"""
+LARGEST_GROUND = 50_000.0
+"""[m] from end to end"""
+FASTEST = 50.0
+"""[m/s]"""
+FASTEST_TURN = 20.0
+"""[rad/s] three turns a second"""
+LONGEST_RUN = 86_400.0
+"""[s]"""
+MOST_STEPS = 5_000_000
+"""of a run: beyond that it takes hours and its record gigabytes"""
+
+
+def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
+    """Warn of numbers whose unit is likely another one."""
+    world = laid.world
+    _check_lengths(laid, found)
+    count = 0
+    for i in range(len(world.robots)):
+        before = len(found.warnings)
+        _check_robot(laid, i, found)
+        count += len(found.warnings) > before
+        if count >= MOST_ALIKE:
+            break
+    for i, robot in enumerate(world.robots):
+        _check_choices(("robots", i), robot.speeds, robot.omegas, found)
+    is_sound = not any(fault.location[:1] == ("controller",) for fault in found.errors)
+    if world.controller is not None and is_sound:  # its own check knows more
+        settings = world.controller.settings
+        _check_choices(("controller",), settings.get("speeds"), settings.get("omegas"), found)
+    step, duration = world.time.step, world.time.duration
+    if duration is not None and duration > LONGEST_RUN:
+        found.warn(
+            ("time", "duration"),
+            f"{duration:.6g} s is {duration / 3600.0:.4g} hours; durations are in seconds"
+            + _thousandth(duration, "milliseconds"),
+        )
+    steps = duration / step if duration and step else 0.0
+    if steps > MOST_STEPS:
+        found.warn(
+            ("time", "step"),
+            f"{step:.4g} s makes {steps:,.0f} steps in {duration:.6g} s: such a run takes hours; "
+            "steps are in seconds, and 0.01 is usual",
+        )
+
+
+def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
+    width = corridor_line(laid.world)[1]
+    if width is not None and width.max() > WIDEST_CORRIDOR:
+        widest = float(width.max())
+        found.warn(
+            ("corridor", "width"),
+            f"{widest:.6g} m is very wide for a corridor; lengths are in metres"
+            + _thousandth(widest, "millimetres"),
+        )
+    lines = [(laid.reference_key, laid.reference)]
+    if laid.world.boundaries is not None:
+        numbers = [int(name.split()[1]) - 1 for name in laid.boundaries]
+        lines += zip([("boundaries", k) for k in numbers], laid.boundaries.values(), strict=True)
+    for where, line in lines:
+        if line is not None and float(np.ptp(line, axis=0).max()) > LARGEST_GROUND:
+            extent = float(np.ptp(line, axis=0).max())
+            found.warn(
+                where,
+                f"it spans {extent:.6g} m; lengths are in metres"
+                + _thousandth(extent, "millimetres"),
+            )
+            break
+
+
+def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
+    where: Location = ("robots", i)
+    robot, name = laid.world.robots[i], describe(laid.names[i])
+    if i in laid.footprints:
+        outline = laid.footprints[i]
+        size = float(np.ptp(outline, axis=0).max())
+        if size > LONGEST_ROBOT:
+            found.warn(
+                (*where, "footprint"),
+                f"{name} is {size:.6g} m long; lengths are in metres"
+                + _thousandth(size, "millimetres"),
+            )
+        elif size < SHORTEST_ROBOT:
+            found.warn(
+                (*where, "footprint"),
+                f"{name} is only {size:.4g} m long; lengths are in metres",
+            )
+    heading = 0.0 if is_drawn(laid, i) else robot.pose[2]
+    if abs(heading) > 2.0 * pi:
+        found.warn(
+            (*where, "pose", 2),
+            f"{heading:.6g} rad is more than a full turn; headings are in radians; if "
+            f"degrees are meant, write {radians(heading):.6g}",
+        )
+    v, omega = robot.limits.v, robot.limits.omega
+    if v is not None and v > FASTEST:
+        found.warn(
+            (*where, "limits", "v"),
+            f"{v:.6g} m/s is very fast; speeds are in metres per second"
+            + _thousandth(v, "millimetres per second"),
+        )
+    if omega is not None and omega > FASTEST_TURN:
+        found.warn(
+            (*where, "limits", "omega"),
+            f"{omega:.6g} rad/s is very fast; it is in radians per second; if degrees per "
+            f"second are meant, write {radians(omega):.6g}",
+        )
+
+
+def _thousandth(value: float, unit: str) -> str:
+    return f"; if {unit} are meant, write {value / 1000.0:.6g}"
+
+
+def _check_choices(where: Location, speeds: Any, omegas: Any, found: Diagnostics) -> None:
+    """Speeds to choose from that leave no way forward or no way straight on."""
+    if _are_numbers(speeds) and max(speeds) <= 0.0:
+        found.warn((*where, "speeds"), "no speed above 0: there is no way forward; add 1.0")
+    if _are_numbers(omegas):
+        if 0.0 not in omegas:
+            message = "0 is not among them: there is no way straight on; add 0"
+            found.warn((*where, "omegas"), message)
+        elif min(omegas) >= 0.0 or max(omegas) <= 0.0:
+            side = "left" if max(omegas) > 0.0 else "right"
+            only = f"only turns to the {side}" if any(omegas) else "no turn at all"
+            found.warn((*where, "omegas"), f"{only}; give turns to both sides")
+
+
+def _are_numbers(given: Any) -> bool:
+    is_list = isinstance(given, tuple) and len(given) > 0
+    return is_list and all(type(number) in (int, float) for number in given)

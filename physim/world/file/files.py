@@ -1,0 +1,117 @@
+"""World files on disk: the shipped ones, finding one by path or by name, and its text.
+
+Kind, size and encoding of a file that a user named are checked before it is read.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import stat
+from importlib.resources import as_file, files
+from pathlib import Path
+
+import yaml
+
+from physim.errors import Fault, WorldError, nearest
+from physim.world.file.reading import MOST_BYTES, refused
+
+SUFFIXES = (".yaml", ".yml")
+
+
+def shipped_folder() -> Path:
+    """Folder of the shipped worlds."""
+    with as_file(files("physim.worlds")) as folder:
+        return folder
+
+
+def shipped_worlds() -> dict[str, str]:
+    """Name and one-line description of every shipped world, by name."""
+    found = {}
+    for file in sorted(shipped_folder().glob("*.yaml")):
+        document = yaml.safe_load(file.read_text(encoding="utf-8"))
+        found[file.stem] = str(document.get("description", ""))
+    return found
+
+
+def find_world(given: str | os.PathLike[str]) -> Path:
+    """Path of a world given as a file, or as the name of a shipped one; a file goes first.
+
+    Raises WorldError when there is neither, with the nearest names.
+    """
+    path, given = Path(given), str(given)
+    plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
+    if not plain or path.exists():
+        return path  # reading says what is wrong with it
+    shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
+    if given in shipped:
+        return shipped_folder() / f"{given}.yaml"
+    message = (
+        f'{given}: no such file, and no shipped world is called "{given}"; '
+        f"shipped: {', '.join(shipped)}{nearest(given, shipped)}"
+    )
+    raise WorldError([Fault((), message)])
+
+
+MOST_LISTED = 5
+
+
+def file_text(path: Path) -> str:
+    """Text (UTF-8) of a world file.
+
+    Raises `WorldError` when it is missing (naming files near it), a folder, no regular file, too
+    large, unreadable or not UTF-8.
+    """
+    source = str(path)
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise _unreadable(source, f"is a folder, not a world file{_listed(path, '')}")
+        if not stat.S_ISREG(status.st_mode):
+            raise _unreadable(source, "is not a regular file")
+        if status.st_size > MOST_BYTES:
+            raise _unreadable(source, _too_large(status.st_size))
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        raise _unreadable(source, f"no such file{_listed(path.parent, path.name)}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _unreadable(source, f"cannot be read: {reason}") from None
+    if len(data) > MOST_BYTES:
+        raise _unreadable(source, _too_large(len(data)))
+    return _decoded(data, source)
+
+
+def _unreadable(source: str, message: str) -> WorldError:
+    printable = "".join(c if c.isprintable() else "�" for c in source)
+    return WorldError([Fault((), f"{printable}: {message}")])
+
+
+def _too_large(size: int) -> str:
+    return f"{size / 1e6:.1f} MB is too large; a world file has at most {MOST_BYTES / 1e6:.0f} MB"
+
+
+def _decoded(data: bytes, source: str) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8; save the file as UTF-8"
+        raise refused(source, line, column, message) from None
+
+
+def _listed(folder: Path, name: str) -> str:
+    """World files of a folder that may be meant, nearest names first."""
+    try:
+        names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
+    except (OSError, ValueError):
+        return f"; there is no folder {folder}" if not folder.exists() else ""
+    worlds = [n for n in names if n.endswith((".yaml", ".yml")) and n.isprintable()]
+    near = difflib.get_close_matches(name, [n for n in names if n.isprintable()], n=3, cutoff=0.6)
+    listed = list(dict.fromkeys([*near, *worlds]))[:MOST_LISTED]
+    if near:
+        return f"; did you mean {' or '.join(near)}?"
+    return f"; world files there: {', '.join(listed)}" if listed else ""

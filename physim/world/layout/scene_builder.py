@@ -1,0 +1,158 @@
+"""World and seed to Scene: resolve every length, number the bodies, pack the arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from physim.errors import Fault, WorldError
+from physim.geometry.path import Path
+from physim.geometry.polygon import convex_parts, signed_area
+from physim.geometry.shapes import (
+    FloatArray,
+    IntArray,
+    Polylines,
+    pack_polylines,
+    pack_shapes,
+)
+from physim.geometry.wall_grid import build_wall_grid
+from physim.world import World
+from physim.world.kinds import MOST_SEED
+from physim.world.layout.layout import lay_out, placed_anew
+from physim.world.run import DEFAULT_RANGE
+from physim.world.scene import DENSITY, Body, FormationPlan, Scene
+
+GRID_CELL = 2.0
+"""[m] cell of the wall look-up"""
+
+
+def build_scene(world: World, seed: int | None = None) -> Scene:
+    """Make a world ready to run, with ``seed`` or else the world's own.
+
+    Raises WorldError with every fault of its geometry: robots outside or overlapping, boundaries
+    that enclose nothing, a step that would tunnel, ...
+    """
+    laid = lay_out(world, seed)
+    world, footprints = laid.world, laid.footprints
+    walls = pack_shapes(
+        [_segments(line) for line in laid.boundaries.values()]
+        + [list(convex_parts(obstacle)) for obstacle in laid.obstacles]
+    )
+    formation = _formation(world, laid.start, laid.reference)
+    names = [("robot", robot.name) for robot in world.robots]
+    names += [("boundary", name) for name in laid.boundaries]
+    names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
+    paths = pack_polylines(laid.paths)
+    return Scene(
+        world=world,
+        seed=world.seed,
+        dt=world.time.step,
+        steps=round(world.time.duration / world.time.step),
+        bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
+        shapes=pack_shapes([convex_parts(outline) for outline in footprints]),
+        walls=walls,
+        wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
+        mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
+        limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
+        start=laid.start,
+        paths=paths,
+        reference=pack_polylines([laid.reference]),
+        outside=tuple(laid.area.outside_stretches(path) for path in laid.paths),
+        speeds=tuple(robot.speeds for robot in world.robots),
+        omegas=tuple(robot.omegas for robot in world.robots),
+        stop_station=_stop_stations(paths, formation),
+        formation=formation,
+        sensing_range=world.sensing_range,
+        arrival_tolerance=world.arrival.tolerance,
+        layout=laid,
+    )  # fmt: skip
+
+
+def reseeded(scene: Scene, seed: int) -> Scene:
+    """Scene of the same world with another seed: only what the seed decides is made anew.
+
+    Raises WorldError where the seed is none or the robots cannot be placed.
+    """
+    if (
+        isinstance(seed, bool)
+        or not isinstance(seed, int | np.integer)
+        or not (0 <= seed <= MOST_SEED)
+    ):
+        raise WorldError([Fault(("seed",), f"{seed!r}; it must be a whole number from 0 on")])
+    world = scene.world.model_copy(update={"seed": int(seed)})
+    if not is_random(world):
+        return replace(scene, world=world, seed=int(seed))
+    laid = placed_anew(scene.layout, world)
+    formation = _formation(world, laid.start, laid.reference)
+    return replace(
+        scene,
+        world=world,
+        seed=int(seed),
+        start=laid.start,
+        stop_station=_stop_stations(scene.paths, formation),
+        formation=formation,
+        layout=laid,
+    )
+
+
+def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
+    ends = paths.station[paths.start[1:] - 1]
+    return np.asarray(np.maximum(ends - (formation.lead.max() - formation.lead), 0.0))
+
+
+def is_random(world: World) -> bool:
+    """Whether anything in the world is drawn by the seed."""
+    return any(robot.pose is None or robot.pose[2] == "random" for robot in world.robots)
+
+
+def _segments(line: FloatArray) -> list[FloatArray]:
+    return [line[k : k + 2] for k in range(len(line) - 1)]
+
+
+def _mass(given: float | None, footprint: FloatArray) -> float:
+    return DENSITY * abs(signed_area(footprint)) if given is None else given
+
+
+def _formation(world: World, start: FloatArray, reference: FloatArray) -> FormationPlan:
+    """Desired leads: as listed, or those of the start poses along s*."""
+    n = len(start)
+    plan = world.formation
+    if plan is None:
+        none = np.zeros((0, 0), dtype=np.int64)
+        return FormationPlan(False, 0.0, 1.0, 0.0, 1.0, np.zeros(n), none, DEFAULT_RANGE)
+    if plan.spacing == "initial":
+        path = Path(reference)
+        station = np.array([path.project(x, y)[0] for x, y, _ in start])
+        lead = station - station[0]
+    else:
+        lead = np.array(plan.spacing)
+    return FormationPlan(
+        active=True,
+        gain=plan.gain,
+        speed=plan.speed,
+        v_min=plan.limits[0],
+        v_max=plan.limits[1],
+        lead=lead,
+        adjacency=_adjacency(plan.neighbours, [robot.name for robot in world.robots]),
+        range=plan.range,
+    )
+
+
+def _adjacency(
+    neighbours: Literal["range", "all"] | Sequence[tuple[str, str]], names: Sequence[str]
+) -> IntArray:
+    """(N, N) symmetric, or (0, 0) when neighbours are those within range."""
+    n = len(names)
+    if neighbours == "range":
+        return np.zeros((0, 0), dtype=np.int64)
+    if neighbours == "all":
+        return np.ones((n, n), dtype=np.int64) - np.eye(n, dtype=np.int64)
+    adjacency = np.zeros((n, n), dtype=np.int64)
+    for pair in neighbours:
+        a, b = pair
+        i, j = names.index(a), names.index(b)
+        adjacency[i, j] = adjacency[j, i] = 1
+    return adjacency

@@ -1,0 +1,323 @@
+"""Faults of shapes and of places: with shapely, independent of the compiled kernels.
+
+An outline is looked at before areas or convex parts are worked out; then how far a robot moves in
+a step, and what it stands in at the start. Polylines may touch at their ends: these are no
+crossings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike
+
+from physim.errors import Fault, Location
+from physim.geometry.polygon import (
+    circumscribed_radius,
+    convex_parts,
+    corners,
+    is_simple,
+    least_width,
+    smallest_width,
+)
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
+from physim.world import Limits
+from physim.world.faults import describe
+
+MOST_REPORTED = 3
+"""Bodies that one robot overlaps which are reported one by one."""
+MOST_PAIRS = 200
+"""Pairs of robots which are reported one by one."""
+
+
+class Placed(NamedTuple):
+    """A robot where it starts."""
+
+    number: int
+    name: str
+    shape: Any
+    """its outline as a shapely polygon in the world frame"""
+
+
+def corners_of_line(line: ArrayLike) -> FloatArray:
+    """Points (n, 2) of a polyline without neighbours closer than ``LENGTH``."""
+    points = np.asarray(line, dtype=np.float64).reshape(-1, 2)
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    keep = np.concatenate((np.ones(min(len(points), 1), dtype=bool), steps > LENGTH))
+    return np.asarray(points[keep], dtype=np.float64)
+
+
+def placed_outline(pose: ArrayLike, footprint: ArrayLike) -> Any:
+    """Outline of a robot as a shapely polygon in the world frame."""
+    x, y, heading = np.asarray(pose, dtype=np.float64)
+    c, s = math.cos(heading), math.sin(heading)
+    return shapely.Polygon(np.asarray(footprint) @ np.array([[c, s], [-s, c]]) + (x, y))
+
+
+def outline_fault(outline: ArrayLike) -> str:
+    """What is wrong with an outline; empty when it is simple and encloses an area."""
+    points = corners(outline)
+    if len(points) < 3:
+        return "has fewer than three distinct corners; a polygon with area is needed"
+    if is_simple(points):
+        thin = least_width(points)
+        return "" if thin > LENGTH else f"is only {thin:.2g} m wide; a polygon with area is needed"
+    ring = shapely.Polygon(points)
+    if least_width(points) <= LENGTH:
+        return "encloses no area; a polygon with area is needed"
+    reason = shapely.is_valid_reason(ring)
+    place = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
+    near = f" at ({float(place[0]):.6g}, {float(place[1]):.6g})" if len(place) == 2 else ""
+    return f"crosses or touches itself{near}; the corners must go once round the outline"
+
+
+HUGE = 15.0
+"""[m] A footprint that reaches further from its reference point is likely in other units."""
+
+
+class Moving(NamedTuple):
+    """What says how far a robot may move in one step."""
+
+    number: int
+    name: str
+    outline: ArrayLike
+    """simple, (n, 2) [m] in the robot's frame"""
+    v: float
+    """[m/s]"""
+    omega: float
+    """[rad/s]"""
+
+
+def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
+    """Refuse (v + r |omega|) dt beyond a quarter of the smallest width: see physics, time step.
+
+    One fault at most: of the step where it is too long for several robots, or for one at the
+    limits that robots have by default; else of the limits of the one robot that is too fast, or
+    of a footprint so large that it can hardly be in metres.
+    """
+    if not robots:
+        return []
+    outlines = [np.asarray(robot.outline, dtype=np.float64) for robot in robots]
+    keys = [outline.tobytes() for outline in outlines]
+    different = dict(zip(keys, outlines, strict=True))
+    known = {key: smallest_width(convex_parts(outline)) for key, outline in different.items()}
+    widths = [known[key] for key in keys]
+    narrowest = robots[int(np.argmin(widths))]
+    limit = TUNNEL_FRACTION * min(widths)
+    speeds = [robot.v + circumscribed_radius(robot.outline) * robot.omega for robot in robots]
+    count = sum(speed * step > limit for speed in speeds)
+    if not count:
+        return []
+    speed, robot = max(zip(speeds, robots, strict=True), key=lambda pair: pair[0])
+    radius, usual = circumscribed_radius(robot.outline), Limits()
+    at_usual = min(robot.v, usual.v) + radius * min(robot.omega, usual.omega)
+    where: Location = ("time", "step")
+    if radius > HUGE:
+        where = ("robots", robot.number, "footprint")
+    elif count == 1 and at_usual * step <= limit:
+        where = ("robots", robot.number, "limits")
+    others = f", and {count - 1} more too far" if count > 1 else ""
+    message = (
+        f"{describe(robot.name)} could move {speed * step:.4g} m in one step of "
+        f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
+        f"{robot.omega:.6g} rad/s){others}; at most {limit:.4g} m are allowed, a quarter "
+        f"of the smallest width, that of {describe(narrowest.name)}; "
+        f"use a step of at most {_floored(limit / speed)} s or lower limits"
+    )
+    if radius > HUGE:
+        message = (
+            f"{describe(robot.name)} reaches {radius:.6g} m from its reference point; lengths are "
+            f"in metres: is this one in millimetres? As it stands, {message}"
+        )
+    return [Fault(where, message)]
+
+
+def _floored(value: float) -> str:
+    """Three significant digits, rounded down."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.floor(value / unit) * unit:.3g}"
+
+
+def wall_faults(
+    robots: Sequence[Placed],
+    walls: Sequence[tuple[str, Any]],
+    solids: Sequence[tuple[str, Any]],
+    accessible: Any | None,
+) -> list[Fault]:
+    """Robots in or against a boundary or obstacle, or outside the accessible area.
+
+    ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
+    ``accessible`` only contact is reported.
+    """
+    if not robots:
+        return []
+    shapes = [robot.shape for robot in robots]
+    tree = shapely.STRtree([shape for _, shape in (*walls, *solids)])
+    near: list[list[int]] = [[] for _ in robots]
+    for i, k in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
+        near[i].append(int(k))
+    if accessible is not None:
+        shapely.prepare(accessible)
+    faults = []
+    for i, (number, given, shape) in enumerate(robots):
+        where: Location = ("robots", number, "pose")
+        name = describe(given)
+        for k in sorted(near[i])[:MOST_REPORTED]:
+            if k < len(walls):
+                contact = _boundary_message(shape, *walls[k], accessible)
+            else:
+                label, solid = solids[k - len(walls)]
+                contact = _overlap(shape, solid, label)
+            faults.append(Fault(where, f"{name} {contact} at the start; move it away"))
+        if not near[i] and accessible is not None and not accessible.covers(shape):
+            far = accessible.distance(shape)
+            away = f", {far:.4g} m from it" if far > 0.0 else ""
+            message = f"{name} starts outside the accessible area{away}; move it inside"
+            faults.append(Fault(where, message))
+    return faults
+
+
+def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any | None) -> str:
+    if accessible is None:
+        return f"crosses {label}" if shape.intersection(wall).length > 0.0 else f"touches {label}"
+    beyond = shape.difference(accessible)
+    if beyond.is_empty or not shape.intersects(wall):
+        return f"touches {label}"
+    points = shapely.points(shapely.get_coordinates(beyond))
+    reach = float(shapely.distance(points, accessible).max())
+    return f"touches {label}" if reach <= CONTACT else f"reaches {reach:.4g} m over {label}"
+
+
+def _overlap(a: Any, b: Any, label: str) -> str:
+    """``overlaps LABEL by D m``: the least width of the common area, at most the true depth."""
+    common = a.intersection(b)
+    depth = least_width(shapely.get_coordinates(common)) if common.area > 0.0 else 0.0
+    return f"overlaps {label} by {depth:.4g} m" if depth > CONTACT else f"touches {label}"
+
+
+def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
+    """Pairs of robots that overlap or touch, reported at the later one."""
+    if not robots:
+        return []
+    shapes = [robot.shape for robot in robots]
+    tree = shapely.STRtree(shapes)
+    pairs = np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT))
+    faults = []
+    for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
+        first, second = robots[i], robots[j]
+        contact = _overlap(second.shape, first.shape, describe(first.name))
+        message = f"{describe(second.name)} {contact} at the start; part them"
+        faults.append(Fault(("robots", second.number, "pose"), message))
+    return faults
+
+
+MOST_FOUND = 50
+"""Crossings of boundaries, and a tenth of it of one with itself, after which no more are sought"""
+MOST_GAPS = 3
+"""Gaps between boundaries that one message names."""
+MOST_SEARCHED = 300
+"""Boundaries among which gaps are looked for."""
+
+
+def crossings(lines: list[FloatArray]) -> list[tuple[int, int, tuple[float, float]]]:
+    """Pairs of polylines that meet elsewhere than at an end of one of them, and where first."""
+    shapes = [shapely.LineString(line) for line in lines]
+    if len(shapes) < 2:
+        return []
+    tree = shapely.STRtree(shapes)
+    found = []
+    for a, b in np.transpose(tree.query(shapes, predicate="intersects")):
+        if a >= b:
+            continue
+        meeting = shapely.get_coordinates(shapes[a].intersection(shapes[b]))
+        ends = np.array([lines[a][0], lines[a][-1], lines[b][0], lines[b][-1]])
+        inner = [p for p in meeting if np.hypot(*(ends - p).T).min() > LENGTH]
+        if inner and not _only_runs_along(shapes[a], shapes[b]):
+            found.append((int(a), int(b), (float(inner[0][0]), float(inner[0][1]))))
+        if len(found) >= MOST_FOUND:
+            break
+    return found
+
+
+def _only_runs_along(a: Any, b: Any) -> bool:
+    """Whether two polylines share stretches only: a wall drawn twice does no harm."""
+    common = a.intersection(b)
+    points = [p for p in shapely.get_parts(common) if p.geom_type == "Point"]
+    return common.length > 0.0 and not points
+
+
+def self_crossings(line: FloatArray) -> list[tuple[float, float]]:
+    """Points where a polyline crosses or touches itself, its own ends left out."""
+    if len(line) < 3 or shapely.LineString(line).is_simple:
+        return []
+    segments = shapely.linestrings(np.stack([line[:-1], line[1:]], axis=1))
+    tree = shapely.STRtree(segments)
+    first, second = tree.query(segments, predicate="intersects")
+    apart = second > first
+    first, second = first[apart], second[apart]
+    places = shapely.intersection(segments[first], segments[second])
+    found: dict[tuple[float, float], None] = {}
+    for a, b, place in zip(first, second, places, strict=True):
+        for point in shapely.get_coordinates(place):
+            is_joint = b == a + 1 and place.length == 0.0
+            at_end = np.hypot(*(line[[0, -1]] - point).T).min() <= LENGTH
+            if not is_joint and not at_end:
+                found[float(point[0]), float(point[1])] = None
+        if len(found) > MOST_FOUND // 10:
+            break
+    return list(found)
+
+
+def self_overlap(centreline: FloatArray, walls: list[FloatArray]) -> str:
+    """How two legs of a corridor run into each other, walls of one in the other; empty if not.
+
+    ``walls`` left, right and the caps. To be called where the centreline leaves the area between.
+    """
+    found = crossings(walls)
+    if not found:
+        return ""
+    place = shapely.Point(found[0][2])
+    legs = shapely.linestrings(np.stack([centreline[:-1], centreline[1:]], axis=1))
+    away = shapely.distance(legs, place)
+    one = int(np.argmin(away))
+    apart = np.abs(np.arange(len(legs)) - one) > 1
+    if not apart.any():
+        return ""
+    other = int(np.argmin(np.where(apart, away, np.inf)))
+    first, second = sorted((one, other))
+    return (
+        f"the corridor runs into itself at ({place.x:.6g}, {place.y:.6g}): the leg from [{first}] "
+        f"to [{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
+        "between them; part them, or draw boundaries instead, which may close on themselves"
+    )
+
+
+def gaps(labels: list[str], lines: list[FloatArray]) -> str:
+    """Loose ends of boundaries, nearest to another wall first, with the size of the gap.
+
+    ``labels`` are what to call them.
+    """
+    shapes = [shapely.LineString(line) for line in lines[:MOST_SEARCHED]]
+    found: list[tuple[float, str, Any, str]] = []
+    for k, (name, line) in enumerate(zip(labels, lines[:MOST_SEARCHED], strict=False)):
+        for end in (0, -1):
+            point = shapely.Point(line[end])
+            others = [(point.distance(s), labels[m]) for m, s in enumerate(shapes) if m != k]
+            others.append((float(np.hypot(*(line[0] - line[-1]))), "its own other end"))
+            size, other = min(others)
+            is_known = any(size == gap[0] and {name, other} == {gap[1], gap[3]} for gap in found)
+            if size > 0.0 and not is_known:
+                found.append((size, name, point, other))
+    if not found:
+        return "boundaries must close a face around the reference path"
+    found.sort(key=lambda gap: gap[0])
+    ends = [
+        f"{name} ends at ({point.x:.6g}, {point.y:.6g}), {size:.4g} m from {other}"
+        for size, name, point, other in found[:MOST_GAPS]
+    ]
+    return "join the ends: " + ", ".join(ends)

@@ -1,0 +1,194 @@
+"""Start poses: as written, or placed by the seed in a region, apart from everything.
+
+Each robot draws from streams of its own: its heading from (seed, "heading", i), its place from
+(seed, "start", i). Places are drawn and dropped until one fits, so that every place that fits is
+equally likely; where robots crowd, the tightest of many is taken instead. A footprint is kept
+``min_gap`` from robots, boundaries and obstacles, `SLACK` on the safe side. Needs shapely alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+
+from physim.errors import Fault, Location, WorldError
+from physim.geometry.polygon import circumscribed_radius, least_width
+from physim.geometry.shapes import FloatArray
+from physim.randomness import stream
+from physim.tolerances import CONTACT
+from physim.world import Start, World
+from physim.world.layout.places import Candidates, Occupancy, PathFrame
+
+if TYPE_CHECKING:
+    from physim.world.layout.layout import PartialLayout
+
+SLACK = 2.0 * CONTACT
+"""[m] by which a gap is larger than asked for, so that no rounding makes it smaller"""
+LOOSE_ROUNDS, TIGHT_ROUNDS = 12, 8
+"""Times that a group is placed anew: at first where a place is found, then as tight as can be."""
+BATCHES = (32, 128, 512, 2048)
+"""Places drawn for one robot before its round is given up"""
+TIGHT_BATCH = 1024
+FILLED = 0.4
+"""[-] share of a region that robots with half their gap around them fill at random with ease"""
+
+
+def start_poses(laid: PartialLayout) -> FloatArray:
+    """Start poses (N, 3) [m, m, rad] of a layout that is sound but for where its robots start.
+
+    Raises WorldError when a region does not hold its robots.
+    """
+    world: World = laid.world
+    if laid.area is None or laid.reference is None:
+        raise ValueError("robots are placed in the accessible area, along the reference path")
+    occupied = Occupancy(
+        list(laid.footprints.values()), [shape for _, shape in (*laid.walls, *laid.solids)]
+    )
+    free, along = laid.area.polygon, PathFrame(laid.reference)
+    poses = written_poses(world)
+    groups: dict[tuple[Start, Location], list[int]] = {}
+    for i, robot in enumerate(world.robots):
+        start = world.start_of(i)
+        if start is None:
+            occupied.stand(i, poses[i], gap=0.0)
+        else:
+            shared: Location = ("start",) if robot.start is None else ()
+            groups.setdefault((start, shared), []).append(i)
+    faults = []
+    for (start, where), members in groups.items():
+        group = _Group(start, members, where, occupied, along, free, world.seed)
+        fault = group.place(poses, laid.paths, world)
+        faults += [fault] if fault is not None else []
+    if faults:
+        raise WorldError(faults)
+    return poses
+
+
+def written_poses(world: Any) -> FloatArray:
+    """Poses (N, 3) [m, m, rad] of the robots of a world that have one, NaN of the others.
+
+    A random heading is uniform in [-pi, pi).
+    """
+    poses = np.full((len(world.robots), 3), np.nan)
+    for i, robot in enumerate(world.robots):
+        if robot.pose is not None:
+            x, y, heading = robot.pose
+            poses[i] = x, y, drawn_heading(world.seed or 0, i) if heading == "random" else heading
+    return poses
+
+
+def drawn_heading(seed: int, robot: int) -> float:
+    """Random heading [rad] of a robot, uniform in [-pi, pi)."""
+    return float(stream(seed, "heading", robot).uniform(-pi, pi))
+
+
+class _Group:
+    """Robots that share a region."""
+
+    def __init__(
+        self, start: Start, members: list[int], where: Location, occupied: Occupancy,
+        along: PathFrame, accessible: shapely.Polygon, seed: int,
+    ) -> None:  # fmt: skip
+        self.start, self.members, self.where = start, members, where
+        self.occupied, self.along, self.seed = occupied, along, seed
+        self.free = shapely.intersection(shapely.Polygon(start.region), accessible)
+        shapely.prepare(self.free)
+
+    def place(
+        self, poses: FloatArray, paths: Mapping[int, FloatArray], world: World
+    ) -> Fault | None:
+        """Fill in the poses of the group; the fault that says why not otherwise."""
+        if self.free.area <= 0.0:
+            return self._fault("none of it lies in the accessible area; draw it inside")
+        start = self.start
+        candidates = Candidates(start, self.members, self.free, self.along, paths, self.occupied)
+        streams = {i: stream(self.seed, "start", i) for i in self.members}
+        radius = {i: circumscribed_radius(self.occupied.footprints[i]) for i in self.members}
+        order = sorted(self.members, key=lambda i: -radius[i])
+        if start.abreast is not None:
+            order = self.members
+        most, stuck = -1, order[0]
+        for attempt in range(LOOSE_ROUNDS + TIGHT_ROUNDS):
+            placed: list[int] = []
+            for i in order:
+                pose = self._found(i, candidates, streams[i], tight=attempt >= LOOSE_ROUNDS)
+                if pose is None:
+                    break
+                poses[i] = pose
+                self.occupied.stand(i, pose, start.min_gap)
+                placed.append(i)
+            if len(placed) == len(order):
+                return None
+            if len(placed) > most:
+                most, stuck = len(placed), order[len(placed)]
+            self.occupied.leave(placed)
+            if not placed and attempt >= 1:
+                break
+        return self._fault(self._crowded(most, world.robots[stuck].name))
+
+    def _found(
+        self, i: int, candidates: Candidates, draw: np.random.Generator, tight: bool
+    ) -> FloatArray | None:
+        """Pose at which robot i is apart from all: the first that is drawn, or the tightest."""
+        heading = drawn_heading(self.seed, i)
+        for size in (TIGHT_BATCH,) if tight else BATCHES:
+            poses = candidates.draw(i, draw, size, heading)
+            room = self.occupied.room(i, poses, self.free, self.start.min_gap + SLACK)
+            fits = np.flatnonzero(room >= 0.0)
+            if len(fits):
+                best = fits[np.argmin(room[fits])] if tight else fits[0]
+                return np.asarray(poses[best])
+        return None
+
+    def _crowded(self, placed: int, name: str) -> str:
+        """What to do about robots that do not fit: in figures."""
+        gap, n = self.start.min_gap, len(self.members)
+        room = self.free.difference(self.occupied.kept_clear(gap))
+        if placed == 0 and (too_narrow := self._narrow(room, name)):
+            return too_narrow
+        free = room.area
+        need = sum(
+            shapely.Polygon(self.occupied.footprints[i]).buffer(0.5 * gap).area
+            for i in self.members
+        )
+        counted = (
+            f"{placed} of {n} robots could be placed in it with gaps of {gap:.6g} m, then none "
+            f'for "{name}"; {free:.3g} m² of it are free, and the robots with half the gap around '
+            f"them take {need:.3g} m²"
+        )
+        if need > FILLED * free:
+            return (
+                f"{counted}; about {_rounded_up(need / FILLED)} m² are enough: enlarge the region, "
+                "or use a smaller min_gap or fewer robots"
+            )
+        rows = ", fewer abreast or none" if self.start.abreast is not None else ""
+        return f"{counted}, but not in this shape; use a wider region{rows} or a smaller min_gap"
+
+    def _narrow(self, room: shapely.Geometry, name: str) -> str:
+        """What to say where no place of ``room`` is as wide as any robot at its narrowest."""
+        wide = 0.0
+        if not room.is_empty:
+            wide = 2.0 * shapely.maximum_inscribed_circle(room, tolerance=1e-3).length
+        need = min(least_width(self.occupied.footprints[i]) for i in self.members)
+        if wide >= need:
+            return ""
+        return (
+            f'no place in it is as wide as "{name}" needs: {self.free.area:.3g} of its '
+            f"{shapely.Polygon(self.start.region).area:.3g} m² lie in the accessible area, and "
+            f"{self.start.min_gap:.6g} m (min_gap) from all else the widest place is {wide:.3g} m "
+            f"wide, while a robot is {need:.3g} m at its narrowest; move the region inside, or use "
+            "a wider one or a smaller min_gap"
+        )
+
+    def _fault(self, message: str) -> Fault:
+        where = self.where or ("robots", self.members[0], "start")
+        return Fault((*where, "region"), message)
+
+
+def _rounded_up(area: float) -> str:
+    unit = 10.0 ** max(np.floor(np.log10(area)) - 1.0, 0.0)
+    return f"{np.ceil(area / unit) * unit:.0f}"

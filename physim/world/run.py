@@ -1,0 +1,163 @@
+"""What a run is: its time, the parts it names (controller, sensing, filters, disturbances), when
+robots have arrived, the material in contact, and what the run must show.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema, field_serializer
+from pydantic_core import PydanticCustomError
+
+from physim.world.base import Model
+from physim.world.kinds import (
+    Distance,
+    Flag,
+    FrozenMapping,
+    Label,
+    Length,
+    Number,
+    Whole,
+    at_most,
+    thawed,
+)
+
+MOST_STAGES = 20
+DEFAULT_RANGE = 10.0
+"""[m] range of sight in a world that says nothing of it (paper: 10 m)"""
+_WORD = re.compile(r"\w{1,40}")
+
+
+class Choice(Model):
+    """One registered part of a run by name and its settings, which that part itself checks.
+
+    In a world file both stand in one mapping: ``{type: NAME, KEY: VALUE, …}``.
+    """
+
+    type: Label = Field(description="name under which it is registered")
+    settings: Annotated[
+        FrozenMapping,
+        BeforeValidator(lambda value: _settings(value)),
+        WithJsonSchema({"type": "object"}),
+    ] = Field(default_factory=FrozenMapping, description="its settings")
+
+    model_config = ConfigDict(arbitrary_types_allowed=True, json_schema_extra={"description": ""})
+
+    @field_serializer("settings")
+    def _plain_settings(self, settings: FrozenMapping) -> dict[str, Any]:
+        return dict(thawed(settings))
+
+
+def _settings(value: Any) -> FrozenMapping:
+    if not isinstance(value, Mapping):
+        raise PydanticCustomError("mapping_type", "must be a mapping")
+    if "type" in value:
+        raise PydanticCustomError("settings", "must not hold type, which names the part itself")
+    return FrozenMapping(value)
+
+
+def nested_choice(value: Any) -> Any:
+    """Part the flat mapping of the file into the type and the settings."""
+    if isinstance(value, Choice):
+        return value
+    if not isinstance(value, Mapping):
+        name = value if isinstance(value, str) and _WORD.fullmatch(value) else "NAME"
+        message = "must be a mapping of type and settings, as {type: " + name + "}"
+        raise PydanticCustomError("choice", message)
+    settings = {key: item for key, item in value.items() if key != "type"}
+    return {**({"type": value["type"]} if "type" in value else {}), "settings": settings}
+
+
+def _listed(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return value
+    raise PydanticCustomError("choices", "must be a list, as [{type: NAME, KEY: VALUE}]")
+
+
+Choices = Annotated[
+    tuple[Annotated[Choice, BeforeValidator(nested_choice)], ...],
+    at_most(MOST_STAGES),
+    BeforeValidator(_listed),
+]
+
+
+class Sensing(Model):
+    """What robots perceive of one another and of the walls."""
+
+    range: Length | None = Field(
+        default=None,
+        description="[m] within which robots see and consider others and walls; "
+        f"formation.range when absent, {DEFAULT_RANGE:g} without a formation",
+    )
+    stages: Choices = Field(
+        default=(), description="what changes what is sensed, by name, one after the other"
+    )
+
+
+class ControllerChoice(Choice):
+    """A controller by name and its settings, which the controller itself checks.
+
+    In a world file both stand in one mapping: ``{type: mode_switching, look_ahead: 2.0}``.
+    """
+
+    type: Label = Field(default="mode_switching", description="name of a registered controller")
+
+
+class Time(Model):
+    """Grid of physics steps: sample k is at time ``k * step``."""
+
+    step: Annotated[Number, Field(gt=0.0, le=10.0)] = Field(description="[s] one physics step")
+    duration: Annotated[Number, Field(gt=0.0, le=1.0e8)] = Field(
+        description="[s] length of the run, a whole number of steps"
+    )
+    record_every: Annotated[Whole, Field(ge=1, le=1_000_000)] = Field(
+        default=1, description="[steps] from one recorded sample to the next"
+    )
+
+    @property
+    def steps(self) -> int:
+        """Number of physics steps of the run."""
+        return round(self.duration / self.step)
+
+
+class Arrival(Model):
+    """When a robot counts as arrived: at its stop station, and standing for 0.5 s."""
+
+    tolerance: Distance = Field(
+        default=0.1,
+        description="[m] along its path by which a robot that stands may be short of its stop "
+        "station",
+    )
+
+
+class Physics(Model):
+    """Material of all bodies in contact."""
+
+    friction: Annotated[Number, Field(ge=0.0, le=100.0)] = Field(
+        default=0.0, description="[-] Coulomb friction coefficient"
+    )
+    elasticity: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        default=0.0, description="[-] 0: no bounce, 1: elastic"
+    )
+
+
+class Expectation(Model):
+    """What a run must show; a run that does not ends with exit code 1."""
+
+    contacts: Annotated[Whole, Field(ge=0)] | None = Field(
+        default=None, description="largest number of contacts, touches between two samples included"
+    )
+    min_distance: Distance | None = Field(
+        default=None, description="[m] least distance between two robots"
+    )
+    min_boundary_distance: Distance | None = Field(
+        default=None, description="[m] least distance between a robot and a boundary or obstacle"
+    )
+    max_distance: Distance | None = Field(
+        default=None, description="[m] greatest distance between two robots"
+    )
+    finished: Flag | None = Field(
+        default=None, description="whether all robots arrive at their stop stations"
+    )

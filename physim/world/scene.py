@@ -1,0 +1,140 @@
+"""A world made ready to run: every length resolved, everything in arrays.
+
+A `World` is what its author wrote; a `Scene` is what it means: boundaries as drawn segments, paths
+as waypoints, footprints as convex parts, stop stations, bodies by id. It depends on the world and
+the seed alone and does not change during a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
+
+if TYPE_CHECKING:
+    from physim.geometry.area import Area
+    from physim.geometry.wall_grid import WallGrid
+    from physim.world import World
+
+
+DENSITY = 100.0
+"""[kg/m^2] mass of a robot whose world gives none, over its area"""
+
+
+@dataclass(frozen=True)
+class Body:
+    """One row of the body table: robots first (file order), then boundaries, then obstacles."""
+
+    id: int
+    kind: str
+    """``robot``, ``boundary`` or ``obstacle``"""
+    name: str
+
+
+@dataclass(frozen=True)
+class FormationPlan:
+    """What (7) needs, the same for every robot of the cluster."""
+
+    active: bool
+    """False in a world without formation: each robot goes at the speed of its controller"""
+    gain: float
+    """alpha [1/s]"""
+    speed: float
+    """nu_0 [m/s]; 1 and without meaning where there is no formation"""
+    v_min: float
+    """[m/s] least forward speed that (7) may give"""
+    v_max: float
+    """[m/s] greatest forward speed that (7) may give"""
+    lead: FloatArray
+    """(N,) [m] desired lead of Robot i over Robot 1 along s*: the paper's -l_i; lead[0] = 0"""
+    adjacency: IntArray
+    """(N, N) 1 where j is in N_i; (0, 0) when neighbours are those within ``range``"""
+    range: float
+    """[m] along s* within which formation neighbours are"""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where everything of a world lies at the start: plain geometry, with no kernel called.
+
+    World frame [m] but for the footprints, which are in the frames of their robots.
+    """
+
+    world: World
+    """the effective world, with the seed in it"""
+    boundaries: dict[str, FloatArray]
+    """polylines (n, 2) by name, in the order of their ids"""
+    obstacles: list[FloatArray]
+    """outlines (n, 2)"""
+    reference: FloatArray
+    """(n, 2) waypoints of s*"""
+    area: Area
+    """accessible face"""
+    footprints: list[FloatArray]
+    """N outlines (n, 2), counter-clockwise"""
+    paths: list[FloatArray]
+    """N paths (n, 2)"""
+    start: FloatArray
+    """(N, 3) poses [m, m, rad]"""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Arrays of one run: N robots, lengths [m], angles [rad], world frame unless said."""
+
+    world: World
+    """the effective world, after every override"""
+    seed: int
+    dt: float
+    """[s] physics step"""
+    steps: int
+    """number of physics steps of the run; sample 0 is the start"""
+    bodies: tuple[Body, ...]
+    shapes: Shapes
+    """footprints of the N robots, each in its own frame (origin = reference point, x forward)"""
+    walls: Shapes
+    """boundaries (parts of two vertices) and obstacles (convex parts), world frame; body k of
+    ``walls`` is body id N + k"""
+    wall_grid: WallGrid
+    """which parts of ``walls`` are near a place"""
+    mass: FloatArray
+    """(N,) [kg]"""
+    limits: FloatArray
+    """(N, 2) largest |v| [m/s] and |omega| [rad/s]"""
+    start: FloatArray
+    """(N, 3) pose at sample 0"""
+    paths: Polylines
+    """own path s_i of each robot"""
+    reference: Polylines
+    """the one reference path s* (a single polyline)"""
+    outside: tuple[FloatArray, ...]
+    """for each path the stretches (M, 2) [m], from station to station, outside the area"""
+    speeds: tuple[tuple[float, ...] | None, ...]
+    """for each robot its own set of speeds, multiples of nu; None: the controller's"""
+    omegas: tuple[tuple[float, ...] | None, ...]
+    """for each robot its own set of rotational speeds [rad/s]; None: the controller's"""
+    stop_station: FloatArray
+    """(N,) [m] along the own path; at or past it a robot has arrived"""
+    formation: FormationPlan
+    sensing_range: float
+    """[m] within which robots see and consider others and walls"""
+    arrival_tolerance: float
+    """[m] along its path by which a robot that stands may be short of its stop station"""
+    layout: Layout
+    """the same as plain geometry, before it was packed"""
+
+    @property
+    def area(self) -> Area:
+        """Accessible face."""
+        return self.layout.area
+
+    @property
+    def robots(self) -> int:
+        """Number of robots N."""
+        return len(self.start)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the N robots: labels only."""
+        return tuple(body.name for body in self.bodies[: self.robots])

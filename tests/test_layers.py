@@ -53,7 +53,7 @@ LAYERS = {
     "physim.analysis": (4, 4),
     "physim.testing": (4, 0),
     "physim.drawing.palette": (0, 0),
-    "physim.drawing.labels": (0, 0),
+    "physim.drawing.labels": (0, 4),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.video": (5, 2),
@@ -84,6 +84,7 @@ OF_THEIR_OWN = (
     ("physim.analysis.validation.recomputed", "physim.simulation.decisions"),
     ("physim.analysis.validation.rerun", "physim.simulation.loop"),
     ("physim.analysis.validation.rerun", "physim.simulation.run"),
+    ("physim.analysis.validation.rerun", "physim.simulation.recorder"),
     ("physim.analysis.metrics.registered", "physim.parts.registry"),
     ("physim.drawing.plots.pictures", "physim.parts.registry"),
 )

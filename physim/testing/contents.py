@@ -2,8 +2,7 @@
 
 ``contents({"n": 1, "at": [2.0]}, "memory")`` holds 1 at ``memory['n']`` and 2.0 at
 ``memory['at'][0]``. Two values with equal contents are taken to be the same, whatever objects
-they are made of. `StateWatch` compares so what a controller keeps beside its memory: on itself,
-on its class, in its module.
+they are made of. `StateWatch` compares so what a controller keeps beside its memory.
 """
 
 from __future__ import annotations

@@ -99,6 +99,21 @@ class Metric:
     robots: tuple[float | None, ...] | None = None
     """value of each robot by index, where each has one; None where it has no meaning for it"""
 
+    @classmethod
+    def of(cls, definition: Definition, run: Courses) -> Metric | None:
+        """Take a metric of a run; None where it has no meaning."""
+        found = definition.find(run)
+        if found is None:
+            return None
+        if isinstance(found, Moment):
+            bodies = (found.a,) if found.b is None else (found.a, found.b)
+            return cls(definition, found.value, time=found.time, bodies=bodies)
+        if isinstance(found, Place):
+            return cls(definition, found.value, station=found.station, bodies=(found.robot,))
+        if isinstance(found, Each):
+            return cls(definition, found.value, robots=found.robots)
+        return cls(definition, found)
+
     @property
     def name(self) -> str:
         """Name in the registry."""

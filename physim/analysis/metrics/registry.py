@@ -23,7 +23,6 @@ from physim.analysis.metrics.distances import (
 )
 from physim.analysis.metrics.metric import (
     Definition,
-    Each,
     Found,
     Metric,
     Moment,
@@ -301,7 +300,7 @@ def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Met
     wanted = list(names)
     if not known.keys() >= set(wanted):
         known = definitions()
-    taken = {name: _metric(_known(name, known), run) for name in wanted}
+    taken = {name: Metric.of(_known(name, known), run) for name in wanted}
     return {name: metric for name, metric in taken.items() if metric is not None}
 
 
@@ -311,7 +310,7 @@ def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
     faults = list(own.faults)
     for name, what in (*DEFINITIONS.items(), *own.definitions.items()):
         try:
-            metric = _metric(what, run)
+            metric = Metric.of(what, run)
         except PhysimError as error:
             if name in DEFINITIONS:
                 raise
@@ -340,17 +339,3 @@ def _known(name: str, known: Mapping[str, Definition]) -> Definition:
             raise PhysimError(fault)
     close = nearest(name[:100], list(known))
     raise PhysimError(f'no metric is called "{name[:100]}"{close} (physim summary --definitions)')
-
-
-def _metric(what: Definition, run: Courses) -> Metric | None:
-    found = what.find(run)
-    if found is None:
-        return None
-    if isinstance(found, Moment):
-        bodies = (found.a,) if found.b is None else (found.a, found.b)
-        return Metric(what, found.value, time=found.time, bodies=bodies)
-    if isinstance(found, Place):
-        return Metric(what, found.value, station=found.station, bodies=(found.robot,))
-    if isinstance(found, Each):
-        return Metric(what, found.value, robots=found.robots)
-    return Metric(what, found)

@@ -156,12 +156,21 @@ def _stamp_cache(kernel: Any) -> None:
     """
     from numba.core.caching import IndexDataCacheFile
 
+    class StampedCacheFile(IndexDataCacheFile):
+        """A cache file that other sources left is none: its types may be of modules now gone."""
+
+        def _load_index(self) -> Any:
+            try:
+                return super()._load_index()  # type: ignore[no-untyped-call]
+            except (ImportError, AttributeError):
+                return {}
+
     cache = getattr(kernel, "_cache", None)
     implementation = getattr(cache, "_impl", None)
     if cache is None or implementation is None:
         return
     stamp = (implementation.locator.get_source_stamp(), source_stamp())
-    cache._cache_file = IndexDataCacheFile(  # type: ignore[no-untyped-call]
+    cache._cache_file = StampedCacheFile(  # type: ignore[no-untyped-call]
         cache_path=cache._cache_path,
         filename_base=implementation.filename_base + ("" if links_kernels() else ".unlinked"),
         source_stamp=stamp,

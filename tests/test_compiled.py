@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -14,7 +15,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from numba.core.caching import CacheImpl, UserProvidedCacheLocator
+from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheLocator
 
 import physim
 from physim import compiled as compiled_module
@@ -123,6 +124,20 @@ def test_a_numba_that_is_not_known_compiles_by_itself_to_the_same_bits() -> None
     )  # fmt: skip
     assert found.stdout.split() == ["False", short_run()]
     assert compiled_module.links_kernels()
+
+
+def test_a_cache_of_sources_that_have_gone_is_none(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """As after an update: what is stored names types of modules that have moved."""
+    file = leaf.whole._cache._cache_file  # type: ignore[attr-defined]
+    index = tmp_path / "leaf.nbi"
+    index.write_bytes(pickle.dumps(file._version) + b"cphysim.gone\nType\n.")
+    monkeypatch.setattr(file, "_index_path", str(index))
+    with pytest.raises(ModuleNotFoundError):
+        IndexDataCacheFile._load_index(file)  # type: ignore[no-untyped-call]
+    assert file._load_index() == {}
+    assert not compiled_module.is_cached(leaf)
 
 
 def test_errors_come_out_of_inner_kernels() -> None:

@@ -32,7 +32,8 @@ def keep_compiled(copy: Path, edited: Path, stamp: str) -> None:
         kept: set[Path] = set()
     else:
         holders, imports = {holder_of(file).relative_to(copy) for file in caches}, Imports(copy)
-        kept = {holder for holder in holders if edited not in imports.all_of(holder)}
+        there = [holder for holder in holders if (copy / holder).is_file()]  # not what has moved
+        kept = {holder for holder in there if edited not in imports.all_of(holder)}
         hold_stamp(copy, stamp)
     for file in caches:
         if holder_of(file).relative_to(copy) not in kept:

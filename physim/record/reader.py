@@ -229,7 +229,7 @@ class Record(RecordedScene):
 
     @cached_property
     def contacts(self) -> NDArray[np.void]:
-        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps.
+        """Contacts, rows of `physim.contacts.CONTACT_ROW` in the order of steps.
 
         Those at samples and, of kind *swept*, those between two samples.
         """
@@ -237,7 +237,7 @@ class Record(RecordedScene):
 
     @cached_property
     def false_contacts(self) -> NDArray[np.void]:
-        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT` by steps."""
+        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT_ROW` by steps."""
         return self.read("/false_contacts")
 
     @cached_property

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT_ROW
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.record import Record, RecordWriter
@@ -60,7 +60,7 @@ def history(
     out.append("updates", rows[np.argsort(rows["step"], kind="stable")])
     if commands:
         out.append("commands", np.array(list(commands), COMMAND))
-    touching = np.zeros(len(contacts), CONTACT)
+    touching = np.zeros(len(contacts), CONTACT_ROW)
     for name, column in zip(
         ("step", "a", "b", "phase", "depth", "impulse"), zip(*contacts, strict=True), strict=False
     ):

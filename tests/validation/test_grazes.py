@@ -13,7 +13,7 @@ from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.disagreements import GRAZE, REJECTED
-from physim.contacts import FALSE_CONTACT, Kind, Phase
+from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
 from physim.drawing.video.panel import GRAZE as GRAZE_SIGN
@@ -159,7 +159,7 @@ def test_a_rejected_contact_of_shapes_that_touch(rear_end, tmp_path):
     rear_end.save(tmp_path / "record.h5")
     deep = rear_end.contacts[rear_end.contacts["depth"] > 1e-4][0]
     with h5py.File(tmp_path / "record.h5", "r+") as file:
-        rows = np.zeros(1, FALSE_CONTACT)
+        rows = np.zeros(1, FALSE_CONTACT_ROW)
         for key in ("step", "a", "b"):
             rows[key] = deep[key]
         rows["distance"] = -deep["depth"]

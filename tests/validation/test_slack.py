@@ -13,7 +13,7 @@ import pytest
 import physim
 from physim.analysis.validation import prediction, validate
 from physim.analysis.validation.disagreements import TOLERANCE, UNEXPLAINED
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from tests.validation.runs import edited, lane
 from tests.validation.test_grazes import pass_by
 
@@ -63,7 +63,7 @@ def test_a_contact_is_within_tolerance_to_1e_9_m(tmp_path):
     standing = lane(((0.0, 0.0), (0.0, 0.0)), **beside)
     assert len(standing.contacts) == 0
     wall = next(body.id for body in standing.bodies if body.name == "left wall")
-    row = np.zeros(1, CONTACT)
+    row = np.zeros(1, CONTACT_ROW)
     row["step"], row["b"], row["kind"] = 5, wall, Kind.PHYSICAL
     with edited(standing, tmp_path / "record.h5", lambda rows: row) as record:
         found = validate(record).comparison.disagreements

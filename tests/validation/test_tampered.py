@@ -123,7 +123,5 @@ def test_an_overlap_is_told_as_one(rear_end, tmp_path):
         found = validate(record)
         text = " ".join(report(found).split())
     assert found.code == 3
-    assert (
-        "The record tells no contact in 3.00 s, yet bodies overlap: slow and fast overlap" in text
-    )
+    assert "The record has no contact in 3.00 s, yet bodies overlap: slow and fast overlap" in text
     assert "within -" not in text

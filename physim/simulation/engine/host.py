@@ -72,8 +72,8 @@ class Physics:
     robot is free at once when its command turns away.
 
     ``contacts`` holds the rows (`physim.contacts.CONTACT_ROW`) of the present sample, sorted by a
-    and b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the pair
-    exchanged in the step that led to the sample: the push while it touched (a robot held from
+    and b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the
+    pair exchanged in the step that led to the sample: the push while it touched (a robot held from
     v is pushed with m v a step) and the impact of new contacts (m v for a dead stop), magnitudes
     added over the parts that touch.
 

@@ -70,8 +70,9 @@ def history(
         none = np.full(pose.shape[:2], np.inf)
         out.append_steps(np.arange(len(pose)), pose, none, none)
     if extremes:
-        far = None if farthest is None else np.array(farthest, FARTHEST)
-        out.set_extremes(np.array(list(extremes), EXTREME), far)
+        out.extremes.rows[:] = np.array(list(extremes), EXTREME)
+        if farthest is not None:
+            out.extremes.farthest[...] = np.array(farthest, FARTHEST)
     if arrived is not None:
         out.note_arrived(np.array(arrived))
     out.close("duration", steps_run=steps_run, rejected=0, wall_clock={})

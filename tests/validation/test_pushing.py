@@ -152,4 +152,4 @@ def test_a_standing_robot_that_nobody_is_seen_to_push(tmp_path, pushed_along):
     one = next(one for one in found.contacts if one.b >= 2)
     assert one.responsible == (0,)
     said = describe_cause(one, [body.name for body in found.run.bodies])
-    assert said.endswith("stander stood by command, and the record shows nobody that pushed it.")
+    assert said.endswith("stander stood by command, and the record shows no robot that pushed it.")

@@ -1,8 +1,8 @@
 """Was a record made from a world: from the one inside it, and from one that is given?
 
 The first is answered by values: scene and controller are made anew from the text inside and
-compared with what the record holds. The second is answered by the two texts, key by key. What a
-record names may be code of somebody's own: none is run because of that.
+compared with what the record holds. The second is answered by the two texts, key by key. A class
+that a record names is a user's code: it is never run because a record names it.
 """
 
 from __future__ import annotations
@@ -38,8 +38,7 @@ class Inside:
     scene: Scene | None
     """None where the record holds no text of its world"""
     controller: Any | None
-    """the world's own controller, where it decided and can be made without running code of
-    somebody's own"""
+    """the world's own controller, where it decided and can be made without running a user's code"""
     why_not: str
     """why there is no controller; empty where there is one"""
     stages: tuple[str, ...] | None
@@ -92,7 +91,7 @@ def controller_name(record: Record) -> str:
 def check_controller_given(record: Record, given: bool) -> None:
     """Raise PhysimError where a run cannot be simulated again unless its controller is ``given``.
 
-    That is a class of somebody's own: no code is run because a record names it.
+    That holds for a class outside the registry: no code is run because a record names it.
     """
     name = controller_name(record)
     if not given and (record.controller or ":" in name):

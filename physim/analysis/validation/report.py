@@ -15,7 +15,6 @@ from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, NearMiss
 from physim.analysis.validation.validation import Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
-from physim.errors import plural
 from physim.tolerances import ONE_STEP
 
 MOST_LISTED = 20
@@ -168,7 +167,7 @@ def expectation_lines(validation: Validation) -> list[str]:
     if not validation.expectations:
         return []
     missed = len(validation.missed)
-    head = f"EXPECTED: {plural(missed, 'thing')} not so" if missed else "EXPECTED: all of it"
+    head = f"EXPECTED: {missed} NOT HELD" if missed else "EXPECTED: all held"
     return [head, *(f"  {one.key:<22} {one}" for one in validation.expectations)]
 
 

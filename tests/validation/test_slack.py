@@ -91,13 +91,13 @@ def test_a_graze_may_count_either_way_to_2e_9_m(tmp_path, depth, cause):
 )
 def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
     """The contact comes so much later [s] than the end of the step in which it was found."""
-    told = validate(rear_end).contacts[0].prediction
-    assert told.verdict == prediction.AGREES
-    assert late < told.slack < 1e-5 or late > 10.0 * told.slack
+    first = validate(rear_end).contacts[0].prediction
+    assert first.verdict == prediction.AGREES
+    assert late < first.slack < 1e-5 or late > 10.0 * first.slack
     right = prediction.collision_time_pair
-    shift = told.found + late - told.predicted
+    shift = first.found + late - first.predicted
 
     monkeypatch.setattr(prediction, "collision_time_pair", lambda *given: right(*given) + shift)
     found = validate(rear_end).contacts[0].prediction
-    assert found.predicted == pytest.approx(told.found + late, abs=1e-9)
+    assert found.predicted == pytest.approx(first.found + late, abs=1e-9)
     assert found.verdict == verdict

@@ -9,7 +9,7 @@ One decision of Robot i, with the rules it is made of:
 5. distance, boundary distance and collision time (11)        avoidance
 6. safe, danger by distance or danger by time (Fig. 5)        switching
 7. in danger the command by (12) or (13)                      avoidance
-8. the time of the next decision (14)                         timing
+8. the time of the next decision (14)                         switching
 
 `decide` works from what the robot sees; `batch` decides for all robots that are due in one
 compiled call. Both run `decide_one`, and both must decide alike.

@@ -34,7 +34,7 @@ class Kind(IntEnum):
     """they touch between two samples only"""
 
 
-CONTACT = np.dtype(
+CONTACT_ROW = np.dtype(
     [
         ("step", "<i8"),
         ("a", "<i4"),
@@ -57,13 +57,13 @@ at the end of the step in which they touch, phase is *began*; point, normal and 
 the instant at which they are closest (deepest), from exact geometry; impulse is 0. Packed, so no
 byte is undefined."""
 
-FALSE_CONTACT = np.dtype([("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distance", "<f8")])
+FALSE_CONTACT_ROW = np.dtype([("step", "<i8"), ("a", "<i4"), ("b", "<i4"), ("distance", "<f8")])
 """A contact that the engine reported and the exact check rejected: sample, body ids a < b, signed
 distance [m] of the two at that sample, above the contact tolerance. At most one a sample and
 pair."""
 
 
 def touching(rows: NDArray[np.void]) -> NDArray[np.void]:
-    """Rows of `CONTACT` whose bodies touch at the sample: physical, and not ended."""
+    """Rows of `CONTACT_ROW` whose bodies touch at the sample: physical, and not ended."""
     kept: NDArray[np.void] = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
     return kept

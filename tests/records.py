@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, FALSE_CONTACT, Phase
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Phase
 from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.record import Record, RecordWriter
@@ -82,7 +82,7 @@ def make_record(
         safe_distance=1.0, record_every=1, declared=DECLARED,
     )  # fmt: skip
     pose = poses(scene)
-    touching = contact_rows(scene) if contacts and robots > 1 else np.zeros(0, CONTACT)
+    touching = contact_rows(scene) if contacts and robots > 1 else np.zeros(0, CONTACT_ROW)
     found = clearance_block(scene, pose, touching)
     decided = update_rows(scene, pose)
     others = considered_rows(decided)
@@ -95,7 +95,7 @@ def make_record(
         for table, rows in tables.items():
             writer.append(table, rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])])
     if len(touching):
-        reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT)
+        reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT_ROW)
         writer.append("false_contacts", reported)
     clock = {"seconds": 0.1, "factor": 10.0 * seconds} if wall_clock is None else wall_clock
     writer.close(ended, steps_run=scene.steps, rejected=int(len(touching) > 0), wall_clock=clock)
@@ -126,7 +126,7 @@ def contact_rows(scene: SimpleNamespace) -> NDArray[np.void]:
             impulse = 0.0 if phase == Phase.ENDED else 5.0
             rows.append((step, a, b, phase, 0, x + 0.9, y, 1.0, 0.0, depth, impulse))
     rows.sort()
-    return np.array(rows, dtype=CONTACT)
+    return np.array(rows, dtype=CONTACT_ROW)
 
 
 def update_rows(scene: SimpleNamespace, pose: FloatArray) -> NDArray[np.void]:

@@ -14,7 +14,7 @@ import pytest
 import shapely
 
 from physim.analysis.metrics import contact_episodes
-from physim.contacts import FALSE_CONTACT
+from physim.contacts import FALSE_CONTACT_ROW
 from physim.parts.controller import Decision, Observation
 from physim.parts.declarations import PAPER_MODES
 from physim.record import Record, RecordWriter
@@ -227,7 +227,7 @@ def test_false_contacts_are_counted_over_the_whole_run(
     for step in range(1, 21):
         simulation.step()
         assert simulation.last is not None
-        told = np.array([(step, 0, 1, 0.2)] if step % 3 == 0 else [], dtype=FALSE_CONTACT)
+        told = np.array([(step, 0, 1, 0.2)] if step % 3 == 0 else [], dtype=FALSE_CONTACT_ROW)
         recorder.after_step(simulation.last._replace(false_contacts=told))
     recorder.close("duration")
     writer.close("duration", steps_run=20, rejected=recorder.rejected, wall_clock={})

@@ -13,7 +13,7 @@ Figure = bool | float | int | None
 
 
 class Held(NamedTuple):
-    """One expectation and how it fared."""
+    """One expectation and whether the run met it."""
 
     key: str
     wanted: Figure
@@ -22,7 +22,7 @@ class Held(NamedTuple):
     held: bool
 
     def __str__(self) -> str:
-        """``held: 2 <= 2``: how it fared, what was found, the bound."""
+        """``held: 2 <= 2``: whether it held, what was found, the bound."""
         sign = "=" if self.key == "finished" else ">=" if self.key.startswith("min_") else "<="
         return (
             f"{'held' if self.held else 'NOT HELD'}: {_text(self.got)} {sign} {_text(self.wanted)}"
@@ -74,7 +74,7 @@ def _value(moment: metrics.Moment | None) -> float | None:
 
 
 def _wanted(record: Record) -> Mapping[str, Figure]:
-    expect = metrics.world_settings(record).get("expect")
+    expect = record.world_settings.get("expect")
     if not isinstance(expect, Mapping):
         return {}
     for key, value in expect.items():

@@ -60,25 +60,21 @@ def world_given(options: Options, given: str) -> tuple[World, Document]:
     return read_world(given, overrides=overrides, controller=options.controller)
 
 
-def world_inside(options: Options, record: Record) -> tuple[World, Document]:
+def world_of_record(options: Options, record: Record) -> tuple[World, Document]:
     """World that a record holds, to be run with other seeds.
 
     A class of one's own is code: it is imported only when named again by --controller. Other parts
     from Python cannot be had here.
     """
+    from physim.analysis.validation.origin import check_controller_given
+
     document = read_document(record.world_text, f"world of {record.path}")
     for kind, name in record.given:
         if kind != CONTROLLER.word:
             raise PhysimError(
                 f"{record.path}: its {kind} {name} came from Python, which --seeds cannot give"
             )
-    name = record.controller or str(record.world.controller.type)
-    if options.controller is None and (record.controller or ":" in name):
-        raise PhysimError(
-            f"{record.path}: has to be simulated again, and its controller is the class {name}; "
-            "no code is run because a record names it: if you trust the class, give "
-            f"--controller {name}"
-        )
+    check_controller_given(record, options.controller is not None)
     overrides = [*options.overrides, EVERY_STEP]
     return world_of(document, overrides=overrides, controller=options.controller)
 

@@ -98,16 +98,16 @@ def is_record(given: str) -> bool:
 
 
 def _validate_record(record: Record, options: Options) -> int:
-    from physim.analysis.validation.made_from import check_origin
+    from physim.analysis.validation.origin import check_made_from
     from physim.analysis.validation.rerun import compare_runs
     from physim.analysis.validation.validation import missing, validate_again
     from physim.cli import simulating as rerun
 
     if options.world is not None:
         world, _ = rerun.world_given(options, options.world)
-        check_origin(record, world, options.world)
+        check_made_from(record, world, options.world)
     if options.seeds is not None:
-        return _validate_world(*rerun.world_inside(options, record), options)
+        return _validate_world(*rerun.world_of_record(options, record), options)
     if options.seed is not None:
         raise PhysimError("--seed: goes with a world: a record has its own seed")
     lacking = missing(record)

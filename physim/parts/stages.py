@@ -96,9 +96,9 @@ class Step(NamedTuple):
     pose: FloatArray
     """(N, 3) at the sample after the step, as contacts allow"""
     contacts: NDArray[np.void]
-    """rows of `physim.contacts.CONTACT` of that sample"""
+    """rows of `physim.contacts.CONTACT_ROW` of that sample"""
     false_contacts: NDArray[np.void]
-    """rows of `physim.contacts.FALSE_CONTACT` of that sample"""
+    """rows of `physim.contacts.FALSE_CONTACT_ROW` of that sample"""
     arrived: NDArray[np.bool_]
     """(N,) who has arrived at that sample, see `physim.simulation.arrival`"""
 

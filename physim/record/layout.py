@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from physim.contacts import CONTACT, FALSE_CONTACT
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 
 if TYPE_CHECKING:
     from physim.record.reader import Record
@@ -194,7 +194,7 @@ def steps_rows(robots: int) -> dict[str, tuple[tuple[int, ...], str]]:
 
 def table_types(columns: Sequence[str]) -> dict[str, np.dtype[np.void]]:
     """Row type of each of `TABLES`."""
-    types = (update_type(columns), COMMAND, CONSIDERED, CONTACT, FALSE_CONTACT)
+    types = (update_type(columns), COMMAND, CONSIDERED, CONTACT_ROW, FALSE_CONTACT_ROW)
     return dict(zip(TABLES, types, strict=True))
 
 

@@ -160,7 +160,7 @@ class Record(RecordedScene):
         row = int(np.searchsorted(self.steps, step))
         if row == self.samples or self.steps[row] != step:
             nearest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
-            raise RecordError(f"{self._where}: step {step} is not recorded; nearest: {nearest}")
+            raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {nearest}")
         pose: FloatArray = self.read("/steps/pose", row, row + 1)[0]
         return pose
 
@@ -229,7 +229,7 @@ class Record(RecordedScene):
 
     @cached_property
     def contacts(self) -> NDArray[np.void]:
-        """Contacts, rows of `physim.contacts.CONTACT` in the order of steps.
+        """Contacts, rows of `physim.contacts.CONTACT_ROW` in the order of steps.
 
         Those at samples and, of kind *swept*, those between two samples.
         """
@@ -237,7 +237,7 @@ class Record(RecordedScene):
 
     @cached_property
     def false_contacts(self) -> NDArray[np.void]:
-        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT` by steps."""
+        """Rejected contacts of the engine, rows of `physim.contacts.FALSE_CONTACT_ROW` by steps."""
         return self.read("/false_contacts")
 
     @cached_property
@@ -261,12 +261,12 @@ class Record(RecordedScene):
     def world(self) -> World:
         """The effective world. Raises WorldError where its text is faulty.
 
-        Its controller is told as it was named, ``module:Class`` too: nothing is looked up or
+        Its controller stands as it was named, ``module:Class`` too: nothing is looked up or
         imported, and the controller's settings are as they were recorded.
         """
         from physim.world.file import parse_world
 
-        where = f"world of {self._where}"
+        where = f"world of {self.where}"
         return parse_world(self.world_text, where, check_controller=False)
 
     @cached_property
@@ -283,7 +283,7 @@ class Record(RecordedScene):
             world = yaml.load(self.world_text, Loader=fast)
         except (yaml.YAMLError, ValueError, RecursionError) as error:
             line = " ".join(str(error).split())
-            raise RecordError(f"world text of {self!r} cannot be read: {line}") from error
+            raise RecordError(f"{self.where}: the world inside cannot be read: {line}") from error
         return world if isinstance(world, Mapping) else {}
 
     @cached_property

@@ -255,7 +255,7 @@ class RecordFile:
     """
 
     def __init__(self, file: h5py.File, where: str, bounds: Bounds, samples: int) -> None:
-        self._file, self._where, self._bounds = file, where, bounds
+        self._file, self.where, self._bounds = file, where, bounds
         self.samples, self.robots = samples, bounds.robots
         self._killed_at: int | None = None
 
@@ -282,11 +282,11 @@ class RecordFile:
                 last = self.samples if last is None else min(last, self.samples)
             rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
-            raise damaged(self._where, path, error) from error
+            raise damaged(self.where, path, error) from error
         if path in layout.TABLES and self._killed_at is not None:
             rows = rows[rows["step"] <= self._killed_at]
         if check:
-            self._check(Source(self._where, path, first), rows)
+            self._check(Source(self.where, path, first), rows)
         return frozen(rows)
 
     def _check(self, source: Source, rows: NDArray[Any]) -> None:
@@ -303,7 +303,7 @@ class RecordFile:
     def _points(self, path: str) -> FloatArray:
         """Points (n, 2) [m] of a dataset."""
         points = self.read(path)
-        check_points(Source(self._where, path), points)
+        check_points(Source(self.where, path), points)
         return points
 
     def _starts(
@@ -311,7 +311,7 @@ class RecordFile:
     ) -> NDArray[Any]:
         """Starts of packed runs, see `check_starts`."""
         start = self.read(path)
-        check_starts(Source(self._where, path), start, whole, empty=empty, runs=runs)
+        check_starts(Source(self.where, path), start, whole, empty=empty, runs=runs)
         return start
 
     def _runs(self, group: str, runs: int | None = None) -> list[FloatArray]:

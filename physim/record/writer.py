@@ -211,12 +211,6 @@ class RecordWriter:
         """Take the clearances of B physics steps into account, see `Extremes.note`."""
         self.extremes.note(np.asarray(step, dtype=np.int64), found)
 
-    def set_extremes(self, rows: NDArray[np.void], farthest: NDArray[np.void] | None) -> None:
-        """Set the extremes over all physics steps so far: (N,) `EXTREME`, one `FARTHEST`."""
-        self.extremes.rows[:] = rows
-        if farthest is not None:
-            self.extremes.farthest[...] = farthest
-
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
         with self._writing():

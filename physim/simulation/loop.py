@@ -139,7 +139,7 @@ class Simulation:
 
     @property
     def contacts(self) -> NDArray[np.void]:
-        """Rows of `physim.contacts.CONTACT` of the present sample."""
+        """Rows of `physim.contacts.CONTACT_ROW` of the present sample."""
         return self.physics.contacts
 
     @property

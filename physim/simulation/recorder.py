@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, FALSE_CONTACT
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 from physim.geometry.clearance import Clearances, clearances
 from physim.geometry.shapes import FloatArray
 from physim.parts.stages import Step
@@ -144,7 +144,7 @@ class Recorder:
         rows = [one for one in found if len(one)]
         self.rejected += sum(map(len, rows))
         if rows and "false_contacts" in self.tables:
-            self.writer.append("false_contacts", np.concatenate(rows, dtype=FALSE_CONTACT))
+            self.writer.append("false_contacts", np.concatenate(rows, dtype=FALSE_CONTACT_ROW))
 
     def _write_samples(
         self, poses: FloatArray, arrived: NDArray[np.bool_], contacts: Sequence[NDArray[np.void]]
@@ -157,7 +157,7 @@ class Recorder:
         self.writer.note_arrived(self.since)
         found = clearances(poses, self.scene.shapes, self.scene.walls, self.scene.wall_grid)
         rows = np.concatenate(
-            [*contacts, self.grazes.rows(self.first, poses, found)], dtype=CONTACT
+            [*contacts, self.grazes.rows(self.first, poses, found)], dtype=CONTACT_ROW
         )
         if len(rows) and "contacts" in self.tables:
             self.writer.append("contacts", rows[np.argsort(rows["step"], kind="stable")])

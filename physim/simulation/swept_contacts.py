@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.geometry.clearance import Clearances
 from physim.geometry.shapes import FloatArray
 from physim.geometry.swept_contacts import FULL, find_swept_contacts, travel_bounds, within_reach
@@ -41,9 +41,9 @@ class SweptContactFinder:
         travel = travel_bounds(poses, scene.shapes.radius)
         robots, walls = within_reach(travel, gap, wall_gap)
         if not robots.any() and not walls.any():
-            return np.zeros(0, CONTACT)
+            return np.zeros(0, CONTACT_ROW)
         who, values = _found(scene, poses, travel, robots, walls)
-        rows = np.zeros(len(who), CONTACT)
+        rows = np.zeros(len(who), CONTACT_ROW)
         rows["step"] = who[:, 0] + first + len(known[0]) - len(poses)
         rows["a"], rows["b"] = who[:, 1], who[:, 2]
         rows["phase"], rows["kind"] = Phase.BEGAN, Kind.SWEPT

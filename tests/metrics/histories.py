@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT_ROW
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.record import Record, RecordWriter
@@ -60,7 +60,7 @@ def history(
     out.append("updates", rows[np.argsort(rows["step"], kind="stable")])
     if commands:
         out.append("commands", np.array(list(commands), COMMAND))
-    touching = np.zeros(len(contacts), CONTACT)
+    touching = np.zeros(len(contacts), CONTACT_ROW)
     for name, column in zip(
         ("step", "a", "b", "phase", "depth", "impulse"), zip(*contacts, strict=True), strict=False
     ):
@@ -70,8 +70,9 @@ def history(
         none = np.full(pose.shape[:2], np.inf)
         out.append_steps(np.arange(len(pose)), pose, none, none)
     if extremes:
-        far = None if farthest is None else np.array(farthest, FARTHEST)
-        out.set_extremes(np.array(list(extremes), EXTREME), far)
+        out.extremes.rows[:] = np.array(list(extremes), EXTREME)
+        if farthest is not None:
+            out.extremes.farthest[...] = np.array(farthest, FARTHEST)
     if arrived is not None:
         out.note_arrived(np.array(arrived))
     out.close("duration", steps_run=steps_run, rejected=0, wall_clock={})

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hosts import drive, host
 
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.simulation.engine.pairs import (
     Pairs,
     contact_rows,
@@ -69,7 +69,7 @@ def test_rows_from_columns():
     rows = contact_rows(
         6, np.array([[0, 1], [0, 4]]), np.array([0, 2], dtype="i1"), found, np.array([7.0, 8.0])
     )
-    assert rows.dtype == CONTACT
+    assert rows.dtype == CONTACT_ROW
     assert rows[0].tolist() == (6, 0, 1, 0, Kind.PHYSICAL, 1.0, 2.0, 0.0, 1.0, 0.25, 7.0)
     assert rows[1].tolist() == (6, 0, 4, 2, Kind.PHYSICAL, 3.0, 4.0, 1.0, 0.0, -0.5, 8.0)
 

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 import pytest
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT_ROW
 from physim.record import Record, RecordWriter, crash_safe, writer
 from tests.records import DECLARED, UPDATE, make_scene
 
@@ -28,7 +28,7 @@ ROOT = Path(__file__).parents[2]
 def append(out: RecordWriter, first: int, last: int) -> None:
     """Append samples, decisions and contacts of steps ``first`` to ``last - 1``."""
     step = np.arange(first, last)
-    updates, contacts = np.zeros(len(step), UPDATE), np.zeros(len(step), CONTACT)
+    updates, contacts = np.zeros(len(step), UPDATE), np.zeros(len(step), CONTACT_ROW)
     updates["step"] = contacts["step"] = step
     updates["next_step"], contacts["b"] = step + 1, 1
     updates["station"], contacts["x"] = 0.5 * step, 0.25 * step

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.contacts import CONTACT
+from physim.contacts import CONTACT_ROW
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
 from physim.record.layout import DATASETS
@@ -228,7 +228,7 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
             tmp_path / f"{blocks}.h5", scene, "", name="", declared=DECLARED, flush_every_s=1e9
         )
         pose, near = np.zeros((1000, 10, 3)), np.zeros((1000, 10))
-        rows, touching = np.zeros(1000, UPDATE), np.zeros(1000, CONTACT)
+        rows, touching = np.zeros(1000, UPDATE), np.zeros(1000, CONTACT_ROW)
         tracemalloc.start()
         for block in range(blocks):
             out.append("updates", rows)
@@ -262,7 +262,7 @@ def test_unwritable_place(tmp_path: Path) -> None:
 def test_rows_of_another_kind(tmp_path: Path) -> None:
     out = RecordWriter(None, make_scene(), "", name="")
     with pytest.raises(RecordError, match="/updates: rows of type"):
-        out.append("updates", np.zeros(1, CONTACT))
+        out.append("updates", np.zeros(1, CONTACT_ROW))
     with pytest.raises(ValueError, match="pose"):
         out.append_steps([0], np.zeros((1, 4, 3)), np.zeros((1, 3)), np.zeros((1, 3)))
     with pytest.raises(RecordError, match='ended "crashed"; allowed: running'):

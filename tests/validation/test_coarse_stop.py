@@ -34,10 +34,10 @@ def test_a_coarse_record_that_breaks_off_is_judged_up_to_there(tmp_path, capsys,
     target = tmp_path / f"{ended}.json"
     code, out, _ = run(capsys, path, "--controller", CARELESS, "--json", target)
     assert code == 0
-    assert f"1.00 s of at most 3 s, step 0.01 s; {says}: judged as far as it was recorded" in out
+    assert f"1.00 s of at most 3 s, step 0.01 s; {says}: checked as far as it was recorded" in out
     assert "Simulated again: the same values to the bit" in out
-    told = json.loads(target.read_text(encoding="utf-8"))["run"]
-    assert (told["ended"], told["samples"]) == (ended, 101)
+    written = json.loads(target.read_text(encoding="utf-8"))["run"]
+    assert (written["ended"], written["samples"]) == (ended, 101)
 
 
 def test_a_coarse_record_of_a_run_that_ended_elsewhere(tmp_path, capsys):
@@ -47,5 +47,5 @@ def test_a_coarse_record_of_a_run_that_ended_elsewhere(tmp_path, capsys):
         file.attrs.modify("ended", np.bytes_("finished"))
     code, out, _ = run(capsys, path, "--controller", CARELESS)
     assert code == 3
-    told = " ".join(out.split())
-    assert "attribute ended is finished in the record, duration simulated again" in told
+    text = " ".join(out.split())
+    assert "attribute ended is finished in the record, duration simulated again" in text

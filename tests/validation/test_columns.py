@@ -42,13 +42,13 @@ class Honest:
             its = self.twist(one.pose, (one.v, one.omega))
             there = tuple(one.pose)
             times.append(marched_time(o.footprint, me, mine, one.footprint, there, its, HORIZON))
-        told = {
+        row = {
             "distance": min(near, default=inf),
             "boundary_distance": body.distance(geometry_at(o.walls, HERE)),
             "collision_time": min(times),
         }
         return Decision(
-            *command, hold=0.2, considered=[one.index for one in o.others], report=self.lie(told)
+            *command, hold=0.2, considered=[one.index for one in o.others], report=self.lie(row)
         )
 
     def twist(self, pose, command):
@@ -67,7 +67,7 @@ def judged(*arguments):
 
 @pytest.mark.parametrize("straight", [False, True])
 def test_what_is_so_agrees_with_slow_oracles(straight):
-    found, text = judged(lambda told: told, straight)
+    found, text = judged(lambda row: row, straight)
     assert found.recomputed.mismatches == ()
     assert found.recomputed.columns == ("distance", "boundary_distance", "collision_time")
     assert "distance, boundary distance and collision time computed from the shapes" in text
@@ -75,8 +75,8 @@ def test_what_is_so_agrees_with_slow_oracles(straight):
 
 
 def changed(column, change):
-    def lie(told):
-        return told | {column: change(told[column])}
+    def lie(row):
+        return row | {column: change(row[column])}
 
     return lie
 

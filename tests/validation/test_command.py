@@ -150,10 +150,10 @@ def test_a_run_of_other_versions_is_held_up_to_its_first_contact(folder, capsys)
         rows["impulse"] *= 2.0  # behind the first contact: not compared
         file["/contacts"][...] = rows
     code, out, _ = run(capsys, path, "--rerun", "--controller", CARELESS)
-    told = " ".join(out.split())
+    report = " ".join(out.split())
     assert code == 1
-    assert "by other versions than made the record (physim 0.0.9): the same within 1e-09" in told
-    assert "up to the first contact after " in told
+    assert "by other versions than made the record (physim 0.0.9): the same within 1e-09" in report
+    assert "up to the first contact after " in report
     with h5py.File(path, "r+") as file:
         file["/steps/pose"][...] += 1e-8
     assert run(capsys, path, "--rerun", "--controller", CARELESS)[0] == 3
@@ -212,11 +212,11 @@ def test_every_seed_is_run(folder, capsys):
     changes = ["time.duration=0.5", "robots.1.pose=[6.2, -1.3, random]"]
     short = [word for change in changes for word in ("--set", change)]
     run(capsys, folder / "any.yaml", "--seeds", "4:7", "--json", target, "--force", *short)
-    told = json.loads(target.read_text(encoding="utf-8"))["seeds"]
+    written = json.loads(target.read_text(encoding="utf-8"))["seeds"]
     world = physim.load_world(folder / "any.yaml", overrides=changes)
     alone = [validate(physim.simulate(world, seed=seed)).near_misses for seed in (4, 5, 6)]
-    assert [one["nearest"] for one in told] == [near.distances[0].value for near in alone]
-    assert len({one["nearest"] for one in told}) == 3
+    assert [one["nearest"] for one in written] == [near.distances[0].value for near in alone]
+    assert len({one["nearest"] for one in written}) == 3
 
 
 def test_seeds_of_a_world_without_anything_random(folder, capsys):
@@ -232,7 +232,7 @@ def one_line(err):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (lambda file: file.attrs.modify("version", "99.1"), "record version '99.1'"),
         (lambda file: file.__delitem__("contacts"), "dataset /contacts is missing"),
@@ -240,10 +240,10 @@ def one_line(err):
                        ("step", "pose", "clearance", "boundary_clearance")], "truncated"),
     ],
 )  # fmt: skip
-def test_bad_records(folder, capsys, change, told):
+def test_bad_records(folder, capsys, change, expected):
     code, out, err = run(capsys, copy_of(folder, "changed.h5", change))
     assert (code, out) == (2, "")
-    assert told in err
+    assert expected in err
     one_line(err)
 
 

@@ -1,11 +1,14 @@
-"""Decisions made again by the world's own controller: what was changed is told, row and column."""
+"""Decisions made again by the world's own controller: a change is reported with row and column."""
 
 from __future__ import annotations
+
+import json
 
 import pytest
 
 import physim
 from physim.analysis.validation import report, validate
+from physim.analysis.validation.seeds import json_of_validation
 from tests.forgeries.parts import Heard, Ramp, Slip
 from tests.forgeries.runs import LANE
 from tests.forgeries.tools import column, decided, dropped, together, world
@@ -31,16 +34,18 @@ def test_as_it_is_everything_agrees(free):
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "told", "exact"),
+    ("name", "value", "recorded", "exact"),
     [("mode", 2, "danger_time", "safe"), ("rule", 1, "plan", "path_following")],
 )
-def test_a_mode_and_a_rule(free, tmp_path, name, value, told, exact):
+def test_a_mode_and_a_rule(free, tmp_path, name, value, recorded, exact):
     found = judged(free, tmp_path, column("/updates", name, value, decided(0, 15)))
     (one,) = found.recomputed.mismatches
     assert (one.table, one.column, one.robot, one.step) == ("/updates", name, 0, 300)
-    assert (one.told, one.exact, one.count) == (told, exact, 1)
+    assert (one.recorded, one.exact, one.count) == (recorded, exact, 1)
     assert found.code == 3
-    assert f"r1: /updates, row {one.row}, {name} is {told} in the record" in found.verdict
+    assert f"r1: /updates, row {one.row}, {name} is {recorded} in the record" in found.verdict
+    (written,) = json.loads(json_of_validation(found))["recomputed"]["mismatches"]
+    assert (written["told"], written["exact"], "recorded" in written) == (recorded, exact, False)
 
 
 def test_a_decision_that_is_not_there(free, tmp_path):

@@ -42,7 +42,7 @@ def test_arrivals_block_by_block(finished, monkeypatch, size):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (cut(600, "finished"), "ended is finished in the record, not by the poses: r1, r2, r3 had"),
         (cut(600, "duration"), "steps_run is 600 in the record, 3000 by the world inside"),
@@ -52,12 +52,12 @@ def test_arrivals_block_by_block(finished, monkeypatch, size):
         (cells("/robots/arrived", 2, 1500), "r3: /robots/arrived, row 2 is 1500 in the record"),
     ],
 )
-def test_how_it_ended(finished, tmp_path, change, told):
+def test_how_it_ended(finished, tmp_path, change, expected):
     with physim.Record.load(tampered(finished, tmp_path, change)) as forged:
         found = validate(forged)
     names = [body.name for body in found.run.bodies]
     assert found.code == 3
-    assert any(told in one.line(names) for one in found.recomputed.mismatches)
+    assert any(expected in one.line(names) for one in found.recomputed.mismatches)
 
 
 def test_a_run_that_was_cut_as_it_says_is_judged_as_far_as_it_goes(finished, tmp_path):

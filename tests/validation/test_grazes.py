@@ -13,7 +13,7 @@ from physim.analysis.summary import table
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.disagreements import GRAZE, REJECTED
-from physim.contacts import FALSE_CONTACT, Kind, Phase
+from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
 from physim.drawing.video.panel import GRAZE as GRAZE_SIGN
@@ -92,18 +92,18 @@ def test_the_video_counts_and_marks_it_apart(grazing):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (lambda rows: rows[:0], "not in the record"),
         (lambda rows: shifted(rows, "step", 3), "in the record, shapes apart"),
         (lambda rows: shifted(rows, "depth", 1e-6), "m by the shapes"),
     ],
 )
-def test_a_false_row_is_found_out(tmp_path, grazing, change, told):
+def test_a_false_row_is_found_out(tmp_path, grazing, change, expected):
     with edited(grazing, tmp_path / "record.h5", change) as record:
         found = validate(record)
     assert found.code == 3
-    assert told in said(found)
+    assert expected in said(found)
 
 
 def shifted(rows, column, by):
@@ -155,11 +155,11 @@ def test_rejected_false_contacts_are_told_one_by_one(tmp_path):
 
 
 def test_a_rejected_contact_of_shapes_that_touch(rear_end, tmp_path):
-    """The engine was right, and its guard wrong: told, though the distance is the true one."""
+    """The engine was right, and its guard wrong: reported, though the distance is the true one."""
     rear_end.save(tmp_path / "record.h5")
     deep = rear_end.contacts[rear_end.contacts["depth"] > 1e-4][0]
     with h5py.File(tmp_path / "record.h5", "r+") as file:
-        rows = np.zeros(1, FALSE_CONTACT)
+        rows = np.zeros(1, FALSE_CONTACT_ROW)
         for key in ("step", "a", "b"):
             rows[key] = deep[key]
         rows["distance"] = -deep["depth"]

@@ -49,9 +49,9 @@ def test_a_standing_robot_that_is_pushed_into_another_is_not_responsible():
     assert "Responsible is" in text
     assert "r3: r2, which stood by command, was pushed by r3 against r1." in text
     assert "r2 stood by command and was pushed by r3." in text
-    told = json.loads(json_of_validation(found))["contacts"][pushed.number - 1]
-    assert told["responsible"] == [2]
-    assert told["sides"][1]["pushed_by"] == 2
+    written = json.loads(json_of_validation(found))["contacts"][pushed.number - 1]
+    assert written["responsible"] == [2]
+    assert written["sides"][1]["pushed_by"] == 2
 
 
 def test_pushes_are_followed_along_robots_in_contact():
@@ -152,4 +152,4 @@ def test_a_standing_robot_that_nobody_is_seen_to_push(tmp_path, pushed_along):
     one = next(one for one in found.contacts if one.b >= 2)
     assert one.responsible == (0,)
     said = describe_cause(one, [body.name for body in found.run.bodies])
-    assert said.endswith("stander stood by command, and the record shows nobody that pushed it.")
+    assert said.endswith("stander stood by command, and the record shows no robot that pushed it.")

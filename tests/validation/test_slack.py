@@ -13,7 +13,7 @@ import pytest
 import physim
 from physim.analysis.validation import prediction, validate
 from physim.analysis.validation.disagreements import TOLERANCE, UNEXPLAINED
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from tests.validation.runs import edited, lane
 from tests.validation.test_grazes import pass_by
 
@@ -63,7 +63,7 @@ def test_a_contact_is_within_tolerance_to_1e_9_m(tmp_path):
     standing = lane(((0.0, 0.0), (0.0, 0.0)), **beside)
     assert len(standing.contacts) == 0
     wall = next(body.id for body in standing.bodies if body.name == "left wall")
-    row = np.zeros(1, CONTACT)
+    row = np.zeros(1, CONTACT_ROW)
     row["step"], row["b"], row["kind"] = 5, wall, Kind.PHYSICAL
     with edited(standing, tmp_path / "record.h5", lambda rows: row) as record:
         found = validate(record).comparison.disagreements
@@ -91,13 +91,13 @@ def test_a_graze_may_count_either_way_to_2e_9_m(tmp_path, depth, cause):
 )
 def test_a_prediction_agrees_to_its_slack(monkeypatch, rear_end, late, verdict):
     """The contact comes so much later [s] than the end of the step in which it was found."""
-    told = validate(rear_end).contacts[0].prediction
-    assert told.verdict == prediction.AGREES
-    assert late < told.slack < 1e-5 or late > 10.0 * told.slack
+    first = validate(rear_end).contacts[0].prediction
+    assert first.verdict == prediction.AGREES
+    assert late < first.slack < 1e-5 or late > 10.0 * first.slack
     right = prediction.collision_time_pair
-    shift = told.found + late - told.predicted
+    shift = first.found + late - first.predicted
 
     monkeypatch.setattr(prediction, "collision_time_pair", lambda *given: right(*given) + shift)
     found = validate(rear_end).contacts[0].prediction
-    assert found.predicted == pytest.approx(told.found + late, abs=1e-9)
+    assert found.predicted == pytest.approx(first.found + late, abs=1e-9)
     assert found.verdict == verdict

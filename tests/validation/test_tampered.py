@@ -30,7 +30,7 @@ def cell(path, row, value, column=None):
 
 
 @pytest.mark.parametrize(
-    ("path", "row", "value", "column", "told"),
+    ("path", "row", "value", "column", "expected"),
     [
         ("/steps/clearance", (150, 0), 99.0, None, "distance to the nearest robot 99 m"),
         ("/steps/boundary_clearance", (9, 1), 1e-3, None, "nearest boundary 0.001 m"),
@@ -41,14 +41,14 @@ def cell(path, row, value, column=None):
         ("/extremes_farthest", (), 7, "step", "at this sample in the record, but the shapes"),
     ],
 )
-def test_recorded_distances(apart, tmp_path, path, row, value, column, told):
+def test_recorded_distances(apart, tmp_path, path, row, value, column, expected):
     assert validate(apart).code == 0
     with physim.Record.load(tampered(apart, tmp_path, cell(path, row, value, column))) as record:
         found = validate(record)
         text = " ".join(report(found).split())
     assert found.code == 3
     assert found.verdict.startswith("checks disagree: ")
-    assert told in text
+    assert expected in text
     assert "by the shapes" in text or "m apart then" in text
     assert "came within 99" not in text
 
@@ -66,7 +66,7 @@ def renamed(file):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (lambda file: file.attrs.modify("seed", np.int64(99)), "seed is 99 in the record, 1 by"),
         (cell("/walls/vertices", 0, 77.0), "walls: vertex 0 is (77, 77) in the record"),
@@ -78,12 +78,12 @@ def renamed(file):
         (lambda file: file.attrs.modify("dt", 0.02), "dt is 0.02 in the record, 0.01 by"),
     ],
 )
-def test_scene_that_is_not_that_of_the_world_inside(rear_end, tmp_path, capsys, change, told):
+def test_scene_that_is_not_that_of_the_world_inside(rear_end, tmp_path, capsys, change, expected):
     path = tampered(rear_end, tmp_path, change)
     assert main(["validate", "--quiet", str(path)]) == 3
     verdict = capsys.readouterr().out.splitlines()[-1]
     assert verdict.startswith("verdict: checks disagree: ")
-    assert told in verdict
+    assert expected in verdict
 
 
 def test_world_inside_that_cannot_be_read(apart, tmp_path, capsys):
@@ -123,7 +123,5 @@ def test_an_overlap_is_told_as_one(rear_end, tmp_path):
         found = validate(record)
         text = " ".join(report(found).split())
     assert found.code == 3
-    assert (
-        "The record tells no contact in 3.00 s, yet bodies overlap: slow and fast overlap" in text
-    )
+    assert "The record has no contact in 3.00 s, yet bodies overlap: slow and fast overlap" in text
     assert "within -" not in text

@@ -39,7 +39,7 @@ def turned(file):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (column("/contacts", "x", lambda c: c + 50.0), "contact point (5"),
         (turned, "normal ("),
@@ -54,12 +54,12 @@ def turned(file):
         ),
     ],
 )
-def test_tables(parted, tmp_path, change, told):
+def test_tables(parted, tmp_path, change, expected):
     assert validate(parted).code == 1
     with physim.Record.load(tampered(parted, tmp_path, change)) as record:
         found = validate(record)
     assert found.code == 3
-    assert told in " ".join(report(found).split())
+    assert expected in " ".join(report(found).split())
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +92,7 @@ def twice(path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (twice("/contacts"), "/contacts, row 1: step "),
         (twice("/updates"), "/updates, row 1: step 0, robot 0 again; it may be there once"),
@@ -103,13 +103,13 @@ def twice(path):
         (lambda f: f.attrs.create("ended", b"finished"), "it must be of fixed length, S16"),
     ],
 )
-def test_what_no_run_writes_is_refused_in_one_line(rear_end, tmp_path, capsys, change, told):
+def test_what_no_run_writes_is_refused_in_one_line(rear_end, tmp_path, capsys, change, expected):
     path = tampered(rear_end, tmp_path, change)
     for command in ("summary", "validate"):
         assert main([command, str(path)]) == 2
         (line,) = [s for s in capsys.readouterr().err.splitlines() if not s.startswith("compiling")]
         assert line.startswith(f"{path}: ")
-        assert told in line
+        assert expected in line
 
 
 def cut(file):
@@ -118,7 +118,7 @@ def cut(file):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         (lambda f: f.attrs.modify("name", "other"), "name is other in the record, lane by"),
         (cut, "steps_planned is 900 in the record, 300 by"),
@@ -126,11 +126,11 @@ def cut(file):
         (lambda f: f["/areas/accessible/points"].__setitem__((0, 1), 7.0), "the accessible area"),
     ],
 )
-def test_name_duration_and_areas(rear_end, tmp_path, change, told):
+def test_name_duration_and_areas(rear_end, tmp_path, change, expected):
     with physim.Record.load(tampered(rear_end, tmp_path, change)) as record:
         found = validate(record)
     assert found.code == 3
-    assert told in found.verdict
+    assert expected in found.verdict
 
 
 def test_a_run_that_is_said_to_have_lasted_its_whole_duration(apart, tmp_path):
@@ -156,10 +156,10 @@ def test_what_decided_is_recorded(tmp_path):
     world = physim.parse_world(LANE)
     assert physim.simulate(world).controller == ""
     assert physim.simulate(world, controller=world.controller.type).controller == ""
-    for gap, told in ((0.5, ""), (0.7, "physim.controllers.mode_switching:ModeSwitching")):
+    for gap, expected in ((0.5, ""), (0.7, "physim.controllers.mode_switching:ModeSwitching")):
         own = make_part(CONTROLLER, "mode_switching", {"safe_distance": gap})
         usual = physim.parse_world(LANE, overrides=["controller.safe_distance=0.5"])
-        assert physim.simulate(usual, controller=own).controller == told
+        assert physim.simulate(usual, controller=own).controller == expected
     given = physim.simulate(world, controller=Drivers((1.0, 0.0), (0.9, 0.05)))
     assert given.controller == "tests.validation.runs:Drivers"
     path = tmp_path / "r.h5"

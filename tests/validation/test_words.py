@@ -20,19 +20,19 @@ class Saying:
     modes = PAPER_MODES
     columns = STANDARD_COLUMNS
 
-    def __init__(self, mode=None, considered=(), **told) -> None:
-        self.told = ((SAFE, (), {}), (mode, considered, told))
+    def __init__(self, mode=None, considered=(), **reported) -> None:
+        self.reported = ((SAFE, (), {}), (mode, considered, reported))
 
     def decide(self, observation, memory):
         v, omega = REAR_END[observation.index]
-        mode, considered, told = self.told[observation.index]
+        mode, considered, reported = self.reported[observation.index]
         return Decision(
-            v=v, omega=omega, hold=0.1, mode=mode, considered=considered, report=told
+            v=v, omega=omega, hold=0.1, mode=mode, considered=considered, report=reported
         )  # fmt: skip
 
 
-def words(mode=None, **told):
-    record = physim.simulate(physim.parse_world(LANE), controller=Saying(mode, **told))
+def words(mode=None, **reported):
+    record = physim.simulate(physim.parse_world(LANE), controller=Saying(mode, **reported))
     return " ".join(report(validate(record)).split())
 
 
@@ -45,7 +45,7 @@ def test_a_robot_that_says_it_has_arrived_and_drives_on():
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("reported", "said"),
     [
         ({}, "it reported no distance and no collision time"),
         (
@@ -71,8 +71,8 @@ def test_a_robot_that_says_it_has_arrived_and_drives_on():
         ),
     ],
 )
-def test_all_that_a_controller_reported_is_told(told, said):
-    assert f"omega 0.200 rad/s; {said} finding" in words(**told)
+def test_all_that_a_controller_reported_is_told(reported, said):
+    assert f"omega 0.200 rad/s; {said} finding" in words(**reported)
 
 
 def test_huge_values_are_short():

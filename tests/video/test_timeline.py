@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from physim.contacts import CONTACT, Kind, Phase
+from physim.contacts import CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.render import frame_times
 from physim.parts.declarations import PAPER_MODES, Mode
@@ -47,7 +47,7 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     last = int(made(3).steps[-1])
     held = [(step, 1, 4, stays) for step in range(12, last + 1)]
     held += [(step, 0, 1, stays) for step in range(21, last + 1)]
-    table = np.zeros(len(rows) + len(held), CONTACT)
+    table = np.zeros(len(rows) + len(held), CONTACT_ROW)
     table["step"], table["a"], table["b"], table["phase"] = np.array(rows + held).T
     table["x"][: len(rows)], table["x"][len(rows) :] = np.arange(len(rows)), 9.0
     table["kind"][len(rows) - 1] = Kind.SWEPT

@@ -82,12 +82,10 @@ from physim.analysis.metrics.progress import (
     Absent,
     absent,
     active_steps,
-    arrival_steps,
     column_over_time,
     finished,
     last_decisions,
     time_to_finish,
-    world_settings,
 )
 from physim.analysis.metrics.registered import own_metrics, own_part
 from physim.analysis.metrics.registry import (
@@ -116,7 +114,6 @@ __all__ = [
     "Width",
     "absent",
     "active_steps",
-    "arrival_steps",
     "averaged_speeds",
     "collision_times",
     "column_over_time",
@@ -163,5 +160,4 @@ __all__ = [
     "shortest_distance",
     "time_to_finish",
     "updates_per_second",
-    "world_settings",
 ]

@@ -132,7 +132,7 @@ def severity(record: Record, episode: Episode, mass: FloatArray | None) -> Sever
     Needs the poses of every step.
     """
     a, b, step = episode.a, episode.b, episode.step
-    row = _first_row(record, episode)
+    row = first_row(record, episode)
     point, normal = (float(row["x"]), float(row["y"])), np.array((row["nx"], row["ny"]))
     relative = point_velocity(record, a, step, point) - point_velocity(record, b, step, point)
     closing = max(0.0, float(relative @ normal))
@@ -172,7 +172,8 @@ def point_velocity(record: Record, body: int, step: int, point: tuple[float, flo
     return np.array((vx - omega * y, vy + omega * x))
 
 
-def _first_row(record: Record, episode: Episode) -> np.void | NDArray[np.void]:
+def first_row(record: Record, episode: Episode) -> np.void:
+    """Row of the contact table at the first sample of an episode."""
     rows = record.contacts
     low, high = np.searchsorted(rows["step"], (episode.step, episode.step + 1))
     rows = touching(rows[low:high])

@@ -203,8 +203,8 @@ def formation_energy(record: Record, every: float = GRID) -> Series | None:
     pairs, reach = _listed(plan, record.names), float(plan.get("range", RANGE))
     energy = np.empty(len(time))
     for k, s in enumerate(station):
-        late = s - lead
-        errors = np.square(late[:, None] - late)
+        centre = s - lead  # the formation's, as each robot's station and place give it
+        errors = np.square(centre[:, None] - centre)
         near = np.abs(s[:, None] - s) <= reach if pairs is None else pairs
         energy[k] = 0.5 * (errors * near).sum()  # (9)
     return Series(time, energy)

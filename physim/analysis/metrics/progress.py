@@ -54,18 +54,8 @@ def active_steps(record: Record) -> IntArray:
     return np.asarray(steps)
 
 
-def arrival_steps(record: Record) -> IntArray:
-    """Step (N,) from which on each robot has arrived, to the end of the run; -1 if it has not."""
-    return record.arrived
-
-
-def world_settings(record: Record) -> Mapping[str, Any]:
-    """The world of a record as plain values, see `Record.world_settings`."""
-    return record.world_settings
-
-
 def finished(record: Record) -> bool:
-    """Whether all robots have arrived at their stop stations, judged by their motion."""
+    """Whether all robots have arrived at their stop stations, by their motion."""
     return record.robots > 0 and bool((record.arrived >= 0).all())
 
 
@@ -98,7 +88,7 @@ class Absent:
         return f"{name} still moves, {short} m short of its stop station"
 
     def _lengths(self) -> tuple[str, str]:
-        """How far it is short, and the tolerance, with as many digits as tell them apart."""
+        """How far it is short, and the tolerance, with as many digits as they need to differ."""
         digits = 2 if self.short < 10.0 else 1
         while f"{self.short:.{digits}f}" == f"{self.tolerance:.{digits}f}" and digits < 9:
             digits += 1
@@ -110,9 +100,9 @@ def absent(record: Record) -> tuple[Absent, ...]:
     if not record.samples:
         return ()
     recent = record.time >= record.time[-1] - STILL_TIME - 1e-9
-    late = record.pose[recent][:, :, :2]
-    still = (np.hypot(*(late - late[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
-    still &= len(late) > 1
+    place = record.pose[recent][:, :, :2]
+    still = (np.hypot(*(place - place[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
+    still &= len(place) > 1
     short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
     return tuple(
         Absent(i, float(short[i]), tolerance, bool(still[i]))

@@ -56,7 +56,7 @@ class Contacts:
 class Summary:
     """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here.
 
-    Bodies and robots are told by id; `names_of` gives their names.
+    Bodies and robots are given by id; `names_of` gives their names.
     """
 
     name: str

@@ -29,8 +29,8 @@ FULL = -1
 @compiled
 def travel_bound(start: FloatArray, end: FloatArray, radius: float) -> float:
     """Upper bound [m] on how far any point of a body moves in one step."""
-    way = math.hypot(end[0] - start[0], end[1] - start[1])
-    return float(way + radius * abs(end[2] - start[2]))
+    travel = math.hypot(end[0] - start[0], end[1] - start[1])
+    return float(travel + radius * abs(end[2] - start[2]))
 
 
 @compiled
@@ -216,8 +216,8 @@ def near_reach(record: Record, shapes: Shapes) -> float:
     for poses, _ in pose_blocks(record):
         if len(poses) > 1:
             moved = np.abs(np.diff(poses, axis=0))
-            way = np.hypot(moved[..., 0], moved[..., 1]) + shapes.radius * moved[..., 2]
-            fastest = max(fastest, float(way.max()))
+            travel = np.hypot(moved[..., 0], moved[..., 1]) + shapes.radius * moved[..., 2]
+            fastest = max(fastest, float(travel.max()))
     return max(float(shapes.radius.max()), 2.0 * fastest + 1e-6)
 
 

@@ -46,17 +46,17 @@ class Meaning:
 
     @classmethod
     def of(cls, record: Record, settings: object) -> Meaning:
-        """By a controller's settings; by what it told where these are not known.
+        """By a controller's settings; by the recorded times where these are not known.
 
-        No time beyond its horizon is told, so the largest finite one is within it.
+        No time beyond its horizon is reported, so the largest finite one is within it.
         """
         horizon = getattr(settings, "horizon", None)
         if isinstance(horizon, float):
             motion = getattr(settings, "collision_motion", "arc")
             return cls(horizon, (0.0,) if motion == "translation" else (1.0,), True)
-        told = record.column("collision_time")
-        told = told[np.isfinite(told)]
-        least = min(float(told.max(initial=0.0)), LONGEST)
+        times = record.column("collision_time")
+        times = times[np.isfinite(times)]
+        least = min(float(times.max(initial=0.0)), LONGEST)
         return cls(least + 2.0 * TIME, (1.0, 0.0), False)
 
 
@@ -101,12 +101,12 @@ class StandardColumns:
 
     def _refuted(self, block: SampleBlock, exact: FloatArray) -> NDArray[np.bool_]:
         """Collision times that neither motion gives, where the horizon is not known."""
-        told = block.rows["collision_time"]
+        recorded = block.rows["collision_time"]
         other = self._exact(block, self.meaning.motions[1])["collision_time"]
-        wrong = differs(told, exact, SLACKS["collision_time"])
-        wrong &= differs(told, other, SLACKS["collision_time"])
+        wrong = differs(recorded, exact, SLACKS["collision_time"])
+        wrong &= differs(recorded, other, SLACKS["collision_time"])
         within = exact < self.meaning.horizon - 3.0 * TIME
-        return np.asarray(wrong & (within | (told <= LONGEST)))
+        return np.asarray(wrong & (within | (recorded <= LONGEST)))
 
     def _exact(self, block: SampleBlock, keep: float) -> dict[str, FloatArray]:
         """Every standard column (M,) of the decisions; ``keep`` is the share of omega."""
@@ -201,10 +201,10 @@ def check_priority(
         row, j = rows[moving[k]], int(wrong[k])
         listed = considered.other[considered.start[mine[k]] : considered.end[mine[k]]]
         words = ("not among those considered", "among those considered")
-        told, exact = words if j not in listed else words[::-1]
+        recorded, exact = words if j not in listed else words[::-1]
         who = record.names[j]
         found.add(
-            "/considered", "other", f"{who} {told}", f"{who} {exact}", "by priority and range",
+            "/considered", "other", f"{who} {recorded}", f"{who} {exact}", "by priority and range",
             robot=int(row["robot"]), step=int(row["step"]),
         )  # fmt: skip
 
@@ -223,7 +223,7 @@ def wrongly_considered(
     """(M,) for each decision a robot that is considered wrongly or left out wrongly; -1: none.
 
     ``station`` (B, N) [m] along s*. What lies within 1e-9 m of equal stations or of the range may
-    be judged either way.
+    count as either.
     """
     wrong = np.full(len(at), -1, dtype=np.int64)
     robots = pose.shape[1]

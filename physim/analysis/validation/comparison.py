@@ -5,7 +5,7 @@ A disagreement has a cause. Explained are
 - ``within tolerance``: the signed distance is within CONTACT = 1e-9 m of 0, where either answer
   is right;
 - ``graze between samples``: apart at both samples of a step, touching in between. The engine
-  looks at samples only; the swept check finds these, and the record tells them as contacts of
+  looks at samples only; the swept check finds these, and the record lists them as contacts of
   their own kind;
 - ``rejected false contact of the engine``: the engine reported a contact of shapes that are apart,
   and the exact check kept it out.

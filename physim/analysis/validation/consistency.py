@@ -3,7 +3,7 @@
 Each decision says when its robot decides next; every robot begins at once. A row of ``/commands``
 stands where the stages of a command differ, or where the nominal one is not that of the last
 decision; where there is none, the nominal command of the last decision was applied. So each row
-must say something, and what stages there were must explain it. Arrival is judged from the poses.
+must say something, and what stages there were must explain it. Arrival follows from the poses.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from physim.world.scene import Scene
 def check_schedule(record: Record, table: DecisionTable, found: Mismatches) -> None:
     """Hold the step of every decision against what the one before announced.
 
-    A run whose robots were told what to do from outside has no decisions at all.
+    A run whose robots were commanded from outside has no decisions at all.
     """
     rows = record.updates
     if not record.steps_run or (not len(rows) and len(record.commands)):
@@ -53,8 +53,8 @@ def check_schedule(record: Record, table: DecisionTable, found: Mismatches) -> N
             "by the next decision of that robot in the table",
             row=int(order[k]), robot=int(robot[k]), step=int(step[k]),
         )  # fmt: skip
-    late = rows["step"] > record.steps_run - (0 if record.ended == "running" else 1)
-    found.add_rows("/updates", "step", rows, 0, late, record.steps_run - 1, "at the latest")
+    beyond = rows["step"] > record.steps_run - (0 if record.ended == "running" else 1)
+    found.add_rows("/updates", "step", rows, 0, beyond, record.steps_run - 1, "at the latest")
 
 
 PARTS = ("v", "omega")
@@ -77,10 +77,10 @@ def check_commands(
     _stages(record, decided, stages, found)
     if scene is not None:
         _limits(record, scene, found)
-    late = record.commands["step"] >= max(record.steps_run, 1)
+    beyond = record.commands["step"] >= max(record.steps_run, 1)
     if record.ended != "running":
         found.add_rows(
-            "/commands", "step", record.commands, 0, late, record.steps_run - 1, "at the latest"
+            "/commands", "step", record.commands, 0, beyond, record.steps_run - 1, "at the latest"
         )
 
 
@@ -163,7 +163,7 @@ BY = "by the poses"
 
 
 class ArrivalCheck:
-    """Judges arrival anew, from poses and stations (`physim.simulation.arrival`)."""
+    """Finds arrival anew, from poses and stations (`physim.simulation.arrival`)."""
 
     def __init__(self, record: Record, scene: Scene) -> None:
         self.dt = record.dt
@@ -184,8 +184,8 @@ class ArrivalCheck:
         found = np.zeros((len(pose) - known, pose.shape[1]), dtype=np.bool_)
         near = (station[known:] >= self.least).any(axis=0)
         if near.any():
-            judged = arrivals(pose[:, near], station[:, near], self.least[near], self.dt)
-            found[:, near] = judged[known:]
+            arrived = arrivals(pose[:, near], station[:, near], self.least[near], self.dt)
+            found[:, near] = arrived[known:]
         first = block.first + block.overlap
         samples = first + np.arange(len(found))[:, None]
         away = np.where(~found, samples, -1).max(axis=0, initial=-1)

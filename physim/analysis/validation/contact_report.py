@@ -6,12 +6,13 @@ import math
 from dataclasses import dataclass
 
 from physim.analysis.metrics import Episode, Severity, contact_episodes, masses, severity
+from physim.analysis.metrics.contacts import first_row
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Prediction, Predictor
 from physim.analysis.validation.responsibility import RobotInContact, Touch, robots_in_contact
 from physim.analysis.validation.wording import joined, length, short
-from physim.contacts import Kind, touching
+from physim.contacts import Kind
 from physim.geometry.path import path_length, project
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import AT_STOP
@@ -19,7 +20,7 @@ from physim.record import Record
 from physim.tolerances import PUSH
 
 MOST_EARLY = 100
-"""Pairs whose earlier predictions are looked at, too."""
+"""Pairs whose earlier predictions are compared, too."""
 
 
 @dataclass(frozen=True)
@@ -134,8 +135,7 @@ def _report(
     mass: FloatArray | None,
 ) -> ContactReport:
     a, b, step = episode.a, episode.b, episode.step
-    rows = record.contacts
-    row = touching(rows[(rows["a"] == a) & (rows["b"] == b) & (rows["step"] == step)])[0]
+    row = first_row(record, episode)
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
     impact = severity(record, episode, mass)
     prediction = predictor.predict(a, b, step, touched, impact.closing, earlier)
@@ -229,13 +229,13 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
             else "Contact did not lie ahead at the last decision."
         )
     if side.stands:
-        said.append(f"{name} stood by command, and the record shows nobody that pushed it.")
+        said.append(f"{name} stood by command, and the record shows no robot that pushed it.")
         return " ".join(said)
     wall = len(one.sides) == 1
     looked = not math.isnan(side.reported_time)
     looked |= not math.isnan(side.reported_boundary if wall else side.reported_distance)
     if not looked:
-        said.append(f"{name} reported no look at {other}: no distance and no collision time.")
+        said.append(f"{name} reported no distance to {other} and no collision time.")
     elif not wall and side.considered == 0:
         said.append(f"{name} considered no robot, though it had to consider {other}.")
     elif side.mode is None:

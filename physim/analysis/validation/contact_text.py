@@ -18,8 +18,8 @@ from physim.analysis.validation.validation import Validation
 from physim.analysis.validation.wording import HUGE, joined, length, short, wrapped
 from physim.tolerances import CONTACT
 
-SHOWN = 8
-"""Pairs whose first contact is told in full"""
+MOST_LISTED = 8
+"""Pairs whose first contact is described in full"""
 
 
 def opening(validation: Validation) -> list[str]:
@@ -34,7 +34,7 @@ def _sentences(validation: Validation) -> list[str]:
     if not validation.contacts and validation.grazes:
         return [f"No contact at a sample in {run.seconds:.2f} s.", *_grazes(validation)]
     if not validation.contacts:
-        told = [
+        nearest = [
             f"{names[one.a]} and {names[one.b]} {_came(one.value)} at {one.time:.2f} s"
             for one in (near.smallest_robots, near.smallest_boundary)
             if one is not None
@@ -44,10 +44,10 @@ def _sentences(validation: Validation) -> list[str]:
             for one in (near.smallest_robots, near.smallest_boundary)
         ):
             return [
-                f"The record tells no contact in {run.seconds:.2f} s, yet bodies overlap: "
-                f"{'; '.join(told)}."
+                f"The record has no contact in {run.seconds:.2f} s, yet bodies overlap: "
+                f"{'; '.join(nearest)}."
             ]
-        return [f"No contact in {run.seconds:.2f} s. Nearest: {'; '.join(told) or 'nothing'}."]
+        return [f"No contact in {run.seconds:.2f} s. Nearest: {'; '.join(nearest) or 'nothing'}."]
     first = validation.contacts[0]
     robots = sum(one.b < run.robots for one in validation.contacts)
     said = [
@@ -108,12 +108,12 @@ def table_lines(validation: Validation) -> list[str]:
 
 
 def contact_lines(validation: Validation) -> list[str]:
-    """The first contact of each pair in full, `SHOWN` pairs at most."""
+    """The first contact of each pair in full, `MOST_LISTED` pairs at most."""
     lines = []
-    shown = first_of_pairs(validation)[:SHOWN]
-    for one in shown:
+    listed = first_of_pairs(validation)[:MOST_LISTED]
+    for one in listed:
         lines += ["", *_contact(validation, one)]
-    left = len(validation.contacts) - len(shown)
+    left = len(validation.contacts) - len(listed)
     if left:
         lines += ["", f"  and {left} more (--json FILE has all)"]
     return lines
@@ -251,7 +251,7 @@ def _table(validation: Validation) -> list[str]:
         f"  {'':<4}{'predicted at':>13}{'contact due':>14}{'touched':>14}{'seen at':>10}"
         f"{'error':>12}   pair"
     ]
-    for one in first_of_pairs(validation)[:SHOWN]:
+    for one in first_of_pairs(validation)[:MOST_LISTED]:
         p = one.prediction
         made = "-" if p.made is None else f"{p.made:.2f} s"
         due = "-" if p.predicted is None else "none"
@@ -269,13 +269,13 @@ def _table(validation: Validation) -> list[str]:
 
 def _errors(validation: Validation) -> list[str]:
     all_of = [one.prediction for one in validation.contacts]
-    judged = [p for p in all_of if p.verdict in (AGREES, DISAGREES)]
-    if not judged:
+    compared = [p for p in all_of if p.verdict in (AGREES, DISAGREES)]
+    if not compared:
         return ["  At the last decision: none of them can be compared."]
-    same = sum(p.verdict == AGREES for p in judged)
-    errors = np.array([p.error for p in judged if p.error is not None and math.isfinite(p.error)])
+    same = sum(p.verdict == AGREES for p in compared)
+    errors = np.array([p.error for p in compared if p.error is not None and math.isfinite(p.error)])
     lines = [
-        f"  Predicted by the last decision before contact: {same} of {len(judged)} in that step."
+        f"  Predicted by the last decision before contact: {same} of {len(compared)} in that step."
     ]
     if len(errors):
         size = np.abs(errors)
@@ -283,7 +283,7 @@ def _errors(validation: Validation) -> list[str]:
             f"  Error: median {short(float(np.median(size)))}, "
             f"largest {short(float(size.max()))}; between samples robots move on chords."
         )
-    left = len(all_of) - len(judged)
+    left = len(all_of) - len(compared)
     if left:
         lines.append(
             f"  {left} more cannot be compared: a robot in contact does not move as commanded."

@@ -117,7 +117,7 @@ class SampleBlock(NamedTuple):
     course: FloatArray
     """(B, N, 3) station, deviation, reference station [m], computed from the poses"""
     held: FloatArray
-    """(B, N, 2) nominal commands held before each of these steps: what a snapshot tells"""
+    """(B, N, 2) nominal commands held before each of these steps, as a snapshot has them"""
     rows: NDArray[np.void]
     """decisions at these samples, rows of the update table"""
     row: int

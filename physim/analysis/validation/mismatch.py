@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,14 +35,32 @@ class Mismatch:
     step: int | None
     time: float | None
     """[s]"""
-    told: Value
-    """in the record"""
+    recorded: Value = field(metadata={"json": "told"})
+    """in the record; its key in the JSON of a validation is ``told``"""
     exact: Value
     """computed"""
     by: str
     """from what"""
     count: int = 1
     """values of this robot and column that do not agree"""
+
+    @classmethod
+    def of(
+        cls,
+        record: Record,
+        table: str,
+        column: str | None,
+        recorded: Any,
+        exact: Any,
+        by: str,
+        *,
+        row: int | None = None,
+        robot: int | None = None,
+        step: int | None = None,
+    ) -> Mismatch:
+        """One value; its time follows from the step."""
+        time = None if step is None else step * record.dt
+        return cls(table, column, row, robot, step, time, plain(recorded), plain(exact), by)
 
     def line(self, names: list[str]) -> str:
         """One line: when, who, where in the record, both values; ``names`` of the robots."""
@@ -52,8 +70,8 @@ class Mismatch:
         more = self.count - 1
         others = f" (and {plural(more, 'more row')} of it)" if more else ""
         return (
-            f"{place}{': ' if place else ''}{self.where} is {shown(self.told)} in the record, "
-            f"{shown(self.exact)} {self.by}{others}"
+            f"{place}{': ' if place else ''}{self.where} is {_text(self.recorded)} in the record, "
+            f"{_text(self.exact)} {self.by}{others}"
         )
 
     @property
@@ -82,7 +100,7 @@ class Mismatches:
         self,
         table: str,
         column: str | None,
-        told: Value,
+        recorded: Value,
         exact: Value,
         by: str,
         *,
@@ -96,9 +114,8 @@ class Mismatches:
         if before is not None:
             self._found[key] = replace(before, count=before.count + 1)
             return
-        time = None if step is None else step * self._record.dt
-        self._found[key] = Mismatch(
-            table, column, row, robot, step, time, plain(told), plain(exact), by
+        self._found[key] = Mismatch.of(
+            self._record, table, column, recorded, exact, by, row=row, robot=robot, step=step
         )
 
     def add_rows(
@@ -138,12 +155,12 @@ class Mismatches:
             self.add_rows(table, column, rows, first, wrong, values, by)
 
 
-def differs(told: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
+def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.bool_]:
     """Whether values differ by more than ``slack``; infinite ones and NaN must be alike."""
-    told, exact = np.asarray(told), np.asarray(exact)
+    recorded, exact = np.asarray(recorded), np.asarray(exact)
     with np.errstate(invalid="ignore"):
-        alike = (told == exact) | (np.isnan(told) & np.isnan(exact))
-        return np.asarray(~(alike | (np.abs(np.subtract(told, exact)) <= slack)))
+        alike = (recorded == exact) | (np.isnan(recorded) & np.isnan(exact))
+        return np.asarray(~(alike | (np.abs(np.subtract(recorded, exact)) <= slack)))
 
 
 def plain(value: Any) -> Value:
@@ -152,6 +169,6 @@ def plain(value: Any) -> Value:
     return made
 
 
-def shown(value: Value) -> str:
+def _text(value: Value) -> str:
     """A value as people read it."""
     return f"{value:.9g}" if isinstance(value, float) else str(value)

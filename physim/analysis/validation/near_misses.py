@@ -31,7 +31,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.record import Record
 from physim.tolerances import CONTACT
 
-SHOWN = 10
+MOST_LISTED = 10
 LOOK = 3.0
 """[s] Collision times beyond this are no near miss."""
 DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
@@ -57,7 +57,7 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class NearMisses:
-    """The smallest first, at most `SHOWN` of each."""
+    """The smallest first, at most `MOST_LISTED` of each."""
 
     distances: tuple[NearMiss, ...]
     """[m]"""
@@ -84,8 +84,8 @@ def near_misses(
                     for a, b, s in grazed)
     ]  # fmt: skip
     return NearMisses(
-        tuple(_with_order(table, one) for one in distances[:SHOWN]),
-        tuple(_with_order(table, one) for one in _times(record)[:SHOWN]),
+        tuple(_with_order(table, one) for one in distances[:MOST_LISTED]),
+        tuple(_with_order(table, one) for one in _times(record)[:MOST_LISTED]),
         analytic.reach,
         *(_least(record, exact, columns) for columns, _ in SMALLEST),
     )

@@ -1,20 +1,28 @@
-"""Is a record that of the world inside it? Scene and controller are made anew and compared."""
+"""Was a record made from a world: from the one inside it, and from one that is given?
+
+The first is answered by values: scene and controller are made anew from the text inside and
+compared with what the record holds. The second is answered by the two texts, key by key. A class
+that a record names is a user's code: it is never run because a record names it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
+import yaml
 
-from physim.errors import ControllerError, RecordError, WorldError
+from physim.errors import ControllerError, PhysimError, RecordError, WorldError
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.record import Record
 from physim.tolerances import LENGTH
+from physim.world import World
 from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
@@ -30,8 +38,7 @@ class Inside:
     scene: Scene | None
     """None where the record holds no text of its world"""
     controller: Any | None
-    """the world's own controller, where it decided and can be made without running code of
-    somebody's own"""
+    """the world's own controller, where it decided and can be made without running a user's code"""
     why_not: str
     """why there is no controller; empty where there is one"""
     stages: tuple[str, ...] | None
@@ -59,14 +66,40 @@ def world_inside(record: Record) -> Inside:
     try:
         scene = build_scene(record.world)
     except WorldError as error:
-        where = record.path or "record in memory"
-        told = str(error).splitlines()[0].removeprefix(f"world of {where}:")
-        raise RecordError(f"{where}: the world inside cannot be read: {told.strip()}") from error
+        raise _unreadable(record, error) from error
     world = scene.world
     named = ((SENSING, world.sensing.stages), (FILTER, world.filters),
              (DISTURBANCE, world.disturbances))  # fmt: skip
     stages = [kind.word for kind, choices in named if choices]
     return Inside(scene, *_controller(record, scene), (*stages, *given))
+
+
+def _unreadable(record: Record, error: Exception) -> RecordError:
+    """What to raise where the text of the world inside is faulty: its first fault."""
+    fault = str(error).splitlines()[0].removeprefix(f"world of {record.where}:").strip()
+    return RecordError(f"{record.where}: the world inside cannot be read: {fault}")
+
+
+def controller_name(record: Record) -> str:
+    """What decided: ``module:Class`` of one given from Python, or as the world inside names it;
+    empty where the record names none."""
+    if record.controller or not record.world_text.strip():
+        return record.controller
+    return record.world.controller.type
+
+
+def check_controller_given(record: Record, given: bool) -> None:
+    """Raise PhysimError where a run cannot be simulated again unless its controller is ``given``.
+
+    That holds for a class outside the registry: no code is run because a record names it.
+    """
+    name = controller_name(record)
+    if not given and (record.controller or ":" in name):
+        raise PhysimError(
+            f"{record.where}: has to be simulated again, and its controller is the class {name}; "
+            "no code is run because a record names it: if you trust the class, give "
+            f"--controller {name}"
+        )
 
 
 def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:
@@ -79,10 +112,7 @@ def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:
     try:
         return make_part(CONTROLLER, choice.type, choice.settings), ""
     except WorldError as error:
-        raise RecordError(
-            f"{record.path or 'record in memory'}: the world inside cannot be read: "
-            f"{str(error).splitlines()[0]}"
-        ) from error
+        raise _unreadable(record, error) from error
     except ControllerError as error:
         return None, str(error).splitlines()[0]
 
@@ -110,17 +140,16 @@ def _declared(record: Record, inside: Inside) -> Iterator[str]:
         one, other = getattr(record.declared, key), getattr(ours, key)
         if one != other:
             k = next((k for k, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), -1)
-            told, by = (_told(some[k]) if k >= 0 else f"{len(some)} {key}" for some in (one, other))
-            yield f"{key} of the controller: {told} in the record, {by} by the world inside it"
+            recorded, exact = (
+                _declaration(some[k]) if k >= 0 else f"{len(some)} {key}" for some in (one, other)
+            )
+            yield _line(f"{key} of the controller:", recorded, exact)
     distance = float(getattr(settings, "safe_distance", 0.0))
     if record.safe_distance != distance:
-        yield (
-            f"safe_distance is {record.safe_distance:g} in the record, {distance:g} by the world "
-            "inside it"
-        )
+        yield _line("safe_distance is", _text(record.safe_distance), _text(distance))
 
 
-def _told(one: Mode | Rule | Column) -> str:
+def _declaration(one: Mode | Rule | Column) -> str:
     return f"{one.name} ({', '.join(str(value) for value in list(vars(one).values())[1:])})"
 
 
@@ -140,7 +169,7 @@ def _values(record: Record, scene: Scene) -> Iterator[str]:
     pairs.append(("number of bodies", len(record.bodies), len(scene.bodies)))
     for name, inside, world in pairs:
         if inside != world:
-            yield f"{name} is {inside} in the record, {world} by the world inside it"
+            yield _line(f"{name} is", inside, world)
 
 
 def _arrays(record: Record, scene: Scene) -> Iterator[str]:
@@ -165,14 +194,13 @@ def _arrays(record: Record, scene: Scene) -> Iterator[str]:
         ours.append(("start pose of robot", record.read("/steps/pose", 0, 1)[0], scene.start))
     for what, inside, world in ours:
         if inside.shape != world.shape:
-            yield f"{what}: {len(inside)} in the record, {len(world)} by the world inside it"
+            yield _line(f"{what}:", len(inside), len(world))
             continue
         wrong = np.abs(inside - world) > LENGTH
         if wrong.any():
             k = int(np.argwhere(wrong)[0][0])
             who = f" ({names[k]})" if what.endswith("pose of robot") and k < len(names) else ""
-            told, by = _shown(inside[k]), _shown(world[k])
-            yield f"{what} {k}{who} is {told} in the record, {by} by the world inside it"
+            yield _line(f"{what} {k}{who} is", _text(inside[k]), _text(world[k]))
 
 
 def _areas(record: Record, scene: Scene) -> Iterator[str]:
@@ -189,7 +217,59 @@ def _closed(ring: FloatArray) -> FloatArray:
     return np.concatenate((ring, ring[:1]))
 
 
-def _shown(value: Any) -> str:
+def _line(what: str, recorded: object, exact: object) -> str:
+    return f"{what} {recorded} in the record, {exact} by the world inside it"
+
+
+def _text(value: Any) -> str:
     if np.ndim(value):
         return "(" + ", ".join(f"{float(one):.10g}" for one in value) + ")"
     return f"{float(value):.10g}"
+
+
+def check_made_from(record: Record, world: World, where: str | Path) -> None:
+    """Raise RecordError unless a record was made from ``world``, whatever its seed and coarseness.
+
+    Names the first key that differs.
+    """
+    inside = _without_choices(record.world_settings)
+    found = _difference(inside, _without_choices(yaml.safe_load(world.to_yaml())), "")
+    if found is not None:
+        key, recorded, given = found
+        raise RecordError(
+            f"{record.where}: not made from {where}: {key} is {_short(recorded)} in the record, "
+            f"{_short(given)} in the world (--set and --controller take the changes of a run)"
+        )
+
+
+def _without_choices(world: Mapping[str, Any]) -> dict[str, Any]:
+    """A world as plain values, without what each run may choose: seed and coarseness."""
+    plan = {key: value for key, value in world.items() if key != "seed"}
+    if isinstance(time := plan.get("time"), Mapping):
+        plan["time"] = {key: value for key, value in time.items() if key != "record_every"}
+    return plan
+
+
+def _difference(a: object, b: object, key: str) -> tuple[str, object, object] | None:
+    """First place at which two trees of plain values differ: key, value in a, value in b."""
+    if isinstance(a, dict) and isinstance(b, dict):
+        for name in [*a, *(n for n in b if n not in a)]:
+            where = f"{key}.{name}" if key else str(name)
+            found = _difference(a.get(name), b.get(name), where)
+            if found is not None:
+                return found
+        return None
+    if isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
+        for k, (one, other) in enumerate(zip(a, b, strict=True)):
+            found = _difference(one, other, f"{key}[{k}]")
+            if found is not None:
+                return found
+        return None
+    return None if a == b else (key, a, b)
+
+
+def _short(value: object) -> str:
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    text = "absent" if value is None else str(value)
+    return text if len(text) <= 60 else text[:57] + "..."

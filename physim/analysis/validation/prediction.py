@@ -7,7 +7,7 @@ when it was predicted, to TIME = 1e-6 s, and be seen at the sample after that. S
 samples bodies move on the chord, not on the arc (`tolerances.chord`), which shifts a contact by
 the gap of the two over the closing speed.
 
-Earlier predictions err because commands change; they tell how far ahead a contact lay under the
+Earlier predictions err because commands change; they say how far ahead a contact lay under the
 commands of the moment.
 """
 

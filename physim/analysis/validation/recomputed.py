@@ -87,38 +87,40 @@ class Replay:
             return
         order = np.lexsort((rows["robot"], rows["step"]))
         edges = np.flatnonzero(np.diff(rows["step"][order], prepend=-1))
-        told = []
+        decisions = []
         for low, high in zip(edges, [*edges[1:], len(order)], strict=True):
             some = order[low:high]
             due = rows["robot"][some].astype(np.int64)
             k = int(rows["step"][some[0]]) - block.first
             try:
-                told.append(self.batch.decide_due(self._sensed(block, k), due, self.memory))
+                decisions.append(self.batch.decide_due(self._sensed(block, k), due, self.memory))
             except ControllerError as error:
                 self.broken = str(error).splitlines()[0]
                 order = order[:low]
                 break
-        if told:
+        if decisions:
             self.decided += len(order)
-            self._hold(rows[order], block.row + order, told, found)
+            self._hold(rows[order], block.row + order, decisions, found)
 
     def _sensed(self, block: SampleBlock, k: int) -> Sensed:
         """What everybody knows at sample ``k`` of a block."""
         truth = Snapshot(block.first + k, block.pose[k], block.held[k], *block.course[k].T)
         return everybody(truth, self.shared)
 
-    def _hold(self, rows: Rows, number: IntArray, told: list[Decisions], found: Mismatches) -> None:
+    def _hold(
+        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
+    ) -> None:
         """Hold rows (M,) of the update table against the same decisions made again."""
-        command = np.concatenate([d.command for d in told])
-        hold = np.concatenate([d.hold for d in told])
+        command = np.concatenate([d.command for d in decisions])
+        hold = np.concatenate([d.hold for d in decisions])
         exact: dict[str, NDArray[Any]] = {
             "nominal_v": command[:, 0],
             "nominal_omega": command[:, 1],
-            "mode": np.concatenate([d.mode for d in told]),
-            "rule": np.concatenate([d.rule for d in told]),
+            "mode": np.concatenate([d.mode for d in decisions]),
+            "rule": np.concatenate([d.rule for d in decisions]),
             "next_step": rows["step"] + whole_steps(hold, self.scene.dt),
         }
-        report = np.concatenate([d.report for d in told])
+        report = np.concatenate([d.report for d in decisions])
         for c, one in enumerate(self.declared.columns):
             exact[one.name] = report[:, c]
         for column, values in exact.items():
@@ -129,13 +131,13 @@ class Replay:
                     "/updates", column, words(rows[column][k]), words(values[k]), self.by,
                     row=int(number[k]), robot=int(rows["robot"][k]), step=int(rows["step"][k]),
                 )  # fmt: skip
-        self._hold_considered(rows, number, told, found)
+        self._hold_considered(rows, number, decisions, found)
 
     def _hold_considered(
-        self, rows: Rows, number: IntArray, told: list[Decisions], found: Mismatches
+        self, rows: Rows, number: IntArray, decisions: list[Decisions], found: Mismatches
     ) -> None:
-        again = np.concatenate([d.considered for d in told])
-        count = np.concatenate([np.diff(d.considered_start) for d in told])
+        again = np.concatenate([d.considered for d in decisions])
+        count = np.concatenate([np.diff(d.considered_start) for d in decisions])
         first, last = self.considered.start[number], self.considered.end[number]
         ends = np.cumsum(count)
         alike = count == last - first
@@ -149,16 +151,16 @@ class Replay:
         for k in np.flatnonzero(wrong).tolist():
             theirs = self.considered.other[first[k] : last[k]]
             ours = np.sort(again[ends[k] - count[k] : ends[k]])
-            told_names, our_names = (
+            recorded, exact = (
                 ", ".join(names[j] for j in some) or "nobody" for some in (theirs, ours)
             )
             found.add(
-                "/considered", "other", told_names, our_names, self.by,
+                "/considered", "other", recorded, exact, self.by,
                 robot=int(rows["robot"][k]), step=int(rows["step"][k]),
             )  # fmt: skip
 
     def _words(self, column: str) -> Callable[[Any], Value]:
-        """How values of a column are told: modes and rules by name."""
+        """How values of a column are printed: modes and rules by name."""
         names = {
             "mode": [mode.name for mode in self.record.modes],
             "rule": [rule.name for rule in self.record.declared.rules],

@@ -53,8 +53,8 @@ def check_swept_contacts(record: Record, analytic: AnalyticContacts) -> list[Dis
     rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
     if (rows["step"] == 0).any():
         raise RecordError(
-            f"{record.path or 'record in memory'}: a contact between samples in the step that ends "
-            f"at 0; steps are 1 to {record.samples - 1}"
+            f"{record.where}: a contact between samples in the step that ends at 0; steps are 1 to "
+            f"{record.samples - 1}"
         )
     swept = analytic.grazes
     entries = dict(zip(places(swept), swept["entry"].tolist(), strict=True))

@@ -15,10 +15,9 @@ from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, NearMiss
 from physim.analysis.validation.validation import Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
-from physim.errors import plural
 from physim.tolerances import ONE_STEP
 
-SHOWN = 20
+MOST_LISTED = 20
 """Disagreements of one sort that are listed one by one"""
 
 
@@ -98,10 +97,10 @@ def _again(validation: Validation) -> list[str]:
 
 
 def disagreement_lines(validation: Validation) -> list[str]:
-    """Every disagreement on a line of its own, `SHOWN` of each sort."""
+    """Every disagreement on a line of its own, `MOST_LISTED` of each sort."""
     names = validation.names
     sorts = [
-        [f"unexplained: {told}" for told in validation.origin.differences],
+        [f"unexplained: {line}" for line in validation.origin.differences],
         [f"unexplained: {one.line(names)}" for one in validation.recomputed.mismatches],
         _rerun(validation, names),
         _strays(validation, names),
@@ -114,9 +113,9 @@ def disagreement_lines(validation: Validation) -> list[str]:
     explained = sum(one.cause != UNEXPLAINED for one in validation.comparison.disagreements)
     lines = [f"DISAGREEMENTS: {count}, of which {count - explained} unexplained"]
     for sort in sorts:
-        for told in sort[:SHOWN]:
-            lines += wrapped(told, "  ", 15 * " ")
-    left = sum(len(sort[SHOWN:]) for sort in sorts)
+        for text in sort[:MOST_LISTED]:
+            lines += wrapped(text, "  ", 15 * " ")
+    left = sum(len(sort[MOST_LISTED:]) for sort in sorts)
     return [*lines, f"  and {left} more (--json FILE has all)"] if left else lines
 
 
@@ -168,7 +167,7 @@ def expectation_lines(validation: Validation) -> list[str]:
     if not validation.expectations:
         return []
     missed = len(validation.missed)
-    head = f"EXPECTED: {plural(missed, 'thing')} not so" if missed else "EXPECTED: all of it"
+    head = f"EXPECTED: {missed} NOT HELD" if missed else "EXPECTED: all held"
     return [head, *(f"  {one.key:<22} {one}" for one in validation.expectations)]
 
 
@@ -207,9 +206,9 @@ def _head(validation: Validation) -> list[str]:
     ends = {
         "finished": "all robots arrived",
         "duration": "ran for its whole duration",
-        "interrupted": "INTERRUPTED: judged as far as it was recorded",
-        "error": "BROKE OFF WITH AN ERROR: judged as far as it was recorded",
-        "running": "KILLED: judged as far as it was recorded",
+        "interrupted": "INTERRUPTED: checked as far as it was recorded",
+        "error": "BROKE OFF WITH AN ERROR: checked as far as it was recorded",
+        "running": "KILLED: checked as far as it was recorded",
     }
     lines = [
         "COLLISION SAFETY REPORT",

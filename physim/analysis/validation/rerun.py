@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.validation.mismatch import SLACK, SLACKS, Mismatch, differs, plain
+from physim.analysis.validation.mismatch import SLACK, SLACKS, Mismatch, differs
+from physim.analysis.validation.origin import check_controller_given
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.record.layout import (
@@ -35,7 +36,7 @@ BY = "simulated again"
 BLOCK = 4096
 """Samples that are compared at a time."""
 LAST = ("safe_distance", "ended", "steps_run", "rejected_contacts")
-"""Attributes that are told last: how the run went, and what is drawn."""
+"""Attributes that are compared last: how the run went, and what is drawn."""
 NOT_COMPARED = ("record_every", "tables", "given", "version")
 """Attributes that do not say what happened: what was recorded, and how parts were named."""
 
@@ -73,15 +74,10 @@ def simulation_again(
     """
     from physim.simulation.loop import Simulation
 
-    where = record.path or "record in memory"
+    where = record.where
     if not record.world_text.strip():
         raise PhysimError(f"{where}: cannot be simulated again: it holds no text of its world")
-    name = record.controller or record.world.controller.type
-    if controller is None and (record.controller or ":" in name):
-        raise PhysimError(
-            f"{where}: has to be simulated again, and its controller is the class {name}; no code "
-            f"is run because a record names it: if you trust the class, give --controller {name}"
-        )
+    check_controller_given(record, controller is not None)
     given = {"sensing stage": sensing, "filter": filters, "disturbance": disturbances}
     for kind, parts in given.items():
         names = [name for word, name in record.given if word == kind]
@@ -166,11 +162,11 @@ def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator
         key = "world_text" if name == "world" else name
         if name in NOT_COMPARED or not hasattr(record, key):
             continue
-        told, exact = getattr(record, key), getattr(again, key)
-        if told != exact:
+        recorded, repeated = getattr(record, key), getattr(again, key)
+        if recorded != repeated:
             if name == "world":
-                told, exact = _first_line(told, exact)
-            yield Mismatch("attribute", name, None, None, None, None, told, exact, BY)
+                recorded, repeated = _first_line(recorded, repeated)
+            yield Mismatch.of(record, "attribute", name, recorded, repeated, BY)
 
 
 def _fixed(record: Record, again: Record) -> Iterator[Mismatch]:
@@ -178,21 +174,18 @@ def _fixed(record: Record, again: Record) -> Iterator[Mismatch]:
     for path in FIXED:
         rows, others = record.read(path), again.read(path)
         if rows.shape != others.shape:
-            yield Mismatch(
-                path, None, None, None, None, None, f"{len(rows)} rows", f"{len(others)} rows", BY
-            )  # fmt: skip
+            yield Mismatch.of(record, path, None, f"{len(rows)} rows", f"{len(others)} rows", BY)
         elif (wrong := rows != others).any():
             at = tuple(np.argwhere(wrong)[0])
-            told, other = (plain(some[at]) for some in (rows, others))
-            yield Mismatch(path, None, int(at[0]), None, None, None, told, other, BY)
+            yield Mismatch.of(record, path, None, rows[at], others[at], BY, row=int(at[0]))
 
 
-def _first_line(one: str, other: str) -> tuple[str, str]:
+def _first_line(recorded: str, repeated: str) -> tuple[str, str]:
     """First line of two texts that differs."""
-    lines, others = one.splitlines(), other.splitlines()
-    for told, exact in zip(lines, others, strict=False):
-        if told != exact:
-            return told.strip(), exact.strip()
+    lines, others = recorded.splitlines(), repeated.splitlines()
+    for line, other in zip(lines, others, strict=False):
+        if line != other:
+            return line.strip(), other.strip()
     return f"{len(lines)} lines", f"{len(others)} lines"
 
 
@@ -206,7 +199,7 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
     common = min(len(rows), len(others))
     for column in rows.dtype.names or ():
         if column not in (others.dtype.names or ()):
-            return Mismatch(path, column, None, None, None, None, "there", "not", BY)
+            return Mismatch.of(record, path, column, "there", "not", BY)
     wrong = np.zeros(common, dtype=np.bool_)
     unlike = {}
     for column in rows.dtype.names or ():
@@ -215,7 +208,7 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
     if wrong.any():
         k = int(np.argmax(wrong))
         column = next(name for name, values in unlike.items() if values[k])
-        return _row(record, path, column, k, rows, plain(rows[column][k]), plain(others[column][k]))
+        return _row(record, path, column, k, rows, rows[column][k], others[column][k])
     if len(rows) != len(others):
         some = rows if len(rows) > common else others
         words = ("there", "not") if some is rows else ("not there", "there")
@@ -224,13 +217,15 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
 
 
 def _row(
-    record: Record, path: str, column: str | None, k: int, rows: NDArray[np.void], told: Any,
-    exact: Any,
+    record: Record, path: str, column: str | None, k: int, rows: NDArray[np.void],
+    recorded: Any, repeated: Any,
 ) -> Mismatch:  # fmt: skip
     step = int(rows["step"][k])
     who = next((name for name in ("robot", "a") if name in (rows.dtype.names or ())), None)
     robot = None if who is None else int(rows[who][k])
-    return Mismatch(path, column, k, robot, step, step * record.dt, told, exact, BY)
+    return Mismatch.of(
+        record, path, column, recorded, repeated, BY, row=k, robot=robot, step=step
+    )  # fmt: skip
 
 
 def _samples(record: Record, again: Record, path: str, until: int, exact: bool) -> Mismatch | None:
@@ -240,26 +235,25 @@ def _samples(record: Record, again: Record, path: str, until: int, exact: bool) 
     for low in range(0, count, BLOCK):
         high = min(low + BLOCK, count)
         first = int(steps[low - 1]) + 1 if low else 0
-        theirs = again.read(path, first, int(steps[high - 1]) + 1)
-        if len(theirs) <= steps[high - 1] - first:
-            step = first + len(theirs)
-            return Mismatch(
-                path, None, None, None, step, step * record.dt, "there", "at its end", BY
-            )  # fmt: skip
+        repeated = again.read(path, first, int(steps[high - 1]) + 1)
+        if len(repeated) <= steps[high - 1] - first:
+            step = first + len(repeated)
+            return Mismatch.of(record, path, None, "there", "at its end", BY, step=step)
         if path == "/steps/pose":
-            theirs = theirs[steps[low:high] - first]
+            repeated = repeated[steps[low:high] - first]
         else:
             begins = np.concatenate(([0], steps[low : high - 1] + 1 - first))
-            theirs = np.minimum.reduceat(theirs, begins, axis=0)
-        ours = record.read(path, low, high)
-        wrong = _unlike(ours, theirs, exact, path)
+            repeated = np.minimum.reduceat(repeated, begins, axis=0)
+        recorded = record.read(path, low, high)
+        wrong = _unlike(recorded, repeated, exact, path)
         if wrong.any():
             k, robot, *rest = (int(v) for v in np.argwhere(wrong)[0])
             step = int(steps[low + k])
             column = ("x", "y", "heading")[rest[0]] if rest else None
-            told, other = (plain(some[(k, robot, *rest)]) for some in (ours, theirs))
-            return Mismatch(
-                path, column, low + k, robot, step, step * record.dt, told, other, BY
+            at = (k, robot, *rest)
+            return Mismatch.of(
+                record, path, column, recorded[at], repeated[at], BY, row=low + k, robot=robot,
+                step=step,
             )  # fmt: skip
     return None
 
@@ -273,21 +267,27 @@ def _sums(record: Record, again: Record, exact: bool) -> Iterator[Mismatch]:
             if not exact and rows[column].dtype.kind == "i":
                 continue  # when and of whom: of equal distances another version may take either
             for k in np.flatnonzero(wrong)[:1].tolist():
-                told, other = plain(rows[column][k]), plain(others[column][k])
                 robot = k if path == EXTREMES else None
-                yield Mismatch(path, column, k, robot, None, None, told, other, BY)
+                yield Mismatch.of(
+                    record, path, column, rows[column][k], others[column][k], BY, row=k, robot=robot
+                )
     for k in np.flatnonzero(record.arrived != again.arrived)[:1].tolist():
-        told, other = int(record.arrived[k]), int(again.arrived[k])
-        yield Mismatch(ARRIVED, None, k, k, None, None, told, other, BY)
+        yield Mismatch.of(
+            record, ARRIVED, None, record.arrived[k], again.arrived[k], BY, row=k, robot=k
+        )  # fmt: skip
 
 
-def _unlike(told: NDArray[Any], other: NDArray[Any], exact: bool, column: str) -> NDArray[np.bool_]:
+def _unlike(
+    recorded: NDArray[Any], repeated: NDArray[Any], exact: bool, column: str
+) -> NDArray[np.bool_]:
     """Whether values differ: to the bit, or by more than the slack of a column."""
     if exact:
-        if told.dtype.kind == "f":
-            told, other = (np.ascontiguousarray(v).view(np.int64) for v in (told, other))
-        return np.asarray(told != other)
-    return differs(told, other, SLACKS.get(column, SLACK))
+        if recorded.dtype.kind == "f":
+            recorded, repeated = (
+                np.ascontiguousarray(v).view(np.int64) for v in (recorded, repeated)
+            )
+        return np.asarray(recorded != repeated)
+    return differs(recorded, repeated, SLACKS.get(column, SLACK))
 
 
 __all__ = ["Rerun", "compare_runs", "rerun", "run_again", "simulation_again"]

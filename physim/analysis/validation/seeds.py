@@ -222,7 +222,10 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mode | Rule):
         return value.name
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+        return {
+            field.metadata.get("json", field.name): plain(getattr(value, field.name))
+            for field in fields(value)
+        }
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return plain(value._asdict())
     if isinstance(value, dict):

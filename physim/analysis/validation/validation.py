@@ -21,7 +21,12 @@ from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.mismatch import Mismatches
 from physim.analysis.validation.motion import Motion, check_motion
 from physim.analysis.validation.near_misses import NearMisses, near_misses
-from physim.analysis.validation.origin import Origin, compare_with_world, world_inside
+from physim.analysis.validation.origin import (
+    Origin,
+    compare_with_world,
+    controller_name,
+    world_inside,
+)
 from physim.analysis.validation.prediction import DISAGREES, Predictor
 from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.recorded_distances import exact_distances
@@ -158,7 +163,7 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     ``source`` says in the report where it came from: its file, when absent.
 
     Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
-    interrupted or killed is judged as far as it is recorded.
+    interrupted or killed is validated as far as it is recorded.
     """
     check_complete(record)
     inside = world_inside(record)
@@ -224,10 +229,10 @@ def missing(record: Record) -> str:
 
 def check_complete(record: Record) -> None:
     """Raise RecordError unless all tables and the poses of every step of the run are there."""
-    where = record.path or "record in memory"
-    if told := missing(record):
+    where = record.where
+    if lacking := missing(record):
         raise RecordError(
-            f"{where}: {told}; every step and all tables are needed (physim validate simulates "
+            f"{where}: {lacking}; every step and all tables are needed (physim validate simulates "
             "such a run again)"
         )
     steps = record.steps
@@ -255,7 +260,5 @@ def _run(record: Record, source: str | None) -> Run:
 
 
 def _controller(record: Record) -> str:
-    """Name of the controller: what decided, or that of the world's text."""
-    if record.controller:
-        return record.controller
-    return record.world.controller.type if record.world_text.strip() else "not named in the record"
+    """Name of the controller that decided, as far as the record names it."""
+    return controller_name(record) or "not named in the record"

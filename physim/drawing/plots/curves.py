@@ -23,7 +23,6 @@ from physim.analysis.metrics import (
     formation_error_final,
     formation_error_peak,
     formation_errors,
-    world_settings,
 )
 from physim.analysis.metrics.motion import WINDOW
 from physim.drawing.plots.frame import (
@@ -202,7 +201,7 @@ def speeds(record: Record) -> Any:
 
 def _limits(axis: Any, record: Record) -> None:
     """Steady speed and limits of the formation, where the world has one."""
-    plan = world_settings(record).get("formation")
+    plan = record.world_settings.get("formation")
     if not isinstance(plan, Mapping):
         return
     for value in (*plan.get("limits", ()), plan.get("speed")):

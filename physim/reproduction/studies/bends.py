@@ -25,7 +25,6 @@ from physim.analysis.metrics import (
     averaged_speeds,
     column_over_time,
     formation_errors,
-    world_settings,
 )
 from physim.drawing.plots.style import CYCLE, INK, QUIET
 from physim.errors import RecordError
@@ -77,7 +76,7 @@ def measure_bends(record: Record) -> Measures:
     size = root_mean_square(course.values)
     near = np.abs(station[:, :, None] - corners(record.reference.points)) <= NEAR
     straights = _straights(np.any(near, axis=(1, 2)), progressing)
-    gain = float(world_settings(record)["formation"]["gain"])
+    gain = float(record.world_settings["formation"]["gain"])
     found = [
         time_constant(time[a:b], size[a:b])
         for a, b in straights

@@ -12,7 +12,7 @@ import json
 
 import numpy as np
 
-from physim.analysis.metrics import column_over_time, desired_leads, world_settings
+from physim.analysis.metrics import column_over_time, desired_leads
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
@@ -69,7 +69,7 @@ def world_text(
 
 def neighbour_matrix(record: Record) -> FloatArray:
     """(N, N) 1 where j is in N_i, of a world that lists its neighbours or takes all."""
-    given = world_settings(record)["formation"]["neighbours"]
+    given = record.world_settings["formation"]["neighbours"]
     if given == "all":
         return np.ones((record.robots, record.robots)) - np.eye(record.robots)
     listed = np.zeros((record.robots, record.robots))
@@ -84,7 +84,7 @@ def settings_and_stations(
 ) -> tuple[float, FloatArray, FloatArray, FloatArray]:
     """Gain alpha [1/s], matrix of neighbours, decision times (K,) [s], relative stations (K, N)."""
     time, station = column_over_time(record, "reference_station")
-    gain = float(world_settings(record)["formation"]["gain"])
+    gain = float(record.world_settings["formation"]["gain"])
     return gain, neighbour_matrix(record), time, relative_stations(record, station)
 
 

@@ -71,14 +71,14 @@ class Physics:
     the new poses are found (impact). Without contact robots move exactly as commanded, and a held
     robot is free at once when its command turns away.
 
-    ``contacts`` holds the rows (`physim.contacts.CONTACT`) of the present sample, sorted by a and
-    b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the pair
-    exchanged in the step that led to the sample: the push while it touched (a robot held from
+    ``contacts`` holds the rows (`physim.contacts.CONTACT_ROW`) of the present sample, sorted by a
+    and b, at most one a pair; walls have the ids from N on. The impulse of a row is all that the
+    pair exchanged in the step that led to the sample: the push while it touched (a robot held from
     v is pushed with m v a step) and the impact of new contacts (m v for a dead stop), magnitudes
     added over the parts that touch.
 
-    ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT`) of the present sample: pairs
-    that the engine reported as touching, and which the exact check found apart and kept out.
+    ``false_contacts`` holds the rows (`physim.contacts.FALSE_CONTACT_ROW`) of the present sample:
+    pairs that the engine reported as touching, and which the exact check found apart and kept out.
 
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the

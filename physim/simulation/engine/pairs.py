@@ -11,9 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import CONTACT as CONTACT_ROW
-from physim.contacts import FALSE_CONTACT as FALSE_CONTACT_ROW
-from physim.contacts import Kind, Phase
+from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 

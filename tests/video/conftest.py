@@ -7,18 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from tests.records import make_record
 
 FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
     "footprints walls paths reference stop_station arrived modes accessible safe safe_distance "
-    "name seed robots world_text world_settings"
+    "name seed robots world_text"
 )
 
 
 class Changed(SimpleNamespace):
     """What the video reads of a record, with some of it replaced."""
+
+    @property
+    def world_settings(self) -> Any:
+        return yaml.safe_load(self.world_text)
 
     def column(self, name: str) -> Any:
         known = name in (self.updates.dtype.names or ())

@@ -148,7 +148,7 @@ def test_a_run_does_not_take_away_its_own_world(
     (here / "out/summary.json").write_text(SMALL)
     done = physim("run", "out/summary.json", "-o", "out", "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    assert "out/summary.json: is what is read" in done.err
+    assert "out/summary.json: is the input" in done.err
     assert (here / "out/summary.json").read_text() == SMALL
 
 

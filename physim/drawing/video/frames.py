@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
+import yaml
 
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
@@ -24,7 +26,6 @@ from physim.drawing.video.panel import (
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.drawing.video.view import View
-from physim.world.differences import differences
 
 if TYPE_CHECKING:
     from physim.world import World
@@ -43,8 +44,8 @@ class Painter:
         view, self._panel_box, self._strip_box = arrange(curves is not None)
         world = ground(timeline)
         self._view = View(timeline, world, view, speed, fps)
-        camera, shown = self._view.camera, signs(timeline, world)
-        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, shown)
+        camera, entries = self._view.camera, signs(timeline, world)
+        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, entries)
         free = self._panel.free
         crowded = camera.whole or free.height < LEAST_OVERVIEW
         self._overview = None if crowded else Overview(plain(timeline, world), free)
@@ -144,8 +145,8 @@ class Beside:
         left += SIGN + width(CONTACT, TEXT) + 2 * PAD
         for words, mode in modes.items():
             draw_modes(image, left, top, ROW, [mode], room)
-            shown = shorten(words, TEXT, room - SIGN)
-            left += SIGN + width(shown, TEXT) + 2 * PAD
+            cut = shorten(words, TEXT, room - SIGN)
+            left += SIGN + width(cut, TEXT) + 2 * PAD
 
 
 def titles(left: World, right: World) -> tuple[str, str]:
@@ -163,3 +164,33 @@ def titles(left: World, right: World) -> tuple[str, str]:
         for side in (0, 1)
     )
     return first, second
+
+
+ABSENT = "default"
+"""Stands for a value that one of the worlds does not give."""
+
+
+def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
+    """Values of two worlds that differ, as text, by their dotted keys: of ``a``, then of ``b``.
+
+    Where a part of another name stands in a place, its settings are not counted.
+    """
+    first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
+    pairs = {key: (first.get(key, ABSENT), second.get(key, ABSENT)) for key in {**first, **second}}
+    found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
+    for part in [key.removesuffix("type") for key in found if key.endswith(".type")]:
+        settings = [key for key in found if key.startswith(part) and key != f"{part}type"]
+        for key in settings:
+            del found[key]
+    return found
+
+
+def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:
+    """Every plain value in a world with its dotted key."""
+    parts = value.items() if isinstance(value, Mapping) else enumerate(value)
+    for name, part in parts:
+        dotted = f"{key}.{name}" if key else str(name)
+        if isinstance(part, Mapping | list):
+            yield from _values(part, dotted)
+        else:
+            yield dotted, str(part)

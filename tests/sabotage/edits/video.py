@@ -144,7 +144,7 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/world/differences.py",
+        "physim/drawing/video/frames.py",
         "differences",
         "for key in {**first, **second}",
         "for key in {*first} & {*second}",

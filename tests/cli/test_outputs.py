@@ -137,7 +137,7 @@ def test_what_is_read_is_never_written_over(
     words = [{"IN": name, "OUT": out[path]}.get(word, word) for word in arguments]
     done = physim(*words, "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    check_error(done.err, f"{Path(out[path])}:", "read", f"{option} takes another file")
+    check_error(done.err, f"{Path(out[path])}:", "input", f"{option} takes another file")
     assert tree(here) == before
 
 

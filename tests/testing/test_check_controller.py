@@ -199,7 +199,7 @@ def test_worlds_whose_robots_are_refused_are_told_and_left_out() -> None:
 
 def test_settings_are_checked_as_in_a_world() -> None:
     told: list[str] = []
-    worlds: Any = {"worlds": ["straight"], "seconds": 0.1, "tell": told.append}
+    worlds: Any = {"worlds": ["straight"], "seconds": 0.1, "report": told.append}
     assert check_controller(broken.Adjustable, settings={"share": 0.9}, **worlds) == []
     fast = check_controller(broken.Adjustable, settings={"share": 1.5}, **worlds)
     assert {finding.rule for finding in fast} == {Rule.DECISION}

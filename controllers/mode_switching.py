@@ -79,7 +79,7 @@ class EgoState(NamedTuple):
     speeds: FloatArray
     omegas: FloatArray
     parts: IntArray
-    """wall parts in sight"""
+    """wall parts within the sensing range"""
     reach: float
     """[m] range"""
 
@@ -200,7 +200,7 @@ class ModeSwitching:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt stops short of arrival, and a range of sight too short for the thresholds."""
+        """Doubt stops short of arrival, and a sensing range too short for the thresholds."""
         return [*stop_doubts(self.settings, world), *range_doubts(self.settings, world)]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:

@@ -18,7 +18,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
 
 class Bodies(NamedTuple):
-    """Rows of robots as the deciding one senses them: all of them, or those in sight."""
+    """Rows of robots as the deciding one senses them: all of them, or those within range."""
 
     shapes: Shapes
     shape: IntArray

@@ -113,9 +113,9 @@ class ModeSwitchingSettings(BaseModel):
     )
     avoidance: Literal["distance_first", "time_first", "distance", "time", "none"] = Field(
         default="distance_first",
-        description="what serves in danger mode: (12) below distance_low or boundary_low, else "
-        "(13); (13) while a collision time is short, else (12); (12) alone; (13) alone; or none: "
-        "no danger mode, to compare with",
+        description="which rule applies in danger mode: (12) below distance_low or boundary_low, "
+        "else (13); (13) while a collision time is short, else (12); (12) alone; (13) alone; or "
+        "none: no danger mode, to compare with",
     )
     beta: Annotated[float, Field(gt=0.0, lt=1.0)] = Field(
         default=0.1,

@@ -87,7 +87,7 @@ def range_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
     if world.sensing.range is None and world.formation is not None:
         where = ("formation", "range")
     message = (
-        f"robots see up to {reach:g} m, from one reference point to another or to a wall, and "
+        f"robots sense up to {reach:g} m, from one reference point to another or to a wall, and "
         f"{why}; set it to at least {ceil(needed * 10.0) / 10.0:g} m"
     )
     return [Fault(where, message)]
@@ -112,7 +112,7 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
         return
     yield (
         sum(radii[-2:]) + settings.distance_low,
-        "two robots nearer than controller.distance_low may not see each other",
+        "two robots nearer than controller.distance_low may not sense each other",
     )
     reaches = sorted(
         radius + min(fastest, robot.limits.v) * settings.time_low
@@ -120,5 +120,5 @@ def _needs(settings: ModeSwitchingSettings, world: World) -> Iterator[tuple[floa
     )
     yield (
         sum(reaches[-2:]),
-        "two robots head-on may see each other less than controller.time_low before they meet",
+        "two robots head-on may sense each other less than controller.time_low before they meet",
     )

@@ -20,8 +20,9 @@ FAULT = 70
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code.
 
-    0 fine, 1 ran but an expectation failed or there was contact, 2 bad input or output that cannot
-    be written, 3 checks disagree, 70 a fault in physim, after its traceback, 130 interrupted.
+    0 success, 1 ran but an expectation failed or there was contact, 2 bad input or output that
+    cannot be written, 3 checks disagree, 70 a fault in physim, after its traceback, 130
+    interrupted.
 
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.

@@ -42,7 +42,7 @@ def check_command(options: Options) -> int:
     exit codes:
       0    no errors; there may be warnings
       2    errors: each with file, line and column
-      130  interrupted (Ctrl-C), the way to end --watch
+      130  interrupted (Ctrl-C), which also ends --watch
 
     examples:
       physim check my_world.yaml
@@ -156,7 +156,7 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
     help="picture, ending in .png or .svg (default: the world's file name with .png, here)",
 )
 @flag("--watch", "draw again whenever the world is saved, until Ctrl-C")
-@flag("--force", "write over an existing picture")
+@flag("--force", "overwrite an existing picture")
 @changes(controller=False)  # fmt: skip
 def preview(options: Options) -> int:
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
@@ -222,7 +222,7 @@ def _draw_on_save(options: Options, path: Path) -> int:
             save_preview(_laid_out(options), path)
         except PhysimError as error:
             print(error, file=sys.stderr)
-            _log(f"{path} stays as it is until the faults are mended", sys.stderr)
+            _log(f"{path} stays as it is until the faults are corrected", sys.stderr)
         else:
             _log(f"{path} drawn", sys.stdout)
             found = check_world(options.world, overrides=options.overrides, seed=options.seed)

@@ -53,8 +53,8 @@ COMPILING = 25
 @flag("--json", "print everything as JSON instead")  # fmt: skip
 def check_controller_command(options: Options) -> int:
     """Let a controller decide for the first seconds of worlds and in awkward situations, ask it for
-    the same decisions again in other ways, and report what comes out otherwise. Worlds whose robots
-    it refuses are reported and left out.
+    the same decisions again under other conditions, and report what comes out differently.
+    Worlds whose robots it refuses are reported and left out.
 
     rules, each finding names the one that is broken:
       raises       decide raises nothing

@@ -26,9 +26,9 @@ COMPILING = 15
     type=whole_from(1, 10**9),
     default=10_000,
     metavar="N",
-    help="number of throws (10000)",
+    help="number of random cases (10000)",
 )
-@option("--seed", type=WHOLE, default=0, metavar="N", help="seed of the throws (0)")
+@option("--seed", type=WHOLE, default=0, metavar="N", help="seed of the cases (0)")
 @option(
     "--json",
     type=Path,
@@ -42,7 +42,7 @@ COMPILING = 15
     metavar="DIR",
     help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
 )
-@flag("--force", "write over FILE, and over the worlds in DIR")
+@flag("--force", "overwrite FILE, and the worlds in DIR")
 @flag("--quiet", "print neither progress nor table")  # fmt: skip
 def crashtest(options: Options) -> int:
     """Throw random footprints at each other and at walls, at constant (v, omega), and compare the

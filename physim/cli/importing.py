@@ -28,7 +28,7 @@ ASKED = (
 @command("import", "a world from a track, map, drawing or polygons")
 @click.argument("source", metavar="SOURCE", type=Path, help="the file to import")
 @option("-o", "--output", type=Path, metavar="WORLD", required=True, help="the world file to write")
-@flag("--force", "write over an existing file")
+@flag("--force", "overwrite an existing file")
 @option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix or content)")
 @option("--name", metavar="NAME", help="name of the world (default: that of the source)")
 @option(
@@ -78,7 +78,7 @@ ASKED = (
     type=Value(size),
     metavar="L,W",
     section=PATH,
-    help="[m] length and width of a robot (default: as large as passes, at most 1.8,1.0)",
+    help="[m] length and width of a robot (default: as large as fits, at most 1.8,1.0)",
 )
 @flag("--quiet", "no report")  # fmt: skip
 def import_command(options: Options) -> int:
@@ -148,4 +148,4 @@ def _doubts(world: Path, lanes: int) -> list[str]:
     lines = [f"  {one}" for one in said]
     if lanes > 1 and any(one.key.startswith("formation") for one in said):
         lines.append("  --lanes 1 has fewer places where paths come close")
-    return ["the check of the world says:", *lines] if lines else []
+    return ["physim check reports:", *lines] if lines else []

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from physim.analysis.metrics import Definition
 
 
-@command("list", "worlds, controllers and other parts there are")
+@command("list", "the worlds, controllers and other parts available")
 @flag("--json", "print JSON instead of a table")
 def listing(options: Options) -> int:
     """List the shipped worlds and, a line each, what is registered: controllers, sensing stages,
@@ -88,7 +88,7 @@ def summary(options: Options) -> int:
 
     if options.definitions:
         if options.record is not None:
-            raise PhysimError("--definitions: goes without a record: it tells what the metrics are")
+            raise PhysimError("--definitions: takes no record; it explains the metrics")
         own, faults = own_metrics(DEFINITIONS)
         known = {**DEFINITIONS, **own}
         print(_definitions_json(known) if options.json else _definitions(known), end="")

@@ -41,7 +41,7 @@ def write_schema(world: Path, force: bool) -> str:
     else:
         files.remove(schema)
         if not _holds(schema, text):
-            kept = f"{schema}: kept, though another than this version's; --force writes over it"
+            kept = f"{schema}: kept, though it differs from this version's; --force overwrites it"
     quoted = shlex.quote(str(world))
     steps = ", ".join(f"physim {step} {quoted}" for step in ("check", "preview", "run"))
     lines = [f"written: {', '.join(map(str, files))}", kept, f"next: {steps}"]
@@ -57,7 +57,7 @@ def _holds(file: Path, text: str) -> bool:
 
 @command("schema", "the JSON Schema of world files, for editors")
 @option("-o", "--output", type=Path, metavar="FILE", help="write it to a file instead")
-@flag("--force", "write over an existing file")
+@flag("--force", "overwrite an existing file")
 def schema(options: Options) -> int:
     """Print the JSON Schema of world files: every key with its unit and meaning.
 
@@ -101,7 +101,7 @@ TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
     metavar="DIR",
     help="make a folder with worlds/, controllers/ with an example, media/ and a README",
 )
-@flag("--force", "write over existing files")  # fmt: skip
+@flag("--force", "overwrite existing files")  # fmt: skip
 def new(options: Options) -> int:
     """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
     world.schema.json, by which editors complete keys and show what they mean.
@@ -180,7 +180,7 @@ def _named(given: str) -> tuple[str, str]:
             f'"{printable}": cannot name a world; use letters and digits, as in my_corridor'
         )
     if "/" in name or "\\" in name:
-        raise PhysimError(f'"{printable}": names a place, not a world; -o takes a path')
+        raise PhysimError(f'"{printable}": is a path, not a name; -o takes a path')
     stem = re.sub(r"[^\w-]+", "_", name).strip("_")
     return name, stem or "world"
 

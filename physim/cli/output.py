@@ -30,7 +30,7 @@ def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
     """Make the output folder and return it.
 
     Raises PhysimError when it holds an earlier run and ``force`` is not set, when it is a file,
-    when it cannot be written, or when one of ``inputs`` would be written over. With ``force`` the
+    when it cannot be written, or when one of ``inputs`` would be overwritten. With ``force`` the
     earlier run's own files are removed, others are left alone.
     """
     earlier = [folder / name for name in FILES if os.path.lexists(folder / name)]
@@ -56,7 +56,7 @@ def remove_earlier(
     if earlier and not force:
         raise PhysimError(
             f"{folder}: holds {what} ({earlier[0].name}); "
-            "use --force to write over it, or -o for another folder"
+            "use --force to overwrite it, or -o for another folder"
         )
     with writing(folder):
         for file in earlier:
@@ -71,7 +71,7 @@ def empty_folder(folder: Path, force: bool, *files: Path, option: str = "-o") ->
     with writing(folder):
         if not force and folder.exists() and any(folder.iterdir()):
             raise PhysimError(
-                f"{folder}: is not empty; use --force to write over it, "
+                f"{folder}: is not empty; use --force to overwrite it, "
                 f"or {option} for another folder"
             )
 
@@ -103,11 +103,11 @@ def new_file(
         raise PhysimError(f"{path}: is a folder; {option} takes a file")
     for source in inputs:
         if _same(source, path):
-            raise PhysimError(f"{path}: is what is read; {option} takes another {another}")
+            raise PhysimError(f"{path}: is the input; {option} takes another {another}")
     regular(path)
     if os.path.lexists(path) and not force:
         raise PhysimError(
-            f"{path}: exists; use --force to write over it, or {option} for another {another}"
+            f"{path}: exists; use --force to overwrite it, or {option} for another {another}"
         )
 
 
@@ -119,7 +119,7 @@ def regular(path: Path) -> None:
         return  # nothing there, or writing says what is wrong
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
         kind = KINDS.get(stat.S_IFMT(mode), "something else")
-        raise PhysimError(f"{path}: is not a regular file but {kind}, which is not written over")
+        raise PhysimError(f"{path}: is not a regular file but {kind}, which is not overwritten")
 
 
 def inputs(*given: str | Path | None) -> tuple[Path, ...]:

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 import click
 
-from physim.cli.values import MOST_SHOWN, WHOLE, quoted
+from physim.cli.values import LONGEST_QUOTE, WHOLE, quoted
 from physim.errors import PhysimError, nearest
 
 GROUPS = {
@@ -45,11 +45,11 @@ COMMANDS = {name: where for group in GROUPS.values() for name, where in group.it
 
 HEAD = """\
 Usage: physim [-h] [--version] COMMAND ...
-Run worlds of polygon robots in corridors on rigid-body physics, and judge them.
+Run worlds of polygon robots in corridors with rigid-body physics, and validate them.
 
 """
 TAIL = """
-exit codes: 0 fine, 1 contact or not as expected, 2 bad input, 3 the checks
+exit codes: 0 success, 1 contact or not as expected, 2 bad input, 3 the checks
             disagree, 70 a fault in physim, 130 interrupted (Ctrl-C)
 To begin: physim run three_robots. A command explained: physim COMMAND --help
 """
@@ -97,8 +97,8 @@ class Command(click.Command):
         if rest:
             takes = " and ".join(_name(p) for p in self.params if isinstance(p, click.Argument))
             raise click.UsageError(
-                f"{quoted(rest[0])}: is one too many; {ctx.command_path} takes "
-                f"{takes or 'options'} alone", ctx,
+                f"{quoted(rest[0])}: is one argument too many; {ctx.command_path} takes "
+                f"{takes or 'options'} only", ctx,
             )  # fmt: skip
         return rest
 
@@ -148,7 +148,7 @@ class Commands(click.Group):
         if args[0] not in COMMANDS:
             raise click.UsageError(
                 f"physim {quoted(args[0])}: no such command; there are {', '.join(COMMANDS)}"
-                f"{nearest(args[0][:MOST_SHOWN], list(COMMANDS))}", ctx,
+                f"{nearest(args[0][:LONGEST_QUOTE], list(COMMANDS))}", ctx,
             )  # fmt: skip
         return super().resolve_command(ctx, args)
 
@@ -261,9 +261,9 @@ def _unknown(name: str, ctx: click.Context) -> str:
     """An option that a command does not have, or the beginning of several."""
     known = _options(ctx)
     if meant := [option for option in known if option.startswith(name)]:
-        return f"{name}: may be any of {', '.join(meant)}; write it out"
+        return f"{name}: may be {' or '.join(meant)}; write it out in full"
     words = {option.strip("-"): option for option in sorted(known)}
-    close = nearest(name.strip("-")[:MOST_SHOWN], list(words))
+    close = nearest(name.strip("-")[:LONGEST_QUOTE], list(words))
     for word, written in words.items():
         close = close.replace(f'"{word}"', f'"{written}"')
     return f"{quoted(name)}: {ctx.command_path} has no such option{close}"

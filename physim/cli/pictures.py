@@ -1,4 +1,4 @@
-"""``physim plot`` and ``physim video``: pictures and films of a record."""
+"""``physim plot`` and ``physim video``: pictures and videos of a record."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 @option(
     "--format", type=OneOf(("png", "svg", "pdf")), default="png", help="kind of the pictures (png)"
 )
-@flag("--force", "write over existing pictures")
+@flag("--force", "overwrite existing pictures")
 @option(
     "--snapshots", type=POSITIVE, metavar="S",
     help="simulated seconds between the robots in trajectories (default: about ten in the run)",
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 def plot(options: Options) -> int:
     """Draw the figures of the paper, and more, from a record alone.
 
-    figures (docs/FIGURES.md tells what each shows and how it is worked out):
+    figures (docs/FIGURES.md says what each shows and how it is computed):
       trajectories     paths, trajectories and snapshots on the map (Figs. 1a, 2a, 3a, 6a, 6b)
       deviation        deviation of each robot from its path (Figs. 1b, 2c, 7d)
       speeds           rotational and forward speeds averaged over 10 s (Figs. 1c, 7b, 7c)
@@ -104,7 +104,7 @@ def plot(options: Options) -> int:
     "--output",
     type=Path,
     metavar="FILE",
-    help="film, ending in .mp4 (default: video.mp4 beside the record, or beside.mp4)",
+    help="video file, ending in .mp4 (default: video.mp4 beside the record, or beside.mp4)",
 )
 @option(
     "--beside",
@@ -118,7 +118,7 @@ def plot(options: Options) -> int:
     type=number_from(0.0, 1e9),
     default=0.0,
     metavar="T",
-    help="simulated time at which the film begins [s] (0)",
+    help="simulated time at which the video begins [s] (0)",
 )
 @option(
     "--to",
@@ -128,7 +128,7 @@ def plot(options: Options) -> int:
     metavar="T",
     help="simulated time at which it ends [s] (default: the end of the run)",
 )
-@flag("--force", "write over an existing file")
+@flag("--force", "overwrite an existing file")
 @option(
     "--fps",
     type=whole_from(1, 240),
@@ -150,7 +150,7 @@ def video(options: Options) -> int:
     exit codes:
       0    the video is made
       2    bad input: one message says what and where
-      130  interrupted (Ctrl-C): the film so far is kept as video.cut_short.mp4
+      130  interrupted (Ctrl-C): the video so far is kept as video.cut_short.mp4
 
     examples:
       physim video runs/ten_robots-21/record.h5 --force
@@ -172,7 +172,7 @@ def video(options: Options) -> int:
             start=options.start, end=options.end, beside=records[1] if len(records) > 1 else None,
         )  # fmt: skip
     if made != output:
-        print(f"interrupted; the film so far is {made}", file=sys.stderr)
+        print(f"interrupted; the video so far is {made}", file=sys.stderr)
         return INTERRUPTED
     if not options.quiet:
         print(output)
@@ -196,7 +196,7 @@ def write_video(
 ) -> Path:
     """Render with a progress bar; returns the file. ``film`` goes to `physim.drawing.video.render`.
 
-    ``stop`` ends it early: then a film that plays, under another name that says that it is cut
+    ``stop`` ends it early: then a video that plays, under another name that says that it is cut
     short, and ``path`` stays as it was.
     """
     from physim.drawing.video import render

@@ -28,10 +28,10 @@ class Bar:
     """A bar on standard error; does nothing when that is no terminal or ``quiet`` is set."""
 
     def __init__(self, title: str, total: float, unit: str, quiet: bool) -> None:
-        self.shown = not quiet and sys.stderr.isatty()
+        self.visible = not quiet and sys.stderr.isatty()
         self.due = 0.0
         self.complete = False
-        if not self.shown:
+        if not self.visible:
             return
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -51,13 +51,13 @@ class Bar:
     def count(self, done: int, total: int, note: str = "") -> None:
         """Show how much is done of what there is in all."""
         self.complete = done == total
-        if self.shown:
+        if self.visible:
             self.progress.update(self.task, total=total)
         self.update(done, note)
 
     def update(self, done: float, note: Callable[[], str] | str = "") -> None:
         """Show how far the work is; cheap when nothing is due."""
-        if not self.shown or (now := time.monotonic()) < self.due:
+        if not self.visible or (now := time.monotonic()) < self.due:
             return
         self.due = now + REFRESH_SECONDS
         text = note() if callable(note) else note
@@ -73,9 +73,9 @@ class Bar:
 
     def __exit__(self, *error: object) -> None:
         """Take the bar off the screen."""
-        if self.shown:
+        if self.visible:
             self.progress.stop()
-            self.shown = False
+            self.visible = False
 
 
 class Interrupt:

@@ -32,14 +32,14 @@ COMPILING = 30
     help="folder to write to (reproduction)",
 )
 @flag("--quick", "few seeds: some minutes instead of half an hour")
-@flag("--no-video", "leave the videos out")
+@flag("--no-video", "make no videos")
 @option(
     "--workers",
     type=whole_from(1, 64),
     metavar="N",
     help="processes, 1 to 64 (as many as cores, at most 8)",
 )
-@flag("--force", "write over an existing DIR")
+@flag("--force", "overwrite an existing DIR")
 @flag("--quiet", "print neither progress nor verdicts")  # fmt: skip
 def reproduce(options: Options) -> int:
     """Run the experiments of the paper, draw its figures, make the videos, and write what it
@@ -65,7 +65,7 @@ def reproduce(options: Options) -> int:
       physim reproduce --figure 6 -o fig6
     """
     if options.figure is not None and options.study is not None:
-        raise PhysimError("--study: does not go together with --figure")
+        raise PhysimError("--study: cannot be combined with --figure")
     from physim.reproduction.plan import make_plan
     from physim.reproduction.reproduce import PAGES, pages
     from physim.reproduction.reproduce import reproduce as run_all

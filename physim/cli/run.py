@@ -30,17 +30,17 @@ FAILED = 1
 @command("run", "run a world: record, video and summary")
 @click.argument("world", metavar="WORLD", help="a world file, or the name of a shipped world")
 @option("-o", "--output", type=Path, metavar="DIR", help="output folder (default: runs/NAME-SEED)")
-@flag("--force", "write over an earlier run in DIR")
+@flag("--force", "overwrite an earlier run in DIR")
 @changes()
 @option(
     "--observer",
     "observers",
     multiple=True,
     metavar="NAME",
-    help="let a registered observer (physim list) or your own, as module:Class, look on (may be "
+    help="attach a registered observer (physim list) or your own, as module:Class (may be "
     "repeated)",
 )
-@flag("--no-video", "leave the video out")
+@flag("--no-video", "make no video")
 @flag("--quiet", "print neither progress nor table")  # fmt: skip
 def run(options: Options) -> int:
     """Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.
@@ -52,7 +52,7 @@ def run(options: Options) -> int:
       130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
            cuts the video short, which is then kept as video.cut_short.mp4
 
-    keys for --set: worlds/README.md tells all; physim new writes a world with each explained
+    keys for --set: worlds/README.md lists them all; physim new writes a world with each explained
 
     examples:
       physim run ten_robots

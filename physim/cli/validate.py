@@ -30,7 +30,7 @@ COMPILING = 15
 @click.argument(
     "given",
     metavar="WORLD|RECORD",
-    help="record.h5 of a run; or a world file or the name of a shipped world, to run and judge",
+    help="record.h5 of a run; or a world file or the name of a shipped world, to run and validate",
 )
 @option(
     "--json",
@@ -38,7 +38,7 @@ COMPILING = 15
     metavar="FILE",
     help="write everything to FILE (-: standard output) as JSON",
 )
-@flag("--force", "write over an existing FILE")
+@flag("--force", "overwrite an existing FILE")
 @option("--world", metavar="WORLD", help="check that the record was made from WORLD")
 @option(
     "--seeds",
@@ -46,9 +46,9 @@ COMPILING = 15
     metavar="A:B",
     help="run the world with each of the seeds A to B - 1, and report how many are contact-free",
 )
-@flag("--rerun", "simulate the world inside RECORD again: does it give this very run?")
+@flag("--rerun", "simulate the world inside RECORD again: does it give the same run?")
 @changes()
-@flag("--quiet", "print the verdict alone")  # fmt: skip
+@flag("--quiet", "print only the verdict")  # fmt: skip
 def validate_command(options: Options) -> int:
     """Hold the physical contacts of a run against exact distances and collision times, and report
     every contact: who, where, and who was responsible.
@@ -72,9 +72,9 @@ def validate_command(options: Options) -> int:
     new_json(options.json, options.force, *inputs(options.given, options.world))
     if not is_record(options.given):
         if options.world is not None:
-            raise PhysimError("--world: goes with a record: it checks where the record came from")
+            raise PhysimError("--world: needs a record; it checks where the record came from")
         if options.rerun:
-            raise PhysimError("--rerun: goes with a record: a world is simulated anyway")
+            raise PhysimError("--rerun: needs a record; a world is simulated anyway")
         world, document = rerun.world_given(options, options.given)
         return _validate_world(world, document, options)
     with Record.load(Path(options.given)) as record:
@@ -109,12 +109,12 @@ def _validate_record(record: Record, options: Options) -> int:
     if options.seeds is not None:
         return _validate_world(*rerun.world_of_record(options, record), options)
     if options.seed is not None:
-        raise PhysimError("--seed: goes with a world: a record has its own seed")
+        raise PhysimError("--seed: needs a world; a record has its own seed")
     lacking = missing(record)
     again = options.rerun or bool(lacking)
     changes = options.overrides or (options.controller and not again)
     if changes and options.world is None:
-        raise PhysimError("--set, --controller: go with a world, with --world, or --rerun")
+        raise PhysimError("--set, --controller: need a world, --world or --rerun")
     if not again:
         return _report(_judged(record, str(record.path), options), options)
     with rerun.run_of_record(record, options) as full:
@@ -130,7 +130,7 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
     if options.seeds is None:
         return _report(_run_and_validate(world, document, options.seed, options), options)
     if options.seed is not None:
-        raise PhysimError("--seed: does not go together with --seeds")
+        raise PhysimError("--seed: cannot be combined with --seeds")
     if not is_random(world):
         found = _run_and_validate(world, document, None, options)
         print(

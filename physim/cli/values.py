@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-MOST_SHOWN = 60
+LONGEST_QUOTE = 60
 """Characters of what was given that an error repeats."""
 LARGEST_NUMBER = 10**15
 
@@ -18,7 +18,7 @@ LARGEST_NUMBER = 10**15
 def quoted(text: str) -> str:
     """What was given, in quotes where it would not be seen as one word."""
     text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-    text = text if len(text) <= MOST_SHOWN else text[: MOST_SHOWN - 1] + "…"
+    text = text if len(text) <= LONGEST_QUOTE else text[: LONGEST_QUOTE - 1] + "…"
     return text if text and re.fullmatch(r"[^\s\"']+", text) else f'"{text}"'
 
 
@@ -57,7 +57,7 @@ def not_among(given: str, allowed: list[str]) -> str:
     """``GIVEN: must be one of ALLOWED``, and the nearest one."""
     from physim.errors import nearest
 
-    close = nearest(given[:MOST_SHOWN], allowed)
+    close = nearest(given[:LONGEST_QUOTE], allowed)
     return f"{quoted(given)}: must be one of {', '.join(allowed)}{close}"
 
 

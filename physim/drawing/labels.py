@@ -1,7 +1,7 @@
 """Labels of pictures: numbers and names in words, cut to their room, and places for them.
 
 A label is tried in directions round what it belongs to, touching it or farther off; what it would
-cover there is measured here, and each picture weighs that in its own way: a film prefers that a
+cover there is measured here, and each picture weighs that for itself: a film prefers that a
 label stays where it is, and on paper no two may overlap. Lengths are [px] or [pt], as the caller
 has them.
 """
@@ -113,15 +113,16 @@ def places(label: Label, gaps: tuple[float, ...], up: float = 1.0) -> FloatArray
 
     ``up`` is -1 where y goes down.
     """
-    way, half = np.column_stack((np.cos(ANGLES), up * np.sin(ANGLES))), np.array(label.size) / 2.0
+    direction = np.column_stack((np.cos(ANGLES), up * np.sin(ANGLES)))
+    half = np.array(label.size) / 2.0
     if label.shape is None:
-        out = label.reach + np.min(half / np.maximum(np.abs(way), 1e-9), axis=1)
+        out = label.reach + np.min(half / np.maximum(np.abs(direction), 1e-9), axis=1)
     else:
-        out = way_out(way, label.shape, half)
-    return np.concatenate([label.at + way * (out + gap)[:, None] for gap in gaps])
+        out = exit_distance(direction, label.shape, half)
+    return np.concatenate([label.at + direction * (out + gap)[:, None] for gap in gaps])
 
 
-def way_out(direction: FloatArray, shape: FloatArray, half: FloatArray) -> FloatArray:
+def exit_distance(direction: FloatArray, shape: FloatArray, half: FloatArray) -> FloatArray:
     """Return how far a box of half sizes (2,) must go in directions (d, 2) to clear a shape.
 
     Exact for a convex ``shape`` (n, 2) round the origin; of others the hull is cleared.
@@ -131,8 +132,8 @@ def way_out(direction: FloatArray, shape: FloatArray, half: FloatArray) -> Float
     axes = np.concatenate((normals, -normals, np.eye(2), -np.eye(2)))
     support = (shape @ axes.T).max(axis=0) + np.abs(axes) @ half
     along = direction @ axes.T
-    way = np.where(along > 1e-9, support / np.maximum(along, 1e-9), np.inf)
-    return np.asarray(np.maximum(way.min(axis=1), 0.0))
+    exits = np.where(along > 1e-9, support / np.maximum(along, 1e-9), np.inf)
+    return np.asarray(np.maximum(exits.min(axis=1), 0.0))
 
 
 def around(middles: FloatArray, size: tuple[float, float]) -> FloatArray:
@@ -162,10 +163,10 @@ def covered(boxes: FloatArray, pieces: FloatArray, prices: FloatArray | None = N
         pieces.min(axis=1) <= boxes[:, 2:].max(axis=0)
     )
     rows = np.flatnonzero(seen.all(axis=1))
-    start, way = pieces[rows, 0], pieces[rows, 1] - pieces[rows, 0]
-    length = np.hypot(*way.T) * (1.0 if prices is None else prices[rows])
-    way = np.where(np.abs(way) < 1e-9, 1e-9, way)
-    ends = (boxes[:, None, :2] - start) / way, (boxes[:, None, 2:] - start) / way
+    start, direction = pieces[rows, 0], pieces[rows, 1] - pieces[rows, 0]
+    length = np.hypot(*direction.T) * (1.0 if prices is None else prices[rows])
+    direction = np.where(np.abs(direction) < 1e-9, 1e-9, direction)
+    ends = (boxes[:, None, :2] - start) / direction, (boxes[:, None, 2:] - start) / direction
     enter, leave = np.minimum(*ends).max(axis=2), np.maximum(*ends).min(axis=2)
     share = np.minimum(leave, 1.0) - np.maximum(enter, 0.0)
     return np.asarray(np.maximum(share, 0.0) @ length)
@@ -178,13 +179,15 @@ def leader(label: Label, middle: FloatArray, least: float) -> FloatArray | None:
     """
     offset = middle - label.at
     distance = float(np.hypot(*offset))
-    way = offset / distance
-    end = distance - float(np.min(np.array(label.size) / 2.0 / np.maximum(np.abs(way), 1e-9)))
+    direction = offset / distance
+    end = distance - float(np.min(np.array(label.size) / 2.0 / np.maximum(np.abs(direction), 1e-9)))
     if end <= least:
         return None
     shape = label.shape
-    start = DISC * label.reach if shape is None else way_out(way[None], shape, np.zeros(2))
-    return np.stack((way * start, way * end)) + label.at
+    start = (
+        DISC * label.reach if shape is None else exit_distance(direction[None], shape, np.zeros(2))
+    )
+    return np.stack((direction * start, direction * end)) + label.at
 
 
 def spread(wanted: FloatArray, gap: float, low: float, high: float) -> FloatArray:

@@ -29,7 +29,7 @@ OBSTACLE: Colour = (128, 133, 140)
 REFERENCE: Colour = (120, 126, 134)
 
 CONTACT: Colour = (213, 94, 0)
-"""Contacts and grazes, and nothing else."""
+"""Contacts, swept ones included, and nothing else."""
 UNDECIDED: Colour = (150, 155, 162)
 """A robot that has not decided yet, or whose controller gave no mode."""
 WIDTH: Colour = (0, 105, 120)

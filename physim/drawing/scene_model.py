@@ -137,7 +137,7 @@ class SceneModel:
 
     @classmethod
     def of_record(cls, record: Record) -> SceneModel:
-        """Model of what a record tells."""
+        """Model of the scene in a record."""
         nowhere = np.full((record.robots, 3), np.nan)
         return cls(
             name=record.name,

@@ -144,7 +144,7 @@ class Timeline:
 
 @dataclass(frozen=True)
 class Episodes:
-    """One row a contact episode or graze, by the time it began; C of them."""
+    """One row a contact episode or swept contact, by the time it began; C of them."""
 
     began: FloatArray
     """(C,) [s]"""
@@ -153,7 +153,7 @@ class Episodes:
     bodies: IntArray
     """(C, 2) body ids"""
     swept: NDArray[np.bool_]
-    """(C,) a graze: the two touch between two samples only"""
+    """(C,) a swept contact: the two touch between two samples only"""
     first: IntArray
     """(C,) where an episode begins in ``places``"""
     last: IntArray
@@ -164,11 +164,11 @@ class Episodes:
     """(R, 2) [m] deepest points, episode by episode"""
 
     def count(self, time: float) -> int:
-        """Return how many began at or before ``time`` [s], grazes included."""
+        """Return how many began at or before ``time`` [s], swept contacts included."""
         return int(np.searchsorted(self.began, time + 1e-9, side="right"))
 
-    def grazes(self, time: float) -> int:
-        """Return how many of them are grazes."""
+    def swept_count(self, time: float) -> int:
+        """Return how many of them are swept contacts."""
         return int(self.swept[: self.count(time)].sum())
 
     def recent(self, time: float, lasts: float) -> IntArray:
@@ -195,7 +195,7 @@ class Episodes:
 
 
 def episodes(record: Record) -> Episodes:
-    """Contact episodes and grazes of a record, with the places of their contacts."""
+    """Contact episodes and swept contacts of a record, with the places of their contacts."""
     found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
     found.sort(key=lambda one: one.step)
     swept = [isinstance(one, Graze) for one in found]

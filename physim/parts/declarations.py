@@ -149,14 +149,14 @@ def _declared(controller: object, key: str, kind: type) -> tuple:  # type: ignor
     for name in names:
         if not isinstance(name, str) or not _NAME.fullmatch(name):
             raise ControllerError(
-                f"{where}: name {name!r}; allowed are small letters, digits and _, a letter first"
+                f"{where}: name {name!r}; allowed: lower-case letters, digits and _, a letter first"
             )
         if names.count(name) > 1:
-            raise ControllerError(f'{where}: "{name}" is there {names.count(name)} times')
+            raise ControllerError(f'{where}: "{name}" is declared {names.count(name)} times')
     for one in given:
         words = getattr(one, "words", "") + getattr(one, "unit", "")
         if not isinstance(words, str) or not words.isprintable() or len(words) > 300:
-            raise ControllerError(f'{where}: words of "{one.name}" must be a line of plain text')
+            raise ControllerError(f'{where}: words of "{one.name}" must be one line of plain text')
     return tuple(given)
 
 

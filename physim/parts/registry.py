@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
 from physim.parts.user_code import broken_by, load_class, make_folder_importable, place_of, takes
-from physim.world.faults import describe as shown
-from physim.world.faults import faults_of, unknown_key
+from physim.world.faults import describe, faults_of, unknown_key
 from physim.world.kinds import thawed
 
 if TYPE_CHECKING:
@@ -120,14 +119,14 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
             option = f"; give it on the command line by {kind.option}" if kind.option else ""
             advice = option or f'; register it by an entry point in the group "{kind.group}"'
             raise ControllerError(
-                f"{shown(name)} names a class; a world may name registered {kind.word}s only: "
+                f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
                 f"{', '.join(sorted(entries)) or 'none'}{advice}"
             )
         make_folder_importable()
         return load_class(kind, name, name)
     known = sorted(entries)
     raise ControllerError(
-        f"no {kind.word} is called {shown(name)}; registered: {', '.join(known) or 'none'}"
+        f"no {kind.word} is called {describe(name)}; registered: {', '.join(known) or 'none'}"
         f"{_elsewhere(kind, name) or nearest(name[:100], known) or _registering(kind)}"
     )
 
@@ -187,7 +186,7 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
         reason = broken_by(error)
         if isinstance(error, TypeError) and not takes(part, *given):
             reason = _unmade(part, bool(given))
-        raise ControllerError(f"{kind.word} {shown(name)} cannot be made: {reason}") from error
+        raise ControllerError(f"{kind.word} {describe(name)} cannot be made: {reason}") from error
 
 
 def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:
@@ -200,8 +199,8 @@ def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:
     if faults:
         needed = ", ".join(dotted(fault.location) for fault in faults)
         raise ControllerError(
-            f"{kind.word} {shown(name)}: setting {needed}: needs a default, for no world names "
-            f"{kind.word}s; from Python an object may be given{place_of(part)}"
+            f"{kind.word} {describe(name)}: setting {needed}: needs a default, because worlds do "
+            f"not name {kind.word}s; from Python an object may be given{place_of(part)}"
         )
     return made_part(kind, part, made, name)
 
@@ -262,7 +261,7 @@ def _registered(kind: Kind, entries: Mapping[str, tuple[str, ...]], name: str) -
     target, *others = entries[name]
     if others:
         raise ControllerError(
-            f"{kind.word} {shown(name)} is registered by several packages, as "
+            f"{kind.word} {describe(name)} is registered by several packages, as "
             f"{', '.join(entries[name])}; give all but one another name"
         )
     return load_class(kind, target, name)
@@ -286,19 +285,19 @@ def _elsewhere(kind: Kind, name: str) -> str:
         if other is not kind and name in _entries(other):
             article = "an" if other.word[0] in "aeiou" else "a"
             named = f", which a world names under {other.place}" if other.key else ""
-            return f"; {shown(name)} is {article} {other.word}{named}"
+            return f"; {describe(name)} is {article} {other.word}{named}"
     groups = {other.group for other in kinds}
     for entry in entry_points(name=name):
         if entry.group.startswith("physim") and entry.group not in groups:
             return (
-                f"; {shown(name)} is registered in {shown(entry.group)}, which is no group of "
-                f"parts; write {shown(kind.group)}, then pip install again"
+                f"; {describe(name)} is registered in {describe(entry.group)}, which is no group "
+                f"of parts; write {describe(kind.group)}, then pip install again"
             )
     return ""
 
 
 def _registering(kind: Kind) -> str:
-    group = shown(kind.group)
+    group = describe(kind.group)
     return f"; register one by an entry point in the group {group}, then pip install again"
 
 

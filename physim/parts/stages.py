@@ -46,7 +46,7 @@ class SensingStage(Protocol):
 
 @runtime_checkable
 class Filter(Protocol):
-    """Stands between what controllers want and what robots are told, at every step."""
+    """Changes what controllers want before the robots execute it, at every step."""
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -61,7 +61,7 @@ class Filter(Protocol):
 
 @runtime_checkable
 class Disturbance(Protocol):
-    """Makes robots move otherwise than told: gains, slip, pushes."""
+    """Makes robots depart from their commands: gains, slip, pushes."""
 
     def start(self, scene: Scene) -> Any:
         """State at sample 0."""
@@ -194,7 +194,9 @@ def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
         if not np.isfinite(found).all():
             raise ControllerError(f"{where}: {name} is not finite")
     if rows and not 0 <= sensed.robot.min() <= sensed.robot.max() < robots:
-        raise ControllerError(f"{where}: robot names one that there is not; 0 to {robots - 1}")
+        raise ControllerError(
+            f"{where}: robot holds an index that does not exist; allowed: 0 to {robots - 1}"
+        )
     for i in range(robots):
         if not 0 <= sensed.first[i] <= sensed.end[i] <= rows:
             raise ControllerError(
@@ -202,6 +204,6 @@ def check_sensed(sensed: Sensed, scene: Scene, part: object) -> None:
                 f"are {rows}"
             )
         if np.count_nonzero(sensed.robot[sensed.rows(i)] == i) != 1:
-            raise ControllerError(f"{where}: {scene.names[i]} must have one row of itself")
+            raise ControllerError(f"{where}: {scene.names[i]} must have exactly one row of its own")
     for array in sensed[1:]:
         read_only(array)

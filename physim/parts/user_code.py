@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from physim.errors import ControllerError, nearest
-from physim.world.faults import describe as shown
+from physim.world.faults import describe
 
 if TYPE_CHECKING:
     from physim.parts.registry import Kind
@@ -84,7 +84,7 @@ def place_of(written: Any) -> str:
 
 
 def kind_of(value: object) -> str:
-    """Say what a value is, for a message that tells what was given instead of it."""
+    """Say what a value is, for a message about what was given."""
     if value is None:
         return "None"
     if isinstance(value, np.ndarray):
@@ -102,15 +102,15 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     if "/" in module_name or module_name.endswith(".py"):
         stem = module_name.removesuffix(".py").rsplit("/", 1)[-1]
         raise ControllerError(
-            f"{kind.word} {shown(name)} names a file; write the module: {stem}:{class_name}, and "
-            "run in its folder or put that on PYTHONPATH"
+            f"{kind.word} {describe(name)} names a file; write the module: {stem}:{class_name}, "
+            "and run in its folder, or put that on PYTHONPATH"
         )
     try:
         module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if error.name != module_name:
             raise ControllerError(
-                f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
+                f"{kind.word} {describe(name)}: module {describe(module_name)} cannot be imported: "
                 f"{broken_by(error)}"
             ) from error
         package = _package(kind, name, target)
@@ -121,12 +121,12 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
             else ""
         )
         raise ControllerError(
-            f"{kind.word} {shown(name)}: no module {shown(module_name)} in the current folder or "
-            f"on the Python path{advice}"
+            f"{kind.word} {describe(name)}: no module {describe(module_name)} in the current "
+            f"folder or on the Python path{advice}"
         ) from error
     except (Exception, SystemExit) as error:
         raise ControllerError(
-            f"{kind.word} {shown(name)}: module {shown(module_name)} cannot be imported: "
+            f"{kind.word} {describe(name)}: module {describe(module_name)} cannot be imported: "
             f"{broken_by(error)}"
         ) from error
     found: Any = module
@@ -135,13 +135,14 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     if not isinstance(found, type):
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
         raise ControllerError(
-            f"{kind.word} {shown(name)}: module {shown(module_name)} has no class "
-            f"{shown(class_name)}{nearest(class_name[:100], classes)}"
+            f"{kind.word} {describe(name)}: module {describe(module_name)} has no class "
+            f"{describe(class_name)}{nearest(class_name[:100], classes)}"
         )
     for method in kind.methods:
         if not callable(getattr(found, method, None)):
             raise ControllerError(
-                f"{kind.word} {shown(name)}: class {class_name} has no method {kind.usage(method)}"
+                f"{kind.word} {describe(name)}: class {class_name} has no method "
+                f"{kind.usage(method)}"
             )
     return found
 

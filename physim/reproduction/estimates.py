@@ -32,10 +32,10 @@ class Estimate:
         if not self.count:
             return "none"
         rounded = [_rounded(value, digits) for value in (self.median, self.low, self.high)]
-        shown = rounded[0]
+        text = rounded[0]
         if len(set(rounded)) > 1:
-            shown += f" [{rounded[1]}, {rounded[2]}]"
-        return shown if shown == "never" else f"{shown} {unit}".strip()
+            text += f" [{rounded[1]}, {rounded[2]}]"
+        return text if text == "never" else f"{text} {unit}".strip()
 
 
 def estimate(values: Iterable[float]) -> Estimate:
@@ -56,8 +56,8 @@ def _rounded(value: float, digits: int) -> str:
     """Number with so many digits, never "-0.00"; "never" for a time that is inf."""
     if math.isinf(value):
         return "never"
-    shown = f"{value:.{digits}f}"
-    return f"{0.0:.{digits}f}" if float(shown) == 0.0 else shown
+    text = f"{value:.{digits}f}"
+    return f"{0.0:.{digits}f}" if float(text) == 0.0 else text
 
 
 def _rank(n: int) -> int:

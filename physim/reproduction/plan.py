@@ -25,7 +25,7 @@ from physim.simulation.run import simulate
 Measure = Callable[[Record], Measures]
 
 
-class Run(NamedTuple):
+class MeasuredRun(NamedTuple):
     """What is kept of a run."""
 
     name: str
@@ -36,7 +36,7 @@ class Run(NamedTuple):
 
 def run(
     arm: Arm, seed: int | None, wanted: Sequence[Measure], path: Path | None, stop: Stop
-) -> Run | None:
+) -> MeasuredRun | None:
     """Run a world and measure it; None when it was stopped.
 
     ``seed`` None: that of the world. The record is kept at ``path``, if given. Raises PhysimError
@@ -51,7 +51,7 @@ def run(
     with record:
         if record.ended != "interrupted":
             found = {measure.__name__: dict(measure(record)) for measure in wanted}
-            return Run(record.name, record.seed, found)
+            return MeasuredRun(record.name, record.seed, found)
     if path is not None:
         os.unlink(path)
     return None

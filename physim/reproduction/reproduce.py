@@ -80,7 +80,7 @@ def reproduce(
 
 
 def pages(report: Report, folder: Path) -> dict[str, str]:
-    """Texts of the files that tell the report, by name; pictures are read from ``folder``."""
+    """Texts of the files that present the report, by name; pictures are read from ``folder``."""
     text = markdown(report)
     return {MARKDOWN: text, HTML: html(text, TITLE, folder), JSON: report.to_json()}
 

@@ -69,7 +69,7 @@ def _number(value: object, field: str, where: str) -> float:
             raise TypeError
         return float(value)  # type: ignore[arg-type]
     except _NO_NUMBER:
-        given = _shown(value)
+        given = _quoted(value)
         raise ControllerError(f"{where}: {field} is {given}; it must be a number") from None
 
 
@@ -86,7 +86,7 @@ def _declared(
     names = [one.name for one in among]
     hint = nearest(name[:100], names) if isinstance(name, str) else ""
     allowed = f"declared: {', '.join(names)}" if names else f"the controller declares no {field}s"
-    raise ControllerError(f"{where}: {field} is {_shown(given)}; {allowed}{hint}")
+    raise ControllerError(f"{where}: {field} is {_quoted(given)}; {allowed}{hint}")
 
 
 def _considered(given: object, where: str, robots: int) -> list[int]:
@@ -94,11 +94,11 @@ def _considered(given: object, where: str, robots: int) -> list[int]:
         found = [index(j) for j in given]  # type: ignore[attr-defined]
     except TypeError:
         raise ControllerError(
-            f"{where}: considered is {_shown(given)}; it must list robots by index"
+            f"{where}: considered is {_quoted(given)}; it must list robots by index"
         ) from None
     if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
         raise ControllerError(
-            f"{where}: considered is {_shown(given)}; it must list robots 0 to {robots - 1}, "
+            f"{where}: considered is {_quoted(given)}; it must list robots 0 to {robots - 1}, "
             "each once"
         )
     return found
@@ -116,7 +116,7 @@ def _report(report: object, where: str, declared: Declared) -> list[float]:
             hint = nearest(name[:100], names) if isinstance(name, str) else ""
             allowed = ", ".join(names) or "none, give the controller some: columns = (Column(...),)"
             raise ControllerError(
-                f"{where}: report names {_shown(name)}, which is not declared; declared: "
+                f"{where}: report names {_quoted(name)}, which is not declared; declared: "
                 f"{allowed}{hint}"
             )
     values = (report.get(name) for name in names)
@@ -126,7 +126,7 @@ def _report(report: object, where: str, declared: Declared) -> list[float]:
     ]
 
 
-def _shown(value: object) -> str:
+def _quoted(value: object) -> str:
     """What was given, on one line and cut off where it is long."""
     try:
         text = " ".join(repr(value).split())
@@ -239,7 +239,9 @@ def outside(scene: Scene, time: float, given: ArrayLike) -> FloatArray:
     try:
         nominal = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ControllerError(f"commands at {time:g} s are no array of numbers (N, 2)") from None
+        raise ControllerError(
+            f"commands at {time:g} s are not an array of numbers (N, 2)"
+        ) from None
     check_commands(scene, time, np.arange(scene.robots), nominal)
     return read_only(nominal)
 
@@ -259,7 +261,7 @@ def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatAr
     raise ControllerError(
         f"{scene.names[robots[row]]} at {time:g} s: command {quantity} = "
         f"{command[row, column]:g} {unit}; it must be finite and within "
-        f"{scene.limits[robots[row], column]:g} {unit} either way"
+        f"{scene.limits[robots[row], column]:g} {unit} in either direction"
     )
 
 

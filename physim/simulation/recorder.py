@@ -77,7 +77,7 @@ class Recorder:
             )
         self.scene: Scene = simulation.scene
         self.since = np.full(self.scene.robots, -1, dtype=np.int64)
-        self.grazes = SweptContactFinder(self.scene)
+        self.swept = SweptContactFinder(self.scene)
         # sample 0 is a row of its own, so that later windows end on recorded steps
         self._write_false_contacts([simulation.physics.false_contacts])
         self._write_samples(simulation.pose[None], simulation.arrived[None], [simulation.contacts])
@@ -157,7 +157,7 @@ class Recorder:
         self.writer.note_arrived(self.since)
         found = clearances(poses, self.scene.shapes, self.scene.walls, self.scene.wall_grid)
         rows = np.concatenate(
-            [*contacts, self.grazes.rows(self.first, poses, found)], dtype=CONTACT_ROW
+            [*contacts, self.swept.rows(self.first, poses, found)], dtype=CONTACT_ROW
         )
         if len(rows) and "contacts" in self.tables:
             self.writer.append("contacts", rows[np.argsort(rows["step"], kind="stable")])

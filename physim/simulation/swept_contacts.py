@@ -1,4 +1,4 @@
-"""Grazes of a run as contact rows: bodies that touch between two samples, apart at both.
+"""Swept contacts of a run as contact rows: bodies that touch between two samples, apart at both.
 
 The engine looks at samples only and lets such bodies pass; the geometry finds them, block by block
 as the run is recorded.
@@ -20,7 +20,7 @@ ROOM = 64
 
 
 class SweptContactFinder:
-    """Finds the grazes of one run, given every sample once and in order."""
+    """Finds the swept contacts of one run, given every sample once and in order."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene

@@ -196,7 +196,7 @@ def check_controller(
     worlds: Sequence[WorldLike] | None = None,
     seconds: float = SECONDS,
     settings: Mapping[str, Any] | None = None,
-    tell: Callable[[str], object] = print,
+    report: Callable[[str], object] = print,
 ) -> list[Finding]:
     """Check that a controller keeps to every `Rule`, so that its runs mean what they show.
 
@@ -213,7 +213,7 @@ def check_controller(
     controller is its own.
 
     Returns one finding for each rule and world: the first, with the number of others like it.
-    ``tell`` gets each as a line, and a line for each world whose robots the controller refuses
+    ``report`` gets each as a line, and a line for each world whose robots the controller refuses
     (`robot_faults`), in which it is not tried.
 
     Raises ControllerError where the controller cannot be made or suits no world given, WorldError
@@ -223,7 +223,7 @@ def check_controller(
     chosen = candidate(controller, settings)
     for part in check_worlds(chosen, worlds, seconds):
         for line in part.lines():
-            tell(line)
+            report(line)
         found += part.findings
     return found
 

@@ -121,7 +121,7 @@ BELONGS = "what a decision leaves for the next belongs in its memory"
 
 
 def check_plain(trial: Trial, asked_all_along: Controller, make: Make, found: FindingLog) -> None:
-    """Report what a trial shows, then ask for its decisions again in other ways.
+    """Report what a trial shows, then ask for its decisions again under other conditions.
 
     ``asked_all_along`` is the controller that made them; ``make`` makes others.
     """
@@ -151,7 +151,7 @@ def _of_the_trial(trial: Trial, found: FindingLog) -> None:
 
 @dataclass
 class _Repeated:
-    """Asks for the decisions of a run again; what comes out otherwise is a finding."""
+    """Asks for the decisions of a run again; what comes out differently is a finding."""
 
     trial: Trial
     make: Make
@@ -173,14 +173,14 @@ class _Repeated:
                 text = f"decide changes {_changed(change)}; {BELONGS}"
                 _report(self.found, Rule.STATE, one, text)
                 self.shares_state = self.shares_state or is_shared(change.place)
-            text = f"asked all this again it decides otherwise ({{}}); {BELONGS}"
+            text = f"asked the same again it decides differently ({{}}); {BELONGS}"
             self._compare(Rule.STATE, one, answer, text)
             before = after
 
     def by_new_instances(self) -> None:
         """A new instance for every single decision, with nothing but the memory."""
         text = (
-            "a new instance, given the memory, decides otherwise than the one asked all along "
+            "a new instance, given the memory, decides differently from the one asked all along "
             f"({{}}); {BELONGS}"
         )
         self._ask_all(Rule.STATE, self.trial.asked, text)
@@ -188,11 +188,11 @@ class _Repeated:
     def in_other_orders(self) -> None:
         """One instance asked with the robots in reverse; and one for each robot alone."""
         queries = [one for step in self.trial.steps for one in reversed(step.asked)]
-        text = "asked with the robots in reverse order it decides otherwise: {}"
+        text = "asked with the robots in reverse order it decides differently: {}"
         self._ask_all(Rule.ORDER, queries, text, self.make())
         for i in range(self.trial.scene.robots):
             queries = [one for one in self.trial.asked if one.robot == i]
-            text = "asked for this robot alone it decides otherwise: {}"
+            text = "asked for this robot alone it decides differently: {}"
             self._ask_all(Rule.ORDER, queries, text, self.make())
 
     def _ask_all(
@@ -215,7 +215,7 @@ class _Repeated:
                 _report(self.found, Rule.COPIES, one, text)
                 continue
             answer = self._ask(self.make(), one, memory)
-            text = "from its memory pickled and unpickled it decides otherwise: {}"
+            text = "from its memory pickled and unpickled it decides differently: {}"
             self._compare(Rule.COPIES, one, answer, text)
 
     def _copyable(self, queries: list[Query]) -> list[Query]:
@@ -243,7 +243,7 @@ class _Repeated:
         apart = other_answer(first.values, second.values)
         if apart and not self.shares_state:
             text = (
-                "new instances with the same settings decide otherwise from the same "
+                "new instances with the same settings decide differently on the same "
                 f"observation and memory: {apart}"
             )
             _report(self.found, Rule.REPEATS, one, text)
@@ -274,10 +274,10 @@ def check_batch(trial: Trial, controller: BatchCapable, found: FindingLog) -> No
             row = rows[one.robot]
             change = other_answer({name: one.answer.values.get(name) for name in row}, row)
             if change and not one.answer.fault:
-                text = "the batch form decides otherwise than the plain one"
+                text = "the batch form decides differently from the plain one"
                 whole.report(f"{text}: {change}", one.robot)
             if others is not None and (change := other_answer(row, others[one.robot])):
-                text = "asked robot by robot, last first, the batch form decides otherwise"
+                text = "asked robot by robot, last first, the batch form decides differently"
                 alone.report(f"{text}: {change}", one.robot)
 
 

@@ -74,7 +74,7 @@ def unreadable(decisions: object, due: IntArray) -> str:
         return f"returned {type(decisions).__name__}; it must return Decisions"
     for name, values in zip(decisions._fields, decisions, strict=True):
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
-            return f"returned {name} that is no array of numbers"
+            return f"returned {name} that is not an array of numbers"
     if decisions.command.shape != (len(due), 2):
         return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
     if not np.array_equal(decisions.robot, due):

@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 from physim.errors import Fault, Location, nearest
 
 TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>"})
-"""Parts of a location that tell alternatives of a value apart and that no author wrote."""
+"""Parts of a location that distinguish alternatives of a value and that no author wrote."""
 
 
 def model_at(model: type[BaseModel], location: Location) -> type[BaseModel] | None:
@@ -78,7 +78,7 @@ def _options(annotation: Any, tag: str | int | None = None) -> list[Any]:
     return [annotation]
 
 
-MOST_SHOWN = 40
+LONGEST_VALUE = 40
 """Characters of a given value that a message repeats."""
 
 MOST_TRANSLATED = 500
@@ -109,7 +109,7 @@ def describe(value: Any) -> str:
         return "an empty list" if not value else f"a list of {len(value)}"
     if isinstance(value, str):
         return '"' + _short(_one_line(value)) + '"'
-    if isinstance(value, int) and abs(value) >= 10**MOST_SHOWN:
+    if isinstance(value, int) and abs(value) >= 10**LONGEST_VALUE:
         return "an integer of more than 40 digits"
     if isinstance(value, int | float):
         return repr(value)
@@ -117,12 +117,12 @@ def describe(value: Any) -> str:
 
 
 def _one_line(text: str) -> str:
-    start = text[: MOST_SHOWN + 1]
+    start = text[: LONGEST_VALUE + 1]
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in start)
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= MOST_SHOWN else text[:MOST_SHOWN] + "…"
+    return text if len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + "…"
 
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
@@ -131,7 +131,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     A missing key that is evidently a misspelt one is reported once, as the misspelt key.
     """
     faults: list[Fault] = []
-    mended: set[Location] = set()
+    corrected: set[Location] = set()
     missing: list[Fault] = []
     for details in error.errors(include_url=False)[:MOST_TRANSLATED]:
         raw: Location = details["loc"]
@@ -139,18 +139,18 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         if details["type"] == "extra_forbidden":
             allowed = keys_of(model_at(model, raw[:-1]))
             faults.append(unknown_key(location, allowed))
-            mended |= {(*location[:-1], key) for key in allowed if _meant(location[-1], key)}
+            corrected |= {(*location[:-1], key) for key in allowed if _meant(location[-1], key)}
         elif details["type"] == "missing" and not isinstance(location[-1], int):
             missing.append(Fault(location, _missing(model, raw) + _misspelt_type(details)))
         else:
             choice = _choice(model, raw)
             what = message(cast(Mapping[str, Any], details), choice)
             faults.append(Fault(location, what + _in_millimetres(model, raw, details)))
-    return faults + [fault for fault in missing if fault.location not in mended]
+    return faults + [fault for fault in missing if fault.location not in corrected]
 
 
 def plain_location(location: Location) -> Location:
-    """Location as the author sees it: without the tags that tell alternatives apart."""
+    """Location as the author sees it: without the tags that distinguish alternatives."""
     parts = tuple(part for part in location if part not in TAGS)
     for place in SETTINGS:
         if parts[: len(place)] == place:
@@ -260,7 +260,7 @@ _NEEDED = {
     "int_type": "must be a whole number",
     "int_from_float": "must be a whole number",
     "int_parsing": "must be a whole number",
-    "int_parsing_size": "must be a whole number of a sane size",
+    "int_parsing_size": "must be a whole number of reasonable size",
     "finite_number": "must be a finite number",
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",

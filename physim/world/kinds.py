@@ -127,7 +127,7 @@ def _open_ring(corners: tuple[Point, ...]) -> tuple[Point, ...]:
 
 
 def is_word(value: Any) -> str:
-    """Tell a word from all other values, for a value that is either a number or a word."""
+    """Distinguish a word from all other values, for a value that is either a number or a word."""
     return "<word>" if isinstance(value, str) else "<value>"
 
 

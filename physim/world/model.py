@@ -68,8 +68,8 @@ class World(Model):
 
     model_config = ConfigDict(
         json_schema_extra={
-            "description": "A world: road, robots and controller of a run, and what it must show. "
-            "Lengths [m], times [s], angles [rad]."
+            "description": "A world: road, robots and controller of a run, and what it must "
+            "satisfy. Lengths [m], times [s], angles [rad]."
         }
     )
 
@@ -107,17 +107,17 @@ class World(Model):
     )
     filters: Choices = Field(
         default=(),
-        description="what stands between controllers and robots, by name, one after the other",
+        description="what changes commands between controllers and robots, by name, in order",
     )
     disturbances: Choices = Field(
         default=(),
-        description="what makes robots move otherwise than told, by name, one after the other",
+        description="what makes robots depart from their commands, by name, in order",
     )
     arrival: Arrival = Field(default=Arrival(), description="when a robot counts as arrived")
     obstacles: Annotated[tuple[Polygon, ...], at_most(MOST_WALLS)] = Field(
         default=(), description="[m] closed, solid polygons"
     )
-    expect: Expectation | None = Field(default=None, description="what the run must show")
+    expect: Expectation | None = Field(default=None, description="what the run must satisfy")
     physics: Physics = Field(default=Physics(), description="material in contact")
 
     @classmethod

@@ -89,7 +89,7 @@ class Limits(Model):
         default=1.5, description="[m/s] largest forward or backward speed"
     )
     omega: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(
-        default=OMEGA_LIMIT, description="[rad/s] largest rotational speed, either way"
+        default=OMEGA_LIMIT, description="[rad/s] largest rotational speed, in either direction"
     )
 
 
@@ -183,7 +183,7 @@ class Formation(Model):
     range: Length = Field(
         default=10.0,
         description="[m] along the reference path within which robots are formation neighbours; "
-        "also the range of sight, unless sensing.range says otherwise",
+        "also the sensing range, unless sensing.range is given",
     )
     neighbours: Annotated[
         Annotated[Literal["range", "all"], Tag("<word>")]

@@ -115,7 +115,7 @@ def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
         if name is not None and WALL_NAMES.fullmatch(name):
             yield Fault(
                 ("robots", i, "name"),
-                f"{describe(name)} is what reports call a wall; give the robot another name",
+                f"{describe(name)} names a wall in reports; give the robot another name",
             )
 
 

@@ -1,5 +1,5 @@
 """What a run is: its time, the parts it names (controller, sensing, filters, disturbances), when
-robots have arrived, the material in contact, and what the run must show.
+robots have arrived, the material in contact, and what the run must satisfy.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from physim.world.kinds import (
 
 MOST_STAGES = 20
 DEFAULT_RANGE = 10.0
-"""[m] range of sight in a world that says nothing of it (paper: 10 m)"""
+"""[m] sensing range in a world that does not give one (paper: 10 m)"""
 _WORD = re.compile(r"\w{1,40}")
 
 
@@ -144,7 +144,7 @@ class Physics(Model):
 
 
 class Expectation(Model):
-    """What a run must show; a run that does not ends with exit code 1."""
+    """What a run must satisfy; a run that does not ends with exit code 1."""
 
     contacts: Annotated[Whole, Field(ge=0)] | None = Field(
         default=None, description="largest number of contacts, touches between two samples included"

@@ -6,7 +6,7 @@ import contextlib
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +82,7 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
                 yield f"{space}  - {first.strip()}"
                 yield from others
         else:
-            yield from _entry(f"{space}{key}", value, unit, indent)
+            yield from _entry(f"{space}{key}", value, unit)
 
 
 def _item(item: BaseModel, indent: int) -> Iterator[str]:
@@ -92,7 +92,7 @@ def _item(item: BaseModel, indent: int) -> Iterator[str]:
 def _choice(choice: Choice, indent: int) -> Iterator[str]:
     """Lines of a part by name: type and settings in one mapping."""
     for name, setting in {"type": choice.type, **thawed(choice.settings)}.items():
-        yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "", indent)
+        yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "")
 
 
 def _unit(description: str) -> str:
@@ -100,22 +100,34 @@ def _unit(description: str) -> str:
     return f"  # {found[0]}" if found else ""
 
 
-def _entry(head: str, value: Any, unit: str, indent: int) -> Iterator[str]:
+def _entry(head: str, value: Any, unit: str) -> Iterator[str]:
     """``key: value  # [unit]``, long lists broken over several lines."""
-    flow = _flow(value)
-    if len(head) + 2 + len(flow) + len(unit) <= LINE or not isinstance(value, list | tuple):
-        yield f"{head}: {flow}{unit}"
+    if isinstance(value, list | tuple):
+        yield from flow_list(f"{head}: ", [_flow(item) for item in value], LINE, unit)
+    else:
+        yield f"{head}: {_flow(value)}{unit}"
+
+
+def flow_list(head: str, pieces: Sequence[str], width: int, comment: str = "") -> Iterator[str]:
+    """Lines of ``head[piece, piece]comment``, a YAML list broken beyond ``width`` columns.
+
+    ``head`` holds the indentation, and the dash or key before the list; the comment stands on the
+    first line.
+    """
+    whole = f"{head}[{', '.join(pieces)}]{comment}"
+    if len(whole) <= width:
+        yield whole
         return
-    yield f"{head}: [{unit}"
-    line = " " * (indent + 2)
-    for item in value:
-        piece = _flow(item) + ","
-        if line.strip() and len(line) + len(piece) > LINE:
-            yield line.rstrip()
-            line = " " * (indent + 2)
-        line += piece + " "
-    yield line.rstrip()
-    yield " " * indent + "]"
+    yield f"{head}[{comment}"
+    space = " " * (len(head) - len(head.lstrip(" -")))
+    line = f"{space} "
+    for piece in pieces:
+        if line.strip() and len(line) + len(piece) + 2 > width:
+            yield line
+            line = f"{space} "
+        line += f" {piece},"
+    yield line
+    yield f"{space}]"
 
 
 def _flow(value: Any) -> str:

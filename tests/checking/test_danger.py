@@ -11,8 +11,8 @@ def test_a_threshold_beyond_the_room_beside_the_path_is_told(tmp_path):
     _, warnings = lines(check(tmp_path, CORRIDOR + "controller: {boundary_low: 3.5}\n"))
     assert warnings == [
         "14:28 controller.boundary_low below 3.5 m from a boundary a robot is in danger mode, and "
-        '"a" has at most 2.5 m beside it on its path, 1 more robot no more: danger for good, so it '
-        "may never arrive; set boundary_low below that, or widen the road"
+        '"a" has at most 2.5 m beside it on its path, 1 other robot no more: it would not '
+        "leave danger mode and may never arrive; set boundary_low below that, or widen the road"
     ]
 
 

@@ -76,7 +76,7 @@ def test_names_hold_no_control_characters(name):
 def test_robots_are_not_called_like_walls(tmp_path, name):
     errors, _ = lines(check(tmp_path, changed(CORRIDOR, ("name: a", f"name: {name}"))))
     assert errors == [
-        f'5:11 robots[0].name "{name}" is what reports call a wall; give the robot another name'
+        f'5:11 robots[0].name "{name}" names a wall in reports; give the robot another name'
     ]
 
 

@@ -68,5 +68,5 @@ def test_a_formation_of_poses_that_overlaps_points_to_the_poses(tmp_path):
     errors, _ = lines(check(tmp_path, changed(text, ("offset: -1.0", "offset: 1.0"))))
     assert len(errors) == 1
     assert (
-        "spacing is initial, so they start so close along the road; move their poses" in errors[0]
+        "spacing is initial, so they start this close along the road; move their poses" in errors[0]
     )

@@ -195,7 +195,7 @@ def test_a_film_that_is_cut_short_has_a_name_that_says_so(
     (here / "video.mp4").write_text("the whole film")
     done = physim("video", here / "record.h5", "--force", capture=capsys)
     short = here / "video.cut_short.mp4"
-    assert done == (130, "", f"interrupted; the film so far is {short}\n")
+    assert done == (130, "", f"interrupted; the video so far is {short}\n")
     assert frames(short) == 3
     assert (here / "video.mp4").read_text() == "the whole film"
     assert not list(here.glob(".*"))
@@ -224,7 +224,7 @@ def test_ctrl_c_during_a_video(here: Path) -> None:
     process = started("video", "record.h5", folder=here)
     out, err = press_ctrl_c(process, lambda: any(here.glob(".*.part")))
     assert process.returncode == 130
-    assert (out, err) == ("", "interrupted; the film so far is video.cut_short.mp4\n")
+    assert (out, err) == ("", "interrupted; the video so far is video.cut_short.mp4\n")
     assert frames(here / "video.cut_short.mp4") > 0
     assert not (here / "video.mp4").exists()
     assert not list(here.glob(".*"))

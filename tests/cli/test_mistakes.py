@@ -160,7 +160,7 @@ def test_the_help_shows_all_commands_by_job_on_one_screen(
     assert told == {group: list(members) for group, members in GROUPS.items()}
     assert sum(map(len, told.values())) == len(COMMANDS) == 14
     text = " ".join(" ".join(lines).split())
-    for code in ("0 fine", "1 ", "2 bad input", "3 ", "70 ", "130 interrupted"):
+    for code in ("0 success", "1 ", "2 bad input", "3 ", "70 ", "130 interrupted"):
         assert f" {code}" in text
     assert "physim COMMAND --help" in text
     assert "--version" in text

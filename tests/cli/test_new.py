@@ -49,7 +49,7 @@ def test_a_schema_that_is_there_is_kept(tmp_path, capsys) -> None:
     (tmp_path / "world.schema.json").write_text("{}")
     assert physim("new", "a", capture=capsys).out.startswith(
         "written: a.yaml\n"
-        "world.schema.json: kept, though another than this version's; --force writes over it\n"
+        "world.schema.json: kept, though it differs from this version's; --force overwrites it\n"
         "next: "
     )
     assert (tmp_path / "world.schema.json").read_text() == "{}"
@@ -81,9 +81,9 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         ([".."], "cannot name a world"),
         ([".hidden"], "cannot name a world"),
         (["a\nb"], '"a�b": cannot name a world'),
-        (["a/b"], '"a/b": names a place, not a world; -o takes a path'),
+        (["a/b"], '"a/b": is a path, not a name; -o takes a path'),
         (["../b"], "cannot name a world"),
-        (["a\\b"], "names a place"),
+        (["a\\b"], "is a path"),
         (["x" * 101], "a name has at most 100 characters; given 101"),
         ([], "physim new: NAME is missing, as in physim new my_corridor"),
         (["a", "--robots", "0"], "--robots 0: the template corridor has room for 1 to 22"),
@@ -94,11 +94,11 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["a", "-o", "."], "is a folder; -o takes a file"),
         (["a", "-o", "world.schema.json"], "is the name of the schema; choose another one"),
         (["a", "-o", "b", "--project", "c"], "give one of them"),
-        (["taken"], "taken.yaml: exists; use --force to write over it, or -o for another file"),
+        (["taken"], "taken.yaml: exists; use --force to overwrite it, or -o for another file"),
         (["--project", "full"], "full: is not empty; use --force"),
         (["--project", "taken.yaml"], "taken.yaml: is a file; --project takes a folder"),
         (["--project", "taken.yaml/x"], "cannot be written (Not a directory)"),
-        (["a/b", "--project", "new"], "names a place"),
+        (["a/b", "--project", "new"], "is a path"),
         (["--project", "new", "--robots", "99"], "has room for 1 to 22"),
     ],
 )  # fmt: skip

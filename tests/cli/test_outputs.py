@@ -137,7 +137,7 @@ def test_what_is_read_is_never_written_over(
     words = [{"IN": name, "OUT": out[path]}.get(word, word) for word in arguments]
     done = physim(*words, "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    check_error(done.err, f"{Path(out[path])}:", "read", f"{option} takes another file")
+    check_error(done.err, f"{Path(out[path])}:", "input", f"{option} takes another file")
     assert tree(here) == before
 
 
@@ -148,7 +148,7 @@ def test_a_run_does_not_take_away_its_own_world(
     (here / "out/summary.json").write_text(SMALL)
     done = physim("run", "out/summary.json", "-o", "out", "--force", capture=capsys)
     assert (done.code, done.out) == (2, "")
-    assert "out/summary.json: is what is read" in done.err
+    assert "out/summary.json: is the input" in done.err
     assert (here / "out/summary.json").read_text() == SMALL
 
 

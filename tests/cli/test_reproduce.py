@@ -55,7 +55,7 @@ def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (("--figure", "5"), "--figure 5: Figure 5 is the flow chart"),
         (("--study", "bend"), '--study "bend": not a study; allowed: '),
         (("--workers", "0"), "--workers 0: must be a whole number from 1 to 64"),
-        (("--figure", "1", "--study", "bends"), "--study: does not go together with --figure"),
+        (("--figure", "1", "--study", "bends"), "--study: cannot be combined with --figure"),
     ],
 )
 def test_bad_input(

@@ -60,7 +60,7 @@ def test_existing_files_need_force(here: Path, capture: pytest.CaptureFixture[st
     (here / "w.yaml").write_text("mine")
     done = physim("import", "track.csv", "-o", "w.yaml", capture=capture)
     assert done.code == 2
-    assert done.err == ("w.yaml: exists; use --force to write over it, or -o for another file\n")
+    assert done.err == ("w.yaml: exists; use --force to overwrite it, or -o for another file\n")
     assert (here / "w.yaml").read_text() == "mine"
     assert physim("import", "track.csv", "-o", "w.yaml", "--force", "--quiet", capture=capture) == (
         0, "", "",
@@ -72,7 +72,7 @@ def test_a_schema_that_is_there_stays(here: Path, capture: pytest.CaptureFixture
     done = physim("import", "track.csv", "-o", "w.yaml", capture=capture)
     assert done.out.endswith(
         "\nwritten: w.yaml\n"
-        "world.schema.json: kept, though another than this version's; --force writes over it\n"
+        "world.schema.json: kept, though it differs from this version's; --force overwrites it\n"
         "next: physim check w.yaml, physim preview w.yaml, physim run w.yaml\n"
     )
     assert (here / "world.schema.json").read_text() == "{}"
@@ -85,7 +85,7 @@ def test_a_schema_that_is_there_stays(here: Path, capture: pytest.CaptureFixture
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["office.yaml", "-o", "office.yaml", "--force"], "office.yaml: is what is read"),
+        (["office.yaml", "-o", "office.yaml", "--force"], "office.yaml: is the input"),
         (["track.csv", "-o", "no/w.yaml"], "no/w.yaml: there is no folder no"),
         (["track.csv", "-o", "w.txt"], "w.txt: a world file ends in .yaml"),
         (["nothing.csv", "-o", "w.yaml"], "nothing.csv: no such file"),
@@ -145,7 +145,7 @@ def test_what_the_check_says_of_the_world_is_told(
     )
     done = physim("import", "d.svg", "-o", "w.yaml", "--scale", "1", capture=capture)
     assert (done.code, done.err) == (0, "")
-    _, told = done.out.split("\nthe check of the world says:\n")
+    _, told = done.out.split("\nphysim check reports:\n")
     warning, rest = told.split("\n", 1)
     assert warning.startswith("  w.yaml:")
     assert "starts at station 15.00 m of its path, at or past its stop station" in warning
@@ -155,7 +155,7 @@ def test_what_the_check_says_of_the_world_is_told(
     physim("import", "hall.svg", "-o", "v.yaml", "--scale", "0.1", "--quiet", capture=capture)
     assert "no warnings" in physim("check", "v.yaml", capture=capture).out
     done = physim("import", "hall.svg", "-o", "u.yaml", "--scale", "0.1", capture=capture)
-    assert "the check of the world says" not in done.out
+    assert "physim check reports" not in done.out
 
 
 def test_lanes_that_come_close_in_a_sharp_bend_are_told(
@@ -170,7 +170,7 @@ def test_lanes_that_come_close_in_a_sharp_bend_are_told(
     done = physim(*command, "2", capture=capture)
     assert "formation: in formation" in done.out
     assert "\n  --lanes 1 has fewer places where paths come close\nwritten: " in done.out
-    assert "the check of the world says" not in physim(*command, "1", capture=capture).out
+    assert "physim check reports" not in physim(*command, "1", capture=capture).out
 
 
 def test_formats_of_the_command_line_are_those_of_the_import() -> None:

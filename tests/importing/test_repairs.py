@@ -278,11 +278,11 @@ def test_lines_away_from_the_area_are_dropped(tmp_path: Path) -> None:
     check_says(only(imported, "obstacle of"), "2.000 m² … (31.00, 13.50) … dropped")
 
 
-def test_a_polygon_that_crosses_itself_is_mended(tmp_path: Path) -> None:
+def test_a_polygon_that_crosses_itself_is_repaired(tmp_path: Path) -> None:
     path = tmp_path / "p.wkt"
     path.write_text("POLYGON ((0 0, 20 0, 20 10, 4 10, 4 12, 3 12, 3 10, 6 10, 0 10, 0 0))")
-    told = only(import_world(path), "mended")
-    check_says(told, "mended … Self-intersection")
+    told = only(import_world(path), "repaired")
+    check_says(told, "repaired … Self-intersection")
     path.write_text("MULTIPOLYGON (((0 0, 20 0, 20 10, 0 10, 0 0)), ((30 0, 34 0, 34 2, 30 0)))")
     assert only(import_world(path), "polygon of 4.000 m² at")
 

@@ -126,7 +126,7 @@ def test_building_maps(name: str, tmp_path: Path) -> None:
     path = tmp_path / f"{name}.geojson"
     path.write_text(json.dumps(shapely.geometry.mapping(plan)))
     imported = import_world(path, Options(robots=5))
-    assert not any("mended" in change for change in imported.changes)
+    assert not any("repaired" in change for change in imported.changes)
     world = imported.world
     walls = shapely.union_all(
         [shapely.LineString(line) for line in world.boundaries or ()]

@@ -75,7 +75,7 @@ def test_what_goes_wrong_in_a_callback_is_raised_after_the_step(monkeypatch):
     def fails(*arguments):
         raise ValueError("in the callback")
 
-    monkeypatch.setattr(physics._guard, "_judge", fails)
+    monkeypatch.setattr(physics._guard, "_classify", fails)
     with pytest.raises(ValueError, match="in the callback"):
         drive(physics, [[1.0, 0.0], [1.0, 0.0]], 10)
 

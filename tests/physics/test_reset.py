@@ -73,7 +73,7 @@ def test_after_a_failure_in_a_callback(monkeypatch):
     go_on(scene, physics, 110)
     state = physics.state
     with monkeypatch.context() as patch:
-        patch.setattr(physics._guard, "_judge", lambda arbiter: 1 / 0)
+        patch.setattr(physics._guard, "_classify", lambda arbiter: 1 / 0)
         with pytest.raises(ZeroDivisionError):
             physics.step(scene.command(110, physics.pose))
     physics.restore(state)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.geometry.shapes import joined_shapes, pack_shapes
-from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, judge, segment_links
+from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, classify, segment_links
 from physim.tolerances import CONTACT
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
@@ -89,7 +89,7 @@ def judged(robot, points, pose):
     shapes = joined_shapes(pack_shapes([[robot]]), pack_shapes([segments(points)]))
     links, still = segment_links(shapes), np.zeros(3)
     parts = range(1, len(points))
-    return [judge(shapes, links, 0, np.array(pose), q, still) for q in parts]
+    return [classify(shapes, links, 0, np.array(pose), q, still) for q in parts]
 
 
 def test_links_of_open_and_closed_chains():

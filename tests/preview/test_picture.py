@@ -23,7 +23,7 @@ from physim.drawing.plots.style import styled
 from physim.drawing.preview import save_preview
 from physim.drawing.preview.contents import Contents
 from physim.drawing.preview.ground_plan import readable_scale
-from physim.drawing.preview.picture import make_figure, shown_of
+from physim.drawing.preview.picture import make_figure, preview_of
 from physim.errors import PhysimError
 from physim.world.file import load_world, parse_world
 from physim.world.file.files import shipped_worlds
@@ -253,7 +253,7 @@ def test_a_stretch_that_is_evenly_narrow_is_marked_in_its_middle() -> None:
 @pytest.mark.parametrize("name", sorted(shipped_worlds()))
 def test_the_least_width_is_written_clear_of_the_lines(name: str) -> None:
     with styled():
-        figure = make_figure(shown_of(lay_out(load_world(name))))
+        figure = make_figure(preview_of(lay_out(load_world(name))))
         axis = figure.axes[1]
         (text,) = [t for t in axis.texts if " m at " in t.get_text()]
         box = text.get_window_extent(figure.canvas.get_renderer())

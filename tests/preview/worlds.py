@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 
 from physim.drawing.preview.contents import Contents
-from physim.drawing.preview.picture import shown_of
+from physim.drawing.preview.picture import preview_of
 from physim.world.file import parse_world
 from physim.world.layout.layout import lay_out
 
@@ -53,7 +53,7 @@ def world(
 
 def shown(text: str) -> Contents:
     """What a preview of a world's text shows."""
-    return shown_of(lay_out(parse_world(text)))
+    return preview_of(lay_out(parse_world(text)))
 
 
 TINY = world(

@@ -252,7 +252,7 @@ STATE: dict[type, str] = {
     CountsOnTheClass: "CountsOnTheClass.count from ",
     CountsInTheModule: "broken.DECIDED",
     CountsInADefault: "CountsInADefault.decide.__defaults__[0]",
-    CountsOutOfSight: "asked all this again it decides otherwise",
+    CountsOutOfSight: "asked the same again it decides differently",
 }
 """What the finding has to tell."""
 

@@ -131,7 +131,7 @@ def test_memory_written_in_place() -> None:
     [
         (broken.CannotBePickled, "cannot be pickled: "),
         (broken.CannotBeCopied, "cannot be deep-copied: TypeError: cannot pickle '_thread.lock'"),
-        (broken.LosesItsMemory, "pickled and unpickled it decides otherwise: v is 0.75 instead"),
+        (broken.LosesItsMemory, "pickled and unpickled it decides differently: v is 0.75 instead"),
     ],
 )
 def test_memory_that_cannot_be_kept(controller: type, said: str) -> None:
@@ -161,7 +161,7 @@ def test_a_batch_form_that_was_inherited() -> None:
         def decide(self, observation: Observation, memory: Any) -> Decision:
             return Decision(0.0, 0.0, 0.1)
 
-    assert "the batch form decides otherwise" in only(Slower, Rule.BATCH)
+    assert "the batch form decides differently" in only(Slower, Rule.BATCH)
 
 
 def test_a_batch_form_that_depends_on_its_rows() -> None:
@@ -182,7 +182,7 @@ def test_every_finding_is_returned_and_told_as_a_line(capsys: pytest.CaptureFixt
     assert told == [str(finding) for finding in found]
     assert [finding.world for finding in found] == ["straight", "merging", *situations()]
     lines: list[str] = []
-    check_controller(broken.CountsOnItself, worlds=["straight"], seconds=0.1, tell=lines.append)
+    check_controller(broken.CountsOnItself, worlds=["straight"], seconds=0.1, report=lines.append)
     assert lines == [line for line in told if ": merging," not in line]
     assert capsys.readouterr().out == ""
 
@@ -191,15 +191,15 @@ def test_worlds_whose_robots_are_refused_are_told_and_left_out() -> None:
     lines: list[str] = []
     worlds = [load_world("straight"), "merging"]
     choosy = broken.Choosy("m1", "m2")
-    assert check_controller(choosy, worlds=worlds, seconds=0.1, tell=lines.append) == []
+    assert check_controller(choosy, worlds=worlds, seconds=0.1, report=lines.append) == []
     assert lines == ["skipped: merging: robots[0].name: does not drive m1 (and 1 more)"]
     with pytest.raises(ControllerError, match="Choosy suits the robots of none of 1 world, so "):
-        check_controller(choosy, worlds="merging", tell=lines.append)
+        check_controller(choosy, worlds="merging", report=lines.append)
 
 
 def test_settings_are_checked_as_in_a_world() -> None:
     told: list[str] = []
-    worlds: Any = {"worlds": ["straight"], "seconds": 0.1, "tell": told.append}
+    worlds: Any = {"worlds": ["straight"], "seconds": 0.1, "report": told.append}
     assert check_controller(broken.Adjustable, settings={"share": 0.9}, **worlds) == []
     fast = check_controller(broken.Adjustable, settings={"share": 1.5}, **worlds)
     assert {finding.rule for finding in fast} == {Rule.DECISION}
@@ -227,7 +227,7 @@ def test_a_world_of_its_own_has_its_settings() -> None:
 
 def test_the_object_given_is_never_asked() -> None:
     given = broken.CountsOnItself()
-    assert check_controller(given, worlds=["straight"], seconds=0.1, tell=str)
+    assert check_controller(given, worlds=["straight"], seconds=0.1, report=str)
     assert given.count == 0
 
 

@@ -16,8 +16,7 @@ from physim.analysis.validation.disagreements import GRAZE, REJECTED
 from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
-from physim.drawing.video.panel import GRAZE as GRAZE_SIGN
-from physim.drawing.video.panel import signs
+from physim.drawing.video.panel import SWEPT, signs
 from tests.validation.runs import edited, lane, side_by_side
 
 DEPTH = 4e-4
@@ -86,9 +85,9 @@ def test_the_video_counts_and_marks_it_apart(grazing):
     seen = episodes(grazing)
     time = float(seen.began[0])
     assert seen.swept.tolist() == [True]
-    assert (seen.count(time - 0.01), seen.grazes(time - 0.01)) == (0, 0)
-    assert (seen.count(time), seen.grazes(time)) == (1, 1)
-    assert GRAZE_SIGN in signs(Timeline(grazing), ground(Timeline(grazing)))
+    assert (seen.count(time - 0.01), seen.swept_count(time - 0.01)) == (0, 0)
+    assert (seen.count(time), seen.swept_count(time)) == (1, 1)
+    assert SWEPT in signs(Timeline(grazing), ground(Timeline(grazing)))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import physim
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
-from physim.drawing.video.frames import FOOTER, HEADER, Beside, titles
+from physim.drawing.video.frames import FOOTER, HEADER, Beside, differences, titles
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import Box
 from physim.drawing.video.view import View
@@ -132,3 +132,15 @@ def test_the_command_writes_beside_the_first_record(
     assert bad.code == 2
     assert "no.h5" in bad.err
     assert not (tmp_path / "x.mp4").exists()
+
+
+def test_differences_are_the_values_that_two_worlds_do_not_share():
+    given = parse_world(SMALL)
+    assert differences(given, given) == {}
+    other = given.changed(seed=4, controller={"type": "path_following", "speed": 2.0})
+    assert differences(given, other) == {
+        "seed": ("1", "4"),
+        "controller.type": ("mode_switching", "path_following"),
+    }
+    absent = differences(given, given.changed(expect=None))
+    assert absent == {"expect.contacts": ("0", "default")}

@@ -12,10 +12,7 @@ from hypothesis import strategies as st
 
 from physim.errors import WorldError
 from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, Start, World
-from physim.world.differences import differences
-from physim.world.file import parse_world
 from tests.world.strategies import worlds
-from tests.worlds_by_hand import STRAIGHT
 
 ROBOT = {
     "name": "r1",
@@ -222,15 +219,3 @@ def test_the_model_loads_no_heavy_package():
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert out.stdout.strip() == "set()"
-
-
-def test_differences_are_the_values_that_two_worlds_do_not_share():
-    given = parse_world(STRAIGHT)
-    assert differences(given, given) == {}
-    other = given.changed(seed=4, controller={"type": "path_following", "speed": 2.0})
-    assert differences(given, other) == {
-        "seed": ("3", "4"),
-        "controller.type": ("mode_switching", "path_following"),
-    }
-    absent = differences(given, given.changed(expect=None))
-    assert absent == {"expect.contacts": ("0", "default")}

@@ -91,7 +91,7 @@ def test_many_faults_are_counted():
     text = text.replace("path: [[0.0, 1.0], [30.0, 1.0]]", junk)
     lines = message(text).splitlines()
     assert len(lines) == 100
-    assert lines[-1].endswith("more faults follow; mend these first")
+    assert lines[-1].endswith("more faults follow; correct these first")
 
 
 def test_controller_settings_are_those_of_the_controller():

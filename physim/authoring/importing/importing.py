@@ -27,14 +27,13 @@ from physim.authoring.importing.fit import Fit, fit
 from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
-from physim.authoring.templates.text import flow_list
 from physim.errors import WorldError, plural
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file import parse_world
 from physim.world.file.schema import FILE
 from physim.world.layout.scene_builder import build_scene
-from physim.world.yaml_text import scalar_text
+from physim.world.yaml_text import flow_list, scalar_text
 
 LINE = 100
 SETTINGS = {
@@ -189,7 +188,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     drawn = bool(drawing.robots) and options.robots is None
     if drawing.robots and not drawn:
         drawing.changes.append(
-            f"{plural(len(drawing.robots), 'robot')} as drawn left out (--robots)"
+            f"{plural(len(drawing.robots), 'robot')} of the drawing left out (--robots)"
         )
     if drawn:
         robots = as_drawn(drawing, found)
@@ -209,7 +208,7 @@ def _check_extent(source: Path, drawing: Drawing) -> None:
     check_size(source, np.array([x1 - x0, y1 - y0]))
     if max(x1 - x0, y1 - y0) > LARGEST_PLACE:
         drawing.changes.append(
-            f"mind the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
+            f"check the scale: the place is {x1 - x0:.3g} x {y1 - y0:.3g} m (--scale 0.001 for "
             "millimetres)"
         )
 
@@ -248,7 +247,7 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
         which = "the robot drawn" if drawn == 1 else f"the largest of {drawn} robots drawn"
         chosen = f"the size of {which} (--robot)"
     elif options.robot is None:
-        chosen = "as large as has room, at most 1.8 x 1.0 m (--robot)"
+        chosen = "as large as fits, at most 1.8 x 1.0 m (--robot)"
     box = f"{number(found.box[0])} x {number(found.box[1])} m"
     return [*facts, f"{count} in {lanes}, {box}, {chosen}"]
 

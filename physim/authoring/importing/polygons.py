@@ -203,15 +203,15 @@ def _line(drawing: Drawing, part: Part, points: FloatArray, unused: list[str]) -
 
 
 def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
-    """Polygon on the millimetre grid; one that crosses itself is mended, which is reported."""
+    """Polygon on the millimetre grid; one that crosses itself is repaired, which is reported."""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
-        mended = _polygons_of(shapely.make_valid(shape))
-        if not mended:
+        valid = _polygons_of(shapely.make_valid(shape))
+        if not valid:
             raise refused(path, f"a polygon encloses no area ({reason})", line)
-        shape = max(mended, key=shapely.area)
+        shape = max(valid, key=shapely.area)
         drawing.changes.append(
-            f"polygon mended ({reason}): {len(mended)} parts, the largest of {shape.area:.3f} m² "
+            f"polygon repaired ({reason}): {len(valid)} parts, the largest of {shape.area:.3f} m² "
             "is kept"
         )
     whole = _polygons_of(shapely.set_precision(shape, 10.0**-DIGITS))
@@ -311,9 +311,9 @@ def _shape(path: Path, value: dict[str, Any]) -> Any:
     kind = printable(str(value.get("type")))[:40]
     bad = _no_number(value.get("coordinates"), 0)
     if bad is not None:
-        shown = printable(json.dumps(bad))[:40]
+        quoted = printable(json.dumps(bad))[:40]
         raise refused(
-            path, f'geometry "{kind}": {shown} is not a number; coordinates are lists of [x, y]'
+            path, f'geometry "{kind}": {quoted} is not a number; coordinates are lists of [x, y]'
         )
     try:
         return shapely.geometry.shape(value)

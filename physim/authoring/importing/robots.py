@@ -111,7 +111,7 @@ def stop_warnings(reference: FloatArray, robots: Sequence[Placed], size: float) 
     if gap >= WAITING * size:
         return []
     return [
-        f"mind: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
+        f"note: {robots[i].name} and {robots[j].name} stop {gap:.2f} m from each other at the end "
         "of the path, and may wait for each other and never arrive; another end of the path "
         "(--to), fewer --robots or --lanes 1"
     ]

@@ -338,13 +338,13 @@ class _Yaml:
             image = (folder / value).resolve()
         except (OSError, RuntimeError, ValueError):
             raise self._fault(("image",), "is not the name of a file") from None
-        shown = printable(value[:100])
+        given = printable(value[:100])
         if not image.is_relative_to(folder):
             raise self._fault(
-                ("image",), f'"{shown}" lies outside the folder of the map; put the image beside it'
+                ("image",), f'"{given}" lies outside the folder of the map; put the image beside it'
             )
         if not image.exists():
             there = sorted(p.name for p in folder.iterdir() if p.suffix in (".pgm", ".png"))
             near = nearest(value, there)
-            raise self._fault(("image",), f'no file "{shown}" in {folder.name or "/"}{near}')
+            raise self._fault(("image",), f'no file "{given}" in {folder.name or "/"}{near}')
         return self.path.parent / value if not Path(value).is_absolute() else image

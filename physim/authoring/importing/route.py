@@ -1,7 +1,7 @@
 """A reference path through an open place: between two far places, where it is widest.
 
 The place is covered with a grid. The clearance that the group gets is as large as leaves a long
-way to go; the way between its two ends is the shortest on the grid when narrow places count as
+way to go; the route between its two ends is the shortest on the grid when narrow places count as
 longer, and is then drawn smooth, without coming nearer to the walls than it must.
 """
 
@@ -22,14 +22,14 @@ from physim.authoring.importing.lines import clearances, length_of, points_at, s
 from physim.geometry.shapes import FloatArray
 
 KEPT = 0.9
-"""[-] A straight cut keeps this share of the clearance of the way it replaces."""
+"""[-] A straight cut keeps this share of the clearance of the stretch it replaces."""
 ROUNDS = 60
 """Times that every point moves towards the middle of its neighbours."""
 
 
-def smooth(way: FloatArray, area: Any, room: float) -> FloatArray:
-    """Straighten and round a way (n, 2) whose points have clearance ``room`` [m] in ``area``."""
-    line = _straightened(way, area, room)
+def smooth(line: FloatArray, area: Any, room: float) -> FloatArray:
+    """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``."""
+    line = _straightened(line, area, room)
     at = samples(length_of(line), 0.3 * room)
     points = points_at(line, at)
     low = np.minimum(clearances(points, area), room)
@@ -42,30 +42,30 @@ def smooth(way: FloatArray, area: Any, room: float) -> FloatArray:
     return np.asarray(shapely.get_coordinates(simple))
 
 
-def _straightened(way: FloatArray, area: Any, room: float) -> FloatArray:
+def _straightened(line: FloatArray, area: Any, room: float) -> FloatArray:
     """Replace stretches by straight ones that keep away from the walls nearly as well."""
     edge = area.boundary
     shapely.prepare(edge)
-    gaps = clearances(way, area)
+    gaps = clearances(line, area)
     kept, k = [0], 0
-    while k < len(way) - 1:
-        reach = len(way) - 1 - k
+    while k < len(line) - 1:
+        reach = len(line) - 1 - k
         while reach > 1:
             j = k + reach
             there = float(gaps[k : j + 1].min())
             wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
-            if shapely.distance(edge, shapely.LineString(way[[k, j]])) >= wanted:
+            if shapely.distance(edge, shapely.LineString(line[[k, j]])) >= wanted:
                 break
             reach = reach // 2 if reach > 8 else reach - 1
         k += max(reach, 1)
         kept.append(k)
-    return np.asarray(way[kept])
+    return np.asarray(line[kept])
 
 
 MOST_CELLS = 80_000
 """Cells of the grid within the area"""
 WORTH = 0.6
-"""[-] A way this share of the longest is long enough: then a wider one counts more."""
+"""[-] A route this share of the longest is long enough: then a wider one counts more."""
 SIZES = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 0.25, 0.2, 0.16, 0.125, 0.1, 0.08, 0.06, 0.04, 0.02, 0.01)
 """[-] sizes of the group that are tried, largest first"""
 
@@ -151,7 +151,7 @@ def _check_inside(path: Path, area: Any, word: str, point: tuple[float, float] |
 def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
     """The clearance to keep [m], and the nodes at which the path begins and ends.
 
-    Of the clearances tried, largest first, the first that leaves a way between the points asked
+    Of the clearances tried, largest first, the first that leaves a route between the points asked
     for, or one nearly as long as the smallest does.
     """
     if options.robot is not None:
@@ -165,7 +165,7 @@ def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
             if pair is not None:
                 return room, *pair
         raise refused(
-            path, f"no way from {place(origin)} to {place(goal)} that a robot fits through"
+            path, f"no route from {place(origin)} to {place(goal)} that a robot fits through"
         )
     smallest = _far(grid, rooms[-1], origin) if goal is None else None
     enough = WORTH * smallest[2] if smallest is not None else 0.0
@@ -174,7 +174,7 @@ def _ends(path: Path, grid: _Grid, options: Options) -> tuple[float, int, int]:
         if found is not None and found[2] >= enough and found[2] > 4.0 * room:
             a, b, _ = found
             return (room, a, b) if goal is None else (room, b, a)
-    raise refused(path, "no way that a robot fits through; --robot LENGTH,WIDTH may be smaller")
+    raise refused(path, "no route that a robot fits through; --robot LENGTH,WIDTH may be smaller")
 
 
 def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:
@@ -188,7 +188,7 @@ def _near(grid: _Grid, room: float, point: tuple[float, float]) -> int | None:
 def _joined(
     grid: _Grid, room: float, a: tuple[float, float], b: tuple[float, float]
 ) -> tuple[int, int] | None:
-    """Nodes near two points that a way joins; None where there is none."""
+    """Nodes near two points that a route joins; None where there is none."""
     first, second = _near(grid, room, a), _near(grid, room, b)
     if first is None or second is None or first == second:
         return None
@@ -199,7 +199,7 @@ def _joined(
 def _far(
     grid: _Grid, room: float, origin: tuple[float, float] | None
 ) -> tuple[int, int, float] | None:
-    """Two nodes far apart on the way between them, and how far [m]; one of them if given.
+    """Two nodes far apart on the route between them, and how far [m]; one of them if given.
 
     None where no node has that clearance, or none close to ``origin``.
     """
@@ -221,7 +221,7 @@ def _far(
 
 
 def _farthest(graph: Any, node: int) -> tuple[int, float]:
-    """Node farthest from another on the ways of a graph, and how far [m]."""
+    """Node farthest from another on the routes of a graph, and how far [m]."""
     away = dijkstra(graph, directed=False, indices=node)
     away = np.where(np.isfinite(away), away, -1.0)
     k = int(np.argmax(away))

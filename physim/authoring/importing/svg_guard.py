@@ -69,13 +69,13 @@ def transform_fault(text: str) -> str:
         found = FUNCTION.match(text, at)
         if found is None or found[1] not in NUMBERS:
             return f'"{printable(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
-        shown, allowed = printable(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
+        quoted, allowed = printable(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
         numbers = NUMBER.findall(found[2])
         if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
-            return f'"{shown}": only numbers may stand in the brackets'
+            return f'"{quoted}": only numbers may stand in the brackets'
         if len(numbers) not in allowed:
             counts = " or ".join(map(str, allowed))
-            return f'"{shown}" has {len(numbers)} numbers; {found[1]} takes {counts}'
+            return f'"{quoted}" has {len(numbers)} numbers; {found[1]} takes {counts}'
         at = found.end()
     return ""
 

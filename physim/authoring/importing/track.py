@@ -136,10 +136,10 @@ def _report_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
 
 
 def _narrows(points: FloatArray, width: FloatArray, k: int, gap: float) -> bool:
-    """Whether a place nearby along the road is stated to be about as narrow as ``gap`` [m]."""
+    """Whether the road close to point ``k`` is stated to be about as narrow as ``gap`` [m]."""
     at = stations(points)
-    nearby = np.abs(at - at[k]) <= ABOUT * width[k]
-    return bool((width[nearby] <= 1.1 * gap + NEAR).any())
+    close = np.abs(at - at[k]) <= ABOUT * width[k]
+    return bool((width[close] <= 1.1 * gap + NEAR).any())
 
 
 def _closed(file: TrackFile, options: Options) -> tuple[bool, float]:

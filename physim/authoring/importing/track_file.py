@@ -56,8 +56,8 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     headers = [(k, names) for k, _, names in above if _is_header(names)]
     for k, row, names in above:
         if not row.startswith("#") and len(names) < 2:
-            shown = printable(row[:40])
-            raise refused(path, f'"{shown}" names no columns; a comment begins with #', k)
+            quoted = printable(row[:40])
+            raise refused(path, f'"{quoted}" names no columns; a comment begins with #', k)
         if not headers and (not row.startswith("#") or _lists_names(names, count)):
             raise refused(path, _unknown(names), k)
     if not headers:

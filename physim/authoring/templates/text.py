@@ -6,7 +6,7 @@ work in: worlds, controllers, media, and a README with the next commands.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
 
@@ -15,7 +15,7 @@ import shapely
 from physim.authoring.templates.roads import LONGEST, ROADS, Road
 from physim.geometry.shapes import FloatArray
 from physim.world.file.schema import FILE
-from physim.world.yaml_text import scalar_text
+from physim.world.yaml_text import flow_list, scalar_text
 
 LANE = 2.0
 """[m] from one lane to the next: robots 1 m wide pass at 1 m, above the distance at which the
@@ -192,7 +192,7 @@ controller:
   type: mode_switching  # the paper's; others: physim list, or --controller module:Class
   look_ahead: 2.0  # [m] the point steered to lies this far ahead on the path
   safe_distance: 1.0  # [m] nearer to a wall than this is the danger area
-expect:  # what the run must show; else physim run ends with exit code 1
+expect:  # what the run must satisfy; else physim run ends with exit code 1
   contacts: 0
   min_distance: 0.05  # [m] between two robots
   min_boundary_distance: 0.05  # [m] between a robot and a wall or obstacle
@@ -205,29 +205,8 @@ def _points(head: str, points: FloatArray) -> Iterator[str]:
     return flow_list(head, pieces, LINE)
 
 
-def flow_list(head: str, pieces: Sequence[str], width: int) -> Iterator[str]:
-    """Lines of ``head[piece, piece]``, a YAML list broken where it is wider than ``width`` columns.
-
-    ``head`` holds the indentation, and the dash or key before the list.
-    """
-    whole = f"{head}[{', '.join(pieces)}]"
-    if len(whole) <= width:
-        yield whole
-        return
-    yield f"{head}["
-    space = " " * (len(head) - len(head.lstrip(" -")))
-    line = f"{space} "
-    for piece in pieces:
-        if line.strip() and len(line) + len(piece) + 2 > width:
-            yield line
-            line = f"{space} "
-        line += f" {piece},"
-    yield line
-    yield f"{space}]"
-
-
 CONTROLLER = '''\
-"""A controller to begin with: what it sees is a physim.Observation, what it says a Decision."""
+"""A controller to begin with: it is given a physim.Observation and returns a Decision."""
 
 from math import atan2, hypot, pi
 

@@ -75,8 +75,8 @@ def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
         shortest = np.fmin.reduce(least, axis=1)
         words = [f"{value:.2f} s" if np.isfinite(value) else None for value in shortest]
         row_ends(axis, "least", words, (shortest == np.fmin.reduce(shortest)).tolist(), "least")
-    shown = [k for k in range(len(SHADES)) if (shade == k).any()]
-    handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in shown]
+    present = [k for k in range(len(SHADES)) if (shade == k).any()]
+    handles = [Patch(facecolor=SHADES[k], label=_words(k)) for k in present]
     if np.isnan(least).any():
         handles.append(Patch(facecolor="none", edgecolor=QUIET, linewidth=0.5, label="none ahead"))
     return handles
@@ -238,7 +238,7 @@ def prediction(record: Record) -> Any:
         if len(began) and np.isnan(record.column("collision_time")).all():
             why = "the controller reports\nno collision times"
         if len(contacts) and not len(began):
-            why = "no contact at a sample,\ngrazes between samples only"
+            why = "no contact at a sample,\ncontacts between samples only"
         nothing(axis, why)
         return figure
     _scatter(axis, record, known)

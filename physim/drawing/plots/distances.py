@@ -42,8 +42,9 @@ NARROWEST = 0.003
 def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
     """A strip at the top of each axis, filled for as long as there is any contact.
 
-    Of few contacts each has a pale band and a line where it begins, too; grazes have a dotted
-    line, or of many a mark in the strip. Returns the handles of a legend. All lie under the curves.
+    Of few contacts each has a pale band and a line where it begins, too; swept contacts have a
+    dotted line, or of many a mark in the strip. All lie under the curves. Returns the handles of a
+    legend.
     """
     episodes, between = contact_episodes(record), grazes(record)
     ends = [(e.time, e.time + (e.samples - 1) * record.dt) for e in episodes]
@@ -59,7 +60,7 @@ def mark_contacts(axes: Sequence[Any], record: Record) -> list[Any]:
             axis.axvline(begin, color=CONTACT, linewidth=1.1, zorder=0.6)
         low = 0.0 if len(between) <= MOST_BANDS else 1.0 - STRIP
         style: dict[str, Any] = {"color": CONTACT, "linewidth": 1.1, "zorder": 0.6}
-        label = f"graze ({len(between)})"
+        label = f"between samples ({len(between)})"
         dots = [axis.axvline(g.time, low, linestyle=":", label=label, **style) for g in between]
         handles += dots[:1]
     return handles

@@ -102,10 +102,10 @@ def legend_below(figure: Any, handles: Sequence[Any], columns: int) -> int:
     rows = -(-len(handles) // columns)
     # matplotlib fills columns; the figure is read in rows
     order = [r * columns + c for c in range(columns) for r in range(rows)]
-    shown = [handles[k] for k in order if k < len(handles)]
-    if shown:
+    listed = [handles[k] for k in order if k < len(handles)]
+    if listed:
         figure.legend(
-            handles=shown, loc="outside lower left", ncols=columns, handlelength=1.5,
+            handles=listed, loc="outside lower left", ncols=columns, handlelength=1.5,
             borderaxespad=0.2, labelspacing=0.35, columnspacing=1.4,
         )  # fmt: skip
     return rows

@@ -15,7 +15,7 @@ from physim.contacts import Kind, Phase
 from physim.drawing.palette import Colour, hexed
 from physim.drawing.plots.curves import MOST_LINES
 from physim.drawing.plots.frame import framed, legend_below, legend_beside, mark, nothing, short
-from physim.drawing.plots.ground import add_bodies, add_lines, draw_ground
+from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour
 from physim.drawing.scene_model import SceneModel, placed
 from physim.drawing.timeline import Timeline
@@ -49,7 +49,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
     axis = figure.subplots()
     scene = SceneModel.of_record(record)
     tall = frame_map(axis, scene, record, 6.5, 6.2)
-    handles = draw_ground(axis, scene, 1.1) + _paths(axis, scene)
+    handles = draw_scene(axis, scene, 1.1) + _paths(axis, scene)
     if not record.samples:
         nothing(axis, "no sample was recorded")
         return figure
@@ -88,9 +88,9 @@ def snapshot_interval(record: Record) -> float:
     About ten in the run, but so far apart that the cluster has left its place in between.
     """
     middle = np.median(record.pose[:: max(1, record.samples // 200), :, :2], axis=1)
-    way = float(np.hypot(*np.diff(middle, axis=0).T).sum())
+    length = float(np.hypot(*np.diff(middle, axis=0).T).sum())
     halfway = record.pose[record.samples // 2, :, :2]
-    share = float(np.hypot(*np.ptp(halfway, axis=0))) / way if way > 0.0 else 0.0
+    share = float(np.hypot(*np.ptp(halfway, axis=0))) / length if length > 0.0 else 0.0
     duration = max(record.steps_run * record.dt, 1e-3)
     least = duration * min(share, 0.5)
     wanted = max(duration / SNAPSHOTS, least)
@@ -187,12 +187,12 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
 
 
 def _contacts(axis: Any, record: Record) -> list[Any]:
-    """Places at which contacts began, and those of grazes between two samples."""
+    """Places at which contacts began, and of swept ones, between two samples."""
     rows = record.contacts
     began = rows[(rows["phase"] == Phase.BEGAN) & (rows["kind"] == Kind.PHYSICAL)]
     swept = rows[rows["kind"] == Kind.SWEPT]
     handles = []
-    for found, marker, word in ((began, "x", "contact"), (swept, "+", "graze")):
+    for found, marker, word in ((began, "x", "contact"), (swept, "+", "contact between samples")):
         if len(found):
             size = 6.0 if len(found) <= MANY_CONTACTS else 3.2  # [pt]
             how = {"color": CONTACT, "markersize": size, "markeredgewidth": size / 4, "zorder": 5}
@@ -219,7 +219,7 @@ def width(record: Record) -> Any:
     figure.set_size_inches(WIDTH, tall + 1.9)
     below.get_subplotspec().get_gridspec().set_height_ratios((tall, 1.4))
     found = corridor_width(record, 0)
-    handles = draw_ground(above, scene, 1.1)
+    handles = draw_scene(above, scene, 1.1)
     handles += _segments(above, found)
     handles += above.plot(*scene.paths[0].T, color=INK, linewidth=1.2, label=f"path of {name}")
     below.set(xlabel=f"station along the path of {name} [m]", ylabel="width [m]")

@@ -95,7 +95,7 @@ def draw(
     for path in paths:
         if os.path.lexists(path) and not force:
             raise PhysimError(
-                f"{path}: exists; use --force to write over it, or -o for another folder"
+                f"{path}: exists; use --force to overwrite it, or -o for another folder"
             )
     drawn = 0
     try:

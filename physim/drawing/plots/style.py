@@ -20,7 +20,7 @@ INK = hexed(palette.INK)
 QUIET = hexed(palette.QUIET)
 RULE = hexed(palette.RULE)
 CONTACT = hexed(palette.CONTACT)
-"""contacts and grazes, and nothing else"""
+"""contacts, swept ones included, and nothing else"""
 WIDTHS = hexed(palette.WIDTH)
 """widths of the corridor"""
 BAND = hexed(palette.BAND)

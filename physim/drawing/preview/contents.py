@@ -112,18 +112,18 @@ OTHER_FONTS = (
 """Fonts for scripts that the first lacks, on Linux, macOS and Windows."""
 
 
-def counts(shown: Contents) -> str:
+def counts(preview: Contents) -> str:
     """One line of figures about a world."""
-    width = shown.widths.width[shown.widths.between]
-    scene = shown.scene
+    width = preview.widths.width[preview.widths.between]
+    scene = preview.scene
     words = [plural(scene.robots, "robot"), plural(len(scene.boundaries), "boundary", "boundaries")]
     if scene.obstacles:
         words.append(plural(len(scene.obstacles), "obstacle"))
-    words.append(f"reference path {significant(shown.length, 4)} m")
+    words.append(f"reference path {significant(preview.length, 4)} m")
     if len(width):
         ends = dict.fromkeys((significant(width.min()), significant(width.max())))
         words.append(f"{' to '.join(ends)} m wide")
-    if shown.random:
+    if preview.random:
         words.append(f"start drawn with seed {scene.seed}")
     return "  ·  ".join(words)
 
@@ -141,14 +141,14 @@ def drawable(name: str, index: int, signs: frozenset[int] | None) -> str:
     return name if known else f"robot {index + 1}"
 
 
-def families(shown: Contents) -> tuple[list[str], frozenset[int]]:
+def families(preview: Contents) -> tuple[list[str], frozenset[int]]:
     """Fonts that together have the most signs for a world's texts, and the signs they have.
 
     Most worlds need the first alone; others are looked for among those installed.
     """
     from matplotlib.font_manager import findfont, fontManager, get_font
 
-    wanted = set(map(ord, "".join((shown.scene.name, shown.description, *shown.scene.names))))
+    wanted = set(map(ord, "".join((preview.scene.name, preview.description, *preview.scene.names))))
     chosen = [FONT]
     signs = set(get_font(findfont(FONT)).get_charmap())
     installed = {entry.name for entry in fontManager.ttflist} if wanted - signs else set()

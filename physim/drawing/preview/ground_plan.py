@@ -12,7 +12,7 @@ import shapely
 from physim.drawing import palette
 from physim.drawing.labels import decimal, round_step
 from physim.drawing.palette import hexed, robot_colour
-from physim.drawing.plots.ground import add_bodies, add_lines, draw_ground
+from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import INK, WIDTHS
 from physim.drawing.preview.contents import Contents, Route
 from physim.drawing.preview.lettering import letter
@@ -35,25 +35,25 @@ TURN = 14.5
 """[pt] length that each colour of a shared path has; a whole number of dashes and gaps"""
 
 
-def draw_map(axis: Any, shown: Contents, names: Sequence[str]) -> int:
-    """Draw the map; ``names`` (N,) are the labels of the robots. Returns how many are shown."""
-    _frame(axis, shown)
-    draw_ground(axis, shown.scene, _wall(axis, shown), zorder=3.0)
-    _reference(axis, shown)
-    for route in shown.routes:
+def draw_map(axis: Any, preview: Contents, names: Sequence[str]) -> int:
+    """Draw the map; ``names`` (N,) are the labels of the robots. Returns how many are preview."""
+    _frame(axis, preview)
+    draw_scene(axis, preview.scene, _wall(axis, preview), zorder=3.0)
+    _reference(axis, preview)
+    for route in preview.routes:
         _route(axis, route)
-    _narrowest(axis, shown)
-    _stops(axis, shown.scene)
-    _robots(axis, shown.scene)
-    point, _, station = station_ticks(shown)
-    return letter(axis, shown, names, (point, station))
+    _narrowest(axis, preview)
+    _stops(axis, preview.scene)
+    _robots(axis, preview.scene)
+    point, _, station = station_ticks(preview)
+    return letter(axis, preview, names, (point, station))
 
 
-def _frame(axis: Any, shown: Contents) -> None:
+def _frame(axis: Any, preview: Contents) -> None:
     """Equal scales on a box of fixed size: the world in its middle."""
     figure = axis.figure
     wide, high = figure.get_size_inches() * axis.get_position().size
-    low, top = shown.scene.extent
+    low, top = preview.scene.extent
     middle, span = (low + top) / 2.0, (top - low) * (1.0 + 2.0 * MARGIN)
     scale = max(span[0] / wide, span[1] / high)  # [m] an inch
     axis.set_xlim(middle[0] - scale * wide / 2.0, middle[0] + scale * wide / 2.0)
@@ -98,37 +98,37 @@ def points_a_metre(axis: Any) -> float:
     return float(72.0 * wide / (high - low))
 
 
-def _wall(axis: Any, shown: Contents) -> float:
+def _wall(axis: Any, preview: Contents) -> float:
     """Width of a wall [pt]: two walls close together must stay two."""
-    k = shown.widths.narrowest
-    room = points_a_metre(axis) * shown.widths.width[k] if k is not None else 10.0
+    k = preview.widths.narrowest
+    room = points_a_metre(axis) * preview.widths.width[k] if k is not None else 10.0
     return float(min(max(0.2 * room, 0.4), 1.6))
 
 
-def _reference(axis: Any, shown: Contents) -> None:
+def _reference(axis: Any, preview: Contents) -> None:
     """The reference path, with a tick across it every round number of metres."""
     grey = hexed(palette.REFERENCE)
-    add_lines(axis, [shown.reference], colors=grey, linewidths=2.6, alpha=0.55, zorder=2.0,
+    add_lines(axis, [preview.reference], colors=grey, linewidths=2.6, alpha=0.55, zorder=2.0,
            gid="reference")  # fmt: skip
-    point, normal, _ = station_ticks(shown)
+    point, normal, _ = station_ticks(preview)
     half = 3.2 / points_a_metre(axis)
     ticks = np.stack((point - half * normal, point + half * normal), axis=1)
     add_lines(axis, list(ticks), colors=hexed(palette.QUIET), linewidths=0.9, zorder=2.6,
            gid="stations")  # fmt: skip
 
 
-def station_ticks(shown: Contents) -> tuple[FloatArray, FloatArray, FloatArray]:
+def station_ticks(preview: Contents) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points (T, 2), normals (T, 2) and stations (T,) [m] of the ticks on the reference path."""
-    step = round_step(shown.length, MOST_TICKS)
-    stations = step * np.arange(np.floor(shown.length / step * (1.0 + 1e-12)) + 1.0)
-    line = shapely.LineString(shown.reference)
-    hair = shown.length * 1e-6
-    ends = [np.clip(stations + d, 0.0, shown.length) for d in (-hair, hair)]
+    step = round_step(preview.length, MOST_TICKS)
+    stations = step * np.arange(np.floor(preview.length / step * (1.0 + 1e-12)) + 1.0)
+    line = shapely.LineString(preview.reference)
+    hair = preview.length * 1e-6
+    ends = [np.clip(stations + d, 0.0, preview.length) for d in (-hair, hair)]
     before, after = (shapely.get_coordinates(shapely.line_interpolate_point(line, e)) for e in ends)
-    way = after - before
-    way /= np.maximum(np.hypot(*way.T), np.finfo(float).tiny)[:, None]
+    direction = after - before
+    direction /= np.maximum(np.hypot(*direction.T), np.finfo(float).tiny)[:, None]
     point = shapely.get_coordinates(shapely.line_interpolate_point(line, stations))
-    return point, np.stack((-way[:, 1], way[:, 0]), axis=1), stations
+    return point, np.stack((-direction[:, 1], direction[:, 0]), axis=1), stations
 
 
 def _route(axis: Any, route: Route) -> None:
@@ -147,12 +147,12 @@ def _route(axis: Any, route: Route) -> None:
                gid=f"danger path {route.robots[0]}", **style)  # fmt: skip
 
 
-def _narrowest(axis: Any, shown: Contents) -> None:
+def _narrowest(axis: Any, preview: Contents) -> None:
     """The shortest segments to both sides at the narrowest place."""
-    k = shown.widths.narrowest
+    k = preview.widths.narrowest
     if k is None:
         return
-    bar = [shown.widths.left_foot[k], shown.widths.point[k], shown.widths.right_foot[k]]
+    bar = [preview.widths.left_foot[k], preview.widths.point[k], preview.widths.right_foot[k]]
     add_lines(axis, [np.array(bar)], colors=WIDTHS, linewidths=1.8, zorder=3.3, gid="narrowest")
     axis.plot(*np.array(bar)[[0, 2]].T, "o", color=WIDTHS, markersize=3.4, zorder=3.3)
 
@@ -169,8 +169,8 @@ def _robots(axis: Any, scene: SceneModel) -> None:
                zorder=4.0, gid="robots")  # fmt: skip
     place, heading = scene.start[:, :2], scene.start[:, 2]
     scale = points_a_metre(axis)
-    way = np.column_stack((np.cos(heading), np.sin(heading)))
-    tip = place + way * (scene.reach + STALK / scale)[:, None]
+    direction = np.column_stack((np.cos(heading), np.sin(heading)))
+    tip = place + direction * (scene.reach + STALK / scale)[:, None]
     add_lines(axis, np.stack((place, tip), axis=1), colors=INK, linewidths=1.1, zorder=4.1,
               gid="headings")  # fmt: skip
     small = scene.reach * scale < SMALL

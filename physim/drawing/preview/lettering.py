@@ -19,7 +19,7 @@ from physim.drawing.labels import (
     places,
     significant,
 )
-from physim.drawing.plots.ground import add_lines
+from physim.drawing.plots.scene import add_lines
 from physim.drawing.plots.style import INK, QUIET, WIDTHS
 from physim.drawing.preview.contents import Contents
 from physim.drawing.scene_model import SceneModel, closed, pieces_of
@@ -55,14 +55,14 @@ class Text(NamedTuple):
 
 
 def letter(
-    axis: Any, shown: Contents, names: Sequence[str], ticks: tuple[FloatArray, FloatArray]
+    axis: Any, preview: Contents, names: Sequence[str], ticks: tuple[FloatArray, FloatArray]
 ) -> int:
     """Write on the map what does not overlap; returns the number of names of robots.
 
     ``names`` (N,) of the robots; ``ticks`` are the points (T, 2) [m] and stations (T,) [m] of the
     station ticks. The width goes first, then names in the order of the robots, then stations.
     """
-    figure, scene = axis.figure, shown.scene
+    figure, scene = axis.figure, preview.scene
     transform = axis.transData + figure.dpi_scale_trans.inverted()
     inches = figure.get_size_inches()
     room = 72.0 * (axis.get_position().extents.reshape(2, 2) * inches).ravel() + (2, 2, -2, -2)
@@ -73,12 +73,12 @@ def letter(
     def metres(places: FloatArray) -> FloatArray:
         return np.asarray(transform.inverted().transform(places / 72.0))
 
-    robots, k = points(scene.start[:, :2]), shown.widths.narrowest
+    robots, k = points(scene.start[:, :2]), preview.widths.narrowest
     scale = np.hypot(*(points(np.eye(2)) - points(np.zeros((2, 2)))).T)[0]
     texts: list[tuple[Text, FloatArray, float]] = []
     if k is not None:
-        words = f"{significant(shown.widths.width[k])} m"
-        at = points(shown.widths.left_foot[k][None])[0]
+        words = f"{significant(preview.widths.width[k])} m"
+        at = points(preview.widths.left_foot[k][None])[0]
         texts.append((Text(words, WIDTHS, 8.5, "bold"), at, 3.0))
     first = len(texts)
     for i in range(0, len(names), max(1, ceil(len(names) / MOST_NAMED))):
@@ -90,7 +90,7 @@ def letter(
         Label((at[0], at[1]), reach, text_size(figure, text.words, text.size, text.weight))
         for text, at, reach in texts
     ]
-    middles = placed(labels, _taken(scene, points), _lines(shown, points), robots, room)
+    middles = placed(labels, _taken(scene, points), _lines(preview, points), robots, room)
     leaders = []
     for index, ((text, *_), label, middle) in enumerate(zip(texts, labels, middles, strict=True)):
         if middle is not None:
@@ -150,17 +150,17 @@ def _taken(scene: SceneModel, points: Callable[[FloatArray], FloatArray]) -> Flo
 
 
 def _lines(
-    shown: Contents, points: Callable[[FloatArray], FloatArray]
+    preview: Contents, points: Callable[[FloatArray], FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
     """Pieces (s, 2, 2) [pt] that texts should keep off, and what a point of each costs."""
     walls, k = (
-        [*shown.scene.boundaries, *map(closed, shown.scene.obstacles)],
-        shown.widths.narrowest,
+        [*preview.scene.boundaries, *map(closed, preview.scene.obstacles)],
+        preview.widths.narrowest,
     )
     if k is not None:
-        walls.append(np.array([shown.widths.left_foot[k], shown.widths.right_foot[k]]))
-    paths = [piece for route in shown.routes for piece in (*route.safe, *route.danger)]
-    bodies = map(closed, shown.scene.starting)
+        walls.append(np.array([preview.widths.left_foot[k], preview.widths.right_foot[k]]))
+    paths = [piece for route in preview.routes for piece in (*route.safe, *route.danger)]
+    bodies = map(closed, preview.scene.starting)
     kinds = [pieces_of(map(points, lines)) for lines in (walls, paths, bodies)]
     prices = np.repeat((ON_WALL, ON_PATH, ON_ROBOT), [len(pieces) for pieces in kinds])
     return np.concatenate(kinds), prices

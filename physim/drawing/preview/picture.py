@@ -27,59 +27,59 @@ PATH = 1.15
 """[pt]"""
 
 
-def draw_key(axis: Any, shown: Contents, named: int) -> None:
+def draw_key(axis: Any, preview: Contents, named: int) -> None:
     """Draw the key; ``named`` robots have their names on the map."""
     axis.set_axis_off()
-    handles, meanings = zip(*(*_ground(shown), *_paths(shown), *_marks(shown)), strict=True)
+    handles, meanings = zip(*(*_areas(preview), *_paths(preview), *_marks(preview)), strict=True)
     axis.legend(
         handles, meanings, loc="upper left", borderaxespad=0.0, handlelength=2.4, labelspacing=0.75,
         fontsize=8.2,
     )  # fmt: skip
-    if named < len(shown.scene.names):
-        words = f"{named:,} of {len(shown.scene.names):,} names have room on the map"
+    if named < len(preview.scene.names):
+        words = f"{named:,} of {len(preview.scene.names):,} names fit on the map"
         axis.text(0.0, 0.0, words, fontsize=8.0, color=QUIET)
 
 
-def _ground(shown: Contents) -> Iterator[tuple[Any, str]]:
-    for area in reversed(shown.scene.areas):
-        near = f": within L = {significant(shown.scene.safe_distance)} m"
+def _areas(preview: Contents) -> Iterator[tuple[Any, str]]:
+    for area in reversed(preview.scene.areas):
+        near = f": within L = {significant(preview.scene.safe_distance)} m"
         yield _area(area.colour), area.name + near * (area.colour == palette.DANGER_AREA)
     yield _line(color=hexed(palette.WALL), linewidth=1.6), "boundary"
-    if shown.scene.obstacles:
+    if preview.scene.obstacles:
         yield _area(palette.OBSTACLE, palette.WALL), "obstacle"
 
 
-def _paths(shown: Contents) -> Iterator[tuple[Any, str]]:
-    step = round_step(shown.length, MOST_TICKS)
+def _paths(preview: Contents) -> Iterator[tuple[Any, str]]:
+    step = round_step(preview.length, MOST_TICKS)
     reference = _line(
         color=hexed(palette.REFERENCE), linewidth=2.6, alpha=0.55, marker="|",
         markeredgecolor=QUIET, markersize=7.0,
     )  # fmt: skip
     yield reference, f"reference path, ticks every {step:,g} m"
     first, second = (hexed(palette.robot_colour(i)) for i in (0, 1))
-    alone = len(shown.scene.names) == 1
+    alone = len(preview.scene.names) == 1
     yield _line(color=first, linewidth=PATH), f"path of {'the' if alone else 'a'} robot"
-    if any(route.danger for route in shown.routes):
+    if any(route.danger for route in preview.routes):
         dash = (0.0, tuple(length / PATH for length in DASH))
         yield _line(color=first, linewidth=PATH, linestyle=dash), "path in the danger area"
-    if any(len(route.robots) > 1 for route in shown.routes):
+    if any(len(route.robots) > 1 for route in preview.routes):
         turns = _line(color=first, gapcolor=second, linewidth=PATH, linestyle=(0.0, (5.0, 5.0)))
         yield turns, "path that robots share"
 
 
-def _marks(shown: Contents) -> Iterator[tuple[Any, str]]:
+def _marks(preview: Contents) -> Iterator[tuple[Any, str]]:
     colour = hexed(palette.robot_colour(0))
     yield _mark("s", 4.2, "white", colour, 1.1), "stop station"
     yield _mark((3, 0, -90), 7.0, colour, INK, 0.5), "robot at the start, heading"
-    if shown.widths.narrowest is not None:
+    if preview.widths.narrowest is not None:
         yield (
             _line(color=WIDTHS, linewidth=1.8, marker="o", markersize=3.4),
             "narrowest place",
         )
-    if shown.boundary_widths is not None:
+    if preview.boundary_widths is not None:
         quiet = _line(color=QUIET, linewidth=0.9, linestyle="--")
         yield quiet, "width without obstacles"
-    if not shown.widths.between.all():
+    if not preview.widths.between.all():
         yield _line(color=WIDTHS, linewidth=0.8, linestyle=":"), "width, walls not abreast"
 
 
@@ -112,28 +112,28 @@ KEY = (0.772, 0.315, 0.218, 0.57)
 """left, bottom, width, height as shares of the picture: the same for every world"""
 
 
-def make_figure(shown: Contents, format: str = "png") -> Any:
+def make_figure(preview: Contents, format: str = "png") -> Any:
     """Figure of a world; call it within `physim.drawing.plots.style.styled`."""
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    fonts, signs = families(shown)
+    fonts, signs = families(preview)
     matplotlib.rcParams["font.family"] = fonts
     figure = Figure(figsize=SIZE, dpi=DPI)
     FigureCanvasAgg(figure)
-    _title(figure, shown)
+    _title(figure, preview)
     plan = figure.add_axes(MAP)
     known = None if format == "svg" else signs  # who looks at an SVG has fonts of their own
-    names = [drawable(name, i, known) for i, name in enumerate(shown.scene.names)]
-    named = draw_map(plan, shown, names)
-    draw_profile(figure.add_axes(PROFILE), shown)
-    draw_key(figure.add_axes(KEY), shown, named)
+    names = [drawable(name, i, known) for i, name in enumerate(preview.scene.names)]
+    named = draw_map(plan, preview, names)
+    draw_profile(figure.add_axes(PROFILE), preview)
+    draw_key(figure.add_axes(KEY), preview, named)
     return figure
 
 
-def shown_of(layout: Layout) -> Contents:
-    """What to show of a world, with the modes of its controller and the L that it keeps."""
+def preview_of(layout: Layout) -> Contents:
+    """The preview of a world, with the modes of its controller and the L that it keeps."""
     choice = layout.world.controller
     controller = make_part(CONTROLLER, choice.type, choice.settings)
     settings = getattr(controller, "settings", None)
@@ -141,10 +141,10 @@ def shown_of(layout: Layout) -> Contents:
     return contents(layout, Declared.of(controller).modes, safe_distance)
 
 
-def _title(figure: Any, shown: Contents) -> None:
-    lines = [(shown.scene.name, 13.0, "bold", INK), (counts(shown), 9.0, "normal", QUIET)]
-    if shown.description.strip():
-        lines.insert(1, (shown.description, 9.0, "normal", INK))
+def _title(figure: Any, preview: Contents) -> None:
+    lines = [(preview.scene.name, 13.0, "bold", INK), (counts(preview), 9.0, "normal", QUIET)]
+    if preview.description.strip():
+        lines.insert(1, (preview.description, 9.0, "normal", INK))
     for k, (text, size, weight, colour) in enumerate(lines):
         cut = shortened(text, partial(_has_room, figure, size, weight))
         figure.text(
@@ -169,6 +169,8 @@ def save_preview(layout: Layout, path: str | os.PathLike[str]) -> None:
         raise PhysimError(f"{path}: pictures end in .png or .svg")
     options = {"pil_kwargs": {"compress_level": 1}} if format == "png" else {}
     try:
-        save_figure(path, format, lambda: make_figure(shown_of(layout), format), dpi=DPI, **options)
+        save_figure(
+            path, format, lambda: make_figure(preview_of(layout), format), dpi=DPI, **options
+        )
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written ({error.strerror})") from None

@@ -22,46 +22,46 @@ MARK = 4.0
 """[pt] from the mark of the narrowest place to its words"""
 
 
-def draw_profile(axis: Any, shown: Contents) -> None:
+def draw_profile(axis: Any, preview: Contents) -> None:
     """Draw width against station, with what the robots need beside it."""
     from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-    station, width = shown.widths.station, shown.widths.width
+    station, width = preview.widths.station, preview.widths.width
     finite = np.isfinite(width)
-    top = 1.12 * max(width[finite].max(initial=0.0), *(level for level, *_ in _levels(shown)))
-    needed = 2.0 * shown.scene.safe_distance
+    top = 1.12 * max(width[finite].max(initial=0.0), *(level for level, *_ in _levels(preview)))
+    needed = 2.0 * preview.scene.safe_distance
     floor = palette.SAFE_AREA if needed else palette.FLOOR
     under = np.where(finite, width, top)
     for where, colour in ((np.ones_like(finite), floor), (width < needed, palette.DANGER_AREA)):
         axis.fill_between(station, 0.0, under, where=where, color=hexed(colour), linewidth=0.0)
-    if shown.boundary_widths is not None:
-        other = shown.boundary_widths
+    if preview.boundary_widths is not None:
+        other = preview.boundary_widths
         alone = np.where(other.between, other.width, np.nan)
         axis.plot(other.station, alone, "--", color=QUIET, linewidth=0.9)
     axis.plot(station, width, color=WIDTHS, linewidth=0.8, linestyle=":")
-    axis.plot(station, np.where(shown.widths.between, width, np.nan), color=WIDTHS, linewidth=1.5,
+    axis.plot(station, np.where(preview.widths.between, width, np.nan), color=WIDTHS, linewidth=1.5,
               gid="width")  # fmt: skip
-    _name_narrowest(axis, shown, top)
-    _needs(axis, shown, top)
-    axis.set(xlim=(0.0, shown.length), ylim=(0.0, top))
+    _name_narrowest(axis, preview, top)
+    _needs(axis, preview, top)
+    axis.set(xlim=(0.0, preview.length), ylim=(0.0, top))
     axis.set(xlabel="station along the reference path [m]", ylabel="width [m]")
-    axis.xaxis.set_major_locator(MultipleLocator(round_step(shown.length, MOST_TICKS)))
+    axis.xaxis.set_major_locator(MultipleLocator(round_step(preview.length, MOST_TICKS)))
     axis.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
 
 
-def _name_narrowest(axis: Any, shown: Contents, top: float) -> None:
+def _name_narrowest(axis: Any, preview: Contents, top: float) -> None:
     """Mark the narrowest place and write its width beside it, clear of all lines if possible."""
-    station, width, k = shown.widths.station, shown.widths.width, shown.widths.narrowest
+    station, width, k = preview.widths.station, preview.widths.width, preview.widths.narrowest
     if k is None:
         return
     axis.plot(station[k], width[k], "o", color=WIDTHS, markersize=4.5, zorder=4.0)
     words = (
-        f"{significant(float(width[k]))} m at {station_words(float(station[k]), shown.length)} m"
+        f"{significant(float(width[k]))} m at {station_words(float(station[k]), preview.length)} m"
     )
     room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
-    scale = room / (shown.length, top)
+    scale = room / (preview.length, top)
     curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
-    levels = np.array([level for level, *_ in _levels(shown)]) * scale[1]
+    levels = np.array([level for level, *_ in _levels(preview)]) * scale[1]
     size = np.array(text_size(axis.figure, words, 8.5, "bold"))
     middle = _free_place(curve[k], size, curve, levels, room)
     x, y = middle / scale
@@ -111,25 +111,25 @@ def _extent(
     )
 
 
-def _levels(shown: Contents) -> list[tuple[float, str, str, Any]]:
+def _levels(preview: Contents) -> list[tuple[float, str, str, Any]]:
     """Width [m], words, colour and dash of every level that the width is compared with."""
-    turning = 2.0 * float(shown.scene.reach.max())
-    aligned = max(least_width(outline) for outline in shown.scene.outlines)
+    turning = 2.0 * float(preview.scene.reach.max())
+    aligned = max(least_width(outline) for outline in preview.scene.outlines)
     found = [
         (turning, "every robot fits at any heading", INK, (0, (5, 2))),
         (aligned, "every robot fits if aligned", INK, (0, (1, 1.5))),
     ]
-    if shown.scene.safe_distance:
+    if preview.scene.safe_distance:
         found.append(
-            (2.0 * shown.scene.safe_distance, "= 2L: no safe area below", QUIET, (0, (7, 2)))
+            (2.0 * preview.scene.safe_distance, "= 2L: no safe area below", QUIET, (0, (7, 2)))
         )
     return found
 
 
-def _needs(axis: Any, shown: Contents, top: float) -> None:
+def _needs(axis: Any, preview: Contents, top: float) -> None:
     """Level lines, named at their right ends without overlap."""
     high = axis.figure.get_size_inches()[1] * axis.get_position().height * 72.0
-    levels = sorted(_levels(shown))
+    levels = sorted(_levels(preview))
     wanted = np.array([level for level, *_ in levels])
     beside = axis.get_yaxis_transform()
     for (level, words, colour, dash), place in zip(

@@ -43,8 +43,8 @@ class Painter:
         view, self._panel_box, self._strip_box = arrange(curves is not None)
         world = ground(timeline)
         self._view = View(timeline, world, view, speed, fps)
-        camera, shown = self._view.camera, signs(timeline, world)
-        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, shown)
+        camera, entries = self._view.camera, signs(timeline, world)
+        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, entries)
         free = self._panel.free
         crowded = camera.whole or free.height < LEAST_OVERVIEW
         self._overview = None if crowded else Overview(plain(timeline, world), free)
@@ -144,8 +144,8 @@ class Beside:
         left += SIGN + width(CONTACT, TEXT) + 2 * PAD
         for words, mode in modes.items():
             draw_modes(image, left, top, ROW, [mode], room)
-            shown = shorten(words, TEXT, room - SIGN)
-            left += SIGN + width(shown, TEXT) + 2 * PAD
+            cut = shorten(words, TEXT, room - SIGN)
+            left += SIGN + width(cut, TEXT) + 2 * PAD
 
 
 def titles(left: World, right: World) -> tuple[str, str]:

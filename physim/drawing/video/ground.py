@@ -57,7 +57,7 @@ def ground(timeline: Timeline) -> Ground:
 
 
 def plain(timeline: Timeline, whole: Ground) -> Ground:
-    """Keep what can be told apart when small: the accessible area, walls, the reference path."""
+    """Keep what can be distinguished when small: the accessible area, walls, the reference path."""
     scene = timeline.scene
     strokes = [
         Stroke(stroke.pieces, stroke.colour, 1)

@@ -151,7 +151,7 @@ def closest_pair(
 
 
 CORNERS = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-"""of the diamond of a graze"""
+"""of the diamond of a swept contact"""
 ARMS = np.array([[[-1.0, -1.0], [1.0, 1.0]], [[-1.0, 1.0], [1.0, -1.0]]])
 """of the cross of a contact"""
 
@@ -220,7 +220,7 @@ def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> No
 
 
 def draw_contact(image: Image, centre: FloatArray, swept: bool, small: bool = False) -> None:
-    """Draw the cross of a contact, or the open diamond of a graze, at ``centre`` (2,) [px]."""
+    """Draw the cross of a contact, or the open diamond of a swept one, at ``centre`` (2,) [px]."""
     if not np.isfinite(centre).all():
         return
     shape = CORNERS[None] if swept else ARMS

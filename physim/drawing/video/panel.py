@@ -34,7 +34,7 @@ SIGN, WIDE = 30, 22
 """[px] room for a sign, and its width"""
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
 BEGINS = "a contact begins"
-GRAZE = "graze between samples"
+SWEPT = "contact between samples"
 RECENT = f"trail, last {TRAIL:g} s"
 DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
 BOUNDARY = "boundary"
@@ -59,10 +59,10 @@ def signs(timeline: Timeline, ground: Ground) -> list[str]:
     """Return the words of the signs that can appear in the video of a record, in order."""
     dashed = any(stroke.dash is not None for stroke in ground.strokes)
     scene, contacts = timeline.scene, timeline.contacts
-    shown = {
+    entries = {
         CONTACT: True,
         BEGINS: contacts.began.size > 0,
-        GRAZE: bool(contacts.swept.any()),
+        SWEPT: bool(contacts.swept.any()),
         CLOSEST: timeline.robots > 1,
         TARGET: timeline.has("target_x", "target_y"),
         RECENT: True,
@@ -72,16 +72,16 @@ def signs(timeline: Timeline, ground: Ground) -> list[str]:
         BOUNDARY: bool(scene.boundaries or scene.obstacles),
     }
     areas = [area.name for area in reversed(scene.areas)]
-    return [words for words, there in shown.items() if there] + areas
+    return [words for words, there in entries.items() if there] + areas
 
 
-def draw_signs(image: Image, left: int, top: int, row: int, shown: Sequence[str]) -> int:
-    """Draw the signs of the words ``shown``, one a line of ``row`` [px]; return the height used."""
-    for k, words in enumerate(shown):
+def draw_signs(image: Image, left: int, top: int, row: int, entries: Sequence[str]) -> int:
+    """Draw the signs of ``entries``, one a line of ``row`` [px]; return the height used."""
+    for k, words in enumerate(entries):
         y = top + k * row + row / 2.0
         _SIGNS[words](image, Lens(1.0, left, y))
         write(image, words, (left + SIGN, y + 5), TEXT)
-    return len(shown) * row
+    return len(entries) * row
 
 
 def _area(colour: Colour) -> Callable[[Image, Lens], None]:
@@ -108,7 +108,7 @@ _OWN_PATH = palette.mix(_OWN, palette.WHITE, PATH_TINT)
 _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
     CONTACT: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), False),
     BEGINS: lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2),
-    GRAZE: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), True),
+    SWEPT: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), True),
     CLOSEST: lambda image, lens: draw_closest(
         image, lens, Pair(0, 1, 0.0, np.stack((START + (3.0, 0.0), END - (3.0, 0.0))))
     ),
@@ -221,11 +221,11 @@ class Panel:
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
         """Words, value and colour of every line of figures."""
         record, contacts = self._timeline.record, self._timeline.contacts
-        grazes = contacts.grazes(now.time)
-        touched = contacts.count(now.time) - grazes
-        colour = palette.CONTACT if touched or grazes else palette.INK
+        swept = contacts.swept_count(now.time)
+        touched = contacts.count(now.time) - swept
+        colour = palette.CONTACT if touched or swept else palette.INK
         if contacts.swept.any():
-            yield "contacts, grazes so far", f"{touched}, {grazes}", colour
+            yield "contacts, between samples", f"{touched}, {swept}", colour
         else:
             yield "contacts so far", str(touched), colour
         if pair is not None:

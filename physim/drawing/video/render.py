@@ -176,8 +176,8 @@ def frame_times(start: float, end: float, fps: float, speed: float) -> FloatArra
     From ``start`` to ``end`` [s] inclusive; then the end again for `HOLD` seconds of video.
     """
     last = int(np.ceil((end - start) * fps / speed - 1e-6))
-    shown = last + 1 + round(HOLD * fps)
-    times: FloatArray = np.minimum(start + np.arange(shown) * (speed / fps), end)
+    frames = last + 1 + round(HOLD * fps)
+    times: FloatArray = np.minimum(start + np.arange(frames) * (speed / fps), end)
     return times
 
 
@@ -215,17 +215,17 @@ def render(
     end = min(end, _duration(timelines))
     if not 0.0 <= start < end and (start, end) != (0.0, 0.0):
         raise PhysimError(
-            f"from {start:g} s to {end:g} s: nothing to show; allowed: a start from 0 s to before "
-            "the end, which is that of the run at most"
+            f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
+            "before the end, which is at most that of the run"
         )
     painter, chosen = _painter(timelines, fps, speed, end - start)
     times = frame_times(start, end, fps, chosen)
     done = 0
     with VideoFile(path, fps) as video:
-        shown, picture = math.nan, None
+        drawn, picture = math.nan, None
         for time in times.tolist():
-            if picture is None or time != shown:
-                shown, picture = time, painter.frame(time)
+            if picture is None or time != drawn:
+                drawn, picture = time, painter.frame(time)
             video.write(picture)
             done += 1
             if progress is not None:

@@ -1,6 +1,6 @@
 """Formation error or deviation of each robot over the run, drawn up to the present time.
 
-A cross on the time axis says when a contact began, a diamond when two grazed between samples.
+A cross on the time axis says when a contact began, a diamond when two touched between samples.
 """
 
 from __future__ import annotations
@@ -85,8 +85,10 @@ class Strip:
             known = np.isfinite(line)
             points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
             breaks = np.flatnonzero(np.diff(known)) + 1
-            for piece, shown in zip(np.split(points, breaks), np.split(known, breaks), strict=True):
-                if shown[0] and len(piece) > 1:
+            for piece, is_known in zip(
+                np.split(points, breaks), np.split(known, breaks), strict=True
+            ):
+                if is_known[0] and len(piece) > 1:
                     draw_lines(self._full, piece[None], palette.robot_colour(index), 2)
 
     def _mark(self, image: Image, x: int, swept: bool) -> None:

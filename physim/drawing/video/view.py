@@ -121,7 +121,7 @@ def _cost(
     walls: FloatArray,
     area: tuple[int, int],
 ) -> FloatArray:
-    """Return what each place (n, 4) costs for itself: gap, direction, walls, others nearby."""
+    """Return what each place (n, 4) costs for itself: gap, direction, walls, other robots."""
     cost = np.add.outer(PRICES, TURN * (1.0 - np.sin(ANGLES)) / 2.0).ravel()
     cost += ON_WALL * (covered(found, walls) > 0.0)
     low, high = found[:, None, :2], found[:, None, 2:]
@@ -196,7 +196,7 @@ class View:
     def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
 
-        A graze between two samples has a sign of its own.
+        A swept contact, between two samples, has a sign of its own.
         """
         contacts = self.timeline.contacts
         recent = contacts.recent(time, mark_lasts(self._speed))

@@ -15,7 +15,15 @@ import pymunk
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.simulation.engine.space import BodyArrays, Hosted, parking
 from physim.simulation.engine.state import ContactMemory, Impulses, no_impulses
-from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, deepest, judge, segment_links
+from physim.simulation.engine.verdict import (
+    ACTS,
+    APART,
+    LEFT,
+    SIDE,
+    classify,
+    deepest,
+    segment_links,
+)
 
 
 class Touches(NamedTuple):
@@ -77,7 +85,7 @@ class ContactGuard:
         # An exception would be printed and swallowed by the engine: keep it for take().
         self._reported += 1
         try:
-            verdict = self._judge(arbiter) if self._checks else ACTS
+            verdict = self._classify(arbiter) if self._checks else ACTS
             arbiter.process_collision = verdict not in (APART, LEFT)
             if verdict == APART:
                 first, second = arbiter.shapes
@@ -94,12 +102,12 @@ class ContactGuard:
         except Exception as failure:
             self._failure = self._failure or failure
 
-    def _judge(self, arbiter: pymunk.Arbiter) -> int:
+    def _classify(self, arbiter: pymunk.Arbiter) -> int:
         # In the order of part numbers, as distances of bodies are worked out everywhere.
         shapes = arbiter.shapes
         first, second = sorted(shapes, key=self._number.__getitem__)
         p, q = self._number[first], self._number[second]
-        verdict, nx, ny = judge(self._shapes, self._links, p, _pose(first), q, _pose(second))
+        verdict, nx, ny = classify(self._shapes, self._links, p, _pose(first), q, _pose(second))
         if verdict == SIDE:
             sign = 1.0 if shapes[0] is second else -1.0
             points = arbiter.contact_point_set

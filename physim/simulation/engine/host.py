@@ -85,8 +85,8 @@ class Physics:
     step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
     is deeper than DEEP is reported by whoever reads the record.
 
-    Every contact at a sample is found, to the tolerance CONTACT; a graze that begins and ends
-    between two samples is not.
+    Every contact at a sample is found, to the tolerance CONTACT; a swept contact, which begins and
+    ends between two samples, is not.
     """
 
     def __init__(
@@ -227,7 +227,8 @@ class Physics:
             return
         if len(state.part):
             raise PhysimError(
-                "this version of pymunk cannot go on from a state in contact that another one made"
+                "this version of pymunk cannot continue from a state in contact that another "
+                "version made"
             )
         self._engine.recall(state.pose, None)
         self._journal.begin(int(state.step), state.pose, int(state.rejected))

@@ -140,10 +140,10 @@ def side(shapes: Shapes, segment: int, p: int, pose_p: FloatArray) -> tuple[floa
 
 
 @compiled
-def judge(
+def classify(
     shapes: Shapes, links: Links, p: int, pose_p: FloatArray, q: int, pose_q: FloatArray
 ) -> tuple[int, float, float]:
-    """Judge parts p < q (robots first) at the poses (3,) of their bodies.
+    """Classify the contact of parts p < q (robots first) at the poses (3,) of their bodies.
 
     Returns APART, ACTS, LEFT or SIDE and, for SIDE, the unit normal to take from q to p.
     """

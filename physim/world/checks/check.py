@@ -141,6 +141,6 @@ def _located(
     found = [Finding.of(fault, position, source) for fault, position in pairs]
     if len(found) > MOST_REPORTED:
         left = len(found) - MOST_REPORTED + 1
-        more = Finding(source, None, None, "", f"and {left} more; mend these first")
+        more = Finding(source, None, None, "", f"and {left} more; correct these first")
         found = [*found[: MOST_REPORTED - 1], more]
     return tuple(found)

@@ -116,16 +116,16 @@ def _check_spacing(
 def _remedy(laid: PartialLayout, i: int, j: int) -> str:
     """What parts two robots that would overlap in formation: depends on where spacing is from."""
     if listed_leads(laid) is not None:
-        return "space them further apart, or part their paths"
+        return "space them further apart, or separate their paths"
     if any(laid.world.robots[k].pose is None for k in (i, j)):
         return (
-            "spacing is initial, and the seed places them so close along the road; try another "
+            "spacing is initial, and the seed places them this close along the road; try another "
             "seed, a larger min_gap or another abreast in start, or list the leads in "
             "formation.spacing"
         )
     return (
-        "spacing is initial, so they start so close along the road; move their poses apart, or "
-        "list the leads in formation.spacing, or part their paths"
+        "spacing is initial, so they start this close along the road; move their poses apart, or "
+        "list the leads in formation.spacing, or separate their paths"
     )
 
 
@@ -136,9 +136,9 @@ def _laid_out(
     own = shapely.LineString(path)
     along = own.project(line.interpolate(stations))
     places = shapely.get_coordinates(own.interpolate(along))
-    way = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
-    k = np.clip(np.searchsorted(way, along, side="right") - 1, 0, len(path) - 2)
-    c, s = (np.diff(path, axis=0)[k] / np.diff(way)[k][:, None]).T
+    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+    k = np.clip(np.searchsorted(length, along, side="right") - 1, 0, len(path) - 2)
+    c, s = (np.diff(path, axis=0)[k] / np.diff(length)[k][:, None]).T
     x, y = outline.T
     turned = np.stack([np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)], axis=2)
     return shapely.polygons(turned + places[:, None])
@@ -152,7 +152,7 @@ def _check_length(
     speed: float,
     found: Diagnostics,
 ) -> None:
-    """Refuse a reference path that is shorter than the formation; warn of robots with no way."""
+    """Refuse a reference path shorter than the formation; warn of robots that start at a stop."""
     extent = float(leads.max() - leads.min())
     if extent > line.length:
         found.error(
@@ -180,13 +180,13 @@ def _check_length(
             found.warn(
                 where,
                 f"{_name(laid, k)} starts before the reference path begins, where the "
-                "formation cannot measure its distance; prolong the reference path backwards",
+                "formation cannot measure its distance; extend the reference path backwards",
             )
         _check_duration(laid, k, stop - begin, speed, found)
 
 
 def _check_duration(
-    laid: PartialLayout, k: int, way: float, speed: float, found: Diagnostics
+    laid: PartialLayout, k: int, distance: float, speed: float, found: Diagnostics
 ) -> None:
     """Warn once where the run is too short to arrive although it is expected to."""
     expect, duration = laid.world.expect, laid.world.time.duration
@@ -194,14 +194,14 @@ def _check_duration(
         return
     own = laid.world.robots[k].limits.v
     speed = speed if own is None else min(own, speed)
-    needed = way / speed
+    needed = distance / speed
     message = "the run is too short to finish: "
     if needed > duration and not any(message in f.message for f in found.warnings):
         found.warn(
             ("time", "duration"),
-            f"{message}{_name(laid, k)} has {way:.4g} m to go, {needed:.4g} s at "
+            f"{message}{_name(laid, k)} has {distance:.4g} m to go, {needed:.4g} s at "
             f"{speed:.4g} m/s, and the run lasts {duration:.6g} s; "
-            "make it longer, or take expect.finished away",
+            "make it longer, or remove expect.finished",
         )
 
 
@@ -274,7 +274,7 @@ def _check_gain(laid: PartialLayout, found: Diagnostics) -> None:
     found.warn(
         ("formation", "gain"),
         f"{gain:.6g} 1/s saturates the cluster: an error sum of {margin / gain:.3g} m takes a "
-        f"robot from {speed:.6g} m/s to a limit, and all beyond changes nothing; use at "
+        f"robot from {speed:.6g} m/s to a limit, and a larger sum changes nothing; use at "
         f"most {margin / error:.3g} 1/s ({margin:.3g} m/s to the nearer limit, divided by {why})",
     )
 

@@ -50,7 +50,7 @@ def _check_inside(laid: PartialLayout, i: int, path: FloatArray, found: Diagnost
         found.warn(
             laid.path_key(i),
             f"the path of {describe(laid.names[i])} leads through {through} {place}; the robot "
-            "will have to find its way round; lead the path round it",
+            "will have to find a way around it; lead the path around it",
         )
     else:
         found.error(
@@ -122,7 +122,7 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
             found.warn(
                 laid.reference_key,
                 "the reference path crosses or touches itself; a robot near that place may be "
-                "counted on the wrong branch",
+                "projected onto the wrong branch",
             )
     length = float(shapely.LineString(line).length)
     if length < SHORTEST:
@@ -231,9 +231,9 @@ def check_passage(
         if rooms[0] is None or rooms[0] != rooms[1]:
             found.error(
                 laid.path_key(profile.number),
-                f"there is no way for {describe(profile.robot)} from its start to the end of its "
-                f"path: somewhere the room is narrower than {2.0 * r:.4g} m, the narrowest that "
-                "the robot can pass; widen the place, or make the robot smaller",
+                f"no route leads {describe(profile.robot)} from its start to the end of its path: "
+                f"somewhere the free space is narrower than {2.0 * r:.4g} m, the least that the "
+                "robot can pass; widen the place, or make the robot smaller",
             )
 
 

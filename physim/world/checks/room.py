@@ -5,7 +5,7 @@ The clearance of a point is its distance to the nearest boundary or obstacle. Wi
 point on the path, a robot of circumscribed radius R and inscribed radius r (both about that point)
 fits at any heading where the clearance exceeds R, at no heading where it is at most r, and between
 the two only where it is aligned. Where a path has less room than the controller keeps, its robot
-is in danger for good.
+never leaves danger mode.
 """
 
 from __future__ import annotations
@@ -215,7 +215,7 @@ def _stretches(
 
 
 NEARLY_ALL = 0.95
-"""Share of a path over which a robot in danger is taken to be in danger for good"""
+"""Share of a path over which a robot in danger is taken never to leave danger mode"""
 
 
 def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> float | None:
@@ -240,7 +240,7 @@ def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Dia
         found.warn(
             ("controller", "safe_distance"),
             f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
-            f"the roomiest place is {_roomiest(laid.area):.4g} m from them; widen the corridor, or "
+            f"the largest distance is {_largest_distance(laid.area):.4g} m; widen the corridor, or "
             "set safe_distance below that",
         )
 
@@ -265,13 +265,13 @@ def check_always_danger(
     if not always:
         return
     room_there, first = max(always, key=lambda pair: pair[0])
-    others = f", {plural(len(always) - 1, 'more robot')} no more" if len(always) > 1 else ""
+    others = f", {plural(len(always) - 1, 'other robot')} no more" if len(always) > 1 else ""
     found.warn(
         ("controller", "boundary_low"),
         f"below {threshold:.4g} m from a boundary a robot is in danger mode, and "
         f"{describe(first.robot)} has at most {room_there:.4g} m beside it on "
-        f"its path{others}: danger for good, so it may never arrive; set boundary_low below "
-        "that, or widen the road",
+        f"its path{others}: it would not leave danger mode and may never arrive; set "
+        "boundary_low below that, or widen the road",
     )
 
 
@@ -281,15 +281,15 @@ def check_turning_room(
     """Warn of paths in the danger area, where no place of the safe area lets the robot turn."""
     if laid.area is None:
         return
-    roomiest: float | None = None
+    largest: float | None = None
     tight = []
     for profile in profiles:
         if profile.safe_distance is None or (profile.danger_share or 0.0) < NEARLY_ALL:
             continue
-        roomiest = _roomiest(laid.area) if roomiest is None else roomiest
-        if profile.safe_distance <= roomiest < profile.safe_distance + profile.circumscribed:
+        largest = _largest_distance(laid.area) if largest is None else largest
+        if profile.safe_distance <= largest < profile.safe_distance + profile.circumscribed:
             tight.append(profile)
-    if not tight or roomiest is None:
+    if not tight or largest is None:
         return
     first = tight[0]
     others = f" (of {plural(len(tight) - 1, 'more robot')} too)" if len(tight) > 1 else ""
@@ -297,12 +297,12 @@ def check_turning_room(
         laid.path_key(first.number),
         f"the path of {describe(first.robot)}{others} lies in the danger area, "
         f"less than {first.safe_distance:.4g} m from a wall, over {first.danger_share:.0%} of its "
-        f"length, and no place is more than {roomiest:.4g} m from the walls, too little to turn "
+        f"length, and no place is more than {largest:.4g} m from the walls, too little to turn "
         f"in the safe area, which takes {first.circumscribed:.4g} m more than the safe distance: "
-        "the robot may come to a stand; lead the path along the middle, or widen the road",
+        "the robot may come to a standstill; lead the path along the middle, or widen the road",
     )
 
 
-def _roomiest(area: Area) -> float:
+def _largest_distance(area: Area) -> float:
     """Largest distance [m] that a place of the accessible area has from the boundaries."""
     return float(shapely.maximum_inscribed_circle(area.polygon, tolerance=1e-3).length)

@@ -30,7 +30,8 @@ def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
             found.warn(
                 ("robots", i, "footprint"),
                 f"the reference point (0, 0), about which the robot turns and which follows the "
-                f"path, lies {far:.4g} m outside the footprint; corners count from that point",
+                f"path, lies {far:.4g} m outside the footprint; corners are given "
+                "relative to that point",
             )
 
 
@@ -54,7 +55,7 @@ def check_expected(laid: PartialLayout, found: Diagnostics) -> None:
         found.warn(
             ("expect", "min_distance"),
             f"{describe(names[one[k]])} and {describe(names[other[k]])} are {gaps[k]:.4g} m apart "
-            f"at the start, so {least:.6g} m cannot hold",
+            f"at the start, which is less than {least:.6g} m",
         )
 
 
@@ -65,8 +66,8 @@ def check_start_used(world: World | None, found: Diagnostics) -> None:
     if all(world.start_of(i) is not world.start for i in range(len(world.robots))):
         found.warn(
             ("start",),
-            "no robot starts in this region, as each has a pose or a region of its own; take the "
-            "pose away from those that the seed should place, or take start away",
+            "no robot starts in this region, as each has a pose or a region of its own; remove the "
+            "pose of those that the seed should place, or remove start",
         )
 
 
@@ -107,7 +108,7 @@ def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
     for index, name in sorted(met.items()):
         found.warn(
             ("robots", index, "pose", 2),
-            f"random; with this seed {describe(laid.names[index])} starts free, with another "
+            f"random; with this seed {describe(laid.names[index])} starts clear, with another "
             f"it may touch {name}; leave room to turn, or write a heading",
         )
 
@@ -261,7 +262,7 @@ def _thousandth(value: float, unit: str) -> str:
 
 
 def _check_choices(where: Location, speeds: Any, omegas: Any, found: Diagnostics) -> None:
-    """Speeds to choose from that leave no way forward or no way straight on."""
+    """Speeds to choose from that leave no forward motion or no straight one."""
     if _are_numbers(speeds) and max(speeds) <= 0.0:
         found.warn((*where, "speeds"), "no speed above 0: there is no way forward; add 1.0")
     if _are_numbers(omegas):

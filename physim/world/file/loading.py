@@ -263,7 +263,7 @@ def _is_unreadable(location: Location, document: Document) -> bool:
 def _capped(faults: list[Fault]) -> list[Fault]:
     if len(faults) <= MOST_FAULTS:
         return faults
-    return [*faults[: MOST_FAULTS - 1], Fault((), "more faults follow; mend these first")]
+    return [*faults[: MOST_FAULTS - 1], Fault((), "more faults follow; correct these first")]
 
 
 def _with_controller(document: Document, name: str) -> Document:

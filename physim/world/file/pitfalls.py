@@ -1,7 +1,7 @@
 """Pitfalls of YAML: scalars that readers take differently, and what a broken text lacks.
 
 YAML 1.1 and 1.2 disagree over ``yes``, ``010``, ``1:30``, ``1e3`` and others; each is refused
-with the way to write what is meant, whether a number or a text is wanted.
+and how to write what is meant, whether a number or a text is wanted.
 
 A parser gives up where it can read no further, often lines behind the mistake: at the key after
 a bracket that was never closed, or at the colon after a line without one. Here the mistake
@@ -35,7 +35,7 @@ _NO = {"no", "off"}
 
 
 class RefusedScalarError(Exception):
-    """A scalar that cannot be read one way only; the text says how to write it."""
+    """A scalar that may be read in several ways; the text says how to write it."""
 
 
 def scalar(text: str) -> bool | int | float | str:
@@ -92,7 +92,7 @@ def _pitfall(text: str) -> str:
         return (
             f"{brief} is not decimal; write {int(text.replace('_', ''), 0)}"
             if (len(text) < 18)
-            else f"{brief} is not decimal; write it so"
+            else f"{brief} is not decimal; write it in decimal"
         )
     if _GROUPED.fullmatch(text):
         return f"{brief} has underscores; write {brief.replace('_', '')}"

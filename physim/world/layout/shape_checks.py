@@ -121,7 +121,7 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
         where = ("robots", robot.number, "footprint")
     elif count == 1 and at_usual * step <= limit:
         where = ("robots", robot.number, "limits")
-    others = f", and {count - 1} more too far" if count > 1 else ""
+    others = f", and {count - 1} more move too far" if count > 1 else ""
     message = (
         f"{describe(robot.name)} could move {speed * step:.4g} m in one step of "
         f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
@@ -211,7 +211,7 @@ def robot_faults(robots: Sequence[Placed]) -> list[Fault]:
     for i, j in sorted((int(i), int(j)) for i, j in pairs if i < j)[:MOST_PAIRS]:
         first, second = robots[i], robots[j]
         contact = _overlap(second.shape, first.shape, describe(first.name))
-        message = f"{describe(second.name)} {contact} at the start; part them"
+        message = f"{describe(second.name)} {contact} at the start; move them apart"
         faults.append(Fault(("robots", second.number, "pose"), message))
     return faults
 
@@ -293,7 +293,7 @@ def self_overlap(centreline: FloatArray, walls: list[FloatArray]) -> str:
     return (
         f"the corridor runs into itself at ({place.x:.6g}, {place.y:.6g}): the leg from [{first}] "
         f"to [{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
-        "between them; part them, or draw boundaries instead, which may close on themselves"
+        "between them; separate them, or draw boundaries instead, which may close on themselves"
     )
 
 
@@ -314,7 +314,7 @@ def gaps(labels: list[str], lines: list[FloatArray]) -> str:
             if size > 0.0 and not is_known:
                 found.append((size, name, point, other))
     if not found:
-        return "boundaries must close a face around the reference path"
+        return "boundaries must enclose an area around the reference path"
     found.sort(key=lambda gap: gap[0])
     ends = [
         f"{name} ends at ({point.x:.6g}, {point.y:.6g}), {size:.4g} m from {other}"

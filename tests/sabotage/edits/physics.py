@@ -98,7 +98,7 @@ EDITS = (
     Edit(
         "physics",
         "physim/simulation/engine/verdict.py",
-        "judge",
+        "classify",
         "if distance > CONTACT: return APART, nx, ny",
         "",
         "a contact of shapes that are apart is kept out",
@@ -107,7 +107,7 @@ EDITS = (
     Edit(
         "physics",
         "physim/simulation/engine/verdict.py",
-        "judge",
+        "classify",
         "return LEFT, nx, ny",
         "return ACTS, nx, ny",
         "a robot slides along a wall of several segments",
@@ -117,7 +117,7 @@ EDITS = (
     Edit(
         "physics",
         "physim/simulation/engine/verdict.py",
-        "judge",
+        "classify",
         "if mx * ox + my * oy > SIDE_ANGLE * np.hypot(ox, oy): return SIDE, mx, my",
         "",
         "a corner lets no robot through",

@@ -10,7 +10,7 @@ from physim.drawing.scene_model import SceneModel, closed, region, rings_of
 from physim.geometry.shapes import FloatArray
 
 
-def draw_ground(axis: Any, scene: SceneModel, wall: float, zorder: float = 1.2) -> list[Any]:
+def draw_scene(axis: Any, scene: SceneModel, wall: float, zorder: float = 1.2) -> list[Any]:
     """Draw areas, obstacles and, ``wall`` [pt] wide, boundaries; returns handles of the areas.
 
     The safe area first. Obstacles and walls are in front of what has a lower ``zorder``.

@@ -45,7 +45,7 @@ COMMANDS = {name: where for group in GROUPS.values() for name, where in group.it
 
 HEAD = """\
 Usage: physim [-h] [--version] COMMAND ...
-Run worlds of polygon robots in corridors with rigid-body physics, and validate them.
+Run worlds of polygon robots in corridors on rigid-body physics; judge the runs.
 
 """
 TAIL = """

@@ -37,14 +37,14 @@ def test_a_clean_world(capsys, here):
     (here / "w.yaml").write_text(CORRIDOR)
     code, out, err = run(capsys, "w.yaml")
     assert (code, err) == (0, "")
-    assert out.splitlines() == [
-        "room on the paths [m]:",
-        "  robot  path   least room  at station  radii         in danger  on its path",
-        "  a      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
-        "  b      30.0   3.00        0.0         0.50 to 1.03  0 %        fits at any heading",
-        "",
-        "w.yaml: no errors, no warnings",
-    ]
+    title, *table, blank, end = out.splitlines()
+    assert title.endswith("[m]:")
+    head, *rows = [re.split("  +", line.strip()) for line in table]
+    values = ["30.0", "3.00", "0.0", "0.50 to 1.03", "0 %", "fits at any heading"]
+    assert rows == [["a", *values], ["b", *values]]
+    assert len(head) == len(rows[0])
+    assert blank == ""
+    check_finding(end, "w.yaml:", "no errors", "no warnings")
 
 
 def test_errors_and_warnings_stand_apart_in_the_order_of_the_file(capsys, here):
@@ -132,10 +132,11 @@ class Watching:
         for line in self.process.stdout:
             self.lines.put(line.rstrip("\n"))
 
-    def until(self, ending: str) -> list[str]:
-        """Lines up to the next one with this ending."""
+    def until(self, errors: str, file: str = "w.yaml") -> list[str]:
+        """Lines up to the end of the next round, which counts so many errors and no warnings."""
+        end = facts(file, errors, "no warnings")
         found = [self.lines.get(timeout=60)]
-        while not found[-1].endswith(ending):
+        while not re.search(end, found[-1]):
             found.append(self.lines.get(timeout=60))
         return found
 
@@ -157,18 +158,18 @@ def watching(here):
 
 def test_watch_checks_again_on_save_and_ends_in_one_line(watching, here):
     file = here / "w.yaml"
-    watching.until("w.yaml: no errors, no warnings")
+    watching.until("no errors")
     file.write_text(changed(CORRIDOR, ("width: 8.0", "width: eight")))
-    watching.until("w.yaml: 1 error, no warnings")
+    watching.until("1 error")
     file.write_text(CORRIDOR[:40])  # half written
-    assert any("not valid YAML" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    assert any("not valid YAML" in line for line in watching.until("1 error"))
     file.unlink()
-    assert any("no such file" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    assert any("no such file" in line for line in watching.until("1 error"))
     (here / "new").write_text(CORRIDOR)
     os.replace(here / "new", file)  # as editors do
-    watching.until("w.yaml: no errors, no warnings")
+    watching.until("no errors")
     file.write_bytes(b"\xff\xfe")
-    assert any("is not UTF-8" in line for line in watching.until("w.yaml: 1 error, no warnings"))
+    assert any("is not UTF-8" in line for line in watching.until("1 error"))
     watching.process.send_signal(signal.SIGINT)
     assert watching.process.wait(timeout=30) == 130
     assert watching.process.stderr is not None
@@ -176,7 +177,7 @@ def test_watch_checks_again_on_save_and_ends_in_one_line(watching, here):
 
 
 def test_an_unchanged_file_is_checked_once(watching, here):
-    watching.until("w.yaml: no errors, no warnings")
+    watching.until("no errors")
     with pytest.raises(queue.Empty):
         watching.lines.get(timeout=1.0)
 
@@ -184,9 +185,9 @@ def test_an_unchanged_file_is_checked_once(watching, here):
 def test_watching_a_missing_file_waits_for_it(here):
     started = Watching(here, "later.yaml")
     try:
-        started.until("later.yaml: 1 error, no warnings")
+        started.until("1 error", "later.yaml")
         (here / "later.yaml").write_text(CORRIDOR)
-        started.until("later.yaml: no errors, no warnings")
+        started.until("no errors", "later.yaml")
         started.process.send_signal(signal.SIGINT)
         assert started.process.wait(timeout=30) == 130
     finally:
@@ -202,7 +203,7 @@ def test_seed_controller_and_values_are_those_of_a_run(capsys, here):
     assert "robots[0].pose" in out
     code, out, _ = run(capsys, "w.yaml", "--controller", "path_folowing")
     assert code == 2
-    assert 'did you mean "path_following"?' in out
+    assert re.search(facts("controller", '"path_following"'), out)
     (here / "bad.yaml").write_text(CORRIDOR + "controller: {type: nobody}\n")
     assert run(capsys, "bad.yaml")[0] == 2
     assert run(capsys, "bad.yaml", "--controller", "path_following")[0] == 0

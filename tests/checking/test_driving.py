@@ -12,6 +12,7 @@ from physim.parts.world_checks import robot_faults
 from physim.world.checks import check_world
 from physim.world.file import load_world
 from tests.checking.worlds import CORRIDOR, changed, check, check_finding, lines
+from tests.facts import facts
 
 SLOW = changed(CORRIDOR, ("path: {offset: -1.0}", "path: {offset: -1.0}\n    limits: {omega: 0.1}"))
 
@@ -46,7 +47,7 @@ def test_a_robot_with_speeds_of_its_own_needs_no_other(tmp_path):
     assert lines(check(tmp_path, text))[0] == []
 
 
-def test_they_are_told_together_with_faults_of_other_keys(tmp_path):
+def test_they_are_reported_together_with_faults_of_other_keys(tmp_path):
     errors, _ = lines(check(tmp_path, changed(SLOW, ("name: corridor", "nme: corridor"))))
     assert len([error for error in errors if "limits.omega" in error]) == 1
     assert len(errors) >= 2
@@ -96,8 +97,8 @@ def test_a_controller_of_ones_own_may_refuse_robots(tmp_path):
         Simulation(parse_world(CORRIDOR), controller=Picky())
 
 
-def test_a_check_that_answers_something_else_is_told_in_one_line():
-    with pytest.raises(ControllerError, match=r"^Picky\.robot_faults returned an int.*Fault.*\)$"):
+def test_a_check_that_answers_something_else_is_reported_in_one_line():
+    with pytest.raises(ControllerError, match=facts("Picky.robot_faults", "an int", "Fault")):
         robot_faults(Picky(Picky.Settings(fault=False)), {})
 
 

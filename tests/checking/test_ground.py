@@ -53,7 +53,7 @@ def test_nan_is_refused_at_its_place(tmp_path, value):
     assert "finite" in errors[0]
 
 
-def test_a_repeated_neighbour_is_told_and_the_rest_still_looked_at(tmp_path):
+def test_a_repeated_neighbour_is_reported_and_the_rest_still_looked_at(tmp_path):
     text = changed(DRAWN, ("[33, 4], [-3, 4]", "[33, 4], [33, 4], [-3, 4]"), ("[6.0,", "[3.0,"))
     text = changed(text, ("pose: [3.0, -1.0", "pose: [3.0, 0.5"))
     errors, _ = lines(check(tmp_path, text))
@@ -62,7 +62,7 @@ def test_a_repeated_neighbour_is_told_and_the_rest_still_looked_at(tmp_path):
     check_finding(errors[1], "14:11 robots[1].pose", '"b"', "overlaps", '"a"', "0.5 m")
 
 
-def test_a_boundary_that_crosses_itself_is_told_where(tmp_path):
+def test_a_boundary_that_crosses_itself_is_reported_where(tmp_path):
     text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 2], [12, 3], [12, 2], [10, 3], [10, 2]]\n"))
     errors, warnings = lines(check(tmp_path, text))
     assert len(errors) == 1
@@ -70,7 +70,7 @@ def test_a_boundary_that_crosses_itself_is_told_where(tmp_path):
     assert warnings == []
 
 
-def test_a_boundary_that_turns_back_on_itself_is_told(tmp_path):
+def test_a_boundary_that_turns_back_on_itself_is_reported(tmp_path):
     text = changed(DRAWN, (SECOND, SECOND + "  - [[10, 2], [12, 2], [11, 2]]\n"))
     errors, warnings = lines(check(tmp_path, text))
     assert errors == []
@@ -78,7 +78,7 @@ def test_a_boundary_that_turns_back_on_itself_is_told(tmp_path):
     check_finding(warnings[0], "6:5 boundaries[2]", "crosses itself", "(12, 2)")
 
 
-def test_boundaries_that_cross_each_other_are_told_where(tmp_path):
+def test_boundaries_that_cross_each_other_are_reported_where(tmp_path):
     ring = "  - [[10, 3], [12, 3], [12, 5], [10, 5], [10, 3]]\n"
     errors, _ = lines(check(tmp_path, changed(DRAWN, (SECOND, SECOND + ring))))
     assert len(errors) == 1
@@ -100,7 +100,7 @@ def test_a_wall_drawn_twice_does_no_harm(tmp_path):
     assert lines(check(tmp_path, text)) == ([], [])
 
 
-def test_gaps_are_told_with_their_size_and_place(tmp_path):
+def test_gaps_are_reported_with_their_size_and_place(tmp_path):
     errors, _ = lines(
         check(tmp_path, changed(DRAWN, ("[[33, 4], [-3, 4]", "[[33, 3.75], [-3, 4]")))
     )
@@ -119,13 +119,13 @@ def test_obstacles_are_polygons(tmp_path):
     check_finding(errors[0], "17:13 obstacles[0]", "itself", "(11, 3.25)")
 
 
-def test_obstacles_that_fill_the_road_are_told(tmp_path):
+def test_obstacles_that_fill_the_road_are_reported(tmp_path):
     text = DRAWN + "obstacles: [[[-9, -9], [50, -9], [50, 9], [-9, 9]]]\n"
     errors, _ = lines(check(tmp_path, text))
     check_finding(errors[0], "4:3 boundaries", "obstacles", "nothing", "reference path")
 
 
-def test_a_centreline_that_crosses_itself_is_told(tmp_path):
+def test_a_centreline_that_crosses_itself_is_reported(tmp_path):
     text = changed(
         CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [40, 0], [40, 30], [20, 30], [20, -30]]")
     )
@@ -140,7 +140,7 @@ def test_a_bend_tighter_than_the_width_is_a_warning(tmp_path):
     assert with_facts(warnings, "3:11 corridor", "left wall", "crosses itself")
 
 
-def test_a_centreline_that_turns_back_is_told(tmp_path):
+def test_a_centreline_that_turns_back_is_reported(tmp_path):
     text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", "[[0, 0], [30, 0], [0, 1]]"))
     errors, _ = lines(check(tmp_path, text))
     parts = ("178 degrees", "[1] (30, 0)", "at most 149 degrees")
@@ -189,7 +189,7 @@ def test_stretches_are_counted_in_words(tmp_path, times, counted):
 
 
 @pytest.mark.parametrize(("across", "left"), [(6, 2), (5.5, 1.5)])
-def test_a_wall_that_folds_over_without_crossing_itself_is_told(tmp_path, across, left):
+def test_a_wall_that_folds_over_without_crossing_itself_is_reported(tmp_path, across, left):
     line = f"[[0, 0], [30, 0], [30, {across}], [0, {across}]]"
     _, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
     folds = [warning for warning in warnings if "folds over" in warning]
@@ -199,7 +199,7 @@ def test_a_wall_that_folds_over_without_crossing_itself_is_told(tmp_path, across
 
 
 @pytest.mark.parametrize("across", [8, 12])
-def test_a_bend_that_leaves_the_width_is_not_told(tmp_path, across):
+def test_a_bend_that_leaves_the_width_is_not_reported(tmp_path, across):
     line = f"[[0, 0], [30, 0], [30, {across}], [0, {across}]]"
     _, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
     assert "folds" not in "".join(warnings)
@@ -212,7 +212,7 @@ def test_a_bend_that_leaves_the_width_is_not_told(tmp_path, across):
         ("[[0, 0], [50, 0], [50, 40], [30, 40], [30, 3]]", "(26, 4)"),
     ],
 )
-def test_legs_that_run_into_each_other_are_told_instead_of_what_follows(tmp_path, line, place):
+def test_legs_that_run_into_each_other_are_reported_instead_of_what_follows(tmp_path, line, place):
     errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("[[0, 0], [30, 0]]", line))))
     parts = ("into itself", place, "[0] to [1]", "[3] to [4]")
     check_finding(errors[0], "3:24 corridor.centreline", *parts)

@@ -101,12 +101,12 @@ def test_what_check_passes_is_built_and_what_is_not_built_check_refuses(tmp_path
     try:
         scene = build_scene(parse_world(text))
     except WorldError as error:
-        told = " ".join(finding.message for finding in found.errors)
+        reported = " ".join(finding.message for finding in found.errors)
         refused = [fault.message[:20] for fault in error.faults]
         scene = None
     else:
-        refused, told = [], ""
-    assert [message for message in refused if message not in told] == []
+        refused, reported = [], ""
+    assert [message for message in refused if message not in reported] == []
     assert scene is None or found.world == scene.world
     assert found.ok <= (scene is not None)
 

@@ -3,19 +3,21 @@
 The 400 YAML texts stand as whole worlds. The 72 small faults are in neutral keys, so each is
 translated into a world of ours: either the snippet's own bytes stand as the file (``WHOLE``), or a
 good world gets the same fault in our keys (``TRANSLATED``). ``BAD`` refuses, ``GOOD`` accepts,
-``DOUBTFUL`` accepts with a warning; with what the message must say.
+``DOUBTFUL`` accepts with a warning; with the facts that one finding must name.
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
 
 from physim.world.checks import Findings, check_world
-from tests.checking.worlds import CORRIDOR, DRAWN, changed
+from tests.checking.worlds import CORRIDOR, DRAWN, changed, with_facts
+from tests.facts import facts
 
 CASES = Path(__file__).parents[2].parent / "shared" / "cases" / "bad_worlds"
 needs_cases = pytest.mark.skipif(not CASES.exists(), reason="the shared cases are not here")
@@ -23,20 +25,20 @@ needs_cases = pytest.mark.skipif(not CASES.exists(), reason="the shared cases ar
 BAD, GOOD, DOUBTFUL = "refuse", "accept", "accept with a warning"
 
 WHOLE = {
-    "empty": (BAD, "the file is empty"),
-    "null_document": (BAD, "a world is a mapping of keys to values"),
-    "top_level_scalar": (BAD, "a world is a mapping of keys to values"),
-    "duplicate_key": (BAD, "key given twice, first on line 1"),
-    "tab_indent": (BAD, "a tab in the indentation"),
-    "unknown_alias": (BAD, "no anchor &nowhere before it"),
-    "self_alias_map": (BAD, "alias *w contains itself"),
+    "empty": (BAD, "file is empty"),
+    "null_document": (BAD, "mapping", "name, time, corridor, robots"),
+    "top_level_scalar": (BAD, "mapping", "name, time, corridor, robots"),
+    "duplicate_key": (BAD, "twice", "line 1"),
+    "tab_indent": (BAD, "tab", "spaces"),
+    "unknown_alias": (BAD, "no anchor", "&nowhere"),
+    "self_alias_map": (BAD, "*w", "itself"),
     "quadratic_blowup": (BAD, "unknown key"),
-    "deep_block": (BAD, "nested deeper than 50 levels"),
-    "custom_tag": (BAD, 'tag "!include" is not allowed'),
-    "latin1": (BAD, "byte 0xe9 is not UTF-8; save the file as UTF-8"),
-    "control_char": (BAD, "character U+0007 is not allowed in YAML"),
-    "unknown_key": (BAD, 'did you mean "corridor"?'),
-    "key_case": (BAD, 'did you mean "robots"?'),
+    "deep_block": (BAD, "nested", "50 levels"),
+    "custom_tag": (BAD, '"!include"', "not allowed"),
+    "latin1": (BAD, "0xe9", "UTF-8"),
+    "control_char": (BAD, "U+0007", "not allowed"),
+    "unknown_key": (BAD, "unknown key", '"corridor"'),
+    "key_case": (BAD, "unknown key", '"robots"'),
     "key_null": (BAD, "unknown key"),
     "version_string": (BAD, "unknown key"),
     "output_escape": (BAD, "unknown key"),
@@ -87,115 +89,123 @@ def robot(given: str) -> str:
 
 SMALL = "{length: 0.6, width: 0.4}"
 TRANSLATED = {
-    "utf8_bom": ("\ufeff" + CORRIDOR, GOOD, ""),
-    "emoji_name": (changed(CORRIDOR, ("name: corridor", 'name: "corridor 🤖"')), GOOD, ""),
-    "num_nan": (number(".nan"), BAD, ".nan is not a finite number"),
-    "num_neg_inf": (number("-.inf"), BAD, "-.inf is not a finite number"),
-    "num_inf_word": (number("Infinity"), BAD, 'must be a number; given "Infinity"; it must be fin'),
-    "num_exp_dot": (number("1.0e3"), BAD, "1.0e3 is a text to many YAML readers; write 1.0e+3"),
-    "num_octal": (number("010"), BAD, "010 may be read as octal; write it without leading zeros"),
-    "num_quoted": (number('"1.0"'), BAD, "which is a text; write the number without quotes"),
-    "num_yes": (number("yes"), BAD, "yes may be read as true"),
-    "num_huge": (number("1.0e+308"), BAD, "must be at most 1000; given 1e+308"),
-    "num_bigint": (number("1" + "0" * 400), BAD, "an integer of 401 digits; at most 18"),
-    "num_hex": (number("0x10"), BAD, "0x10 is not decimal; write 16"),
-    "num_null": (number("~"), BAD, "empty value; give one"),
-    "num_list": (number("[1.0]"), BAD, "must be a number; given a list of 1"),
-    "num_coord_nan": (boundary("[[0, 0], [.nan, 1], [2, 0]]"), BAD, "boundaries[1][1][0]"),
-    "num_one_coord": (boundary("[[0], [1]]"), BAD, "one more number is needed here"),
-    "num_flat": (boundary("[0, 0, 1, 0]"), BAD, "must be a list; given 0"),
-    "num_point_map": (boundary("[{x: 0, y: 0}, {x: 1, y: 0}]"), BAD, "must be a list; given a map"),
-    "boundary_one_point": (boundary("[[0, 0]]"), BAD, "must have at least 2 entries"),
+    "utf8_bom": ("\ufeff" + CORRIDOR, GOOD),
+    "emoji_name": (changed(CORRIDOR, ("name: corridor", 'name: "corridor 🤖"')), GOOD),
+    "num_nan": (number(".nan"), BAD, ".nan", "finite"),
+    "num_neg_inf": (number("-.inf"), BAD, "-.inf", "finite"),
+    "num_inf_word": (number("Infinity"), BAD, '"Infinity"', "finite"),
+    "num_exp_dot": (number("1.0e3"), BAD, "1.0e3", "text", "1.0e+3"),
+    "num_octal": (number("010"), BAD, "010", "octal", "leading zeros"),
+    "num_quoted": (number('"1.0"'), BAD, '"1.0"', "text", "without quotes"),
+    "num_yes": (number("yes"), BAD, "yes", "true"),
+    "num_huge": (number("1.0e+308"), BAD, "at most 1000", "1e+308"),
+    "num_bigint": (number("1" + "0" * 400), BAD, "401 digits", "at most 18"),
+    "num_hex": (number("0x10"), BAD, "0x10", "decimal", "16"),
+    "num_null": (number("~"), BAD, "empty"),
+    "num_list": (number("[1.0]"), BAD, "number", "list of 1"),
+    "num_coord_nan": (boundary("[[0, 0], [.nan, 1], [2, 0]]"), BAD, "boundaries[1][1][0]", ".nan"),
+    "num_one_coord": (boundary("[[0], [1]]"), BAD, "boundaries[1][0][1]", "one more number"),
+    "num_flat": (boundary("[0, 0, 1, 0]"), BAD, "boundaries[1][0]", "list", "given 0"),
+    "num_point_map": (boundary("[{x: 0, y: 0}, {x: 1, y: 0}]"), BAD, "list", "given a mapping"),
+    "boundary_one_point": (boundary("[[0, 0]]"), BAD, "boundaries[1]", "at least 2", "given 1"),
     "boundary_duplicate_neighbour": (
-        boundary("[[0, 3], [1, 3], [1, 3], [2, 3]]"), BAD, "repeats the point before it",
+        boundary("[[0, 3], [1, 3], [1, 3], [2, 3]]"), BAD, "boundaries[1][2]", "repeats",
     ),
     "boundary_self_crossing": (
-        boundary("[[0, 2], [1, 3], [1, 2], [0, 3]]"), DOUBTFUL, "crosses itself at (0.5, 2.5)",
+        boundary("[[0, 2], [1, 3], [1, 2], [0, 3]]"), DOUBTFUL, "crosses itself", "(0.5, 2.5)",
     ),
     "boundary_huge_offset": (
-        boundary("[[1.0e+9, 1.0e+9], [1.0e+9, 1.000000001e+9]]"), BAD, "must be at most 1000000",
+        boundary("[[1.0e+9, 1.0e+9], [1.0e+9, 1.000000001e+9]]"),
+        BAD, "at most 1000000", "1000000000.0",
     ),
-    "boundary_tiny": (boundary("[[0, 3], [1.0e-12, 3]]"), BAD, "repeats the point before it"),
+    "boundary_tiny": (boundary("[[0, 3], [1.0e-12, 3]]"), BAD, "boundaries[1][1]", "repeats"),
     "walls_swapped": (
         # boundaries have no sides here: whatever encloses the path is the road
-        walls("[[0, -3], [20, -3]]", "[[0, 3], [20, 3]]", "[[2, 0], [18, 0]]"), GOOD, "",
+        walls("[[0, -3], [20, -3]]", "[[0, 3], [20, 3]]", "[[2, 0], [18, 0]]"), GOOD,
     ),
     "walls_touch": (
         walls("[[0, 3], [10, 0], [20, 3]]", "[[0, -3], [10, 0], [20, -3]]", "[[2, 0], [18, 0]]"),
-        BAD, "crosses boundaries[0] at (10, 0)",
+        BAD, "boundaries[1]", "crosses", "boundaries[0]", "(10, 0)",
     ),
     "too_narrow": (
         walls("[[0, 0.1], [20, 0.1]]", "[[0, -0.1], [20, -0.1]]", "[[2, 0], [18, 0]]", SMALL),
-        BAD, '"a" does not fit at station',
+        BAD, "robots[0].path", '"a"', "not fit", "station",
     ),
-    "poly_collinear": (outline("[[0, 0], [1, 0], [2, 0]]"), BAD, "encloses no area"),
-    "poly_concave": (outline("[[0, 0], [1, 0], [0.5, 0.2], [0.5, 1]]"), GOOD, ""),
-    "poly_closed": (outline("[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]"), GOOD, ""),
+    "poly_collinear": (outline("[[0, 0], [1, 0], [2, 0]]"), BAD, "footprint", "no area"),
+    "poly_concave": (outline("[[0, 0], [1, 0], [0.5, 0.2], [0.5, 1]]"), GOOD),
+    "poly_closed": (outline("[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]"), GOOD),
     "poly_off_origin": (
         changed(outline("[[5, 0], [6, 0], [6, 1], [5, 1]]"), ("step: 0.01", "step: 0.005")),
-        DOUBTFUL, "lies 5 m outside the footprint",
+        DOUBTFUL, "footprint", "5 m", "outside",
     ),
     "poly_5000": (
         outline(f"[{', '.join(f'[{k / 5000}, {(k % 2) / 100}]' for k in range(5000))}, [0, 1]]"),
-        BAD, "must have at most 2000 entries",
+        BAD, "at most 2000", "5001",
     ),
-    "path_repeat": (path("[[0, 1], [1, 1], [1, 1], [30, 1]]"), BAD, "repeats the point before it"),
-    "path_u_turn": (path("[[0, 1], [20, 1], [0, 1]]"), GOOD, ""),
+    "path_repeat": (path("[[0, 1], [1, 1], [1, 1], [30, 1]]"), BAD, "robots[0].path[2]", "repeats"),
+    "path_u_turn": (path("[[0, 1], [20, 1], [0, 1]]"), GOOD),
     "path_hits_wall_mid_segment": (
         walls(
             "[[0, 3], [8, 3], [10, -0.2], [12, 3], [20, 3]]", "[[0, -3], [20, -3]]",
             "[[2, 0], [18, 0]]",
         ),
-        BAD, "leaves the accessible area from",
+        BAD, "robots[0].path", '"a"', "leaves", "7.88 m", "8.12 m",
     ),
     "path_clearance_too_small": (
         walls("[[0, 0.55], [20, 0.55]]", "[[0, -3], [20, -3]]", "[[2, 0.4], [18, 0.4]]", SMALL)
         + "controller: {type: path_following}\n",
-        BAD, '"a" does not fit at station',
+        BAD, "robots[0].path", '"a"', "not fit", "station 0.00 m", "(2, 0.4)", "0.15 m", "0.2 m",
     ),
-    "start_identical": (changed(CORRIDOR, ("[3.0, -1.0,", "[6.0, 1.0,")), BAD, "overlaps"),
-    "start_in_wall": (changed(CORRIDOR, ("[6.0, 1.0,", "[6.0, 4.0,")), BAD, "over the edge of"),
+    "start_identical": (
+        changed(CORRIDOR, ("[3.0, -1.0,", "[6.0, 1.0,")), BAD, '"b"', "overlaps", '"a"',
+    ),
+    "start_in_wall": (changed(CORRIDOR, ("[6.0, 1.0,", "[6.0, 4.0,")), BAD, '"a"', "0.5 m", "over"),
     "start_backwards": (
-        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0, 3.14159]")), DOUBTFUL, "facing 180 deg",
+        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0, 3.14159]")),
+        DOUBTFUL, '"a"', "180 degrees",
     ),
     "pose_missing_heading": (
-        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")), BAD, "one more number is needed here",
+        changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")),
+        BAD, "robots[0].pose[2]", "one more number",
     ),
     "robots_is_map": (
         CORRIDOR[: CORRIDOR.index("robots:")] + "robots: {a: {pose: [0, 0, 0]}}\n",
-        BAD, "must be a list; given a mapping",
+        BAD, "robots", "list", "mapping",
     ),
-    "robot_duplicate_name": (changed(CORRIDOR, ("name: b", "name: a")), BAD, "names must differ"),
-    "robot_name_path": (changed(CORRIDOR, ("name: b", 'name: "../../etc/x"')), GOOD, ""),
-    "robot_name_csv": (changed(CORRIDOR, ("name: b", 'name: "=1+1,b"')), GOOD, ""),
-    "robot_name_no": (changed(CORRIDOR, ("name: b", "name: no")), BAD, "no may be read as false"),
+    "robot_duplicate_name": (
+        changed(CORRIDOR, ("name: b", "name: a")), BAD, "robots[1].name", '"a"', "robots[0]",
+    ),
+    "robot_name_path": (changed(CORRIDOR, ("name: b", 'name: "../../etc/x"')), GOOD),
+    "robot_name_csv": (changed(CORRIDOR, ("name: b", 'name: "=1+1,b"')), GOOD),
+    "robot_name_no": (changed(CORRIDOR, ("name: b", "name: no")), BAD, "no", "false"),
     "formation_unknown_robot": (
-        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, zed]]}")), BAD, 'has the name "zed"',
+        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, zed]]}")), BAD, '"zed"', "a, b",
     ),
     "formation_cycle": (
         # neighbours are pairs, not a chain: one given in both senses is one pair twice
-        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, b], [b, a]]}")), BAD, "given twice",
+        changed(CORRIDOR, ("-3.0]}", "-3.0], neighbours: [[a, b], [b, a]]}")),
+        BAD, "formation.neighbours[1]", "twice",
     ),
     "formation_zero": (
         changed(CORRIDOR, ("-3.0]}", "0.0]}"), ("offset: -1.0", "offset: 1.0")),
-        BAD, "less than their footprints need",
+        BAD, "formation.spacing[1]", "0 m", '"a"', '"b"', "overlap",
     ),
     "formation_count": (
-        changed(CORRIDOR, ("-3.0]}", "-3.0, -6.0]}")), BAD, "3 leads for 2 robots",
+        changed(CORRIDOR, ("-3.0]}", "-3.0, -6.0]}")), BAD, "3 leads", "2 robots",
     ),
-    "dt_zero": (changed(CORRIDOR, ("step: 0.01", "step: 0")), BAD, "must be greater than 0"),
+    "dt_zero": (changed(CORRIDOR, ("step: 0.01", "step: 0")), BAD, "time.step", "greater than 0"),
     "dt_larger_than_duration": (
         changed(CORRIDOR, ("step: 0.01, duration: 60.0", "step: 10, duration: 1")),
-        BAD, "longer than the duration",
+        BAD, "time.step", "10.0 s", "longer", "1.0 s",
     ),
     "duration_not_multiple": (
-        # stricter than asked: the nearest two durations are told
+        # stricter than asked: the nearest two durations are named
         changed(CORRIDOR, ("step: 0.01, duration: 60.0", "step: 0.03, duration: 1.0")),
-        BAD, "nearest are 0.99 and 1.02",
+        BAD, "1.0 s", "0.03 s", "0.99", "1.02",
     ),
-    "speeds_negative_only": (robot("speeds: [-0.5]"), DOUBTFUL, "there is no way forward"),
-    "omegas_no_zero": (robot("omegas: [-1.0, 1.0]"), DOUBTFUL, "there is no way straight on"),
-    "speed_huge": (robot("speeds: [0, 1.0e+6]"), BAD, "must be at most 1"),
+    "speeds_negative_only": (robot("speeds: [-0.5]"), DOUBTFUL, "above 0", "forward"),
+    "omegas_no_zero": (robot("omegas: [-1.0, 1.0]"), DOUBTFUL, "straight on", "0"),
+    "speed_huge": (robot("speeds: [0, 1.0e+6]"), BAD, "speeds[1]", "at most 1", "1000000.0"),
 }  # fmt: skip
 
 
@@ -207,15 +217,15 @@ def outcome(found: Findings) -> str:
 
 @pytest.mark.parametrize("name", TRANSLATED)
 def test_translated_snippets(tmp_path, name):
-    text, expected, told = TRANSLATED[name]
+    text, expected, *parts = TRANSLATED[name]
     file = tmp_path / "w.yaml"
     file.write_text(text, encoding="utf-8")
     found = check_world(file)
     lines = [str(finding) for finding in (*found.errors, *found.warnings)]
     assert outcome(found) == expected, lines
     assert all(len(line) < 700 for line in lines)
-    if told:
-        assert any(told in line for line in lines), lines
+    if parts:
+        assert with_facts(lines, *parts), lines
     for finding in found.errors:
         assert finding.line is not None, finding
 
@@ -223,11 +233,11 @@ def test_translated_snippets(tmp_path, name):
 @needs_cases
 @pytest.mark.parametrize("name", WHOLE)
 def test_whole_snippets(name):
-    expected, told = WHOLE[name]
+    expected, *parts = WHOLE[name]
     found = check_world(CASES / "snippets" / f"{name}.yaml")
     lines = [str(finding) for finding in found.errors]
     assert outcome(found) == expected
-    assert any(told in line for line in lines), lines
+    assert with_facts(lines, *parts), lines
     assert all(len(line) < 700 for line in lines)
     assert all(finding.line is not None for finding in found.errors)
 
@@ -280,20 +290,21 @@ def test_files_of_other_kinds(tmp_path):
     (tmp_path / "loop.yaml").symlink_to(tmp_path / "loop.yaml")
     (tmp_path / "folder.yaml").mkdir()
     os.mkfifo(tmp_path / "pipe.yaml")
-    told = {
-        "missing.yaml": "no such file",
-        "dangling.yaml": "no such file",
-        "loop.yaml": "cannot be read: Too many levels of symbolic links",
-        "folder.yaml": "is a folder, not a world file",
-        "pipe.yaml": "is not a regular file",
-        "missing/w.yaml": "no such file; there is no folder",
-        "/dev/zero": "is not a regular file",
-        "a\0b.yaml": "cannot be read: embedded null byte",
-        "x" * 300 + ".yaml": "cannot be read: File name too long",
+    reasons = {
+        "missing.yaml": ["no such file"],
+        "dangling.yaml": ["no such file"],
+        "loop.yaml": ["cannot be read", "symbolic links"],
+        "folder.yaml": ["folder", "not a world file"],
+        "pipe.yaml": ["not a regular file"],
+        "missing/w.yaml": ["no such file", "no folder"],
+        "/dev/zero": ["not a regular file"],
+        "a\0b.yaml": ["cannot be read", "null byte"],
+        "x" * 300 + ".yaml": ["cannot be read", "too long"],
     }
-    for name, message in told.items():
+    for name, parts in reasons.items():
         found = check_world(tmp_path / name)
-        assert [finding.message[: len(message)] for finding in found.errors] == [message]
+        (error,) = found.errors
+        assert re.search(facts(*parts), error.message), error.message
         assert found.clearance == ()
         assert str(found.errors[0]).isprintable()
 

@@ -52,6 +52,6 @@ robots:
 def test_examples(tmp_path, monkeypatch, name, text, skip):
     monkeypatch.chdir(tmp_path)
     Path(f"{name}.yaml").write_text(text, encoding="utf-8")
-    told = text_of(check_world(f"{name}.yaml")).splitlines()[skip:]
-    shown = "\n".join(told[:5] if name == "hall" else told)
-    assert shown in DOCS.read_text(encoding="utf-8")
+    printed = text_of(check_world(f"{name}.yaml")).splitlines()[skip:]
+    example = "\n".join(printed[:5] if name == "hall" else printed)
+    assert example in DOCS.read_text(encoding="utf-8")

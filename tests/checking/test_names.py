@@ -12,7 +12,7 @@ import pytest
 from physim.cli import main
 from physim.errors import WorldError
 from physim.world.file import parse_world
-from tests.checking.worlds import CORRIDOR, changed, check, lines
+from tests.checking.worlds import CORRIDOR, changed, check, check_finding, lines
 
 NAMES = [
     "two words",
@@ -75,9 +75,8 @@ def test_names_hold_no_control_characters(name):
 )
 def test_robots_are_not_called_like_walls(tmp_path, name):
     errors, _ = lines(check(tmp_path, changed(CORRIDOR, ("name: a", f"name: {name}"))))
-    assert errors == [
-        f'5:11 robots[0].name "{name}" names a wall in reports; give the robot another name'
-    ]
+    assert len(errors) == 1
+    check_finding(errors[0], "5:11 robots[0].name", f'"{name}"', "wall")
 
 
 def test_a_run_of_such_names_stays_in_its_folder(tmp_path, monkeypatch, capsys):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physim.world.layout.scene_builder import build_scene
-from tests.checking.worlds import CORRIDOR, REGION, changed, check, lines
+from tests.checking.worlds import CORRIDOR, REGION, changed, check, check_finding, lines, with_facts
 
 
 def test_a_region_with_room_has_no_finding(tmp_path):
@@ -13,32 +13,34 @@ def test_a_region_with_room_has_no_finding(tmp_path):
     build_scene(found.world)
 
 
-def test_a_region_without_room_is_told_as_a_run_tells_it(tmp_path):
+def test_a_region_without_room_is_reported_as_a_run_reports_it(tmp_path):
     small = changed(REGION, ("[12, -3.5], [12, 3.5]", "[2, -3.5], [2, 3.5]"), ("-3.5]", "-0.8]"))
     errors, _ = lines(check(tmp_path, changed(small, (" 3.5]", " 0.8]"))))
     assert len(errors) == 1
-    assert errors[0].startswith("5:17 start.region ")
+    free = ("1 of 2 robots", "0.4 m", '"b"', "3.2 m²", "6.09 m²", "16 m²")
+    check_finding(errors[0], "5:17 start.region", *free)
 
 
-def test_a_region_that_crosses_itself_is_told(tmp_path):
+def test_a_region_that_crosses_itself_is_reported(tmp_path):
     text = changed(REGION, ("[12, -3.5], [12, 3.5]", "[12, 3.5], [12, -3.5]"))
     errors, _ = lines(check(tmp_path, text))
     assert len(errors) == 1
-    assert errors[0].startswith("5:17 start.region crosses or touches itself at (6, 0)")
+    check_finding(errors[0], "5:17 start.region", "itself", "(6, 0)")
 
 
-def test_a_region_outside_the_road_is_told(tmp_path):
+def test_a_region_outside_the_road_is_reported(tmp_path):
     text = changed(REGION, ("3.5]", "93.5]"), ("-93.5]", "91.5]"))
     errors, _ = lines(check(tmp_path, text))
     assert len(errors) == 1
-    assert "none of it lies in the accessible area" in errors[0]
+    check_finding(errors[0], "5:17 start.region", "none", "accessible area")
 
 
-def test_other_faults_are_told_beside_a_region(tmp_path):
+def test_other_faults_are_reported_beside_a_region(tmp_path):
     text = changed(REGION, ("name: b", "nam: b"), ("width: 8.0", "width: 2.5"))
     errors, warnings = lines(check(tmp_path, text))
-    assert [error[:28] for error in errors] == ["8:6 robots[1].nam unknown ke"]
-    assert '"a" does not fit at station' in " ".join(warnings)
+    assert len(errors) == 1
+    check_finding(errors[0], "8:6 robots[1].nam", "unknown key", '"name"')
+    assert with_facts(warnings, "7:68 robots[0].path.offset", '"a"', "not fit", "0.25 m", "0.5 m")
 
 
 def test_a_region_that_no_robot_uses_is_a_warning(tmp_path):
@@ -48,7 +50,7 @@ def test_a_region_that_no_robot_uses_is_a_warning(tmp_path):
     errors, warnings = lines(check(tmp_path, posed))
     assert errors == []
     assert len(warnings) == 1
-    assert "start no robot starts in this region" in warnings[0]
+    check_finding(warnings[0], "5:8 start", "no robot", "region", "pose")
 
 
 def test_a_formation_that_overlaps_as_the_seed_placed_it_points_to_the_start(tmp_path):
@@ -58,15 +60,14 @@ def test_a_formation_that_overlaps_as_the_seed_placed_it_points_to_the_start(tmp
         if errors:
             break
     assert len(errors) == 1
-    assert "would overlap in formation; spacing is initial, and the seed places them" in errors[0]
-    assert "another seed, a larger min_gap or another abreast in start" in errors[0]
-    assert errors[0].endswith("or list the leads in formation.spacing")
+    parts = ('"a"', '"b"', "overlap", "initial", "seed", "min_gap", "abreast", "formation.spacing")
+    check_finding(errors[0], "9:12 formation", *parts)
 
 
 def test_a_formation_of_poses_that_overlaps_points_to_the_poses(tmp_path):
     text = changed(CORRIDOR, ("{spacing: [0.0, -3.0]}", "{}"), ("[3.0, -1.0, 0.0]", "[6, -1, 0]"))
     errors, _ = lines(check(tmp_path, changed(text, ("offset: -1.0", "offset: 1.0"))))
     assert len(errors) == 1
-    assert (
-        "spacing is initial, so they start this close along the road; move their poses" in errors[0]
-    )
+    parts = ("0 m", '"a"', '"b"', "overlap", "initial", "poses", "formation.spacing")
+    check_finding(errors[0], "13:12 formation", *parts)
+    assert "seed" not in errors[0]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from physim.world.checks import Findings, check_world
+from tests.facts import facts
+from tests.says import check_error
 
 CORRIDOR = """\
 name: corridor
@@ -71,8 +74,18 @@ def check(folder: Path, text: str) -> Findings:
 
 def lines(findings: Findings) -> tuple[list[str], list[str]]:
     """Errors and warnings as ``line:column key message``."""
-    told = [
+    groups = [
         [f"{f.line}:{f.column} {f.key} {f.message}" for f in group]
         for group in (findings.errors, findings.warnings)
     ]
-    return told[0], told[1]
+    return groups[0], groups[1]
+
+
+def check_finding(line: str, place: str, *parts: str) -> None:
+    """A finding of `lines` stands at this place (``line:column key``) and has each part, whole."""
+    check_error(line + "\n", place, *parts)
+
+
+def with_facts(found: list[str], *parts: str) -> list[str]:
+    """Those of some findings in which every part stands."""
+    return [line for line in found if re.search(facts(*parts), line)]

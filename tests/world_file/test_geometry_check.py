@@ -51,7 +51,7 @@ def test_a_good_world_has_no_fault(world):
         ((6, 3.75, 0), (3, 0, 0), 0, ('"r1"', "0.25 m over", "corridor")),
         ((6, 3.6, math.pi / 2), (3, 0, 0), 0, ('"r1"', "0.5 m over", "corridor")),
         ((6, 9, 0), (3, 0, 0), 0, ('"r1"', "outside", "4.5 m")),
-        ((6, 1, 0), (20, 0, 0), 1, ('"r2"', "overlaps", "obstacles[0]", "1 m")),
+        ((6, 1, 0), (20, 0, 0), 1, ('"r2"', "overlaps", "obstacles[0]", "by 1 m")),
         ((6, 1, 0), (17.1, 0, 0), 1, ('"r2"', "touches", "obstacles[0]")),
     ],
 )
@@ -79,7 +79,7 @@ def test_boundaries_must_bound_a_face(world):
     drawn = world.changed(corridor=None, boundaries=[EDGE[:4]], reference_path=[[0, 1], [30, 1]])
     faults = found(drawn)
     assert places(faults) == [("boundaries",)]
-    assert re.search(facts("boundaries[0]", "(-3, -4)", "8 m"), faults[0].message)
+    assert re.search(facts("boundaries[0]", "(-3, -4), 8 m"), faults[0].message)
 
 
 def test_paths_need_two_points(world):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from physim.errors import WorldError
 from physim.world import Box, ControllerChoice, FrozenMapping, Limits, Robot, Start, World
+from tests.facts import facts
 from tests.world.strategies import worlds
 
 ROBOT = {
@@ -80,78 +81,82 @@ def test_all_faults_come_at_once_in_our_words():
         formation={"spacing": "initail", "limits": [2, 1]},
         controller=5,
     )
-    assert 'did you mean "duration"?' in found["time", "duratoin"]
     assert ("time", "duration") not in found
-    assert 'given "0.1", which is a text' in found["time", "step"]
-    assert found["robots", 0, "pose", 1] == "must be a finite number; given nan"
-    assert found["robots", 0, "pose", 2].startswith("missing")
-    assert "{offset}" in found["robots", 1, "path"]
-    assert "is the name of robots[0] too" in found["robots", 1, "name"]
-    assert 'did you mean "initial"?' in found["formation", "spacing"]
-    assert "least speed" in found["formation", "limits"][0:12]
-    assert 'did you mean "name"?' in found[("nmae",)]
-    assert found[("seed",)] == "must be a whole number; given true"
+    for location, *parts in (
+        (("time", "duratoin"), "unknown", '"duration"'),
+        (("time", "step"), '"0.1"', "text"),
+        (("robots", 0, "pose", 1), "finite number", "given nan"),
+        (("robots", 0, "pose", 2), "missing"),
+        (("robots", 1, "path"), "{offset}"),
+        (("robots", 1, "name"), "name", "robots[0]"),
+        (("formation", "spacing"), '"initail"', '"initial"'),
+        (("formation", "limits"), "least speed"),
+        (("nmae",), "unknown", '"name"'),
+        (("seed",), "whole number", "given true"),
+    ):
+        assert re.search(facts(*parts), found[location])
     assert len(found) == 11
 
 
 @pytest.mark.parametrize(
-    ("changes", "location", "text"),
+    ("changes", "location", "parts"),
     [
-        ({"time": {"step": 0, "duration": 1}}, ("time", "step"), "greater than 0"),
-        ({"time": {"step": -0.1, "duration": 1}}, ("time", "step"), "greater than 0"),
-        ({"time": {"step": 0.3, "duration": 1.0}}, ("time", "duration"), "0.9 and 1.2"),
-        ({"time": {"step": 2.0, "duration": 1.0}}, ("time", "step"), "longer than the duration"),
-        ({"time": {"step": 1e-9, "duration": 1.0}}, ("time", "duration"), "at most 100000000"),
-        ({"corridor": None}, (), "neither corridor nor boundaries"),
-        ({"boundaries": [[[0, 0], [1, 0]]]}, ("boundaries",), "not both"),
+        ({"time": {"step": 0, "duration": 1}}, ("time", "step"), ("greater than 0",)),
+        ({"time": {"step": -0.1, "duration": 1}}, ("time", "step"), ("greater than 0",)),
+        ({"time": {"step": 0.3, "duration": 1.0}}, ("time", "duration"), ("0.9", "1.2")),
+        ({"time": {"step": 2.0, "duration": 1.0}}, ("time", "step"), ("longer", "duration")),
+        ({"time": {"step": 1e-9, "duration": 1.0}}, ("time", "duration"), ("at most 100000000",)),
+        ({"corridor": None}, (), ("neither", "corridor", "boundaries")),
+        ({"boundaries": [[[0, 0], [1, 0]]]}, ("boundaries",), ("not both",)),
         (
             {"corridor": None, "boundaries": [[[0, 0], [1, 0]]]},
             ("reference_path",),
-            "with boundaries must give it",
+            ("with boundaries",),
         ),
         ({"corridor": {"centreline": [[0, 0], [3, 0]], "width": [1, 2, 3]}}, ("corridor", "width"),
-         "3 widths for 2 points"),
-        ({"formation": {"spacing": [0, 1, 2]}}, ("formation", "spacing"), "3 leads for 2 robots"),
-        ({"formation": {"spacing": [1, 2]}}, ("formation", "spacing", 0), "is 0 by definition"),
+         ("3 widths", "2 points")),
+        ({"formation": {"spacing": [0, 1, 2]}}, ("formation", "spacing"), ("3 leads", "2 robots")),
+        ({"formation": {"spacing": [1, 2]}}, ("formation", "spacing", 0), ("is 0",)),
         ({"formation": {"neighbours": [["r1", "r3"]]}}, ("formation", "neighbours", 0, 1),
-         'no robot has the name "r3"'),
-        ({"formation": {"neighbours": [["r1", "r1"]]}}, ("formation", "neighbours", 0), "its own"),
+         ("no robot", '"r3"')),
+        ({"formation": {"neighbours": [["r1", "r1"]]}}, ("formation", "neighbours", 0),
+         ("its own",)),
         ({"formation": {"neighbours": [["r1", "r2"], ["r2", "r1"]]}},
-         ("formation", "neighbours", 1), "twice"),
-        ({"robots": []}, ("robots",), "at least 1"),
-        ({"robots": [{**ROBOT, "pose": None}]}, ("robots", 0, "pose"), "or a start region"),
-        ({"robots": [{**ROBOT, "start": START}]}, ("robots", 0, "start"), "beside pose"),
-        ({"start": {**START, "heading": "alon"}}, ("start", "heading"), 'mean "along"?'),
-        ({"start": {**START, "regoin": 1}}, ("start", "regoin"), 'mean "region"?'),
-        ({"start": {**START, "min_gap": -1}}, ("start", "min_gap"), "at least 0"),
-        ({"start": {**START, "abreast": 1.5}}, ("start", "abreast"), "whole number"),
-        ({"start": {}}, ("start", "region"), "needed: [m] corners"),
-        ({"robots": {}}, ("robots",), "must be a list; given a mapping"),
-        ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), "beyond"),
-        ({"robots": [{**ROBOT, "omegas": [0, 1, -2.0]}]}, ("robots", 0, "omegas", 2), "beyond"),
-        ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), "repeats"),
-        ({"reference_path": [[0, 0]]}, ("reference_path",), "at least 2 entries; given 1"),
-        ({"reference_path": [[0, 2e6], [1, 1]]}, ("reference_path", 0, 1), "at most 1000000"),
-        ({"reference_path": [1, 2, 3]}, ("reference_path", 0), "must be a list; given 1"),
-        ({"name": ""}, ("name",), "must not be empty"),
-        ({"name": "a\nb"}, ("name",), "line breaks"),
-        ({"seed": 10**5000}, ("seed",), "at most"),
-        ({"seed": -1}, ("seed",), "at least 0"),
-        ({"physics": {"elasticity": 2}}, ("physics", "elasticity"), "at most 1"),
-        ({"expect": {"finished": 1}}, ("expect", "finished"), "must be true or false"),
-        ({"expect": {"min_distance": -1}}, ("expect", "min_distance"), "at least 0"),
+         ("formation", "neighbours", 1), ("twice",)),
+        ({"robots": []}, ("robots",), ("at least 1",)),
+        ({"robots": [{**ROBOT, "pose": None}]}, ("robots", 0, "pose"), ("start region",)),
+        ({"robots": [{**ROBOT, "start": START}]}, ("robots", 0, "start"), ("beside", "pose")),
+        ({"start": {**START, "heading": "alon"}}, ("start", "heading"), ('"along"',)),
+        ({"start": {**START, "regoin": 1}}, ("start", "regoin"), ('"region"',)),
+        ({"start": {**START, "min_gap": -1}}, ("start", "min_gap"), ("at least 0",)),
+        ({"start": {**START, "abreast": 1.5}}, ("start", "abreast"), ("whole number",)),
+        ({"start": {}}, ("start", "region"), ("needed", "[m]", "corners")),
+        ({"robots": {}}, ("robots",), ("list", "given a mapping")),
+        ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), ("beyond",)),
+        ({"robots": [{**ROBOT, "omegas": [0, 1, -2.0]}]}, ("robots", 0, "omegas", 2), ("beyond",)),
+        ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), ("repeats",)),
+        ({"reference_path": [[0, 0]]}, ("reference_path",), ("at least 2", "given 1")),
+        ({"reference_path": [[0, 2e6], [1, 1]]}, ("reference_path", 0, 1), ("at most 1000000",)),
+        ({"reference_path": [1, 2, 3]}, ("reference_path", 0), ("list", "given 1")),
+        ({"name": ""}, ("name",), ("empty",)),
+        ({"name": "a\nb"}, ("name",), ("line breaks",)),
+        ({"seed": 10**5000}, ("seed",), ("at most",)),
+        ({"seed": -1}, ("seed",), ("at least 0",)),
+        ({"physics": {"elasticity": 2}}, ("physics", "elasticity"), ("at most 1",)),
+        ({"expect": {"finished": 1}}, ("expect", "finished"), ("true or false",)),
+        ({"expect": {"min_distance": -1}}, ("expect", "min_distance"), ("at least 0",)),
         ({"robots": [{**ROBOT, "pose": [1, 2, "rndom"]}]}, ("robots", 0, "pose", 2),
-         'must be a number or the word random; given "rndom"; did you mean "random"?'),
+         ("number", "random", '"rndom"', '"random"')),
         ({"robots": [{**ROBOT, "footprint": {"length": -1, "width": 1}}]},
-         ("robots", 0, "footprint", "length"), "greater than 0; given -1"),
+         ("robots", 0, "footprint", "length"), ("greater than 0", "given -1")),
         ({"robots": [{**ROBOT, "footprint": {"lenght": 1, "width": 1}}]},
-         ("robots", 0, "footprint", "lenght"), 'did you mean "length"'),
+         ("robots", 0, "footprint", "lenght"), ('"length"',)),
     ],
 )  # fmt: skip
-def test_each_fault_has_its_place_and_says_what_is_allowed(changes, location, text):
+def test_each_fault_has_its_place_and_says_what_is_allowed(changes, location, parts):
     found = faults(**changes)
-    assert text in found[location]
-    assert len(found) == 1 or text == "must be a list; given 1"
+    assert re.search(facts(*parts), found[location])
+    assert len(found) == 1 or parts == ("list", "given 1")
 
 
 def test_a_misspelt_pose_or_start_is_told_once():
@@ -172,9 +177,9 @@ def test_a_robot_starts_by_its_pose_its_own_region_or_the_worlds():
 
 
 def test_parts_raise_the_same_error_on_their_own():
-    with pytest.raises(WorldError, match="length: must be greater than 0"):
+    with pytest.raises(WorldError, match=facts("length:", "greater than 0")):
         Box(length=0.0, width=1.0)
-    with pytest.raises(WorldError, match="name: missing"):
+    with pytest.raises(WorldError, match=facts("name:", "missing")):
         Robot(**{key: value for key, value in ROBOT.items() if key != "name"})
 
 

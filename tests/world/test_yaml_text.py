@@ -10,6 +10,7 @@ from physim.errors import PhysimError
 from physim.world import World
 from physim.world.file.nodes import Document
 from physim.world.file.reading import read_document
+from tests.facts import facts
 from tests.world.strategies import worlds
 from tests.world.test_model import values
 
@@ -64,7 +65,7 @@ def test_save_is_whole_or_nothing(tmp_path):
 
 
 def test_save_says_why_it_cannot(tmp_path):
-    with pytest.raises(PhysimError, match=r"no_folder/a\.yaml: cannot be written: No such file"):
+    with pytest.raises(PhysimError, match=facts("no_folder/a.yaml:", "cannot be written")):
         World(**values()).save(tmp_path / "no_folder" / "a.yaml")
     with pytest.raises(PhysimError, match="cannot be written"):
         World(**values()).save(tmp_path)

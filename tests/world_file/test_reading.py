@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from hypothesis import strategies as st
 from physim.errors import WorldError
 from physim.world.file import parse_world, read_document, reading
 from physim.world.file.pitfalls import RefusedScalarError, scalar
+from tests.facts import facts
+from tests.says import check_error
 from tests.worlds_by_hand import STRAIGHT
 
 SUITE = Path(__file__).parents[2] / ".." / "shared" / "cases" / "bad_worlds"
@@ -30,102 +33,91 @@ def with_seed(text: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("given_text", "advice"),
+    ("given_text", "parts"),
     [
-        ("1e3", "write 1.0e+3 or 1000"),
-        ("1.0e3", "write 1.0e+3 or 1000"),
-        ("1e-9", "write 1.0e-9"),
-        ("1:30", "base 60"),
-        ("yes", "write true"),
-        ("Off", "write false"),
-        ("010", "octal"),
-        ("0o10", "octal"),
-        ("0x10", "not decimal; write 16"),
-        ("1_000", "write 1000"),
-        (".nan", "not a finite number"),
-        ("-.inf", "not a finite number"),
-        ("1" * 5000, "5000 digits"),
-        ("9" * 400 + ".0", "must be finite"),
-        ("", "empty value"),
-        ("~", "empty value"),
-        ("nan", 'must be a whole number; given "nan"; it must be finite'),
-        ('"3"', "write the number without quotes"),
-        ("!!python/object/apply:os.system ['touch pwned']", "tag"),
-        ("!include other.yaml", "tag"),
-        ("!!int 3", "tag"),
+        ("1e3", ("1e3", "1.0e+3", "1000")),
+        ("1.0e3", ("1.0e3", "1.0e+3", "1000")),
+        ("1e-9", ("1e-9", "1.0e-9")),
+        ("1:30", ("1:30", "base 60")),
+        ("yes", ("yes", "true")),
+        ("Off", ("Off", "false")),
+        ("010", ("010", "octal")),
+        ("0o10", ("0o10", "octal")),
+        ("0x10", ("0x10", "decimal", "16")),
+        ("1_000", ("1_000", "1000")),
+        (".nan", (".nan", "finite")),
+        ("-.inf", ("-.inf", "finite")),
+        ("1" * 5000, ("5000 digits",)),
+        ("9" * 400 + ".0", ("finite",)),
+        ("", ("empty",)),
+        ("~", ("empty",)),
+        ("nan", ("whole number", '"nan"', "finite")),
+        ('"3"', ('"3"', "number", "quotes")),
+        ("!!python/object/apply:os.system ['touch pwned']", ("tag",)),
+        ("!include other.yaml", ("tag",)),
+        ("!!int 3", ("tag",)),
     ],
 )
-def test_ambiguous_values_are_refused_with_their_place(given_text, advice):
-    message = refusal(with_seed(given_text))
-    assert message.startswith("w.yaml:3:")
-    assert "seed: " in message
-    assert advice in message
+def test_ambiguous_values_are_refused_with_their_place(given_text, parts):
+    column = 6 if given_text == "" else 7
+    check_error(f"{refusal(with_seed(given_text))}\n", f"w.yaml:3:{column}: seed:", *parts)
 
 
 def test_one_ambiguous_value_is_one_fault():
     with pytest.raises(WorldError) as caught:
         parse_world(with_seed("yes"), "w.yaml")
-    assert str(caught.value) == (
-        'w.yaml:3:7: seed: yes may be read as true; write true, or "yes" for a text'
-    )
+    check_error(f"{caught.value}\n", "w.yaml:3:7: seed:", "yes", "true", '"yes"', "text")
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("text", "place", "parts"),
     [
-        ("a: 1\n\tb: 2", "w.yaml:2:1: a tab in the indentation"),
-        ("a:\t[1,\n\t2", "w.yaml:2:1: a tab"),
-        ("a: 1\n---\nb: 2", "w.yaml:2:1: a second document"),
-        ("a: 1\n...\nb: 2", "w.yaml:3:1: "),
-        ("a: &x [1, *x]", "w.yaml:1:11: alias *x contains itself"),
-        ("a: *x", "w.yaml:1:4: no anchor &x"),
-        ("a: \x07", "w.yaml:1:4: character U+0007"),
-        (
-            "a: [1, 2",
-            'w.yaml:1:4: not valid YAML: "[" opened here is not closed by the end of the text',
-        ),
-        (
-            "a: {b: 1\nc: 2",
-            'w.yaml:1:4: not valid YAML: "{" opened here is not closed before line 2',
-        ),
-        ("? [a, b]\n: 1", "w.yaml:1:3: a list or mapping cannot be a key"),
-        ("a: " + "[" * 60, "w.yaml:1:53: nested deeper than 50"),
-        ("a:\n  b: 1\n b: 2", "w.yaml:3:"),
-        ("- 1", "w.yaml:1:1: a world is a mapping"),
-        ("just words", "w.yaml:1:1: a world is a mapping"),
-        ("", "w.yaml:1:1: the file is empty"),
-        ("# nothing\n", "w.yaml:1:1: the file is empty"),
-        ("null", "w.yaml:1:1: "),
-        ("%YAML 1.1\n%YAML 1.1\n---\na: 1", "w.yaml:2:1: "),
+        ("a: 1\n\tb: 2", "2:1", ("tab",)),
+        ("a:\t[1,\n\t2", "2:1", ("tab",)),
+        ("a: 1\n---\nb: 2", "2:1", ("second document",)),
+        ("a: 1\n...\nb: 2", "3:1", ()),
+        ("a: &x [1, *x]", "1:11", ("*x", "itself")),
+        ("a: *x", "1:4", ("no anchor", "&x")),
+        ("a: \x07", "1:4", ("U+0007",)),
+        ("a: [1, 2", "1:4", ("YAML", '"["', "not closed", "end")),
+        ("a: {b: 1\nc: 2", "1:4", ("YAML", '"{"', "not closed", "line 2")),
+        ("? [a, b]\n: 1", "1:3", ("list", "mapping", "key")),
+        ("a: " + "[" * 60, "1:53", ("nested", "50")),
+        ("a:\n  b: 1\n b: 2", "3", ()),
+        ("- 1", "1:1", ("world", "mapping")),
+        ("just words", "1:1", ("world", "mapping")),
+        ("", "1:1", ("empty",)),
+        ("# nothing\n", "1:1", ("empty",)),
+        ("null", "1:1", ()),
+        ("%YAML 1.1\n%YAML 1.1\n---\na: 1", "2:1", ()),
     ],
 )
-def test_texts_that_are_no_world_are_refused_with_one_place(text, expected):
-    assert refusal(text).startswith(expected)
+def test_texts_that_are_no_world_are_refused_with_one_place(text, place, parts):
+    check_error(f"{refusal(text)}\n", f"w.yaml:{place}:", *parts)
 
 
 def test_a_duplicate_key_is_told_at_the_second_place():
     message = refusal(STRAIGHT + "seed: 4\n")
-    expected = f"w.yaml:{STRAIGHT.count(chr(10)) + 1}:1: seed: key given twice, first on line 3"
-    assert expected in message
+    check_error(f"{message}\n", f"w.yaml:{STRAIGHT.count(chr(10)) + 1}:1: seed:", "twice", "line 3")
 
 
 def test_billion_laughs_are_refused_at_once():
     lines = ["a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]"]
     for old, new in zip("abcdefgh", "bcdefghi", strict=True):
         lines.append(f"{new}: &{new} [{', '.join(['*' + old] * 9)}]")
-    assert "more than 500000 values" in refusal("\n".join(lines))
+    assert re.search(facts("500000", "values"), refusal("\n".join(lines)))
 
 
 def test_aliases_cannot_nest_deeper_than_brackets_may():
     text = "a0: &a0 [[[[[[[[[[1]]]]]]]]]]\n"
     for k in range(1, 6):
         text += f"a{k}: &a{k} [[[[[[[[[[*a{k - 1}]]]]]]]]]]\n"
-    assert "nested deeper than 50" in refusal(text)
+    assert re.search(facts("nested", "50"), refusal(text))
 
 
 def test_floods_of_keys_and_faults_end_early():
     flood = "\n".join(f"k{i}: 1" for i in range(5000))
-    assert "w.yaml:1001:1: more than 1000 keys in one mapping" in refusal(flood)
+    check_error(f"{refusal(flood)}\n", "w.yaml:1001:1:", "1000 keys")
     with pytest.raises(WorldError) as caught:
         parse_world("seed: [" + "yes, " * 5000 + "]")
     assert len(caught.value.faults) == reading.MOST_FAULTS

@@ -129,5 +129,5 @@ def test_an_overlap_is_told_as_one(rear_end, tmp_path):
         found = validate(record)
         text = " ".join(report(found).split())
     assert found.code == 3
-    assert states(text, "slow and fast overlap", "no contact", "3.00 s")
+    assert states(text, "bodies overlap", "slow and fast", "no contact", "3.00 s")
     assert "within -" not in text

@@ -24,6 +24,7 @@ from physim.simulation.run import record_run, simulate
 from physim.world.file import load_world
 from physim.world.file.files import find_world
 from physim.world.layout.scene_builder import build_scene
+from tests.facts import facts
 from tests.roads import road
 from tests.says import THREE, Says
 
@@ -239,5 +240,5 @@ def test_false_contacts_are_counted_over_the_whole_run(
 def test_a_simulation_that_has_made_steps_is_not_recorded() -> None:
     simulation = Simulation(load_world("straight"))
     simulation.step()
-    with pytest.raises(ValueError, match="at step 1; a record begins at step 0"):
+    with pytest.raises(ValueError, match=facts("step 1", "step 0")):
         record_run(simulation)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
 from physim.testing import situations
 from tests.cli.commands import physim
+from tests.facts import facts
+from tests.says import check_error
 
 BROKEN = "tests.testing.broken"
 STRAIGHT = ("--world", "straight", "--seconds", 0.3)
@@ -17,8 +20,8 @@ def test_nothing_is_found(capsys: pytest.CaptureFixture[str]) -> None:
     done = physim("check-controller", f"{BROKEN}:Sound", *STRAIGHT, capture=capsys)
     assert (done.code, done.err) == (0, "")
     (line,) = done.out.splitlines()
-    assert line.startswith(f"{BROKEN}:Sound: no findings in ")
-    assert line.endswith(" decisions of 1 world and 5 situations")
+    assert line.startswith(f"{BROKEN}:Sound: ")
+    assert re.search(facts("no findings", "decisions", "1 world", "5 situations"), line)
 
 
 def test_a_line_a_finding(capsys: pytest.CaptureFixture[str]) -> None:
@@ -51,30 +54,33 @@ def test_settings_are_given_as_for_a_run(capsys: pytest.CaptureFixture[str]) -> 
     assert physim(*command, "controller.share=0.8", capture=capsys).code == 0
     done = physim(*command, "controller.share=1.1", capture=capsys)
     assert done.code == 1
-    assert done.out.startswith("decision: straight, r1 at 0 s: command v = 1.65 m/s; ")
+    assert done.out.startswith("decision: straight, r1 at 0 s: ")
+    assert "v = 1.65 m/s" in done.out
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("nosuch",), 'no controller is called "nosuch"; '),
-        ((f"{BROKEN}:Sound", "--world", "strait"), "strait: no such file, "),
-        ((f"{BROKEN}:Adjustable", "--set", "controller.shares=1"), "--set controller.shares: unkn"),
-        ((f"{BROKEN}:Adjustable", "--set", "controller.share=x"), "--set controller.share: "),
-        ((f"{BROKEN}:Adjustable", "--set", "time.step=1"), "--set time.step: is no setting of "),
-        ((f"{BROKEN}:Sound", "--set", "controller.type=constant"), "--set controller.type: "),
-        ((f"{BROKEN}:Sound", "--set", "controller=constant"), "--set controller: "),
-        ((f"{BROKEN}:Sound", "--set", "share"), '--set share: "share" is not KEY=VALUE'),
-        ((f"{BROKEN}:Sound", "--seconds", "0"), "--seconds 0: must be a number from 0.001 to "),
+        (("nosuch",), ("no controller", '"nosuch"')),
+        ((f"{BROKEN}:Sound", "--world", "strait"), ("strait:", "no such file", "straight")),
+        (
+            (f"{BROKEN}:Adjustable", "--set", "controller.shares=1"),
+            ("--set controller.shares:", "unknown"),
+        ),
+        ((f"{BROKEN}:Adjustable", "--set", "controller.share=x"), ("--set controller.share:",)),
+        ((f"{BROKEN}:Adjustable", "--set", "time.step=1"), ("--set time.step:", "no setting")),
+        ((f"{BROKEN}:Sound", "--set", "controller.type=constant"), ("--set controller.type:",)),
+        ((f"{BROKEN}:Sound", "--set", "controller=constant"), ("--set controller:",)),
+        ((f"{BROKEN}:Sound", "--set", "share"), ("--set share:", '"share"', "KEY=VALUE")),
+        ((f"{BROKEN}:Sound", "--seconds", "0"), ("--seconds 0:", "from 0.001 to")),
     ],
 )
 def test_bad_input(
-    arguments: tuple[str, ...], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: tuple[str, ...], said: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     done = physim("check-controller", *arguments, capture=capsys)
     assert (done.code, done.out) == (2, "")
-    assert done.err.startswith(said)
-    assert done.err.count("\n") == 1
+    check_error(done.err, *said)
 
 
 def test_it_is_said_what_is_compiled(
@@ -82,6 +88,6 @@ def test_it_is_said_what_is_compiled(
 ) -> None:
     monkeypatch.setattr("physim.simulation.run.is_warm", lambda: False)
     done = physim("check-controller", "constant", *STRAIGHT, capture=capsys)
-    assert done.err.startswith("compiling all that a run needs (once after an ")
+    assert done.err.startswith("compiling ")
     assert done.err.count("\n") == 1
     assert done.code == 0

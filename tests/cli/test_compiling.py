@@ -11,26 +11,27 @@ from physim.analysis.crashtest import crash_test
 from physim.cli.reproduce import _warm_up
 from physim.reproduction.plan import make_plan
 from tests.cli.commands import SMALL, physim
+from tests.facts import facts
 
-LINE = r"compiling (.+) \(once after an installation or an edit, about \d+ s\) \.\.\."
+LINE = r"compiling (.+) \(.*\babout \d+ s\) \.\.\."
 
 
 @pytest.mark.parametrize(
     ("arguments", "at", "what"),
     [
-        (("run", "small.yaml", "--no-video"), "physim.cli.simulating", "controller and distances"),
-        (("validate", "small.yaml"), "physim.analysis.validation", "the checks of the validation"),
+        (("run", "small.yaml", "--no-video"), "physim.cli.simulating", ("controller", "distances")),
+        (("validate", "small.yaml"), "physim.analysis.validation", ("validation",)),
         (
             ("crashtest", "--cases", 5),
             "physim.analysis.crashtest.prediction",
-            "the collision checks",
+            ("collision",),
         ),
     ],
 )
 def test_each_command_says_what_it_compiles(
     arguments: tuple[object, ...],
     at: str,
-    what: str,
+    what: tuple[str, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -42,7 +43,7 @@ def test_each_command_says_what_it_compiles(
     told = physim(*arguments, capture=capsys).err.splitlines()
     found = re.fullmatch(LINE, told[0])
     assert found is not None
-    assert found[1] == what
+    assert re.search(facts(*what), found[1])
     assert physim(*arguments, "--quiet", "--force", capture=capsys).err == ""
 
 
@@ -57,4 +58,4 @@ def test_so_does_reproduce(
     _warm_up(plan, quiet=False)
     found = re.fullmatch(LINE + "\n", capsys.readouterr().err)
     assert found is not None
-    assert found[1] == "controller, distances and collision times"
+    assert re.search(facts("controller", "distances", "collision times"), found[1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import time
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.commands import SMALL, physim, shell, started
+from tests.facts import facts
 
 PNG = b"\x89PNG\r\n\x1a\n"
 END = b"IEND\xaeB`\x82"
@@ -44,28 +46,31 @@ def test_svg_seed_and_overrides(here: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "said"),
     [
-        (("small.yaml",), "small.png: exists; use --force"),
-        (("small.yaml", "-o", "a.pdf"), "a.pdf: a picture ends in .png or .svg"),
-        (("small.yaml", "-o", "."), ".: is a folder"),
-        (("small.yaml", "-o", "small.yaml/a.png"), "cannot be written"),
-        (("smal.yaml", "-o", "a.png"), "small.yaml"),
-        (("nothing", "-o", "a.png"), "no shipped world"),
+        (("small.yaml",), ("small.png:", "exists", "--force")),
+        (("small.yaml", "-o", "a.pdf"), ("a.pdf:", ".png", ".svg")),
+        (("small.yaml", "-o", "."), (".:", "a folder")),
+        (("small.yaml", "-o", "small.yaml/a.png"), ("small.yaml/a.png:", "cannot be written")),
+        (("smal.yaml", "-o", "a.png"), ("smal.yaml:", "small.yaml")),
+        (("nothing", "-o", "a.png"), ("nothing:", "shipped world")),
         (
             ("small.yaml", "-o", "a.png", "--set", "corridor.width=0.5"),
-            "move it inside",
+            ("robots[0].pose", "inside"),
         ),
-        (("small.yaml", "-o", "a.png", "--set", "robots.0.pose=[1]"), "pose"),
+        (("small.yaml", "-o", "a.png", "--set", "robots.0.pose=[1]"), ("--set robots.0.pose:",)),
     ],
 )
 def test_what_is_wrong_is_told_and_nothing_is_written(
-    here: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], told: str
+    here: Path,
+    capsys: pytest.CaptureFixture[str],
+    arguments: tuple[str, ...],
+    said: tuple[str, ...],
 ) -> None:
     (here / "small.png").write_text("mine")
     done = physim("preview", *arguments, capture=capsys)
     assert done.code == 2
-    assert told in done.err
+    assert re.search(facts(*said), done.err), done.err
     assert "Traceback" not in done.err
     assert (here / "small.png").read_text() == "mine"
     assert sorted(file.name for file in here.iterdir()) == ["small.png", "small.yaml"]
@@ -76,7 +81,7 @@ def test_faults_have_their_places(here: Path) -> None:
     done = shell("preview", "bad.yaml", folder=here)
     assert done.code == 2
     assert done.err.startswith("bad.yaml:4:")
-    assert 'did you mean "width"?' in done.err
+    assert '"width"' in done.err
 
 
 def until(found: Callable[[], bool], process: subprocess.Popen[str]) -> None:
@@ -149,7 +154,7 @@ def test_watch_tells_what_check_finds(here: Path) -> None:
         assert process.stderr is not None
         told = process.stderr.readline()
         assert told.startswith("warning: small.yaml:8:22: robots[0].pose[2]: ")
-        assert "starts facing 172 degrees away" in told
+        assert "172 degrees" in told
     finally:
         process.kill()
         process.communicate()

@@ -11,6 +11,7 @@ import pytest
 from physim.reproduction.report import Report
 from physim.reproduction.reproduce import warm_up
 from tests.cli.commands import physim, started
+from tests.says import check_error
 
 QUICK = ("reproduce", "--quick", "--no-video")
 PAGES = ("REPRODUCTION.md", "reproduction.html", "reproduction.json")
@@ -49,22 +50,24 @@ def test_one_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "said"),
     [
-        (("--figure", "9"), '--figure "9": not a figure; allowed: 1, 2, 3, 3a, 4, 6, 7, 8'),
-        (("--figure", "5"), "--figure 5: Figure 5 is the flow chart"),
-        (("--study", "bend"), '--study "bend": not a study; allowed: '),
-        (("--workers", "0"), "--workers 0: must be a whole number from 1 to 64"),
-        (("--figure", "1", "--study", "bends"), "--study: cannot be combined with --figure"),
+        (("--figure", "9"), ('--figure "9":', "1, 2, 3, 3a, 4, 6, 7, 8")),
+        (("--figure", "5"), ("--figure 5:", "flow chart")),
+        (("--study", "bend"), ('--study "bend":', "bends")),
+        (("--workers", "0"), ("--workers 0:", "whole number", "from 1 to 64")),
+        (("--figure", "1", "--study", "bends"), ("--study:", "--figure")),
     ],
 )
 def test_bad_input(
-    arguments: tuple[str, ...], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    arguments: tuple[str, ...],
+    said: tuple[str, ...],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     done = physim("reproduce", *arguments, "-o", tmp_path / "out", capture=capsys)
     assert done.code == 2
-    assert told in done.err
-    assert len(done.err.splitlines()) == 1
+    check_error(done.err, *said)
     assert not (tmp_path / "out").exists()
 
 
@@ -74,7 +77,7 @@ def test_a_file_in_the_place_of_the_folder(
     (tmp_path / "out").write_text("mine")
     done = physim("reproduce", "--force", "-o", tmp_path / "out", capture=capsys)
     assert done.code == 2
-    assert "is a file; -o takes a folder" in done.err
+    check_error(done.err, f"{tmp_path / 'out'}:", "is a file", "-o", "a folder")
     assert (tmp_path / "out").read_text() == "mine"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from physim.drawing.plots import NAMES, draw, names
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.cli.commands import physim
+from tests.facts import facts
 from tests.packages import install
 from tests.records import make_record
 
@@ -69,26 +71,27 @@ def test_the_command_draws_it(
     assert (done.code, done.out) == (0, f"{tmp_path / 'speed.svg'}\n")
     done = physim("plot", path, "--only", "sped", capture=capsys)
     assert (done.code, done.err.count("\n")) == (2, 1)
-    assert 'did you mean "speed"?' in done.err
+    assert '"speed"' in done.err
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "said"),
     [
-        ("broken", 'plot "broken" fails: ZeroDivisionError: division by zero'),
-        ("words", 'plot "words" gives a str; it must give a matplotlib Figure'),
+        ("broken", facts("ZeroDivisionError: division by zero")),
+        ("words", facts("str", "matplotlib Figure")),
     ],
 )
 def test_what_fails_is_one_line_and_leaves_no_file(
-    name: str, told: str, record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, said: str, record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with pytest.raises(PhysimError, match=told.split(":", maxsplit=1)[0]) as caught:
+    with pytest.raises(PhysimError, match=said) as caught:
         draw(record, tmp_path / "out", only=("modes", name))
     assert "\n" not in str(caught.value)
     assert [file.name for file in (tmp_path / "out").iterdir()] == ["modes.png"]
     done = physim("plot", record.path, "--only", name, capture=capsys)
     assert (done.code, done.err.count("\n")) == (2, 1)
-    assert done.err.startswith(told)
+    assert done.err.startswith(f'plot "{name}" ')
+    assert re.search(said, done.err)
 
 
 def test_physim_s_own_are_not_replaced(record: Record, tmp_path: Path) -> None:
@@ -98,9 +101,12 @@ def test_physim_s_own_are_not_replaced(record: Record, tmp_path: Path) -> None:
 def test_one_of_a_shipped_name_is_told_in_the_list_and_on_use(
     record: Record, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = 'plot "modes": physim has one of that name; take another'
+    place = 'plot "modes": '
     done = physim("list", capture=capsys)
-    assert [line.split(maxsplit=1)[1] for line in done.out.splitlines() if told in line] == [told]
+    (listed,) = [line for line in done.out.splitlines() if place in line]
+    told = listed.split(maxsplit=1)[1]
+    assert told.startswith(place)
+    assert re.search(facts("physim", "name"), told)
     done = physim("plot", record.path, "--only", "modes", capture=capsys)
     assert (done.code, done.out) == (0, f"{tmp_path / 'modes.png'}\n")
     assert done.err == f"WARNING  {told}\n"

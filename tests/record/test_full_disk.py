@@ -33,7 +33,7 @@ def test_record_stays_as_the_last_flush_left_it(
 
     monkeypatch.setattr(crash_safe.os, "pwrite", write)
     monkeypatch.setattr(crash_safe.os, "ftruncate", lengthen)
-    told = rf"^{path}: cannot be written: No space left on device$"
+    told = rf"^{path}: .*No space left on device$"
     flushed = -1
     with pytest.raises(RecordError, match=told):  # noqa: PT012
         out = RecordWriter(

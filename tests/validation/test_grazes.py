@@ -17,6 +17,7 @@ from physim.contacts import FALSE_CONTACT_ROW, Kind, Phase
 from physim.drawing.timeline import Timeline, episodes
 from physim.drawing.video.ground import ground
 from physim.drawing.video.panel import SWEPT, signs
+from tests.validation.reports import states
 from tests.validation.runs import edited, lane, side_by_side
 
 DEPTH = 4e-4
@@ -60,17 +61,18 @@ def test_it_is_counted_apart_and_still_is_a_contact(grazing):
     assert summary.grazes == (graze,)
     assert summary.names_of(graze.a, graze.b) == ("slow", "fast")
     text = " ".join(table(summary).split())
-    assert "contacts 0 grazes between samples 1, first at" in text
+    assert states(text, "contacts 0", "grazes between samples 1", within=50)
     (held,) = expectations(grazing)
     assert (held.key, held.got, held.held) == ("contacts", 1, False)
 
 
 def test_the_verdict_names_it(grazing):
     found = validate(grazing)
-    assert (found.verdict, found.code) == ("contacts: 0 at samples, 1 between samples", 1)
+    assert found.code == 1
+    assert states(found.verdict, "contacts: ", "0 at samples", "1 between samples")
     assert [one.cause for one in found.comparison.disagreements] == [GRAZE]
     assert found.grazes[0].responsible == (1,)
-    assert "where the engine does not look, bodies touched once;" in said(found)
+    assert states(said(found), "engine does not look", "touched once")
     assert "Responsible is fast" in said(found)
     assert found.near_misses.distances == ()
 

@@ -182,8 +182,8 @@ def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., A
     )
     updates = record.updates.copy()
     updates["formation_error"] = np.nan
-    for settings in ({"name": "x"}, {"name": "x", "formation": None}):
-        assert "deviation" in Timeline(changed(record, world_settings=settings)).curves.title
+    for text in ("name: x", "name: x\nformation: null"):
+        assert "deviation" in Timeline(changed(record, world_text=text)).curves.title
     without = Timeline(changed(record, updates=updates))
     assert without.curves.title == "deviation from the path, left positive [m]"
     assert without.values(without.curves.column, rows).tolist() == updates["deviation"][:3].tolist()

@@ -14,6 +14,6 @@ def facts(*parts: str) -> str:
 
 
 def _alone(part: str) -> str:
-    before = r"(?<!\w)" if part[:1].isalnum() else ""
-    after = r"(?!\w)" if part[-1:].isalnum() else ""
+    before = r"(?<!\w)(?<!\d\.)" if part[:1].isalnum() else ""
+    after = r"(?!\w)(?!\.\d)" if part[-1:].isalnum() else ""
     return before + re.escape(part) + after

@@ -17,6 +17,8 @@ from tests.facts import facts
         (("r2", "omega"), False),
         (("r", "v"), False),  # words of their own: r2 is not r
         (("1.5 m/s)",), True),
+        (("05 s",), False),  # nor is 05 a part of 0.05
+        (("1",), False),  # nor 1 of 1.5
         (("1.5 m/s]",), False),
     ],
 )

@@ -1,8 +1,8 @@
 """The paper's controller for all robots that are due, in one compiled call.
 
-For every robot it gathers just what the robot may see (its rows of what is sensed, of which
-`considered` takes those within range, wall parts within range, stations of its formation
-neighbours) and runs the same `decide_one` as the plain form.
+For every robot it gathers just what the robot may see (its rows of what is sensed, of which those
+ahead and within range are considered, walls within range, stations of its formation neighbours)
+and runs the same `decide_one` as the plain form.
 """
 
 from __future__ import annotations
@@ -15,14 +15,20 @@ from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
-from physim.geometry.wall_grid import WallGrid, parts_in_range, parts_near
+from physim.geometry.wall_tree import Sight, WallTree, build_wall_tree
 from physim.parts.controller import Decisions, Sensed
 from physim.world.scene import Scene
 
 from .formation import SpeedRule, formation_neighbours, forward_speed
-from .mode_switching import EgoState, Memory, decide_one
-from .path_following import copy_plan
-from .priority import Bodies
+from .mode_switching import EgoState, Memory, Room, decide_one, room_for
+from .priority import (
+    Bodies,
+    Ranking,
+    considered_by_rank,
+    rank,
+    ranking_of,
+    within_by_rank,
+)
 from .settings import ModeSwitchingSettings, Rules
 
 
@@ -37,8 +43,7 @@ class Cluster(NamedTuple):
     """What does not change in a run, for every robot."""
 
     shapes: Shapes
-    walls: Shapes
-    wall_grid: WallGrid
+    walls: WallTree
     paths: Polylines
     stop_station: FloatArray
     outside: FloatArray
@@ -90,7 +95,7 @@ def longer(values: IntArray, length: int) -> IntArray:
 @compiled
 def decide_all(
     due: IntArray,
-    unchanging: list[tuple[Cluster, Rules]],
+    unchanging: list[tuple[Cluster, Rules, Ranking, IntArray, Room]],
     sensed: Sensed,
     mode: IntArray,
     plan: FloatArray,
@@ -98,10 +103,12 @@ def decide_all(
 ) -> Decided:
     """Decide for every robot of ``due``.
 
-    ``unchanging`` is kept (`physim.kept`). Writes the robots' memories ``mode`` (N,), ``plan``
-    (N, m, 2), ``dwell`` (N,). All decide from the same state, so their order does not matter.
+    ``unchanging`` is kept (`physim.kept`); its ranking, nearest walls and room only save time.
+    Writes the robots' memories ``mode`` (N,), ``plan`` (N, m, 2), ``dwell`` (N,). All decide from
+    the same state, so their order does not matter.
     """
-    cluster, rules = unchanging[0]
+    cluster, rules, ranking, nearest, room = unchanging[0]
+    ranked_from, ranked_to = -1, -1
     rows = np.empty((len(due), 5))
     reports = np.empty((len(due), 6))
     start = np.zeros(len(due) + 1, dtype=np.int64)
@@ -114,17 +121,23 @@ def decide_all(
             cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
             sensed.reference_station[a:b],
         )  # fmt: skip
+        if a != ranked_from or b != ranked_to:  # once, where all share their rows
+            if b - a != len(ranking.order):
+                ranking = ranking_of(bodies.station)
+            rank(ranking, bodies.station, number)
+            ranked_from, ranked_to = a, b
         me = row_of(number, i)
-        x, y = bodies.pose[me, 0], bodies.pose[me, 1]
-        station, adjacency = bodies.station, cluster.adjacency
-        neighbours = formation_neighbours(
-            me, number, station, adjacency, cluster.formation_range
-        )  # fmt: skip
+        station = bodies.station
+        if cluster.adjacency.shape[0] > 0:
+            neighbours = formation_neighbours(
+                me, number, station, cluster.adjacency, cluster.formation_range
+            )
+        else:
+            neighbours = within_by_rank(me, ranking, station, cluster.formation_range)
         nu = forward_speed(
-            cluster.speed_rule, cluster.top_speed[i], me, neighbours, station, cluster.lead[number]
+            cluster.speed_rule, cluster.top_speed[i], me, number, neighbours, station, cluster.lead
         )
-        near = parts_near(cluster.wall_grid, x, y)
-        seen = parts_in_range(cluster.walls, near, x, y, cluster.reach)
+        near = considered_by_rank(me, ranking, bodies.pose, station, cluster.reach)
         own = EgoState(
             me,
             i,
@@ -135,18 +148,14 @@ def decide_all(
             cluster.forward_only,
             cluster.speeds.values[cluster.speeds.start[i] : cluster.speeds.start[i + 1]],
             cluster.omegas.values[cluster.omegas.start[i] : cluster.omegas.start[i + 1]],
-            seen,
-            cluster.reach,
+            Sight(cluster.walls, bodies.pose[me, 0], bodies.pose[me, 1], cluster.reach, nearest),
         )
         memory = Memory(mode[i], plan[i], dwell[i])
-        v, omega, hold, new_mode, rule, new_plan, new_dwell, report, others = decide_one(
-            bodies, own, cluster.paths, cluster.walls, rules, memory
+        v, omega, hold, new_mode, rule, new_dwell, others = decide_one(
+            bodies, near, own, cluster.paths, rules, memory, room, reports[k]
         )
         mode[i], dwell[i] = new_mode, new_dwell
-        copy_plan(new_plan, plan[i])
         rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4] = v, omega, hold, new_mode, rule
-        for m in range(len(report)):
-            reports[k, m] = report[m]
         start[k + 1] = start[k] + len(others)
         if start[k + 1] > len(listed):
             listed = longer(listed, start[k + 1])
@@ -166,8 +175,7 @@ class ModeSwitchingBatch:
         stretches = [np.reshape(s, (-1, 2)) for s in scene.outside]
         self.cluster = Cluster(
             shapes=scene.shapes,
-            walls=scene.walls,
-            wall_grid=scene.wall_grid,
+            walls=build_wall_tree(scene.walls),
             paths=scene.paths,
             stop_station=scene.stop_station,
             outside=np.concatenate(stretches),
@@ -182,7 +190,10 @@ class ModeSwitchingBatch:
             formation_range=plan.range,
             reach=scene.sensing_range,
         )
-        self._kept = kept((self.cluster, self.rules))
+        nearest = np.full(scene.robots, -1)
+        room = room_for(int(np.diff(self.cluster.omegas.start).max()), len(self.rules.dwell))
+        ranking = ranking_of(scene.stop_station)
+        self._kept = kept((self.cluster, self.rules, ranking, nearest, room))
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """Mode, plan and next dwell number of every robot, before its first decision."""

@@ -39,11 +39,17 @@ def is_neighbour(
 
 
 @compiled
-def formation_sum(i: int, neighbours: IntArray, station: FloatArray, lead: FloatArray) -> float:
-    """Sum over N_i of l_ij - l*_ij [m]: positive when Robot i lags behind its neighbours."""
-    total = 0.0
+def formation_sum(
+    me: int, number: IntArray, neighbours: IntArray, station: FloatArray, lead: FloatArray
+) -> float:
+    """Sum over N_i of l_ij - l*_ij [m]: positive when Robot i lags behind its neighbours.
+
+    ``me`` and ``neighbours`` are rows, of robots ``number`` (n,) at ``station`` (n,); ``lead`` is
+    that of all robots.
+    """
+    total, own_lead = 0.0, lead[number[me]]
     for j in neighbours:
-        total += (station[j] - station[i]) - (lead[j] - lead[i])
+        total += (station[j] - station[me]) - (lead[number[j]] - own_lead)
     return total
 
 
@@ -95,6 +101,7 @@ def forward_speed(
     rule: SpeedRule,
     top_speed: float,
     me: int,
+    number: IntArray,
     neighbours: IntArray,
     station: FloatArray,
     lead: FloatArray,
@@ -102,7 +109,7 @@ def forward_speed(
     """Forward speed of row ``me`` [m/s]: by (7) in a formation, within its robot's limit."""
     nu = rule.nu_0
     if rule.active:
-        error = formation_sum(me, neighbours, station, lead)
+        error = formation_sum(me, number, neighbours, station, lead)
         nu = formation_speed(rule.nu_0, rule.alpha, rule.v_min, rule.v_max, error)
     return min(nu, top_speed)
 

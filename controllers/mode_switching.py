@@ -28,16 +28,23 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
+from physim.geometry.motion import arc_course
 from physim.geometry.path import path_length
-from physim.geometry.separation import wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_shapes
+from physim.geometry.wall_tree import (
+    Sight,
+    all_seen,
+    build_wall_tree,
+    seen_distance,
+    seen_time,
+)
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import SpeedRule, forward_speed
-from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
+from .path_following import judging_time, put_best_plan, put_pairs, speed_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
@@ -78,10 +85,8 @@ class EgoState(NamedTuple):
     """whether safe mode leaves the speed to (7)"""
     speeds: FloatArray
     omegas: FloatArray
-    parts: IntArray
-    """wall parts within the sensing range"""
-    reach: float
-    """[m] range"""
+    sight: Sight
+    """the walls within the sensing range"""
 
 
 class Memory(NamedTuple):
@@ -89,57 +94,82 @@ class Memory(NamedTuple):
 
     mode: int
     plan: FloatArray
-    """(m, 2)"""
+    """(m, 2); the next decision writes to it"""
     dwell: int
     """number of the dwell time that comes next; 0: a new plan"""
 
 
+class Room(NamedTuple):
+    """Arrays that a decision writes to, made once for many decisions."""
+
+    pairs: FloatArray
+    """(C, 2) at least as long as the largest set of omegas"""
+    plan: FloatArray
+    """(m, 2)"""
+
+
+def room_for(omegas: int, dwells: int) -> Room:
+    """Room for sets of ``omegas`` rotational speeds and plans of ``dwells`` pairs."""
+    return Room(np.empty((omegas, 2)), np.empty((dwells, 2)))
+
+
 @compiled
-def empty_report() -> FloatArray:
-    """Report (6,) of a decision that looked at nothing: the columns of `STANDARD_COLUMNS`."""
-    report = np.empty(6)
-    for k in range(6):
-        report[k] = np.nan if k < 5 else 0.0
-    return report
+def smallest_time_of_all(
+    bodies: Bodies, own: EgoState, pair: FloatArray, rows: IntArray, rules: Rules
+) -> float:
+    """Smallest xi [s] by (11) under a speed pair, of considered robots and walls."""
+    me, nobody = own.row, rows[:0]
+    xi = smallest_time(
+        bodies, me, pair, rows, own.sight.tree.walls, nobody, rules.horizon,
+        rules.translation_only, -1.0,
+    )  # fmt: skip
+    omega, body = 0.0 if rules.translation_only else pair[1], bodies.shape[me]
+    course = arc_course(bodies.pose[me], pair[0], omega, bodies.shapes.radius[body])
+    return min(xi, seen_time(bodies.shapes, body, course, own.sight, rules.horizon))
 
 
 @compiled
 def decide_one(
-    bodies: Bodies, own: EgoState, paths: Polylines, walls: Shapes, rules: Rules, memory: Memory
-) -> tuple[float, float, float, int, int, FloatArray, int, FloatArray, IntArray]:
-    """Decide for one robot: v, omega, hold, mode, rule, plan, next dwell number, report, rows.
+    bodies: Bodies,
+    rows: IntArray,
+    own: EgoState,
+    paths: Polylines,
+    rules: Rules,
+    memory: Memory,
+    room: Room,
+    report: FloatArray,
+) -> tuple[float, float, float, int, int, int, IntArray]:
+    """Decide for one robot: v, omega, hold, mode, rule, next dwell number, rows.
 
-    The report (6,) holds `STANDARD_COLUMNS`; the rows are those of the considered robots.
+    ``rows`` of ``bodies`` may be considered; those returned were looked at. Writes the plan in
+    ``memory``, and `STANDARD_COLUMNS` into ``report`` (6,).
     """
     me, pose = own.row, bodies.pose
-    report = empty_report()
     x, y, ax, ay = target_on_path(paths, own.path, own.station, rules.look_ahead)  # (3)
     if own.station >= own.stop_station - rules.arrival_tolerance:
-        report[0], report[1] = x, y
-        nobody = np.empty(0, dtype=np.int64)
-        return 0.0, 0.0, rules.longest_interval, ARRIVED, STOP, memory.plan, 0, report, nobody
+        report[0], report[1], report[5] = x, y, 0.0
+        report[2], report[3], report[4] = np.nan, np.nan, np.nan
+        return 0.0, 0.0, rules.longest_interval, ARRIVED, STOP, 0, rows[:0]
     length = path_length(paths, own.path)
     outside = is_outside(own.outside, min(own.station + rules.look_ahead, length))
     position = (pose[me, 0], pose[me, 1])
     tx, ty = safe_target(
-        walls, own.parts, (x, y), (ax, ay), outside, position, rules.look_ahead,
-        rules.safe_distance,
+        own.sight, (x, y), (ax, ay), outside, position, rules.look_ahead, rules.safe_distance
     )  # fmt: skip
 
     judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
-    rows = considered(me, bodies.number, pose, bodies.station, own.reach)
     distance = smallest_distance(bodies, me, pose[me], rows, pose)
-    boundary = wall_distance(bodies.shapes, bodies.shape[me], pose[me], walls, own.parts)
-    pairs = speed_pairs(own.speeds, own.nu, own.omegas)
-    dwell = memory.dwell
-    plan = memory.plan
+    boundary = seen_distance(bodies.shapes, bodies.shape[me], pose[me], own.sight)
+    dwell, plan = memory.dwell, memory.plan
     if dwell == 0:
-        choice = speed_pairs(single(1.0), own.nu, own.omegas) if own.forward_only else pairs
-        plan = best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty)  # (5)
+        choice = room.pairs[: len(own.omegas)]
+        if own.forward_only:
+            put_pairs(own.nu, own.omegas, choice)
+        else:
+            choice = speed_pairs(own.speeds, own.nu, own.omegas)
+        put_best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty, room.plan, plan)  # (5)
     pair = plan[dwell]
-    xi = smallest_time(
-        bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
-    )
+    xi = smallest_time_of_all(bodies, own, pair, rows, rules)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
     rule = FOLLOW if dwell == 0 else PLAN
@@ -147,8 +177,10 @@ def decide_one(
     if mode == SAFE:
         interval *= rules.dwell[dwell] / rules.update_period
     else:
+        walls, parts = own.sight.tree.walls, all_seen(own.sight)
+        pairs = speed_pairs(own.speeds, own.nu, own.omegas)
         if mode == DISTANCE:
-            near = own.parts if boundary < rules.safe_distance else own.parts[:0]
+            near = parts if boundary < rules.safe_distance else parts[:0]
             rule = WIDEST
             best = widest_pair(
                 bodies, me, pairs, rows, walls, near, rules.update_period, judge_ahead, tx, ty
@@ -156,14 +188,12 @@ def decide_one(
         else:
             rule = LONGEST
             best = longest_pair(
-                bodies, me, pairs, rows, walls, own.parts, rules.horizon,
+                bodies, me, pairs, rows, walls, parts, rules.horizon,
                 rules.translation_only, rules.update_period, judge_ahead, tx, ty,
             )  # fmt: skip
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]
-        xi = smallest_time(
-            bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
-        )
+        xi = smallest_time_of_all(bodies, own, pair, rows, rules)
         evaluations += len(rows) + 1
     hold = interval
     if rules.event_triggered:
@@ -175,7 +205,7 @@ def decide_one(
     report[2], report[3], report[4] = distance, boundary, xi
     report[5] = evaluations
     dwell = dwell + 1 if goes_on else 0
-    return pair[0], pair[1], hold, mode, rule, plan, dwell, report, rows
+    return pair[0], pair[1], hold, mode, rule, dwell, rows
 
 
 class ModeSwitching:
@@ -206,12 +236,13 @@ class ModeSwitching:
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""
         o = observation
-        plan = np.zeros((len(self._rules.dwell), 2))
-        memory = memory or Memory(mode=SAFE, plan=plan, dwell=0)
+        dwells = len(self._rules.dwell)
+        memory = memory or Memory(mode=SAFE, plan=np.zeros((dwells, 2)), dwell=0)
+        memory = memory._replace(plan=memory.plan.copy())
         station = np.array([o.reference_station, *(n.station for n in o.neighbours)])
         lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
         rule = SpeedRule.of(o.formation, self.settings.speed)
-        neighbours = np.arange(1, len(station))
+        rows, neighbours = np.arange(len(station)), np.arange(1, len(station))
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
             shape=np.arange(1 + len(o.others)),
@@ -220,30 +251,32 @@ class ModeSwitching:
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
             station=np.array([o.reference_station, *(other.station for other in o.others)]),
         )
+        walls = pack_shapes([[part] for part in o.walls])
         own = EgoState(
             row=0,
             path=0,
             station=o.station,
             stop_station=o.stop_station,
             outside=o.path.outside,
-            nu=forward_speed(rule, o.limits[0], 0, neighbours, station, lead),
+            nu=forward_speed(rule, o.limits[0], 0, rows, neighbours, station, lead),
             forward_only=o.formation.active and not self.settings.reverse_in_safe_mode,
             speeds=np.array(self.settings.speeds if o.speeds is None else o.speeds),
             omegas=np.array(self.settings.omegas if o.omegas is None else o.omegas),
-            parts=np.arange(len(o.walls)),
-            reach=o.range,
+            sight=Sight(build_wall_tree(walls), o.pose[0], o.pose[1], o.range, np.array([-1])),
         )
-        walls = pack_shapes([[part] for part in o.walls])
-        v, omega, hold, mode, made_by, plan, dwell, report, rows = decide_one(
-            bodies, own, o.path.lines, walls, self._rules, memory
-        )
+        rows = considered(0, bodies.number, bodies.pose, bodies.station, o.range)
+        report = np.empty(len(STANDARD_COLUMNS))
+        v, omega, hold, mode, made_by, dwell, rows = decide_one(
+            bodies, rows, own, o.path.lines, self._rules, memory,
+            room_for(len(own.omegas), dwells), report,
+        )  # fmt: skip
         columns = (column.name for column in STANDARD_COLUMNS)
         return Decision(
             v=v,
             omega=omega,
             hold=hold,
             mode=PAPER_MODES[mode],
-            memory=Memory(mode, plan, dwell),
+            memory=Memory(mode, memory.plan, dwell),
             rule=RULES[made_by],
             considered=bodies.number[rows].tolist(),
             report=dict(zip(columns, report.tolist(), strict=True)),

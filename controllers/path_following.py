@@ -41,10 +41,15 @@ def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> FloatArray
     """All pairs (v, omega), (C, 2) [m/s, rad/s], from multiples of nu and the set (6)."""
     pairs = np.empty((len(speeds) * len(omegas), 2))
     for a in range(len(speeds)):
-        for b in range(len(omegas)):
-            pairs[a * len(omegas) + b, 0] = speeds[a] * nu
-            pairs[a * len(omegas) + b, 1] = omegas[b]
+        put_pairs(speeds[a] * nu, omegas, pairs[a * len(omegas) : (a + 1) * len(omegas)])
     return pairs
+
+
+@compiled
+def put_pairs(v: float, omegas: FloatArray, out: FloatArray) -> None:
+    """Write the pairs of one forward speed [m/s] into ``out`` (m, 2)."""
+    for b in range(len(omegas)):
+        out[b, 0], out[b, 1] = v, omegas[b]
 
 
 @compiled
@@ -82,10 +87,10 @@ def judging_time(judge_ahead: float, left: float, nu: float) -> float:
 
 
 @compiled
-def judge(
-    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float, tx: float, ty: float
+def plan_end(
+    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float
 ) -> tuple[float, float, float]:
-    """What (5) and its tie-breaks look at, smaller is better: distance, heading error, |omega|.
+    """Where a plan leads: x, y, heading.
 
     ``plan`` (m, 2) holds a speed pair for each dwell time; its last one is held until
     ``judge_ahead`` where that is later.
@@ -97,6 +102,15 @@ def judge(
         duration = max(dwell[k], rest) if last else dwell[k]
         x, y, heading = arc((x, y, heading), plan[k, 0], plan[k, 1], duration)
         rest -= dwell[k]
+    return x, y, heading
+
+
+@compiled
+def judge(
+    pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float, tx: float, ty: float
+) -> tuple[float, float, float]:
+    """What (5) and its tie-breaks look at, smaller is better: distance, heading error, |omega|."""
+    x, y, heading = plan_end(pose, plan, dwell, judge_ahead)
     return hypot(tx - x, ty - y), heading_error(x, y, heading, tx, ty), abs(plan[0, 1])
 
 
@@ -121,17 +135,40 @@ def best_plan(
     ty: float,
 ) -> FloatArray:
     """Plan (m, 2) that ends nearest to the target (5), out of every sequence of ``pairs``."""
+    best = np.empty((len(dwell), 2))
+    put_best_plan(pose, pairs, dwell, judge_ahead, tx, ty, np.empty((len(dwell), 2)), best)
+    return best
+
+
+@compiled
+def put_best_plan(
+    pose: FloatArray,
+    pairs: FloatArray,
+    dwell: FloatArray,
+    judge_ahead: float,
+    tx: float,
+    ty: float,
+    plan: FloatArray,
+    best: FloatArray,
+) -> None:
+    """Write `best_plan` into ``best`` (m, 2); ``plan`` (m, 2) is room for the others."""
     count, length = len(pairs), len(dwell)
-    plan, best = np.empty((length, 2)), np.empty((length, 2))
-    best_value = (np.inf, np.inf, np.inf)
+    best_end, best_gap = (0.0, 0.0, 0.0), np.inf
     for code in range(count**length):
         digits = code
-        for k in range(length):
+        for k in range(length - 1, -1, -1):
             pair = digits % count
-            plan[length - 1 - k, 0], plan[length - 1 - k, 1] = pairs[pair, 0], pairs[pair, 1]
+            plan[k, 0], plan[k, 1] = pairs[pair, 0], pairs[pair, 1]
             digits //= count
-        value = judge(pose, plan, dwell, judge_ahead, tx, ty)
-        if comes_first(value, best_value):  # argmin of (5)
-            best_value = value
-            copy_plan(plan, best)
-    return best
+        end = plan_end(pose, plan, dwell, judge_ahead)
+        gap = hypot(tx - end[0], ty - end[1])
+        if gap > best_gap + TIE:
+            continue
+        if gap >= best_gap - TIE:  # a tie, the only case that needs the rest of `judge`
+            error = heading_error(end[0], end[1], end[2], tx, ty)
+            its = heading_error(best_end[0], best_end[1], best_end[2], tx, ty)
+            value = (gap, error, abs(plan[0, 1]))
+            if not comes_first(value, (best_gap, its, abs(best[0, 1]))):
+                continue
+        best_end, best_gap = end, gap  # argmin of (5)
+        copy_plan(plan, best)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
@@ -61,3 +62,112 @@ def considered(
             rows[count] = j
             count += 1
     return rows[:count]
+
+
+class Ranking(NamedTuple):
+    """Rows in the order of their stations, so that only those within a range are looked at.
+
+    It holds for one moment; `rank` brings it to the next. What it finds is what a look at all
+    rows would find, in the same order.
+    """
+
+    order: IntArray
+    """(n,) rows, by increasing station; of equal ones the lower index last: priority rises"""
+    place: IntArray
+    """(n,) where each row stands in ``order``"""
+    marks: NDArray[np.uint64]
+    """a bit for each row, all 0 between two questions"""
+    rows: IntArray
+    """(n,) room for an answer"""
+
+
+@compiled
+def ranking_of(station: FloatArray) -> Ranking:
+    """Ranking of rows at stations (n,), but for equal ones, which are left to `rank`."""
+    order = np.argsort(station, kind="mergesort")
+    marks = np.zeros(len(station) // 64 + 1, dtype=np.uint64)
+    return Ranking(order, np.zeros_like(order), marks, np.zeros_like(order))
+
+
+@compiled
+def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
+    """Sort the rows by stations (n,) and robot indices (n,).
+
+    Insertion: little has changed since the moment before.
+    """
+    order, place = ranking.order, ranking.place
+    for p in range(1, len(order)):
+        row, q = order[p], p
+        while q > 0 and has_priority(
+            station[row], index[row], station[order[q - 1]], index[order[q - 1]]
+        ):
+            order[q] = order[q - 1]
+            q -= 1
+        order[q] = row
+    for p in range(len(order)):
+        place[order[p]] = p
+
+
+BIT = np.uint64(1)
+BITS = 64
+
+
+@compiled
+def mark(ranking: Ranking, row: int) -> None:
+    """Put a row into the answer."""
+    ranking.marks[row >> 6] |= BIT << np.uint64(row & 63)
+
+
+@compiled
+def marked(ranking: Ranking, low: int, high: int) -> IntArray:
+    """The rows of the answer, increasing, all within low to high; the next answer is empty.
+
+    They stand in ``ranking.rows`` until the next one.
+    """
+    count = 0
+    for word in range(low >> 6, (high >> 6) + 1):
+        bits = ranking.marks[word]
+        ranking.marks[word] = 0
+        row = word * BITS
+        while bits:
+            if not bits & np.uint64(0xFFFF):
+                bits >>= np.uint64(16)
+                row += 16
+                continue
+            if bits & BIT:
+                ranking.rows[count] = row
+                count += 1
+            bits >>= BIT
+            row += 1
+    return ranking.rows[:count]
+
+
+@compiled
+def considered_by_rank(
+    me: int, ranking: Ranking, pose: FloatArray, station: FloatArray, reach: float
+) -> IntArray:
+    """`considered`, by a ranking: only rows ahead and within range are looked at."""
+    order, low, high = ranking.order, len(ranking.order), -1
+    for p in range(ranking.place[me] + 1, len(order)):
+        j = order[p]
+        if station[j] - station[me] > reach:
+            break
+        dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
+        if dx * dx + dy * dy > reach * reach:
+            continue
+        mark(ranking, j)
+        low, high = min(low, j), max(high, j)
+    return marked(ranking, low, high)
+
+
+@compiled
+def within_by_rank(me: int, ranking: Ranking, station: FloatArray, reach: float) -> IntArray:
+    """Rows but ``me`` with a station within ``reach`` of its own, increasing."""
+    order, low, high = ranking.order, len(ranking.order), -1
+    for direction in (-1, 1):
+        p = ranking.place[me] + direction
+        while 0 <= p < len(order) and abs(station[order[p]] - station[me]) <= reach:
+            mark(ranking, order[p])
+            low, high = min(low, order[p]), max(high, order[p])
+            p += direction
+    return marked(ranking, low, high)

@@ -14,9 +14,12 @@ nothing stays where it is.
 
 from __future__ import annotations
 
+from math import hypot
+
 from physim.compiled import compiled
-from physim.geometry.safe_point import nearest_safe_point, point_clearance, roomiest_point
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.safe_point import nearest_safe_point, roomiest_point
+from physim.geometry.shapes import FloatArray
+from physim.geometry.wall_tree import Sight, all_seen, comes_near, parts_seen
 from physim.tolerances import LENGTH
 
 
@@ -34,8 +37,7 @@ def is_outside(stretches: FloatArray, station: float) -> bool:
 
 @compiled
 def safe_target(
-    walls: Shapes,
-    parts: IntArray,
+    sight: Sight,
     target: tuple[float, float],
     ahead: tuple[float, float],
     outside: bool,
@@ -45,16 +47,18 @@ def safe_target(
 ) -> tuple[float, float]:
     """Target, or the safe point that replaces it [m].
 
-    ``parts`` are the wall parts the robot sees, ``ahead`` is the unit direction of the path at the
+    ``sight`` are the walls the robot sees, ``ahead`` is the unit direction of the path at the
     target, ``position`` the robot's.
     """
-    if not outside and point_clearance(walls, parts, target[0], target[1]) >= safe_distance:
+    if not outside and not comes_near(sight, target[0], target[1], safe_distance):
         return target
     eye = position if outside else target
     reach = 2.0 * look_ahead
+    walls, away = sight.tree.walls, hypot(eye[0] - target[0], eye[1] - target[1])
+    parts = parts_seen(sight, target[0], target[1], max(reach + 2.0 * safe_distance, away))
     found, x, y = nearest_safe_point(
         walls, parts, target, ahead, eye, safe_distance, reach, look_ahead / 2.0
     )
     if found:
         return x, y
-    return roomiest_point(walls, parts, target, ahead, eye, reach)
+    return roomiest_point(walls, all_seen(sight), target, ahead, eye, reach)

@@ -3,18 +3,22 @@
 A point is safe when it is at least L from every wall part. The border of the safe area is made of
 lines parallel to wall edges at distance L and of circles of radius L about wall corners, so the
 safe point nearest to a target is the nearest point of one such curve or a crossing of two. All of
-them are tried: the answer is exact, and it needs only the walls near the target.
+them count: the answer is exact, and it needs only the walls near the target.
 """
 
 from __future__ import annotations
 
 from math import hypot, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.tolerances import CONTACT
+
+CURVE_MARGIN = 1e-6
+"""[m] Far above the rounding of a crossing's distance from its curves."""
 
 SECTION_SAMPLES = 64
 """Samples a side of the cross-section that is searched for its greatest clearance."""
@@ -32,28 +36,38 @@ def point_segment(x: float, y: float, ax: float, ay: float, bx: float, by: float
 
 
 @compiled
-def point_part(walls: Shapes, part: int, x: float, y: float) -> float:
-    """Distance [m] of a point from a wall part; 0 inside a solid one."""
-    first, end = walls.part_start[part], walls.part_start[part + 1]
+def outline_distance(V: FloatArray, first: int, end: int, x: float, y: float) -> float:
+    """Distance [m] of a point from the part ``V[first:end]``; 0 inside a solid one."""
+    if end - first == 2:
+        return point_segment(
+            x, y, V[first, 0], V[first, 1], V[first + 1, 0], V[first + 1, 1]
+        )  # fmt: skip
     best = np.inf
     inside = end - first > 2
     for k in range(first, end):
         m = k + 1 if k + 1 < end else first
-        ax, ay = walls.vertices[k, 0], walls.vertices[k, 1]
-        bx, by = walls.vertices[m, 0], walls.vertices[m, 1]
+        ax, ay = V[k, 0], V[k, 1]
+        bx, by = V[m, 0], V[m, 1]
         best = min(best, point_segment(x, y, ax, ay, bx, by))
         inside = inside and (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
-        if end - first == 2:
-            break
     return 0.0 if inside else best
+
+
+@compiled
+def point_part(walls: Shapes, part: int, x: float, y: float) -> float:
+    """Distance [m] of a point from a wall part; 0 inside a solid one."""
+    return outline_distance(
+        walls.vertices, walls.part_start[part], walls.part_start[part + 1], x, y
+    )
 
 
 @compiled
 def point_clearance(walls: Shapes, parts: IntArray, x: float, y: float) -> float:
     """Distance [m] of a point from the nearest of some wall parts; inf when there are none."""
+    V, start = walls.vertices, walls.part_start
     best = np.inf
     for part in parts:
-        best = min(best, point_part(walls, part, x, y))
+        best = min(best, outline_distance(V, start[part], start[part + 1], x, y))
     return best
 
 
@@ -181,8 +195,10 @@ def nearest_safe_point(
     """
     tx, ty = target
     edges = _edges(walls, parts, tx, ty, reach + 2.0 * safe_distance)
-    curves = _curves(edges, safe_distance)
     between = _edges(walls, parts, tx, ty, max(reach, hypot(eye[0] - tx, eye[1] - ty)))
+    place = _Place(walls, parts, between, target, ahead, eye, safe_distance, back)
+    curves = _curves(edges, safe_distance)
+    curves, limit = _near_curves(curves, place, reach)
     points = np.empty((2, 2))
     best, bx, by = reach, tx, ty
     found = False
@@ -196,13 +212,67 @@ def nearest_safe_point(
             for k in range(count):
                 x, y = points[k, 0], points[k, 1]
                 gap = hypot(x - tx, y - ty)
-                if gap >= best or (x - tx) * ahead[0] + (y - ty) * ahead[1] < -back:
-                    continue
-                if point_clearance(walls, parts, x, y) < safe_distance - CONTACT:
-                    continue
-                if not _crosses(between, eye[0], eye[1], x, y):
+                if gap < best and gap <= limit and _serves(place, x, y):
                     best, bx, by, found = gap, x, y, True
     return found, bx, by
+
+
+class _Place(NamedTuple):
+    """What decides whether a point may take the place of a target."""
+
+    walls: Shapes
+    parts: IntArray
+    between: FloatArray
+    """edges that may hide a point from the eye"""
+    target: tuple[float, float]
+    ahead: tuple[float, float]
+    eye: tuple[float, float]
+    safe_distance: float
+    back: float
+
+
+@compiled
+def _serves(place: _Place, x: float, y: float) -> bool:
+    """Whether a point is safe, in sight of the eye and not too far behind the target."""
+    (tx, ty), (ux, uy) = place.target, place.ahead
+    if (x - tx) * ux + (y - ty) * uy < -place.back:
+        return False
+    if point_clearance(place.walls, place.parts, x, y) < place.safe_distance - CONTACT:
+        return False
+    return not _crosses(place.between, place.eye[0], place.eye[1], x, y)
+
+
+@compiled
+def _near_curves(curves: FloatArray, place: _Place, reach: float) -> tuple[FloatArray, float]:
+    """The curves, in their order, on which the answer may lie, and how far it is at most.
+
+    The nearest points of single curves, nearest first, until one serves: nothing farther from the
+    target is the answer. A crossing lies on both its curves, so it is no nearer than either.
+    """
+    (tx, ty) = place.target
+    gaps, tried = np.empty(len(curves)), np.zeros(len(curves), dtype=np.bool_)
+    for c in range(len(curves)):
+        x, y = _nearest_on(curves[c], place.safe_distance, tx, ty)
+        gaps[c] = hypot(x - tx, y - ty)
+    limit = np.inf
+    while limit == np.inf:
+        nearest = -1
+        for c in range(len(curves)):
+            if not tried[c] and gaps[c] < (reach if nearest < 0 else gaps[nearest]):
+                nearest = c
+        if nearest < 0:
+            break
+        tried[nearest] = True
+        x, y = _nearest_on(curves[nearest], place.safe_distance, tx, ty)
+        if _serves(place, x, y):
+            limit = gaps[nearest]
+    near = np.empty((len(curves), 5))
+    count = 0
+    for c in range(len(curves)):
+        if gaps[c] <= min(limit, reach) + CURVE_MARGIN:
+            near[count] = curves[c]
+            count += 1
+    return near[:count], limit
 
 
 @compiled

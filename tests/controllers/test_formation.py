@@ -30,8 +30,8 @@ EVERY_ONE = np.zeros((0, 0), dtype=np.int64)
 
 def test_a_robot_that_lags_speeds_up_and_one_in_the_lead_slows_down() -> None:
     station, lead = np.array([0.0, 5.0]), np.array([0.0, 3.0])
-    behind = formation_sum(0, np.array([1]), station, lead)
-    ahead = formation_sum(1, np.array([0]), station, lead)
+    behind = formation_sum(0, np.arange(2), np.array([1]), station, lead)
+    ahead = formation_sum(1, np.arange(2), np.array([0]), station, lead)
     assert behind == pytest.approx(2.0)
     assert ahead == pytest.approx(-2.0)
     assert formation_speed(1.0, 0.05, 0.8, 1.3, behind) == pytest.approx(1.1)
@@ -49,7 +49,7 @@ def test_speed_by_7_is_that_of_the_sums() -> None:
         i = int(rng.integers(n))
         mates = [j for j in range(n) if j != i and rng.random() < 0.6]
         nu_0, alpha = float(rng.uniform(0.5, 1.2)), float(rng.choice([0.005, 0.05]))
-        total = formation_sum(i, np.array(mates, dtype=np.int64), station, lead)
+        total = formation_sum(i, np.arange(n), np.array(mates, dtype=np.int64), station, lead)
         found = formation_speed(nu_0, alpha, 0.8, 1.3, total)
         pairs = [(station[j], lead[j]) for j in mates]
         expected = oracle.speed(station[i], lead[i], pairs, nu_0, alpha, 0.8, 1.3)
@@ -125,7 +125,10 @@ def test_energy_identity_10_for_robots_that_all_update_every_step(
     adjacency = np.triu(rng.integers(0, 2, (n, n)), 1)
     adjacency = adjacency + adjacency.T
     inner = np.array(
-        [formation_sum(i, np.flatnonzero(adjacency[i]), station, lead) for i in range(n)]
+        [
+            formation_sum(i, np.arange(n), np.flatnonzero(adjacency[i]), station, lead)
+            for i in range(n)
+        ]
     )
     speed = np.array([formation_speed(1.0, alpha, -FAR, FAR, s) for s in inner])
     before = formation_energy(station, lead, adjacency)

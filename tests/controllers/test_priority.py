@@ -6,7 +6,15 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.controllers.priority import considered, has_priority
+from physim.controllers.formation import is_neighbour
+from physim.controllers.priority import (
+    considered,
+    considered_by_rank,
+    has_priority,
+    rank,
+    ranking_of,
+    within_by_rank,
+)
 from tests.oracles import priority as oracle
 
 station = st.floats(-10.0, 10.0)
@@ -53,3 +61,32 @@ def test_considered_agree_with_the_oracle() -> None:
         along_only += ((lead > 0.0) & (lead <= 9.0) & (gap > 9.0)).sum()
         straight_only += ((lead > 9.0) & (gap <= 9.0)).sum()
     assert min(ties, along_only, straight_only) >= 500
+
+
+def test_a_ranking_finds_what_a_look_at_all_rows_finds() -> None:
+    """Over several moments of one cluster, in which robots overtake one another."""
+    ties = overtaken = 0
+    for k in range(150):
+        rng = np.random.default_rng([41, k])
+        n = int(rng.choice([1, 5, 70, 200]))
+        index = np.sort(rng.permutation(3 * n)[:n])
+        pose = rng.uniform(-12.0, 12.0, (n, 3))
+        along = np.round(rng.uniform(0.0, 30.0, n), int(rng.integers(0, 3)))
+        ranking = ranking_of(along)
+        for _ in range(4):
+            before = ranking.order.copy()
+            rank(ranking, along, index)
+            overtaken += not np.array_equal(before, ranking.order)
+            ties += n - len(np.unique(along))
+            for me in rng.integers(n, size=min(n, 6)):
+                found = considered_by_rank(me, ranking, pose, along, 9.0)
+                assert np.array_equal(found, considered(me, index, pose, along, 9.0))
+                near = within_by_rank(me, ranking, along, 7.0)
+                listed = np.zeros((0, 0), dtype=np.int64)
+                mates = [
+                    j for j in range(n) if is_neighbour(me, j, along[me], along[j], listed, 7.0)
+                ]
+                assert near.tolist() == mates
+            along = along + np.round(rng.normal(0.0, 1.0, n), 1)
+    assert ties >= 1000
+    assert overtaken >= 100

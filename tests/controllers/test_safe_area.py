@@ -9,6 +9,7 @@ import shapely
 
 from physim.controllers.safe_area import is_outside, safe_target
 from physim.geometry.shapes import pack_shapes
+from physim.geometry.wall_tree import Sight, build_wall_tree
 from tests.controllers.random_scenes import random_road, random_walls, stretches_outside
 from tests.oracles import paths, safe_area
 from tests.oracles.safe_area import Place
@@ -37,9 +38,10 @@ def random_place(rng: np.random.Generator) -> tuple[Place, np.ndarray]:
 
 
 def moved(where: Place, robot: np.ndarray) -> np.ndarray:
+    tree = build_wall_tree(pack_shapes([[part] for part in where.walls]))
+    sight = Sight(tree, robot[0], robot[1], np.inf, np.array([-1]))
     found = safe_target(
-        pack_shapes([[part] for part in where.walls]), np.arange(len(where.walls)),
-        tuple(where.target), tuple(where.ahead), where.outside, tuple(robot),
+        sight, tuple(where.target), tuple(where.ahead), where.outside, tuple(robot),
         where.look_ahead, where.safe_distance,
     )  # fmt: skip
     return np.array(found)

@@ -5,6 +5,10 @@ result into every caller and does all this again there: with deep calls, many ti
 skips that. It hands its callers plain code, and the one function that Python calls, the whole, is
 optimised with all its pieces. Without fast-math this does not change a bit of any result.
 
+numba counts the references to every array that a function as much as names, and the counters cost
+small functions half of their time. A piece that only looks at what its caller holds, and neither
+makes an array nor returns one, does without.
+
 This leans on numba's internals, so it serves only the versions in `physim.compiled.LINKED_SERIES`.
 """
 
@@ -12,6 +16,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from numba.core import ir, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
@@ -92,6 +97,49 @@ def gathered(libraries: list[Any]) -> tuple[list[PieceLibrary], list[Any]]:
     return pieces, [one for one in callers_first if not isinstance(one, PieceLibrary)]
 
 
+BORROWING = (
+    "cast", "build_tuple", "exhaust_iter", "getiter", "iternext", "pair_first", "pair_second", "phi"
+)  # fmt: skip
+"""Expressions that make no array, whatever they are given."""
+
+
+def only_borrows(state: Any) -> bool:
+    """Whether a typed function makes nothing that references are counted of, and returns none."""
+    models, typed = state.targetctx.data_model_manager, state.typemap
+
+    def is_counted(kind: Any) -> bool:
+        return bool(models[kind].contains_nrt_meminfo())
+
+    def borrows(value: Any) -> bool:
+        if not isinstance(value, ir.Expr) or value.op in BORROWING:
+            return True
+        if value.op == "call":
+            return isinstance(typed[value.func.name], types.NamedTupleClass)
+        if value.op not in ("getattr", "getitem", "static_getitem"):
+            return False
+        if not isinstance(typed[value.value.name], types.Array | types.BaseTuple):
+            return False
+        # an array of indices makes a copy
+        return value.op != "getitem" or not is_counted(typed[value.index.name])
+
+    def counts_nothing(statement: Any) -> bool:
+        if isinstance(statement, ir.Assign):
+            return not is_counted(typed[statement.target.name]) or borrows(statement.value)
+        if isinstance(statement, ir.SetItem | ir.StaticSetItem):  # an array may be copied before
+            return not is_counted(typed[statement.value.name])
+        return True
+
+    statements = (one for block in state.func_ir.blocks.values() for one in block.body)
+    return not is_counted(state.return_type) and all(map(counts_nothing, statements))
+
+
+def without_counters(context: Any) -> Any:
+    """Context of code generation in which no references are counted."""
+    plain = context.subtarget(enable_nrt=False, cached_internal_func={})
+    plain.__dict__.pop("nrt", None)  # what the copy remembers
+    return plain
+
+
 @register_pass(mutates_CFG=True, analysis_only=False)
 class PieceLowering(NativeLowering):
     """Lower a function into a `PieceLibrary`."""
@@ -101,6 +149,8 @@ class PieceLowering(NativeLowering):
     def run_pass(self, state: Any) -> bool:
         """Lower one function."""
         state.library = PieceLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        if only_borrows(state):
+            state.targetctx = without_counters(state.targetctx)
         return bool(super().run_pass(state))
 
 

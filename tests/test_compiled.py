@@ -11,6 +11,8 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from types import FunctionType
+from typing import Any
 
 import numba
 import numpy as np
@@ -20,7 +22,7 @@ from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheL
 import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 
 @compiled
@@ -124,6 +126,64 @@ def test_a_numba_that_is_not_known_compiles_by_itself_to_the_same_bits() -> None
     )  # fmt: skip
     assert found.stdout.split() == ["False", short_run()]
     assert compiled_module.links_kernels()
+
+
+@compiled
+def rest_of(values: FloatArray) -> FloatArray:
+    return values[1:]
+
+
+@compiled
+def doubled(values: FloatArray) -> FloatArray:
+    out = np.empty(len(values))
+    for k in range(len(values)):
+        out[k] = 2.0 * values[k]
+    return out
+
+
+@compiled
+def picked(values: FloatArray, rows: IntArray) -> float:
+    return leaf(values[rows], 1.0)
+
+
+@compiled
+def arrays_made_and_dropped(values: FloatArray, rows: IntArray, times: int) -> float:
+    total = 0.0
+    for _ in range(times):
+        kept = rest_of(doubled(values))
+        total += leaf(kept, 0.5) + picked(values, rows)
+    return total
+
+
+def test_references_are_counted_where_arrays_are_made_and_only_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No array is freed too early or never, and what only looks at arrays counts nothing."""
+    from numba.core.runtime import _nrt_python, rtsys
+
+    from physim import linking
+
+    found, judged = {}, linking.only_borrows
+
+    def noted(state: Any) -> bool:
+        found[state.func_id.func_name] = judged(state)
+        return found[state.func_id.func_name]
+
+    monkeypatch.setattr(linking, "only_borrows", noted)
+    fresh = [compiled(one.py_func) for one in (leaf, rest_of, doubled, picked)]  # type: ignore[attr-defined]
+    names = ("leaf", "rest_of", "doubled", "picked")
+    body = {**arrays_made_and_dropped.py_func.__globals__, **dict(zip(names, fresh, strict=True))}  # type: ignore[attr-defined]
+    plain = FunctionType(arrays_made_and_dropped.py_func.__code__, body)  # type: ignore[attr-defined]
+    made = numba.njit(plain)
+    expected = 1000 * (VALUES[1:].sum() + VALUES[[3, 0]].sum())
+    made(VALUES, np.array([3, 0]), 1)
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats()
+    assert made(VALUES, np.array([3, 0]), 1000) == pytest.approx(expected)
+    after = rtsys.get_allocation_stats()
+    _nrt_python.memsys_disable_stats()
+    assert after.alloc - before.alloc == after.free - before.free >= 2000
+    assert found == {"leaf": True, "rest_of": False, "doubled": False, "picked": False}
 
 
 def test_a_cache_of_sources_that_have_gone_is_none(

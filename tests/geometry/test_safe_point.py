@@ -7,6 +7,7 @@ import pytest
 import shapely
 from shapely.ops import nearest_points
 
+from physim.geometry import safe_point
 from physim.geometry.safe_point import (
     nearest_safe_point,
     point_clearance,
@@ -47,6 +48,60 @@ def test_nearest_safe_point_agrees_with_shapely(seed: int) -> None:
         assert found
         assert point_clearance(walls, parts, sx, sy) >= L - 1e-9
         assert abs(np.hypot(sx - x, sy - y) - safe.distance(point)) <= 20.0 * CHORD
+
+
+def by_all_pairs(
+    walls: Shapes, parts: IntArray, target: tuple[float, float], ahead: tuple[float, float],
+    eye: tuple[float, float], reach: float, back: float,
+) -> tuple[bool, float, float]:  # fmt: skip
+    """The same by every crossing of every two border curves, in their order."""
+    (tx, ty), points = target, np.empty((2, 2))
+    edges = safe_point._edges(walls, parts, tx, ty, reach + 2.0 * L)
+    between = safe_point._edges(
+        walls, parts, tx, ty, max(reach, np.hypot(eye[0] - tx, eye[1] - ty))
+    )
+    curves = safe_point._curves(edges, L)
+    best = (reach, False, tx, ty)
+    for c in range(len(curves)):
+        for d in range(c, len(curves)):
+            count = 1
+            if c == d:
+                points[0] = safe_point._nearest_on(curves[c], L, tx, ty)
+            else:
+                count = safe_point._crossings(curves[c], curves[d], L, points)
+            for x, y in points[:count].tolist():
+                gap = float(np.hypot(x - tx, y - ty))
+                if gap >= best[0] or (x - tx) * ahead[0] + (y - ty) * ahead[1] < -back:
+                    continue
+                if point_clearance(walls, parts, x, y) < L - 1e-9:
+                    continue
+                if not safe_point._crosses(between, eye[0], eye[1], x, y):
+                    best = (gap, True, x, y)
+    return best[1:]
+
+
+def test_curves_that_are_left_out_change_nothing() -> None:
+    """To the last bit, in rooms with straight walls of several segments, and obstacles in them."""
+    found = moved = 0
+    for seed in range(120):
+        rng = np.random.default_rng([5, seed])
+        width, bend = rng.uniform(1.5, 5.0), rng.uniform(-0.5, 0.5)
+        x = np.linspace(0.0, 12.0, int(rng.integers(3, 9)))
+        side = np.column_stack((x, np.where(x > 6.0, bend * (x - 6.0), 0.0)))
+        posts = rng.uniform([2.0, 0.0], [10.0, width], (2, 2))
+        lines = [side, side + [0.0, width], *(post + [[0, 0], [0.2, 0.1]] for post in posts)]
+        segments = [line[k : k + 2] for line in lines for k in range(len(line) - 1)]
+        walls, parts = pack_shapes([segments]), np.arange(len(segments))
+        for _ in range(3):
+            target = tuple(rng.uniform([1.0, 0.0], [11.0, width]).tolist())
+            eye = target if rng.random() < 0.5 else (0.5, width / 2)
+            reach, back = float(rng.uniform(0.5, 4.0)), float(rng.choice([0.5, 3.0]))
+            plain = by_all_pairs(walls, parts, target, (1.0, 0.0), eye, reach, back)
+            given = nearest_safe_point(walls, parts, target, (1.0, 0.0), eye, L, reach, back)
+            assert given == plain
+            found += plain[0]
+            moved += plain[0] and plain[1:] != target
+    assert 100 <= moved <= found < 360
 
 
 def test_point_beyond_a_thin_wall_is_not_taken() -> None:

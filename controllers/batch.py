@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
+from physim.geometry.motion import facings
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.wall_grid import WallGrid, parts_in_range, parts_near
 from physim.parts.controller import Decisions, Sensed
@@ -106,13 +107,14 @@ def decide_all(
     reports = np.empty((len(due), 6))
     start = np.zeros(len(due) + 1, dtype=np.int64)
     listed = np.empty(8 * len(due) + 8, dtype=np.int64)
+    facing = facings(sensed.pose)
     for k in range(len(due)):
         i = due[k]
         a, b = sensed.first[i], sensed.end[i]
         number = sensed.robot[a:b]
         bodies = Bodies(
             cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
-            sensed.reference_station[a:b],
+            sensed.reference_station[a:b], facing[a:b],
         )  # fmt: skip
         me = row_of(number, i)
         x, y = bodies.pose[me, 0], bodies.pose[me, 1]

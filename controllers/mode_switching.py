@@ -28,15 +28,22 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
+from physim.geometry.motion import facings
 from physim.geometry.path import path_length
-from physim.geometry.separation import wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes, pack_shapes
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
-from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
+from .avoidance import (
+    boundary_distance,
+    longest_pair,
+    smallest_distance,
+    smallest_time,
+    widest_pair,
+)
 from .formation import SpeedRule, forward_speed
+from .near_field import near_field
 from .path_following import best_plan, judging_time, single, speed_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
@@ -128,8 +135,9 @@ def decide_one(
 
     judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
     rows = considered(me, bodies.number, pose, bodies.station, own.reach)
-    distance = smallest_distance(bodies, me, pose[me], rows, pose)
-    boundary = wall_distance(bodies.shapes, bodies.shape[me], pose[me], walls, own.parts)
+    near = near_field(bodies, me, rows, walls, own.parts, rules.translation_only)
+    distance = smallest_distance(bodies, near)
+    boundary = boundary_distance(bodies, near)
     pairs = speed_pairs(own.speeds, own.nu, own.omegas)
     dwell = memory.dwell
     plan = memory.plan
@@ -137,9 +145,7 @@ def decide_one(
         choice = speed_pairs(single(1.0), own.nu, own.omegas) if own.forward_only else pairs
         plan = best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty)  # (5)
     pair = plan[dwell]
-    xi = smallest_time(
-        bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
-    )
+    xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
     rule = FOLLOW if dwell == 0 else PLAN
@@ -148,22 +154,21 @@ def decide_one(
         interval *= rules.dwell[dwell] / rules.update_period
     else:
         if mode == DISTANCE:
-            near = own.parts if boundary < rules.safe_distance else own.parts[:0]
+            walls_count = boundary < rules.safe_distance
             rule = WIDEST
             best = widest_pair(
-                bodies, me, pairs, rows, walls, near, rules.update_period, judge_ahead, tx, ty
+                bodies, near, pairs, walls_count, rules.update_period, judge_ahead, tx, ty
             )
         else:
             rule = LONGEST
-            best = longest_pair(
-                bodies, me, pairs, rows, walls, own.parts, rules.horizon,
-                rules.translation_only, rules.update_period, judge_ahead, tx, ty,
+            best, xi = longest_pair(
+                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, judge_ahead,
+                tx, ty,
             )  # fmt: skip
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]
-        xi = smallest_time(
-            bodies, me, pair, rows, walls, own.parts, rules.horizon, rules.translation_only, -1.0
-        )
+        if mode == DISTANCE:
+            xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
         evaluations += len(rows) + 1
     hold = interval
     if rules.event_triggered:
@@ -212,13 +217,15 @@ class ModeSwitching:
         lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
         rule = SpeedRule.of(o.formation, self.settings.speed)
         neighbours = np.arange(1, len(station))
+        pose = np.array([o.pose, *(other.pose for other in o.others)])
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
             shape=np.arange(1 + len(o.others)),
             number=np.array([o.index, *(other.index for other in o.others)]),
-            pose=np.array([o.pose, *(other.pose for other in o.others)]),
+            pose=pose,
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
             station=np.array([o.reference_station, *(other.station for other in o.others)]),
+            facing=facings(pose),
         )
         own = EgoState(
             row=0,

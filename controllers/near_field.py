@@ -100,9 +100,7 @@ def near_field(
         if room < least:
             nearest_wall, least = k, room
     listed = np.empty(max(len(rows), len(parts)), dtype=np.int64)
-    return NearField(
-        me, rows, table, nearest, walls, parts, wall_room, nearest_wall, listed, keep
-    )
+    return NearField(me, rows, table, nearest, walls, parts, wall_room, nearest_wall, listed, keep)
 
 
 @compiled

@@ -65,14 +65,18 @@ def face_gap(
             ny = -ex / length
             ux = c * nx + s * ny
             uy = c * ny - s * nx
-            low = np.inf
+            height = nx * (tx - P[k, 0]) + ny * (ty - P[k, 1])
+            low = ux * (Q[q0, 0] - rx) + uy * (Q[q0, 1] - ry)
             at = q0
-            for j in range(q0, q1):
+            if not low + height > best:
+                k = m
+                continue  # the others can only be lower
+            for j in range(q0 + 1, q1):
                 h = ux * (Q[j, 0] - rx) + uy * (Q[j, 1] - ry)
                 if h < low:
                     low = h
                     at = j
-            gap = low + (nx * (tx - P[k, 0]) + ny * (ty - P[k, 1]))
+            gap = low + height
             if gap > best:
                 best = gap
                 edge = m

@@ -18,7 +18,7 @@ from physim.geometry.gap_bounds import lasting
 from physim.geometry.motion import Course, along_course
 from physim.geometry.shapes import Shapes
 
-CLOSE = 1e-2
+CLOSE = 5e-2
 """[m] Discs this near to each other are not followed any further."""
 
 MOST_ADVANCES = 60

@@ -18,7 +18,7 @@ from math import cos, hypot, sin
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing, compiled
 from physim.geometry.collision import bodies_time, never_near, walls_time
 from physim.geometry.motion import Course, move
 from physim.geometry.separation import BOUND_MARGIN, body_gap, frame_from, wall_gap
@@ -27,17 +27,18 @@ from physim.geometry.time_bounds import discs_lasting, discs_meet, overlap_time
 from physim.tolerances import TIE
 
 from .near_field import (
+    APART,
     BOUND,
     PASS,
     PULL,
     REFINED,
     ROOM,
     SPEED,
-    UX,
-    UY,
     VX,
     VY,
     NearField,
+    X,
+    Y,
     course_under,
     held_course,
     leeway,
@@ -50,7 +51,7 @@ ROUNDING = 1e-9
 """[-] A horizon must lie this far beyond the time that it must not cut off: its share, and [s]."""
 
 
-@compiled
+@borrowing
 def distance_to(
     bodies: Bodies, me: int, pose: FloatArray, c: float, s: float, j: int, there: FloatArray,
     enough: float,
@@ -69,7 +70,7 @@ def distance_to(
     )  # fmt: skip
 
 
-@compiled
+@borrowing
 def distance_to_wall(
     bodies: Bodies, near: NearField, pose: FloatArray, c: float, s: float, k: int, enough: float
 ) -> float:
@@ -83,7 +84,7 @@ def distance_to_wall(
     )  # fmt: skip
 
 
-@compiled
+@borrowing
 def smallest_distance(bodies: Bodies, near: NearField) -> float:
     """Smallest d_ij [m] by (11) to the considered robots, signed; inf without any."""
     me, pose = near.me, bodies.pose
@@ -100,7 +101,7 @@ def smallest_distance(bodies: Bodies, near: NearField) -> float:
     return smallest
 
 
-@compiled
+@borrowing
 def boundary_distance(bodies: Bodies, near: NearField) -> float:
     """Signed distance [m] from the nearest of the wall parts seen; inf without any."""
     me, pose = near.me, bodies.pose
@@ -114,7 +115,7 @@ def boundary_distance(bodies: Bodies, near: NearField) -> float:
     return smallest
 
 
-@compiled
+@borrowing
 def smallest_time(
     bodies: Bodies, near: NearField, pair: FloatArray, horizon: float, enough: float
 ) -> float:
@@ -131,13 +132,13 @@ def smallest_time(
     return min(smallest, first_wall(bodies, near, mine, beyond(smallest, horizon)))
 
 
-@compiled
+@borrowing
 def beyond(smallest: float, horizon: float) -> float:
     """Horizon [s] up to which there may be a time smaller than ``smallest``, and a little more."""
     return min(horizon, smallest + ROUNDING * (1.0 + smallest))
 
 
-@compiled
+@borrowing
 def first_robot(
     bodies: Bodies, near: NearField, mine: Course, horizon: float, enough: float
 ) -> float:
@@ -176,7 +177,7 @@ def first_robot(
         listed[at] = listed[left]
 
 
-@compiled
+@borrowing
 def list_dangers(bodies: Bodies, near: NearField, mine: Course, horizon: float) -> int:
     """List in ``near.listed`` which robots may be met up to the horizon, and return how many.
 
@@ -188,17 +189,21 @@ def list_dangers(bodies: Bodies, near: NearField, mine: Course, horizon: float) 
     for k in range(len(near.rows)):
         if table[k, PASS] > reach:
             continue
-        x, y = mine.vx - table[k, VX], mine.vy - table[k, VY]
-        along = table[k, UX] * x + table[k, UY] * y
-        bound = discs_lasting(table[k, ROOM], along, pull + table[k, PULL])
-        if bound <= horizon and not never_near(mine, held_course(bodies, near, k), horizon):
+        apart, room, pulls = table[k, APART], table[k, ROOM], pull + table[k, PULL]
+        closing = table[k, X] * (mine.vx - table[k, VX]) + table[k, Y] * (mine.vy - table[k, VY])
+        if pulls == 0.0 and room > 0.0 and room * apart > closing * horizon:
+            continue
+        if never_near(mine, held_course(bodies, near, k), horizon):
+            continue
+        bound = discs_lasting(room, closing / apart, pulls) if room > 0.0 else 0.0
+        if bound <= horizon:
             table[k, BOUND], table[k, REFINED] = bound, 0.0
             listed[count] = k
             count += 1
     return count
 
 
-@compiled
+@borrowing
 def first_wall(bodies: Bodies, near: NearField, mine: Course, horizon: float) -> float:
     """Smallest xi [s] by (11) of the wall parts, the robot being on course ``mine``."""
     reach = min(mine.speed * horizon, leeway(mine))
@@ -212,7 +217,7 @@ def first_wall(bodies: Bodies, near: NearField, mine: Course, horizon: float) ->
     return float(walls_time(bodies.shapes, body, mine, near.walls, parts, horizon))
 
 
-@compiled
+@borrowing
 def distance_after(
     bodies: Bodies,
     near: NearField,
@@ -220,15 +225,16 @@ def distance_after(
     pair: FloatArray,
     period: float,
     poses: FloatArray,
+    end: FloatArray,
     enough: float,
 ) -> float:
     """Smallest distance [m] after ``period`` under the speed pair ``pair``.
 
     ``poses`` (n, 3) of the considered robots then; those not yet known are NaN, and are filled in.
-    As soon as the value is below ``enough`` the rest is left out.
+    ``end`` (3,) receives the robot's own. As soon as the value is below ``enough`` the rest is
+    left out.
     """
     me, pose, command, radius = near.me, bodies.pose, bodies.command, bodies.shapes.radius
-    end = np.empty(3)
     move(pose[me], pair[0], pair[1], period, end)
     c, s = cos(end[2]), sin(end[2])
     mine = radius[bodies.shape[me]]
@@ -272,12 +278,12 @@ def widest_pair(
 
     Other robots move on under their held commands. ``walls_count``: whether the boundaries do.
     """
-    poses = np.full((len(near.rows), 3), np.nan)
+    poses, end = np.full((len(near.rows), 3), np.nan), np.empty(3)
     dwell, pose = single(period), bodies.pose[near.me]
     best, widest, best_value = 0, -np.inf, (np.inf, np.inf, np.inf)
     for c in range(len(pairs)):
         enough = widest - TIE
-        width = distance_after(bodies, near, walls_count, pairs[c], period, poses, enough)
+        width = distance_after(bodies, near, walls_count, pairs[c], period, poses, end, enough)
         if width < enough:
             continue
         value = judge(pose, pairs[c : c + 1], dwell, judge_ahead, tx, ty)

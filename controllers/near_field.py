@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing, compiled
 from physim.geometry.collision import (
     BOUND_MARGIN,
     nearest_pass,
@@ -26,7 +26,7 @@ from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
 from .priority import Bodies
 
-UX, UY, ROOM, VX, VY, SPEED, PULL, PASS, BOUND, REFINED = range(10)
+X, Y, APART, ROOM, VX, VY, SPEED, PULL, PASS, BOUND, REFINED = range(11)
 """Columns of `NearField.table`"""
 
 
@@ -38,9 +38,9 @@ class NearField(NamedTuple):
     rows: IntArray
     """(n,) rows of `Bodies` that it considers"""
     table: FloatArray
-    """(n, 10) of each: unit vector towards it, room [m] between the discs (less BOUND_MARGIN),
-    velocity [m/s], speed [m/s], acceleration [m/s^2], room when it passes (`note_passes`, before:
-    -inf), and two places for notes on when it is met"""
+    """(n, 11) of each: where it is from here, how far [m], room [m] between the discs (less
+    BOUND_MARGIN), velocity [m/s], speed [m/s], acceleration [m/s^2], room when it passes
+    (`note_passes`, before: -inf), and two places for notes on when it is met"""
     nearest: int
     """place in ``rows`` of the one with the least room; -1 without any"""
     walls: Shapes
@@ -70,7 +70,7 @@ def near_field(
     radius, shape = bodies.shapes.radius, bodies.shape
     keep = 0.0 if translation_only else 1.0
     x, y, mine = pose[me, 0], pose[me, 1], radius[shape[me]]
-    table = np.empty((len(rows), 10))
+    table = np.empty((len(rows), 11))
     nearest, least = -1, np.inf
     for k in range(len(rows)):
         j = rows[k]
@@ -79,9 +79,9 @@ def near_field(
         apart = sqrt(dx * dx + dy * dy)
         room = apart - mine - radius[shape[j]] - BOUND_MARGIN
         v = command[j, 0]
-        share = 1.0 / apart if apart > 0.0 else 0.0
-        table[k, UX] = dx * share
-        table[k, UY] = dy * share
+        table[k, X] = dx
+        table[k, Y] = dy
+        table[k, APART] = apart
         table[k, ROOM] = room
         table[k, VX] = v * facing[j, 0]
         table[k, VY] = v * facing[j, 1]
@@ -103,7 +103,7 @@ def near_field(
     return NearField(me, rows, table, nearest, walls, parts, wall_room, nearest_wall, listed, keep)
 
 
-@compiled
+@borrowing
 def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
     """Course of a row of ``bodies`` under the command (v, omega)."""
     pose, facing = bodies.pose, bodies.facing
@@ -113,14 +113,14 @@ def course_under(bodies: Bodies, row: int, v: float, omega: float) -> Course:
     )
 
 
-@compiled
+@borrowing
 def held_course(bodies: Bodies, near: NearField, k: int) -> Course:
     """Course of number k of the considered robots under the command it holds."""
     j = near.rows[k]
     return course_under(bodies, j, bodies.command[j, 0], near.keep * bodies.command[j, 1])
 
 
-@compiled
+@borrowing
 def note_passes(bodies: Bodies, near: NearField, horizon: float) -> None:
     """Note how near each considered robot comes, up to the horizon, to where this one is now.
 
@@ -141,7 +141,7 @@ def note_passes(bodies: Bodies, near: NearField, horizon: float) -> None:
         near.table[k, PASS] = apart - radius - mine - BOUND_MARGIN
 
 
-@compiled
+@borrowing
 def leeway(course: Course) -> float:
     """How far [m] the reference point of a body ever is from where it is now; inf if anywhere."""
     if not stays(course):

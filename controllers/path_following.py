@@ -16,7 +16,7 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing, compiled
 from physim.geometry.motion import arc
 from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, Polylines
@@ -55,14 +55,14 @@ def single(value: float) -> FloatArray:
     return array
 
 
-@compiled
+@borrowing
 def copy_plan(plan: FloatArray, out: FloatArray) -> None:
     """Copy a plan (m, 2) into another."""
     for k in range(len(plan)):
         out[k, 0], out[k, 1] = plan[k, 0], plan[k, 1]
 
 
-@compiled
+@borrowing
 def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> float:
     """Angle [rad], 0 to pi, between a heading and the direction to a target; 0 at the target."""
     if tx == x and ty == y:
@@ -71,7 +71,7 @@ def heading_error(x: float, y: float, heading: float, tx: float, ty: float) -> f
     return abs(atan2(sin(error), cos(error)))
 
 
-@compiled
+@borrowing
 def judging_time(judge_ahead: float, left: float, nu: float) -> float:
     """How far ahead [s] a plan is judged with ``left`` [m] of path ahead of the projection.
 
@@ -81,7 +81,7 @@ def judging_time(judge_ahead: float, left: float, nu: float) -> float:
     return min(judge_ahead, left / nu) if nu > 0.0 else judge_ahead
 
 
-@compiled
+@borrowing
 def judge(
     pose: FloatArray, plan: FloatArray, dwell: FloatArray, judge_ahead: float, tx: float, ty: float
 ) -> tuple[float, float, float]:
@@ -100,7 +100,7 @@ def judge(
     return hypot(tx - x, ty - y), heading_error(x, y, heading, tx, ty), abs(plan[0, 1])
 
 
-@compiled
+@borrowing
 def comes_first(a: tuple[float, float, float], b: tuple[float, float, float]) -> bool:
     """Whether judgement a is better than b, in the order of `judge`; equal within TIE is equal."""
     for k in range(3):

@@ -17,7 +17,7 @@ decides. What is left of a plan is dropped when an interval is cut short.
 
 from __future__ import annotations
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 
 from .settings import DISTANCE_ALONE, DISTANCE_FIRST, NO_AVOIDANCE, TIME_ALONE, Rules
 
@@ -25,7 +25,7 @@ SAFE, DISTANCE, TIME = 0, 1, 2
 """Numbers of the modes in `physim.parts.declarations.PAPER_MODES`"""
 
 
-@compiled
+@borrowing
 def next_mode(
     previous: int, distance: float, collision_time: float, boundary_distance: float, rules: Rules
 ) -> int:
@@ -58,7 +58,7 @@ def next_mode(
     return TIME if short_time else DISTANCE
 
 
-@compiled
+@borrowing
 def update_interval(longest: float, beta: float, collision_time: float) -> float:
     """tau_i [s] by (14): the longest, or ``beta`` times the smallest collision time if shorter.
 

@@ -62,15 +62,26 @@ def compiled(function: F) -> F:
     return cast(F, Kernel(function))
 
 
+def borrowing(function: F) -> F:
+    """Make a `Kernel` of a function that makes no array and returns none: it only borrows them.
+
+    Its piece does not count who refers to the arrays it is handed. The counting costs more than
+    the work of a small kernel, several times over where arrays come in named tuples. Such a kernel
+    may call only such kernels; `Kernel.piece` raises a TypeError otherwise.
+    """
+    return cast(F, Kernel(function, borrows=True))
+
+
 class Kernel:
     """A function compiled without fast-math: results are bit-equal on one machine.
 
     The plain function stays at hand as ``kernel.py_func``.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], borrows: bool = False) -> None:
         functools.update_wrapper(self, function)
         self.py_func = function
+        self.borrows = borrows
 
     def __call__(self, *args: Any, **named: Any) -> Any:
         """Run the compiled function."""
@@ -94,17 +105,34 @@ class Kernel:
     @functools.cached_property
     def piece(self) -> Any:
         """What other kernels call: a numba dispatcher that Python cannot call."""
-        options = {}
+        options: dict[str, Any] = {}
         if links_kernels():
             from physim.linking import PieceCompiler
 
             options = {"pipeline_class": PieceCompiler}
+        if self.borrows:
+            _refuse_arrays_of_its_own(self.py_func)
+            options["_nrt"] = False
         return _dispatcher(self.py_func, no_cpython_wrapper=True, **options)
 
     @property
     def _numba_type_(self) -> Any:
         """How numba sees a kernel that stands in the code it compiles."""
         return self.piece._numba_type_
+
+
+def _refuse_arrays_of_its_own(function: Callable[..., Any]) -> None:
+    """Raise TypeError where a borrowing kernel calls one that is not, or returns an array.
+
+    One that makes an array itself does not compile.
+    """
+    code = function.__code__
+    called = (function.__globals__.get(name) for name in code.co_names)
+    owning = [k.__name__ for k in called if isinstance(k, Kernel) and not k.borrows]
+    if owning:
+        raise TypeError(f"{function.__name__} borrows, but calls {owning[0]}, which does not")
+    if "Array" in str(function.__annotations__.get("return")):
+        raise TypeError(f"{function.__name__} borrows, but returns an array")
 
 
 def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:

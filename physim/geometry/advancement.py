@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.convex import by_outline, face_normal, part_faces, support_gap
 from physim.geometry.gap_bounds import (
     Closing,
@@ -59,7 +59,7 @@ class Look(NamedTuple):
     """Q seen from P"""
 
 
-@compiled
+@borrowing
 def look_at(
     P: FloatArray,
     p0: int,
@@ -111,7 +111,7 @@ def look_at(
     )  # fmt: skip
 
 
-@compiled
+@borrowing
 def advancement_time(
     P: FloatArray,
     p0: int,
@@ -132,7 +132,7 @@ def advancement_time(
     return fall_time(P, p0, p1, a, Q, q0, q1, b, 0.0, CONTACT, 0.0, horizon)
 
 
-@compiled
+@borrowing
 def fall_time(
     P: FloatArray,
     p0: int,

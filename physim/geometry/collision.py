@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.advancement import advancement_time
 from physim.geometry.motion import (
     Course,
@@ -42,7 +42,7 @@ that, which must stay far below BOUND_MARGIN."""
 Twist = tuple[float, float]
 
 
-@compiled
+@borrowing
 def swept_disc(a: Course) -> tuple[float, float, float]:
     """Return (x, y, radius) of the disc that a turning body never leaves, whatever the time."""
     if a.turn == 0.0:
@@ -50,19 +50,19 @@ def swept_disc(a: Course) -> tuple[float, float, float]:
     return a.x - a.vy / a.turn, a.y + a.vx / a.turn, a.radius + a.speed / abs(a.turn)
 
 
-@compiled
+@borrowing
 def stays(a: Course) -> bool:
     """Whether a body is confined to its `swept_disc`: it goes round, or stands still."""
     return a.speed == 0.0 or (a.turn != 0.0 and a.speed <= LARGEST_CIRCLE * abs(a.turn))
 
 
-@compiled
+@borrowing
 def nearly_straight(a: Course) -> bool:
     """Whether a body turns so slowly that neither a disc nor a straight line bounds its way."""
     return a.turn != 0.0 and not stays(a)
 
 
-@compiled
+@borrowing
 def nearest_pass(x: float, y: float, vx: float, vy: float, horizon: float) -> float:
     """Smallest distance from the origin of a point that starts at (x, y) and moves with v."""
     square = vx * vx + vy * vy
@@ -74,7 +74,7 @@ def nearest_pass(x: float, y: float, vx: float, vy: float, horizon: float) -> fl
     return math.sqrt(x * x + y * y)
 
 
-@compiled
+@borrowing
 def never_meet(a: Course, b: Course, horizon: float) -> bool:
     """Whether discs alone show that two bodies do not meet up to the horizon."""
     x = b.x - a.x
@@ -85,7 +85,7 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
     return never_near(a, b, horizon)
 
 
-@compiled
+@borrowing
 def never_near(a: Course, b: Course, horizon: float) -> bool:
     """`never_meet` from where the bodies go, not from how far they can go at all."""
     x = b.x - a.x
@@ -107,7 +107,7 @@ def never_near(a: Course, b: Course, horizon: float) -> bool:
     return nearest_pass(a.x - bx, a.y - by, a.vx, a.vy, horizon) > room
 
 
-@compiled
+@borrowing
 def part_time(
     P: FloatArray,
     p0: int,
@@ -126,7 +126,7 @@ def part_time(
     return advancement_time(P, p0, p1, a, Q, q0, q1, b, horizon)[0]
 
 
-@compiled
+@borrowing
 def bodies_time(
     shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, horizon: float
 ) -> float:
@@ -145,7 +145,7 @@ def bodies_time(
     return xi
 
 
-@compiled
+@borrowing
 def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) -> bool:
     """Whether discs alone show that a body does not meet a part that stands still."""
     if stays(a):
@@ -173,7 +173,7 @@ def clear_of_part(a: Course, W: FloatArray, p0: int, p1: int, horizon: float) ->
     return left > room or right > room or behind > room or beyond > room
 
 
-@compiled
+@borrowing
 def walls_time(
     shapes: Shapes, i: int, a: Course, walls: Shapes, part_ids: IntArray, horizon: float
 ) -> float:
@@ -196,7 +196,7 @@ def walls_time(
     return xi
 
 
-@compiled
+@borrowing
 def collision_time_pair(
     shapes: Shapes,
     i: int,
@@ -213,7 +213,7 @@ def collision_time_pair(
     return bodies_time(shapes, i, a, shapes, j, b, horizon)
 
 
-@compiled
+@borrowing
 def collision_time_walls(
     shapes: Shapes,
     i: int,

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.shapes import FloatArray
 
 NEARLY_TOUCHING = 1e-6
@@ -31,7 +31,7 @@ OUTLINE_ROUNDING = 1e-12
 Frame = tuple[float, float, float, float]
 
 
-@compiled
+@borrowing
 def face_gap(
     P: FloatArray,
     p0: int,
@@ -87,7 +87,7 @@ def face_gap(
     return best, edge, vertex
 
 
-@compiled
+@borrowing
 def vertex_gap(
     P: FloatArray,
     p0: int,
@@ -139,7 +139,7 @@ def vertex_gap(
     return best, edge, vertex, place
 
 
-@compiled
+@borrowing
 def over_edge(
     P: FloatArray,
     k: int,
@@ -164,7 +164,7 @@ def over_edge(
     return bool(0.0 <= along <= ex * ex + ey * ey)
 
 
-@compiled
+@borrowing
 def outline_distance(
     P: FloatArray,
     p0: int,
@@ -185,7 +185,7 @@ def outline_distance(
     return math.sqrt(min(a, b))
 
 
-@compiled
+@borrowing
 def part_faces(
     P: FloatArray,
     p0: int,
@@ -226,7 +226,7 @@ def part_faces(
     return gap, of_q, edge, not (gap > -NEARLY_TOUCHING or gap == -np.inf)
 
 
-@compiled
+@borrowing
 def by_outline(gap: float, distance: float) -> tuple[float, bool]:
     """Return `part_gap`, from the largest gap and the distance of the outlines; is it the latter?
 
@@ -240,7 +240,7 @@ def by_outline(gap: float, distance: float) -> tuple[float, bool]:
     return gap, False
 
 
-@compiled
+@borrowing
 def part_feature(
     P: FloatArray,
     p0: int,
@@ -269,7 +269,7 @@ def part_feature(
     return d, outline, of_q, edge, gap
 
 
-@compiled
+@borrowing
 def part_gap(
     P: FloatArray,
     p0: int,
@@ -292,7 +292,7 @@ def part_gap(
     return part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)[0]
 
 
-@compiled
+@borrowing
 def face_normal(
     P: FloatArray,
     p0: int,
@@ -323,7 +323,7 @@ def face_normal(
     return ey / size, -ex / size
 
 
-@compiled
+@borrowing
 def support_gap(
     P: FloatArray,
     p0: int,

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.motion import Course
 from physim.geometry.shapes import FloatArray
 
@@ -44,7 +44,7 @@ class Closing(NamedTuple):
     third: float
 
 
-@compiled
+@borrowing
 def turning_reach(
     V: FloatArray, v0: int, v1: int, ux: float, uy: float, spin: float, top: float, t: float
 ) -> float:
@@ -63,7 +63,7 @@ def turning_reach(
     return best - top
 
 
-@compiled
+@borrowing
 def top_along(V: FloatArray, v0: int, v1: int, ux: float, uy: float) -> float:
     """Return how far a part reaches along (ux, uy) from the origin of its frame."""
     top = -np.inf
@@ -72,7 +72,7 @@ def top_along(V: FloatArray, v0: int, v1: int, ux: float, uy: float) -> float:
     return top
 
 
-@compiled
+@borrowing
 def travel(ax: float, ay: float, vx: float, vy: float, turn: float) -> Closing:
     """Bound on the travel along the axis (ax, ay) of a point of velocity v that turns."""
     along = ax * vx + ay * vy
@@ -80,7 +80,7 @@ def travel(ax: float, ay: float, vx: float, vy: float, turn: float) -> Closing:
     return Closing(along, 0.5 * max(0.0, bend), max(0.0, -along) * turn * turn / 6.0)
 
 
-@compiled
+@borrowing
 def certified_step(
     P: FloatArray,
     p0: int,
@@ -155,7 +155,7 @@ def certified_step(
     return low
 
 
-@compiled
+@borrowing
 def lengthen(
     P: FloatArray,
     p0: int,
@@ -216,7 +216,7 @@ class Relative(NamedTuple):
     """[m] of b"""
 
 
-@compiled
+@borrowing
 def turned(r: Relative, radius: float) -> Relative:
     """Body a, of that radius, seen from body b."""
     return Relative(
@@ -227,7 +227,7 @@ def turned(r: Relative, radius: float) -> Relative:
     )  # fmt: skip
 
 
-@compiled
+@borrowing
 def above(
     P: FloatArray, m: int, nx: float, ny: float, Q: FloatArray, j: int, r: Relative
 ) -> tuple[float, float, float]:
@@ -249,7 +249,7 @@ def above(
     return h, nx * vx + ny * vy, reach
 
 
-@compiled
+@borrowing
 def bend(r: Relative, reach: float, most: float) -> float:
     """Bound on |h''| [m/s^2] over a time ``most`` [s] of a vertex of that reach."""
     turning = r.spin * r.spin * (reach + r.speed * most) + 2.0 * abs(r.spin) * r.speed
@@ -259,7 +259,7 @@ def bend(r: Relative, reach: float, most: float) -> float:
     return r.pull + turning + twist * twist * r.radius
 
 
-@compiled
+@borrowing
 def lasting(room: float, rate: float, bend: float) -> float:
     """Time [s] up to which ``room + rate t - bend t^2 / 2`` is positive; room > 0, bend >= 0."""
     root = math.sqrt(rate * rate + 2.0 * bend * room)
@@ -270,7 +270,7 @@ def lasting(room: float, rate: float, bend: float) -> float:
     return (rate + root) / bend
 
 
-@compiled
+@borrowing
 def face_step(
     P: FloatArray,
     p0: int,
@@ -309,7 +309,7 @@ def face_step(
     return best
 
 
-@compiled
+@borrowing
 def faces_last(
     P: FloatArray, p0: int, p1: int, Q: FloatArray, q0: int, q1: int, r: Relative, level: float
 ) -> float:

@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing, compiled
 from physim.geometry.shapes import FloatArray
 
 Pose = FloatArray | tuple[float, float, float]
 """(3,) x, y [m], heading [rad], world frame"""
 
 
-@compiled
+@borrowing
 def chord_factor(h: float) -> float:
     """Return sin(h) / h, 1 at h = 0: chord of an arc over its length, h = half its angle [rad]."""
     if h == 0.0:
@@ -27,7 +27,7 @@ def chord_factor(h: float) -> float:
     return math.sin(h) / h
 
 
-@compiled
+@borrowing
 def arc(pose: Pose, v: float, omega: float, t: float) -> tuple[float, float, float]:
     """Return (x, y, heading) [m, m, rad] after time t [s] at constant (v, omega), equation (1).
 
@@ -43,13 +43,13 @@ def arc(pose: Pose, v: float, omega: float, t: float) -> tuple[float, float, flo
     )
 
 
-@compiled
+@borrowing
 def move(pose: FloatArray, v: float, omega: float, t: float, out: FloatArray) -> None:
     """Write the pose (3,) after time t [s] by `arc` into ``out``."""
     out[0], out[1], out[2] = arc((pose[0], pose[1], pose[2]), v, omega, t)
 
 
-@compiled
+@borrowing
 def chord_velocity(heading: float, v: float, omega: float, dt: float) -> tuple[float, float]:
     """Return the constant (vx, vy) [m/s], world frame, that ends where the arc of time dt ends."""
     h = 0.5 * omega * dt
@@ -66,7 +66,7 @@ def arcs(pose: FloatArray, command: FloatArray, t: float) -> FloatArray:
     return out
 
 
-@compiled
+@borrowing
 def chord_velocities(pose: FloatArray, command: FloatArray, dt: float, out: FloatArray) -> None:
     """Write the chord velocity of each robot, and its omega, into ``out`` (N, 3).
 
@@ -101,13 +101,13 @@ class Course(NamedTuple):
     """[m] of the disc about the reference point that holds the body"""
 
 
-@compiled
+@borrowing
 def arc_course(pose: Pose, v: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (v, omega) in its own frame: an arc."""
     return facing_course(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), v, omega, radius)
 
 
-@compiled
+@borrowing
 def facing_course(
     x: float, y: float, c: float, s: float, v: float, omega: float, radius: float
 ) -> Course:
@@ -125,7 +125,7 @@ def facings(pose: FloatArray) -> FloatArray:
     return out
 
 
-@compiled
+@borrowing
 def straight_course(pose: Pose, vx: float, vy: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (vx, vy, omega) in the world frame: a straight line."""
     c = math.cos(pose[2])
@@ -134,13 +134,13 @@ def straight_course(pose: Pose, vx: float, vy: float, omega: float, radius: floa
     return Course(pose[0], pose[1], c, s, vx, vy, 0.0, omega, speed, radius)
 
 
-@compiled
+@borrowing
 def still_course() -> Course:
     """Course of what never moves and whose vertices are in the world frame: walls."""
     return Course(0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@compiled
+@borrowing
 def along_course(course: Course, t: float) -> tuple[float, float, float, float, float, float]:
     """Return (x, y, c, s, vx, vy) after time t [s]: place, cos and sin of the heading, velocity."""
     x, y, c, s, vx, vy = course.x, course.y, course.c, course.s, course.vx, course.vy
@@ -165,13 +165,13 @@ def along_course(course: Course, t: float) -> tuple[float, float, float, float, 
     return x, y, turned_c * c - turned_s * s, turned_s * c + turned_c * s, vx, vy
 
 
-@compiled
+@borrowing
 def moves_straight(a: Course, b: Course) -> bool:
     """Whether both bodies keep their headings and directions."""
     return a.turn == 0.0 and b.turn == 0.0 and a.spin == 0.0 and b.spin == 0.0
 
 
-@compiled
+@borrowing
 def relative_motion(a: Course, b: Course) -> tuple[float, float, float, float, float, float]:
     """Return (c, s, x, y, vx, vy) of b seen from a: cos and sin of its heading, place, velocity."""
     x = b.x - a.x

@@ -20,7 +20,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing, compiled
 from physim.geometry.convex import Frame, part_gap
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.witness import Witness, part_witness
@@ -29,13 +29,13 @@ BOUND_MARGIN = 1e-9
 """[m] A bound must beat the best distance by this, so that rounding of the bound cannot matter."""
 
 
-@compiled
+@borrowing
 def relative_frame(pose_a: FloatArray, pose_b: FloatArray) -> Frame:
     """Return (c, s, tx, ty): a point q of b's frame is at R(c, s) q + t in a's frame."""
     return frame_from(pose_a, math.cos(pose_a[2]), math.sin(pose_a[2]), pose_b)
 
 
-@compiled
+@borrowing
 def frame_from(pose_a: FloatArray, ca: float, sa: float, pose_b: FloatArray) -> Frame:
     """`relative_frame` where cosine and sine of a's heading are known."""
     dx = pose_b[0] - pose_a[0]
@@ -44,7 +44,7 @@ def frame_from(pose_a: FloatArray, ca: float, sa: float, pose_b: FloatArray) -> 
     return math.cos(turn), math.sin(turn), ca * dx + sa * dy, ca * dy - sa * dx
 
 
-@compiled
+@borrowing
 def body_gap(
     P: FloatArray,
     p_start: IntArray,
@@ -76,7 +76,7 @@ def body_gap(
     return best
 
 
-@compiled
+@borrowing
 def body_distance(
     shapes_a: Shapes, i: int, pose_a: FloatArray, shapes_b: Shapes, j: int, pose_b: FloatArray
 ) -> float:
@@ -89,7 +89,7 @@ def body_distance(
     )  # fmt: skip
 
 
-@compiled
+@borrowing
 def point_gap(P: FloatArray, p0: int, p1: int, x: float, y: float) -> float:
     """Lower bound of the signed distance of a point from a part, exact for a segment."""
     if p1 - p0 == 2:
@@ -116,7 +116,7 @@ def point_gap(P: FloatArray, p0: int, p1: int, x: float, y: float) -> float:
     return best
 
 
-@compiled
+@borrowing
 def wall_gap(
     W: FloatArray,
     w0: int,
@@ -150,7 +150,7 @@ def wall_gap(
     return best
 
 
-@compiled
+@borrowing
 def nearest_wall(
     shapes: Shapes, i: int, pose: FloatArray, walls: Shapes, part_ids: IntArray
 ) -> tuple[float, int]:
@@ -180,7 +180,7 @@ def nearest_wall(
     return best, nearest
 
 
-@compiled
+@borrowing
 def wall_distance(
     shapes: Shapes, i: int, pose: FloatArray, walls: Shapes, part_ids: IntArray
 ) -> float:
@@ -188,7 +188,7 @@ def wall_distance(
     return nearest_wall(shapes, i, pose, walls, part_ids)[0]
 
 
-@compiled
+@borrowing
 def body_separation(
     shapes_a: Shapes, i: int, pose_a: FloatArray, shapes_b: Shapes, j: int, pose_b: FloatArray
 ) -> Witness:
@@ -225,7 +225,7 @@ def body_separation(
     )
 
 
-@compiled
+@borrowing
 def wall_separation(
     shapes: Shapes, i: int, pose: FloatArray, walls: Shapes, part_ids: IntArray
 ) -> Witness:
@@ -252,7 +252,7 @@ def wall_separation(
     return d, -nx, -ny, bx, by, ax, ay
 
 
-@compiled
+@borrowing
 def place(shapes: Shapes, i: int, pose: FloatArray, out: FloatArray) -> int:
     """Write the vertices of body i at ``pose``, world frame, into the first rows of ``out``.
 
@@ -270,7 +270,7 @@ def place(shapes: Shapes, i: int, pose: FloatArray, out: FloatArray) -> int:
     return int(last - first)
 
 
-@compiled
+@borrowing
 def describe_pair(
     shapes_a: Shapes,
     a: int,

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.collision import BOUND_MARGIN
 from physim.geometry.convex import part_gap
 from physim.geometry.gap_bounds import lasting
@@ -37,19 +37,17 @@ LEAST_SPEED = 0.1
 """[-] Share of both speeds that bodies side by side are taken to move past each other with."""
 
 
-@compiled
+@borrowing
 def discs_lasting(room: float, along: float, pull: float) -> float:
-    """Time [s] for which discs with ``room`` [m] between them cannot meet.
+    """Time [s] for which discs with ``room`` > 0 [m] between them cannot meet.
 
     They close at ``along`` [m/s] on the line of their middles, and their accelerations are at most
     ``pull`` [m/s^2] together.
     """
-    if room <= 0.0:
-        return 0.0
     return lasting(room, -along, pull)
 
 
-@compiled
+@borrowing
 def discs_meet(a: Course, b: Course, start: float, horizon: float) -> float:
     """Time [s] up to which the discs of two bodies are apart; inf when they are up to the horizon.
 
@@ -73,7 +71,7 @@ def discs_meet(a: Course, b: Course, start: float, horizon: float) -> float:
     return t
 
 
-@compiled
+@borrowing
 def overlap_at(
     shapes_a: Shapes, i: int, a: Course, shapes_b: Shapes, j: int, b: Course, t: float
 ) -> bool:
@@ -98,7 +96,7 @@ def overlap_at(
     return False
 
 
-@compiled
+@borrowing
 def overlap_time(
     shapes_a: Shapes,
     i: int,

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.convex import part_gap, support_gap
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT
@@ -23,7 +23,7 @@ Times = tuple[float, float, float, float]
 """[s] start and end of the overlap so far; the same for gaps of at most CONTACT"""
 
 
-@compiled
+@borrowing
 def clip(times: Times, gap: float, rate: float, least: float) -> Times:
     """Cut the times of overlap down to those with ``gap + rate * t <= 0`` (or <= CONTACT)."""
     first, last, near_first, near_last = times
@@ -41,7 +41,7 @@ def clip(times: Times, gap: float, rate: float, least: float) -> Times:
     return first, last, near_first, near_last
 
 
-@compiled
+@borrowing
 def clip_normals(
     times: Times,
     P: FloatArray,
@@ -80,7 +80,7 @@ def clip_normals(
     return times
 
 
-@compiled
+@borrowing
 def clip_directions(
     times: Times,
     P: FloatArray,
@@ -114,7 +114,7 @@ def clip_directions(
     return times
 
 
-@compiled
+@borrowing
 def translation_times(
     P: FloatArray,
     p0: int,
@@ -150,7 +150,7 @@ def translation_times(
     return times
 
 
-@compiled
+@borrowing
 def translation_time(
     P: FloatArray,
     p0: int,

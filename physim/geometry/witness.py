@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from physim.compiled import compiled
+from physim.compiled import borrowing
 from physim.geometry.convex import part_feature, vertex_gap
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import TIE
@@ -18,7 +18,7 @@ Witness = tuple[float, float, float, float, float, float, float]
 """signed distance, nx, ny, ax, ay, bx, by [m]: unit normal from a to b, point on a, point on b"""
 
 
-@compiled
+@borrowing
 def face_witness(
     P: FloatArray,
     k: int,
@@ -60,7 +60,7 @@ def face_witness(
     return hit, P[k, 0] + middle * ex, P[k, 1] + middle * ey, ey, -ex
 
 
-@compiled
+@borrowing
 def vertex_witness(
     P: FloatArray,
     p0: int,
@@ -87,7 +87,7 @@ def vertex_witness(
     return square, P[k, 0] + ex, P[k, 1] + ey, dx, dy
 
 
-@compiled
+@borrowing
 def outline_witness(
     P: FloatArray,
     p0: int,
@@ -118,7 +118,7 @@ def outline_witness(
     return math.sqrt(other), c * bx - s * by + tx - dx, s * bx + c * by + ty - dy, dx, dy
 
 
-@compiled
+@borrowing
 def part_witness(
     P: FloatArray,
     p0: int,

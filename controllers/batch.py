@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
+from physim.geometry.motion import facings
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.wall_tree import Sight, WallTree, build_wall_tree
 from physim.parts.controller import Decisions, Sensed
@@ -113,13 +114,14 @@ def decide_all(
     reports = np.empty((len(due), 6))
     start = np.zeros(len(due) + 1, dtype=np.int64)
     listed = np.empty(8 * len(due) + 8, dtype=np.int64)
+    facing = facings(sensed.pose)
     for k in range(len(due)):
         i = due[k]
         a, b = sensed.first[i], sensed.end[i]
         number = sensed.robot[a:b]
         bodies = Bodies(
             cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
-            sensed.reference_station[a:b],
+            sensed.reference_station[a:b], facing[a:b],
         )  # fmt: skip
         if a != ranked_from or b != ranked_to:  # once, where all share their rows
             if b - a != len(ranking.order):
@@ -191,7 +193,9 @@ class ModeSwitchingBatch:
             reach=scene.sensing_range,
         )
         nearest = np.full(scene.robots, -1)
-        room = room_for(int(np.diff(self.cluster.omegas.start).max()), len(self.rules.dwell))
+        room = room_for(
+            scene.robots, int(np.diff(self.cluster.omegas.start).max()), len(self.rules.dwell)
+        )
         ranking = ranking_of(scene.stop_station)
         self._kept = kept((self.cluster, self.rules, ranking, nearest, room))
 

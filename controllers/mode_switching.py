@@ -28,22 +28,17 @@ import numpy as np
 
 from physim.compiled import compiled
 from physim.errors import Fault, Location
-from physim.geometry.motion import arc_course
+from physim.geometry.motion import facings
 from physim.geometry.path import path_length
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_shapes
-from physim.geometry.wall_tree import (
-    Sight,
-    all_seen,
-    build_wall_tree,
-    seen_distance,
-    seen_time,
-)
+from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import SpeedRule, forward_speed
+from .near_field import COLUMNS, NearField, look_about
 from .path_following import judging_time, put_best_plan, put_pairs, speed_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
@@ -106,26 +101,20 @@ class Room(NamedTuple):
     """(C, 2) at least as long as the largest set of omegas"""
     plan: FloatArray
     """(m, 2)"""
+    table: FloatArray
+    """(N, COLUMNS) see `NearField`"""
+    listed: IntArray
+    """(N,)"""
 
 
-def room_for(omegas: int, dwells: int) -> Room:
-    """Room for sets of ``omegas`` rotational speeds and plans of ``dwells`` pairs."""
-    return Room(np.empty((omegas, 2)), np.empty((dwells, 2)))
-
-
-@compiled
-def smallest_time_of_all(
-    bodies: Bodies, own: EgoState, pair: FloatArray, rows: IntArray, rules: Rules
-) -> float:
-    """Smallest xi [s] by (11) under a speed pair, of considered robots and walls."""
-    me, nobody = own.row, rows[:0]
-    xi = smallest_time(
-        bodies, me, pair, rows, own.sight.tree.walls, nobody, rules.horizon,
-        rules.translation_only, -1.0,
-    )  # fmt: skip
-    omega, body = 0.0 if rules.translation_only else pair[1], bodies.shape[me]
-    course = arc_course(bodies.pose[me], pair[0], omega, bodies.shapes.radius[body])
-    return min(xi, seen_time(bodies.shapes, body, course, own.sight, rules.horizon))
+def room_for(robots: int, omegas: int, dwells: int) -> Room:
+    """Room for so many robots, sets of rotational speeds and plans of ``dwells`` pairs."""
+    return Room(
+        np.empty((omegas, 2)),
+        np.empty((dwells, 2)),
+        np.empty((robots, COLUMNS)),
+        np.empty(robots, dtype=np.int64),
+    )
 
 
 @compiled
@@ -158,7 +147,10 @@ def decide_one(
     )  # fmt: skip
 
     judge_ahead = judging_time(rules.judge_ahead, length - own.station, own.nu)
-    distance = smallest_distance(bodies, me, pose[me], rows, pose)
+    keep = 0.0 if rules.translation_only else 1.0
+    nearest = look_about(bodies, me, rows, keep, room.table)
+    near = NearField(me, rows, room.table, nearest, own.sight, room.listed, keep)
+    distance = smallest_distance(bodies, near)
     boundary = seen_distance(bodies.shapes, bodies.shape[me], pose[me], own.sight)
     dwell, plan = memory.dwell, memory.plan
     if dwell == 0:
@@ -169,7 +161,7 @@ def decide_one(
             choice = speed_pairs(own.speeds, own.nu, own.omegas)
         put_best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty, room.plan, plan)  # (5)
     pair = plan[dwell]
-    xi = smallest_time_of_all(bodies, own, pair, rows, rules)
+    xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
     rule = FOLLOW if dwell == 0 else PLAN
@@ -177,23 +169,23 @@ def decide_one(
     if mode == SAFE:
         interval *= rules.dwell[dwell] / rules.update_period
     else:
-        walls, parts = own.sight.tree.walls, all_seen(own.sight)
         pairs = speed_pairs(own.speeds, own.nu, own.omegas)
         if mode == DISTANCE:
-            near = parts if boundary < rules.safe_distance else parts[:0]
+            walls_count = boundary < rules.safe_distance
             rule = WIDEST
             best = widest_pair(
-                bodies, me, pairs, rows, walls, near, rules.update_period, judge_ahead, tx, ty
+                bodies, near, pairs, walls_count, rules.update_period, judge_ahead, tx, ty
             )
         else:
             rule = LONGEST
-            best = longest_pair(
-                bodies, me, pairs, rows, walls, parts, rules.horizon,
-                rules.translation_only, rules.update_period, judge_ahead, tx, ty,
+            best, xi = longest_pair(
+                bodies, near, pairs, pair, xi, rules.horizon, rules.update_period, judge_ahead,
+                tx, ty,
             )  # fmt: skip
             evaluations += len(pairs) * (len(rows) + 1)
         pair = pairs[best]
-        xi = smallest_time_of_all(bodies, own, pair, rows, rules)
+        if mode == DISTANCE:
+            xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
         evaluations += len(rows) + 1
     hold = interval
     if rules.event_triggered:
@@ -243,13 +235,15 @@ class ModeSwitching:
         lead = np.array([o.lead, *(n.lead for n in o.neighbours)])
         rule = SpeedRule.of(o.formation, self.settings.speed)
         rows, neighbours = np.arange(len(station)), np.arange(1, len(station))
+        pose = np.array([o.pose, *(other.pose for other in o.others)])
         bodies = Bodies(
             shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
             shape=np.arange(1 + len(o.others)),
             number=np.array([o.index, *(other.index for other in o.others)]),
-            pose=np.array([o.pose, *(other.pose for other in o.others)]),
+            pose=pose,
             command=np.array([(o.v, o.omega), *((s.v, s.omega) for s in o.others)]),
             station=np.array([o.reference_station, *(other.station for other in o.others)]),
+            facing=facings(pose),
         )
         walls = pack_shapes([[part] for part in o.walls])
         own = EgoState(
@@ -268,7 +262,7 @@ class ModeSwitching:
         report = np.empty(len(STANDARD_COLUMNS))
         v, omega, hold, mode, made_by, dwell, rows = decide_one(
             bodies, rows, own, o.path.lines, self._rules, memory,
-            room_for(len(own.omegas), dwells), report,
+            room_for(len(rows), len(own.omegas), dwells), report,
         )  # fmt: skip
         columns = (column.name for column in STANDARD_COLUMNS)
         return Decision(

@@ -32,6 +32,8 @@ class Bodies(NamedTuple):
     """(n, 2) held"""
     station: FloatArray
     """(n,) [m] along the reference path"""
+    facing: FloatArray
+    """(n, 2) cosine and sine of the headings, `physim.geometry.motion.facings`"""
 
 
 @compiled

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.convex import face_normal, part_feature, support_gap
+from physim.geometry.convex import by_outline, face_normal, part_faces, support_gap
 from physim.geometry.gap_bounds import (
     Closing,
     Relative,
@@ -78,13 +78,16 @@ def look_at(
     s = ac * bz - az * bc
     tx = ac * (bx - ax) + az * (by - ay)
     ty = ac * (by - ay) - az * (bx - ax)
-    d, outline, of_q, edge, gap = part_feature(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf)
+    gap, of_q, edge, settled = part_faces(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, np.inf)
     nx, ny = face_normal(P, p0, p1, Q, q0, q1, c, s, of_q, edge)
     face = 2 if of_q else 1
     if edge < 0:
         face = 0
+    d, outline, ox, oy = gap, False, 0.0, 0.0
+    if not settled:
+        distance, _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
+        d, outline = by_outline(gap, distance)
     if outline and d > 0.0:
-        _, _, ox, oy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
         size = math.sqrt(ox * ox + oy * oy)
         ox /= size
         oy /= size

@@ -82,6 +82,15 @@ def never_meet(a: Course, b: Course, horizon: float) -> bool:
     room = a.radius + b.radius + BOUND_MARGIN
     if math.sqrt(x * x + y * y) > room + (a.speed + b.speed) * horizon:
         return True
+    return never_near(a, b, horizon)
+
+
+@compiled
+def never_near(a: Course, b: Course, horizon: float) -> bool:
+    """`never_meet` from where the bodies go, not from how far they can go at all."""
+    x = b.x - a.x
+    y = b.y - a.y
+    room = a.radius + b.radius + BOUND_MARGIN
     if a.turn == 0.0 and b.turn == 0.0:
         return nearest_pass(x, y, b.vx - a.vx, b.vy - a.vy, horizon) > room
     if nearly_straight(a) or nearly_straight(b):

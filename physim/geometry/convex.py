@@ -65,14 +65,18 @@ def face_gap(
             ny = -ex / length
             ux = c * nx + s * ny
             uy = c * ny - s * nx
-            low = np.inf
+            height = nx * (tx - P[k, 0]) + ny * (ty - P[k, 1])
+            low = ux * (Q[q0, 0] - rx) + uy * (Q[q0, 1] - ry)
             at = q0
-            for j in range(q0, q1):
+            if not low + height > best:
+                k = m
+                continue  # the others can only be lower
+            for j in range(q0 + 1, q1):
                 h = ux * (Q[j, 0] - rx) + uy * (Q[j, 1] - ry)
                 if h < low:
                     low = h
                     at = j
-            gap = low + (nx * (tx - P[k, 0]) + ny * (ty - P[k, 1]))
+            gap = low + height
             if gap > best:
                 best = gap
                 edge = m
@@ -182,6 +186,61 @@ def outline_distance(
 
 
 @compiled
+def part_faces(
+    P: FloatArray,
+    p0: int,
+    p1: int,
+    Q: FloatArray,
+    q0: int,
+    q1: int,
+    c: float,
+    s: float,
+    tx: float,
+    ty: float,
+    rx: float,
+    ry: float,
+    enough: float,
+) -> tuple[float, bool, int, bool]:
+    """Return the largest gap over the normals of both, and what it rests on.
+
+    That is (gap, is the normal one of Q's?, its edge, is this `part_gap`?). Where it is not, the
+    distance between the outlines decides, see `by_outline`.
+    """
+    gap, edge, vertex = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
+    if gap >= enough:
+        return gap, False, edge, True
+    other, n, i = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, enough)
+    if other >= enough:
+        return other, True, n, True
+    of_q = other > gap
+    if of_q:
+        gap = other
+        edge = n
+        k = n - 1 if n > q0 else q1 - 1
+        if gap > 0.0 and over_edge(Q, k, n, P, i, c, -s, rx, ry, tx, ty):
+            return gap, of_q, edge, True
+    elif gap > 0.0:
+        k = edge - 1 if edge > p0 else p1 - 1
+        if over_edge(P, k, edge, Q, vertex, c, s, tx, ty, rx, ry):
+            return gap, of_q, edge, True
+    return gap, of_q, edge, not (gap > -NEARLY_TOUCHING or gap == -np.inf)
+
+
+@compiled
+def by_outline(gap: float, distance: float) -> tuple[float, bool]:
+    """Return `part_gap`, from the largest gap and the distance of the outlines; is it the latter?
+
+    For parts that `part_faces` left open.
+    """
+    if gap > 0.0:
+        # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
+        return max(gap, distance), True
+    if gap == -np.inf or distance > OUTLINE_ROUNDING - gap:
+        return distance, True
+    return gap, False
+
+
+@compiled
 def part_feature(
     P: FloatArray,
     p0: int,
@@ -202,31 +261,12 @@ def part_feature(
     That is (signed distance, is it between outlines rather than along a normal?, is the best
     normal one of Q's?, the edge of the best normal, the gap along it).
     """
-    gap, edge, vertex = face_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
-    if gap >= enough:
-        return gap, False, False, edge, gap
-    other, n, i = face_gap(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty, enough)
-    if other >= enough:
-        return other, False, True, n, other
-    of_q = other > gap
-    if of_q:
-        gap = other
-        edge = n
-        k = n - 1 if n > q0 else q1 - 1
-        if gap > 0.0 and over_edge(Q, k, n, P, i, c, -s, rx, ry, tx, ty):
-            return gap, False, of_q, edge, gap
-    elif gap > 0.0:
-        k = edge - 1 if edge > p0 else p1 - 1
-        if over_edge(P, k, edge, Q, vertex, c, s, tx, ty, rx, ry):
-            return gap, False, of_q, edge, gap
-    if gap > -NEARLY_TOUCHING or gap == -np.inf:
-        distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
-        if gap > 0.0:
-            # Never below the gap by rounding, so that `enough` cannot change a minimum over parts.
-            return max(gap, distance), True, of_q, edge, gap
-        if gap == -np.inf or distance > OUTLINE_ROUNDING - gap:
-            return distance, True, of_q, edge, gap
-    return gap, False, of_q, edge, gap
+    gap, of_q, edge, settled = part_faces(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry, enough)
+    if settled:
+        return gap, False, of_q, edge, gap
+    distance = outline_distance(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
+    d, outline = by_outline(gap, distance)
+    return d, outline, of_q, edge, gap
 
 
 @compiled

@@ -104,9 +104,25 @@ class Course(NamedTuple):
 @compiled
 def arc_course(pose: Pose, v: float, omega: float, radius: float) -> Course:
     """Course of a body with the twist (v, omega) in its own frame: an arc."""
-    c = math.cos(pose[2])
-    s = math.sin(pose[2])
-    return Course(pose[0], pose[1], c, s, v * c, v * s, omega, omega, abs(v), radius)
+    return facing_course(pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), v, omega, radius)
+
+
+@compiled
+def facing_course(
+    x: float, y: float, c: float, s: float, v: float, omega: float, radius: float
+) -> Course:
+    """`arc_course` of a body whose heading has the cosine c and the sine s."""
+    return Course(x, y, c, s, v * c, v * s, omega, omega, abs(v), radius)
+
+
+@compiled
+def facings(pose: FloatArray) -> FloatArray:
+    """Cosine and sine (N, 2) of the headings of poses (N, 3)."""
+    out = np.empty((len(pose), 2))
+    for i in range(len(pose)):
+        out[i, 0] = math.cos(pose[i, 2])
+        out[i, 1] = math.sin(pose[i, 2])
+    return out
 
 
 @compiled

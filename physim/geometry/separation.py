@@ -32,10 +32,14 @@ BOUND_MARGIN = 1e-9
 @compiled
 def relative_frame(pose_a: FloatArray, pose_b: FloatArray) -> Frame:
     """Return (c, s, tx, ty): a point q of b's frame is at R(c, s) q + t in a's frame."""
+    return frame_from(pose_a, math.cos(pose_a[2]), math.sin(pose_a[2]), pose_b)
+
+
+@compiled
+def frame_from(pose_a: FloatArray, ca: float, sa: float, pose_b: FloatArray) -> Frame:
+    """`relative_frame` where cosine and sine of a's heading are known."""
     dx = pose_b[0] - pose_a[0]
     dy = pose_b[1] - pose_a[1]
-    ca = math.cos(pose_a[2])
-    sa = math.sin(pose_a[2])
     turn = pose_b[2] - pose_a[2]
     return math.cos(turn), math.sin(turn), ca * dx + sa * dy, ca * dy - sa * dx
 
@@ -54,17 +58,19 @@ def body_gap(
     s: float,
     tx: float,
     ty: float,
+    enough: float = np.inf,
 ) -> float:
     """Smallest `part_gap` of parts p_first..p_last-1 and q_first..q_last-1.
 
-    The arrays come apart from their `Shapes` because handing those on costs time in each call.
+    Exact where it is below ``enough``; otherwise some number from ``enough`` up to it. The arrays
+    come apart from their `Shapes` because handing those on costs time in each call.
     """
     best = np.inf
     for p in range(p_first, p_last):
         for q in range(q_first, q_last):
             gap = part_gap(
                 P, p_start[p], p_start[p + 1], Q, q_start[q], q_start[q + 1],
-                c, s, tx, ty, 0.0, 0.0, best,
+                c, s, tx, ty, 0.0, 0.0, min(best, enough),
             )  # fmt: skip
             best = min(best, gap)
     return best

@@ -101,18 +101,21 @@ def outline_witness(
     ty: float,
     rx: float,
     ry: float,
-) -> tuple[float, float, float, float]:
-    """Return (ax, ay, dx, dy) in P's frame: closest point a on P, and b = a + d on Q."""
+) -> tuple[float, float, float, float, float]:
+    """Return (distance, ax, ay, dx, dy) in P's frame: closest point a on P, and b = a + d on Q.
+
+    The distance is `outline_distance`.
+    """
     square, ax, ay, dx, dy = vertex_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
     other, bx, by, ox, oy = vertex_witness(Q, q0, q1, P, p0, p1, c, -s, rx, ry, tx, ty)
     if square <= other:
-        return ax, ay, dx, dy
+        return math.sqrt(square), ax, ay, dx, dy
     bx -= rx
     by -= ry
     # o leads from b to a in Q's frame.
     dx = -(c * ox - s * oy)
     dy = -(s * ox + c * oy)
-    return c * bx - s * by + tx - dx, s * bx + c * by + ty - dy, dx, dy
+    return math.sqrt(other), c * bx - s * by + tx - dx, s * bx + c * by + ty - dy, dx, dy
 
 
 @compiled
@@ -149,7 +152,7 @@ def part_witness(
             hit, x, y, nx, ny = face_witness(P, k, edge, Q, q0, q1, c, s, tx, ty, rx, ry, gap)
             if hit or not outline:
                 return d, nx, ny, x, y, x + d * nx, y + d * ny
-    ax, ay, dx, dy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
+    _, ax, ay, dx, dy = outline_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, rx, ry)
     size = math.sqrt(dx * dx + dy * dy)
     if size > 0.0:
         return d, dx / size, dy / size, ax, ay, ax + dx, ay + dy

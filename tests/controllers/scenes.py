@@ -14,9 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from physim.controllers.mode_switching import ModeSwitching
+from physim.controllers.near_field import COLUMNS, NearField, look_about
+from physim.controllers.priority import Bodies
 from physim.controllers.settings import ModeSwitchingSettings
-from physim.geometry.shapes import pack_polylines, pack_shapes, read_only
+from physim.geometry.shapes import Shapes, pack_polylines, pack_shapes, read_only
 from physim.geometry.wall_grid import build_wall_grid
+from physim.geometry.wall_tree import Sight, build_wall_tree
 from physim.parts.controller import Decisions, Observation, Sensed
 from physim.parts.declarations import Declared
 from physim.parts.stages import shared
@@ -123,6 +126,17 @@ def decisions(history: History, settings: ModeSwitchingSettings) -> dict[str, li
         for name, form in forms.items():
             made[name].append(form.decide_due(sensed, everyone, memories[name]))
     return made
+
+
+def near_field(
+    bodies: Bodies, rows: np.ndarray, walls: Shapes, translation: bool = False
+) -> NearField:
+    """What row 0 knows about it when it considers ``rows`` and sees all of the walls."""
+    count, (x, y) = len(bodies.pose), bodies.pose[0, :2]
+    table, keep = np.empty((count, COLUMNS)), 0.0 if translation else 1.0
+    nearest = look_about(bodies, 0, rows, keep, table)
+    sight = Sight(build_wall_tree(walls), x, y, np.inf, np.full(count, -1))
+    return NearField(0, rows, table, nearest, sight, np.empty(count, dtype=np.int64), keep)
 
 
 def observations(history: History, moment: int) -> list[Observation]:

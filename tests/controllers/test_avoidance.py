@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 
 from physim.controllers.avoidance import smallest_distance, smallest_time
+from physim.controllers.near_field import NearField
 from physim.controllers.priority import Bodies
 from physim.controllers.settings import ModeSwitchingSettings
+from physim.geometry.motion import facings
 from physim.geometry.shapes import pack_shapes
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.random_scenes import convex_part, footprint, random_command, random_history
+from tests.controllers.scenes import near_field
 from tests.oracles.collision_times import Question, collision_times
 from tests.oracles.distances import smallest_distances
 from tests.oracles.motion import placed
@@ -80,7 +83,16 @@ def rows_of(
     """The robots as a decision looks at them."""
     order = np.arange(len(bodies))
     command = np.zeros((len(bodies), 2)) if command is None else command
-    return Bodies(pack_shapes(bodies), order, order, pose, command, np.zeros(len(bodies)))
+    packed, station = pack_shapes(bodies), np.zeros(len(bodies))
+    return Bodies(packed, order, order, pose, command, station, facings(pose))
+
+
+def about(
+    bodies: Bodies, rows: np.ndarray, walls: list[np.ndarray], translation: bool = False
+) -> tuple[Bodies, NearField]:
+    """The robots, and what the first of them sees."""
+    packed = pack_shapes([[part] for part in walls])
+    return bodies, near_field(bodies, rows, packed, translation)
 
 
 def test_smallest_distance_is_that_of_minkowski_differences() -> None:
@@ -89,7 +101,7 @@ def test_smallest_distance_is_that_of_minkowski_differences() -> None:
         rng = np.random.default_rng([13, k])
         bodies, pose, _ = crowd(rng)
         rows = np.flatnonzero(rng.random(3) < 0.7) + 1
-        found = smallest_distance(rows_of(bodies, pose), 0, pose[0], rows, pose)
+        found = smallest_distance(*about(rows_of(bodies, pose), rows, []))
         theirs = [placed(part, pose[j]) for j in rows for part in bodies[j]]
         (expected,) = smallest_distances([[placed(p, pose[0]) for p in bodies[0]]], [theirs])
         assert found == expected or abs(found - expected) <= ROUNDING
@@ -114,8 +126,8 @@ def test_smallest_time_is_that_of_marching(translation: bool) -> None:
         )
         found.append(
             smallest_time(
-                rows_of(bodies, pose, command), 0, command[0], rows,
-                pack_shapes([[part] for part in walls]), np.arange(2), horizon, translation, -1.0,
+                *about(rows_of(bodies, pose, command), rows, walls, translation),
+                command[0], horizon, -1.0,
             )
         )  # fmt: skip
     answers = collision_times(questions)
@@ -134,15 +146,14 @@ def test_what_is_enough_leaves_out_only_smaller_times() -> None:
         rng = np.random.default_rng([15, k])
         bodies, pose, command = crowd(rng)
         rows = np.arange(1, 4)
-        wall = pack_shapes([[rng.uniform(-8.0, 8.0, (2, 2))]])
+        wall = [rng.uniform(-8.0, 8.0, (2, 2))]
         enough = float(rng.uniform(0.0, 5.0))
         whole, short = (
             smallest_time(
-                rows_of(bodies, pose, command), 0, command[0], rows, wall, np.arange(1), 10.0,
-                False, limit,
+                *about(rows_of(bodies, pose, command), rows, wall), command[0], 10.0, limit
             )
             for limit in (-1.0, enough)
-        )  # fmt: skip
+        )
         assert short == whole or whole <= short < enough
         cut += short > whole
     assert cut >= 5

@@ -153,16 +153,16 @@ def decide_all(
             Sight(cluster.walls, bodies.pose[me, 0], bodies.pose[me, 1], cluster.reach, nearest),
         )
         memory = Memory(mode[i], plan[i], dwell[i])
-        v, omega, hold, new_mode, rule, new_dwell, others = decide_one(
+        v, omega, hold, new_mode, rule, new_dwell, looked_at = decide_one(
             bodies, near, own, cluster.paths, rules, memory, room, reports[k]
         )
         mode[i], dwell[i] = new_mode, new_dwell
         rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4] = v, omega, hold, new_mode, rule
-        start[k + 1] = start[k] + len(others)
+        start[k + 1] = start[k] + looked_at
         if start[k + 1] > len(listed):
             listed = longer(listed, start[k + 1])
-        for m in range(len(others)):
-            listed[start[k] + m] = number[others[m]]
+        for m in range(looked_at):
+            listed[start[k] + m] = number[near[m]]
     return Decided(rows, reports, listed[: start[-1]], start)
 
 
@@ -193,9 +193,8 @@ class ModeSwitchingBatch:
             reach=scene.sensing_range,
         )
         nearest = np.full(scene.robots, -1)
-        room = room_for(
-            scene.robots, int(np.diff(self.cluster.omegas.start).max()), len(self.rules.dwell)
-        )
+        pairs = np.diff(self.cluster.speeds.start) * np.diff(self.cluster.omegas.start)
+        room = room_for(scene.robots, int(pairs.max()), len(self.rules.dwell))
         ranking = ranking_of(scene.stop_station)
         self._kept = kept((self.cluster, self.rules, ranking, nearest, room))
 

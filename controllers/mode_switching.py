@@ -39,7 +39,7 @@ from physim.world.scene import Scene
 from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import SpeedRule, forward_speed
 from .near_field import COLUMNS, NearField, look_about
-from .path_following import judging_time, put_best_plan, put_pairs, speed_pairs, target_on_path
+from .path_following import judging_time, put_best_plan, put_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
 from .settings import ModeSwitchingSettings, Rules
@@ -98,7 +98,9 @@ class Room(NamedTuple):
     """Arrays that a decision writes to, made once for many decisions."""
 
     pairs: FloatArray
-    """(C, 2) at least as long as the largest set of omegas"""
+    """(C, 2) at least as many as the largest sets give"""
+    forward: FloatArray
+    """(1,) the speed, as a multiple of nu, of a robot that leaves it to (7): 1"""
     plan: FloatArray
     """(m, 2)"""
     table: FloatArray
@@ -107,10 +109,11 @@ class Room(NamedTuple):
     """(N,)"""
 
 
-def room_for(robots: int, omegas: int, dwells: int) -> Room:
-    """Room for so many robots, sets of rotational speeds and plans of ``dwells`` pairs."""
+def room_for(robots: int, pairs: int, dwells: int) -> Room:
+    """Room for so many robots and speed pairs, and plans of ``dwells`` pairs."""
     return Room(
-        np.empty((omegas, 2)),
+        np.empty((pairs, 2)),
+        np.ones(1),
         np.empty((dwells, 2)),
         np.empty((robots, COLUMNS)),
         np.empty(robots, dtype=np.int64),
@@ -127,10 +130,10 @@ def decide_one(
     memory: Memory,
     room: Room,
     report: FloatArray,
-) -> tuple[float, float, float, int, int, int, IntArray]:
-    """Decide for one robot: v, omega, hold, mode, rule, next dwell number, rows.
+) -> tuple[float, float, float, int, int, int, int]:
+    """Decide for one robot: v, omega, hold, mode, rule, next dwell number, how many considered.
 
-    ``rows`` of ``bodies`` may be considered; those returned were looked at. Writes the plan in
+    ``rows`` of ``bodies`` may be considered; all of them were, or none. Writes the plan in
     ``memory``, and `STANDARD_COLUMNS` into ``report`` (6,).
     """
     me, pose = own.row, bodies.pose
@@ -138,7 +141,7 @@ def decide_one(
     if own.station >= own.stop_station - rules.arrival_tolerance:
         report[0], report[1], report[5] = x, y, 0.0
         report[2], report[3], report[4] = np.nan, np.nan, np.nan
-        return 0.0, 0.0, rules.longest_interval, ARRIVED, STOP, 0, rows[:0]
+        return 0.0, 0.0, rules.longest_interval, ARRIVED, STOP, 0, 0
     length = path_length(paths, own.path)
     outside = is_outside(own.outside, min(own.station + rules.look_ahead, length))
     position = (pose[me, 0], pose[me, 1])
@@ -154,11 +157,8 @@ def decide_one(
     boundary = seen_distance(bodies.shapes, bodies.shape[me], pose[me], own.sight)
     dwell, plan = memory.dwell, memory.plan
     if dwell == 0:
-        choice = room.pairs[: len(own.omegas)]
-        if own.forward_only:
-            put_pairs(own.nu, own.omegas, choice)
-        else:
-            choice = speed_pairs(own.speeds, own.nu, own.omegas)
+        speeds = room.forward if own.forward_only else own.speeds
+        choice = room.pairs[: put_pairs(speeds, own.nu, own.omegas, room.pairs)]
         put_best_plan(pose[me], choice, rules.dwell, judge_ahead, tx, ty, room.plan, plan)  # (5)
     pair = plan[dwell]
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
@@ -169,7 +169,7 @@ def decide_one(
     if mode == SAFE:
         interval *= rules.dwell[dwell] / rules.update_period
     else:
-        pairs = speed_pairs(own.speeds, own.nu, own.omegas)
+        pairs = room.pairs[: put_pairs(own.speeds, own.nu, own.omegas, room.pairs)]
         if mode == DISTANCE:
             walls_count = boundary < rules.safe_distance
             rule = WIDEST
@@ -197,7 +197,7 @@ def decide_one(
     report[2], report[3], report[4] = distance, boundary, xi
     report[5] = evaluations
     dwell = dwell + 1 if goes_on else 0
-    return pair[0], pair[1], hold, mode, rule, dwell, rows
+    return pair[0], pair[1], hold, mode, rule, dwell, len(rows)
 
 
 class ModeSwitching:
@@ -260,9 +260,9 @@ class ModeSwitching:
         )
         rows = considered(0, bodies.number, bodies.pose, bodies.station, o.range)
         report = np.empty(len(STANDARD_COLUMNS))
-        v, omega, hold, mode, made_by, dwell, rows = decide_one(
+        v, omega, hold, mode, made_by, dwell, looked_at = decide_one(
             bodies, rows, own, o.path.lines, self._rules, memory,
-            room_for(len(rows), len(own.omegas), dwells), report,
+            room_for(len(pose), len(own.speeds) * len(own.omegas), dwells), report,
         )  # fmt: skip
         columns = (column.name for column in STANDARD_COLUMNS)
         return Decision(
@@ -272,7 +272,7 @@ class ModeSwitching:
             mode=PAPER_MODES[mode],
             memory=Memory(mode, memory.plan, dwell),
             rule=RULES[made_by],
-            considered=bodies.number[rows].tolist(),
+            considered=bodies.number[rows[:looked_at]].tolist(),
             report=dict(zip(columns, report.tolist(), strict=True)),
         )
 

@@ -40,16 +40,19 @@ def target_energy(position: FloatArray, target: FloatArray) -> float:
 def speed_pairs(speeds: FloatArray, nu: float, omegas: FloatArray) -> FloatArray:
     """All pairs (v, omega), (C, 2) [m/s, rad/s], from multiples of nu and the set (6)."""
     pairs = np.empty((len(speeds) * len(omegas), 2))
-    for a in range(len(speeds)):
-        put_pairs(speeds[a] * nu, omegas, pairs[a * len(omegas) : (a + 1) * len(omegas)])
+    put_pairs(speeds, nu, omegas, pairs)
     return pairs
 
 
 @compiled
-def put_pairs(v: float, omegas: FloatArray, out: FloatArray) -> None:
-    """Write the pairs of one forward speed [m/s] into ``out`` (m, 2)."""
-    for b in range(len(omegas)):
-        out[b, 0], out[b, 1] = v, omegas[b]
+def put_pairs(speeds: FloatArray, nu: float, omegas: FloatArray, out: FloatArray) -> int:
+    """Write `speed_pairs` into the first rows of ``out``; return how many."""
+    count = 0
+    for speed in speeds:
+        for omega in omegas:
+            out[count, 0], out[count, 1] = speed * nu, omega
+            count += 1
+    return count
 
 
 @compiled

@@ -165,11 +165,24 @@ def considered_by_rank(
 @compiled
 def within_by_rank(me: int, ranking: Ranking, station: FloatArray, reach: float) -> IntArray:
     """Rows but ``me`` with a station within ``reach`` of its own, increasing."""
-    order, low, high = ranking.order, len(ranking.order), -1
+    order, here = ranking.order, station[me]
+    low, high, count = me, me, 1
     for direction in (-1, 1):
         p = ranking.place[me] + direction
-        while 0 <= p < len(order) and abs(station[order[p]] - station[me]) <= reach:
-            mark(ranking, order[p])
+        while 0 <= p < len(order) and abs(station[order[p]] - here) <= reach:
             low, high = min(low, order[p]), max(high, order[p])
+            count += 1
+            p += direction
+    if high - low <= 2 * count:  # most rows between the lowest and the highest: look at each
+        found = 0
+        for j in range(low, high + 1):
+            if j != me and abs(station[j] - here) <= reach:
+                ranking.rows[found] = j
+                found += 1
+        return ranking.rows[:found]
+    for direction in (-1, 1):
+        p = ranking.place[me] + direction
+        while 0 <= p < len(order) and abs(station[order[p]] - here) <= reach:
+            mark(ranking, order[p])
             p += direction
     return marked(ranking, low, high)

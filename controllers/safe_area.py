@@ -52,6 +52,20 @@ def safe_target(
     """
     if not outside and not comes_near(sight, target[0], target[1], safe_distance):
         return target
+    return moved_target(sight, target, ahead, outside, position, look_ahead, safe_distance)
+
+
+@compiled
+def moved_target(
+    sight: Sight,
+    target: tuple[float, float],
+    ahead: tuple[float, float],
+    outside: bool,
+    position: tuple[float, float],
+    look_ahead: float,
+    safe_distance: float,
+) -> tuple[float, float]:
+    """Safe point that replaces a target [m]; arguments of `safe_target`."""
     eye = position if outside else target
     reach = 2.0 * look_ahead
     walls, away = sight.tree.walls, hypot(eye[0] - target[0], eye[1] - target[1])

@@ -16,6 +16,7 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from physim.analysis import metrics
+from physim.drawing.crowd import MOST_LINES, QUANTILES
 from physim.drawing.plots import NAMES, draw
 from physim.drawing.plots.collision_times import (
     MOST_SINGLE,
@@ -24,8 +25,6 @@ from physim.drawing.plots.collision_times import (
     least_of_stretches,
 )
 from physim.drawing.plots.curves import (
-    MOST_LINES,
-    QUANTILES,
     deviation,
     formation,
     sharp_turns,

@@ -12,8 +12,8 @@ import numpy as np
 from physim.analysis.metrics import Width, corridor_width
 from physim.analysis.metrics.distances import width_extreme
 from physim.contacts import Kind, Phase
+from physim.drawing.crowd import MOST_LINES
 from physim.drawing.palette import Colour, hexed
-from physim.drawing.plots.curves import MOST_LINES
 from physim.drawing.plots.frame import framed, legend_below, legend_beside, mark, nothing, short
 from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour

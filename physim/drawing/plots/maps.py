@@ -34,6 +34,8 @@ SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
 LONGEST = 32
 """Characters of a mode in the legend."""
+TINY = 6.0
+"""[pt] length of a robot below which it is drawn in its colour alone"""
 POINTS = 1500
 """Points of a trajectory, at most."""
 
@@ -137,7 +139,8 @@ def _courses(axis: Any, record: Record) -> list[Any]:
 def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
     """Robots at samples ``at``, in their own colours or, of a crowd, in those of their modes.
 
-    A tick shows the heading.
+    A tick shows the heading. Robots in danger are over the others; outlines and ticks of those
+    that are tiny on paper would hide their colours and are left out.
     """
     from matplotlib.patches import Patch
 
@@ -151,9 +154,17 @@ def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
         colours += now.colours if crowd else scene.colours
         ticks += [placed(*pair) for pair in zip(tips, now.pose, strict=True)]
     edge = 0.2 if crowd else 0.4
-    faces = [hexed(colour) for colour in colours]
-    add_bodies(axis, shapes, facecolor=faces, edgecolor=INK, linewidth=edge, zorder=3.0)
-    add_lines(axis, ticks, color="white", linewidth=2.0 * edge, zorder=3.1)
+    size = 72.0 * WIDTH / float(np.ptp(axis.get_xlim())) * 2.0 * float(scene.reach.max())  # [pt]
+    if crowd and size < TINY:
+        edge = 0.0
+    danger = np.append([mode.danger for mode in scene.modes], False)
+    order = np.argsort(danger[np.concatenate([now.modes for now in moments])], kind="stable")
+    order = order if crowd else np.arange(len(shapes))
+    faces = [hexed(colours[k]) for k in order]
+    add_bodies(axis, [shapes[k] for k in order], facecolor=faces, edgecolor=INK, linewidth=edge,
+               zorder=3.0)  # fmt: skip
+    if edge:
+        add_lines(axis, ticks, color="white", linewidth=2.0 * edge, zorder=3.1)
     given = {mode for now in moments for mode in now.modes.tolist()} if crowd else set()
     return [
         Patch(facecolor=mode.colour, label=short(f"robot, {mode}", LONGEST))

@@ -109,8 +109,10 @@ def snapshot_rows(timeline: Timeline, every: float) -> IntArray:
 
 def _paths(axis: Any, scene: SceneModel) -> list[Any]:
     """Own paths, thin: whole inside of the safe area, dashed outside."""
-    inside = [piece for pieces, _ in scene.path_pieces for piece in pieces]
-    outside = [piece for _, pieces in scene.path_pieces for piece in pieces]
+    paths = zip(scene.paths, scene.path_pieces, strict=True)
+    each = {path.tobytes(): pieces for path, pieces in paths}.values()  # robots may share one
+    inside = [piece for pieces, _ in each for piece in pieces]
+    outside = [piece for _, pieces in each for piece in pieces]
     style = {"color": QUIET, "alpha": 0.8, "zorder": 1.6}
     style["linewidth"] = 0.8 if scene.robots <= MOST_LINES else 0.4
     kinds = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
@@ -126,9 +128,13 @@ def _courses(axis: Any, record: Record) -> list[Any]:
     rows = np.unique(np.linspace(0, record.samples - 1, POINTS).astype(int))
     courses = record.pose[rows][:, :, :2].transpose(1, 0, 2)
     if record.robots > MOST_LINES:
-        label = f"trajectories of\n{record.robots} robots"
-        style = {"color": INK, "linewidth": 0.5, "alpha": 0.35, "zorder": 2.0}
-        return [add_lines(axis, courses, label=label, **style)]
+        from matplotlib.lines import Line2D
+
+        style = {"color": INK, "linewidth": 0.5, "zorder": 2.0}
+        add_lines(axis, courses, alpha=min(max(20.0 / record.robots, 0.02), 0.35), **style)
+        return [
+            Line2D([], [], alpha=0.35, label=f"trajectories of\n{record.robots} robots", **style)
+        ]
     style = {"linewidth": 1.2, "zorder": 2.0}
     return [
         axis.plot(*course.T, color=robot_colour(i), label=short(record.names[i]), **style)[0]

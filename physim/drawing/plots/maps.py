@@ -130,7 +130,7 @@ def _courses(axis: Any, record: Record) -> list[Any]:
     if record.robots > MOST_LINES:
         from matplotlib.lines import Line2D
 
-        style = {"color": INK, "linewidth": 0.5, "zorder": 2.0}
+        style: dict[str, Any] = {"color": INK, "linewidth": 0.5, "zorder": 2.0}
         add_lines(axis, courses, alpha=min(max(20.0 / record.robots, 0.02), 0.35), **style)
         return [
             Line2D([], [], alpha=0.35, label=f"trajectories of\n{record.robots} robots", **style)

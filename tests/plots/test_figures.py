@@ -23,6 +23,7 @@ from physim.drawing.plots.collision_times import (
     MOST_SINGLE,
     STRETCHES,
     collision_times,
+    draw_rows,
     least_of_stretches,
 )
 from physim.drawing.plots.curves import (
@@ -362,10 +363,12 @@ def test_of_very_many_robots_a_row_of_collision_times_is_the_shortest_of_some(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     with crowd(11) as made:
-        rows = made.updates[np.isfinite(made.updates["collision_time"])]
+        rows = made.updates[np.isfinite(made.updates["collision_time"])].copy()
+        rows["collision_time"] += rows["robot"]
         _, least = least_of_stretches(made, rows, STRETCHES)
         monkeypatch.setattr("physim.drawing.plots.collision_times.MOST_SHADED", 4)
-        below = collision_times(made).axes[1]
+        below = Figure().subplots()
+        draw_rows(below, made, rows, STRETCHES)
     shades = below.collections[0].get_array()
     assert shades.shape == (4, STRETCHES)
     for row, robots in enumerate((slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11))):

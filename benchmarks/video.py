@@ -1,9 +1,9 @@
 """Frames per second of the video: drawing alone, and drawing with encoding.
 
-Ten robots, 200 wall segments, 330 simulated seconds, on the made-up record of the tests or on a
-record given::
+By processor time, of all threads, and by the wall clock; the still at the end of a video is not
+counted. On the shipped world of ten robots and on a corridor with a thousand, or on records given::
 
-    python benchmarks/video.py [RECORD]
+    python benchmarks/video.py [RECORD ...]
 """
 
 from __future__ import annotations
@@ -11,61 +11,100 @@ from __future__ import annotations
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+import physim
 from physim.drawing.timeline import Timeline
-from physim.drawing.video import render
 from physim.drawing.video.frames import Painter
+from physim.drawing.video.movie import VideoFile
 from physim.drawing.video.render import frame_times, playback_speed
-from physim.geometry.shapes import pack_shapes
 from physim.record import Record
 
 FPS = 25.0
-SEGMENTS = 200
+STILL = 38
+"""Frames at the end of a video that show its last moment."""
+SPACING = 1.2
+"""[m] between lanes, and between robots in a lane"""
 
 
-def made_up(folder: Path) -> Any:
-    from tests.records import make_record
+def corridor(robots: int, segments: int = 200, seconds: float = 12.0) -> physim.World:
+    """Robots in eight lanes of a straight corridor, drawn up with a little noise."""
+    random = np.random.default_rng(0)
+    lane, row = np.arange(robots) % 8, np.arange(robots) // 8
+    x, y = 3.0 + SPACING * row, SPACING * (lane - 3.5)
+    poses = np.column_stack((x, y, np.zeros(robots))) + random.normal(0.0, 0.05, (robots, 3))
+    line = [[float(at), 0.0] for at in np.linspace(0.0, x.max() + 60.0, segments // 2 - 1)]
+    return physim.World(
+        name=f"corridor of {robots}",
+        time={"step": 0.05, "duration": seconds},
+        corridor={"centreline": line, "width": 10.0, "end_margin": 3.0},
+        robots=[
+            {
+                "name": f"r{i + 1}",
+                "footprint": {"length": 0.5, "width": 0.3},
+                "pose": pose,
+                "path": {"offset": float(offset)},
+                "limits": {"v": 1.0, "omega": 1.6},
+            }
+            for i, (pose, offset) in enumerate(zip(poses.tolist(), y, strict=True))
+        ],
+        formation={"speed": 0.8, "limits": [0.64, 1.0], "spacing": "initial", "range": 10.0},
+        controller={
+            "type": "mode_switching", "look_ahead": 1.0, "distance_low": 0.15,
+            "distance_high": 0.25, "time_low": 0.5, "time_high": 1.0, "boundary_low": 0.05,
+            "safe_distance": 0.3, "longest_interval": 0.1,
+        },
+    )  # fmt: skip
 
-    record = make_record(folder / "record.h5", robots=10, seconds=330.0, dt=0.05)
-    walls = record.walls
-    ends = walls.vertices.reshape(-1, 2, 2)
-    pieces = SEGMENTS // len(ends) + 1
-    share = np.linspace(0.0, 1.0, pieces + 1)[:, None]
-    cut = [a + (b - a) * share for a, b in ends]
-    parts = [np.stack((line[:-1], line[1:]), axis=1) for line in cut]
-    fields = "time dt steps pose clearance boundary_clearance updates contacts bodies names"
-    fields += " footprints paths reference stop_station arrived modes accessible safe"
-    fields += " safe_distance name seed robots world_text column"
-    same = {field: getattr(record, field) for field in fields.split()}
-    return SimpleNamespace(**same, walls=pack_shapes([list(part) for part in parts]))
+
+def records(paths: list[str]) -> Iterator[Record]:
+    if paths:
+        yield from map(Record.load, paths)
+    else:
+        yield physim.simulate(physim.load_world("ten_robots"))
+        yield physim.simulate(corridor(1000))
+
+
+def rates(frames: int, work: Callable[[], None]) -> str:
+    """Frames per second of processor time, and of the wall clock."""
+    processor, wall = time.process_time(), time.perf_counter()
+    work()
+    processor, wall = time.process_time() - processor, time.perf_counter() - wall
+    return f"{frames / processor:6.0f} frames/s of processor time, {frames / wall:6.0f} by the wall"
+
+
+def measure(record: Record, folder: Path) -> None:
+    timeline = Timeline(record)
+    speed = playback_speed(timeline.duration)
+    times = frame_times(0.0, timeline.duration, FPS, speed)[:-STILL].tolist()
+    path = folder / "video.mp4"
+    painter = Painter(timeline, speed, FPS)
+
+    def draw() -> None:
+        for moment in times:
+            painter.paint(moment)
+
+    def draw_and_encode() -> None:
+        with VideoFile(path, FPS) as video:
+            for moment in times:
+                video.write(painter.paint(moment))
+
+    segments = len(record.walls.part_start) - 1
+    print(f"{record.name}: {record.robots} robots, {segments} wall segments, {len(times)} frames")
+    print(f"  drawn:             {rates(len(times), draw)}")
+    print(f"  drawn and encoded: {rates(len(times), draw_and_encode)}")
+    print(f"  {path.stat().st_size / len(times) / 1e3:.1f} kB a frame", flush=True)
 
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        record = Record.load(sys.argv[1]) if len(sys.argv) > 1 else made_up(folder)
-        duration = float(record.time[-1])
-        speed = playback_speed(duration)
-        painter = Painter(Timeline(record), speed, FPS)
-        times = frame_times(0.0, duration, FPS, speed)
-        start = time.perf_counter()
-        for moment in times:
-            painter.frame(float(moment))
-        drawn = len(times) / (time.perf_counter() - start)
-        start = time.perf_counter()
-        count = render(record, folder / "video.mp4", fps=FPS)
-        both = count / (time.perf_counter() - start)
-        size = (folder / "video.mp4").stat().st_size / 1e6
-        print(f"{count} frames, {len(record.walls.part_start) - 1} wall segments, {size:.1f} MB")
-        print(f"drawn:               {drawn:6.0f} frames/s")
-        print(f"drawn and encoded:   {both:6.0f} frames/s")
+        for record in records(sys.argv[1:]):
+            measure(record, Path(name))
 
 
 if __name__ == "__main__":

@@ -54,6 +54,7 @@ LAYERS = {
     "physim.testing": (4, 0),
     "physim.drawing.palette": (0, 0),
     "physim.drawing.labels": (0, 4),
+    "physim.drawing.crowd": (0, 4),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.video": (5, 2),

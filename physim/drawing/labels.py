@@ -149,9 +149,10 @@ def grown(boxes: FloatArray, by: float) -> FloatArray:
 
 def overlaps(boxes: FloatArray, others: FloatArray) -> FloatArray:
     """Return the common area (n, m) of boxes (n, 4) and others (m, 4)."""
-    low = np.maximum(boxes[:, None, :2], others[:, :2])
-    high = np.minimum(boxes[:, None, 2:], others[:, 2:])
-    return np.asarray(np.prod(np.maximum(high - low, 0.0), axis=2))
+    x0, y0, x1, y1 = boxes.T[:, :, None]
+    wide = np.minimum(x1, others[:, 2]) - np.maximum(x0, others[:, 0])
+    high = np.minimum(y1, others[:, 3]) - np.maximum(y0, others[:, 1])
+    return np.asarray(np.maximum(wide, 0.0) * np.maximum(high, 0.0))
 
 
 def covered(boxes: FloatArray, pieces: FloatArray, prices: FloatArray | None = None) -> FloatArray:
@@ -163,12 +164,15 @@ def covered(boxes: FloatArray, pieces: FloatArray, prices: FloatArray | None = N
         pieces.min(axis=1) <= boxes[:, 2:].max(axis=0)
     )
     rows = np.flatnonzero(seen.all(axis=1))
+    if not len(rows):
+        return np.zeros(len(boxes))
     start, direction = pieces[rows, 0], pieces[rows, 1] - pieces[rows, 0]
     length = np.hypot(*direction.T) * (1.0 if prices is None else prices[rows])
     direction = np.where(np.abs(direction) < 1e-9, 1e-9, direction)
     ends = (boxes[:, None, :2] - start) / direction, (boxes[:, None, 2:] - start) / direction
-    enter, leave = np.minimum(*ends).max(axis=2), np.maximum(*ends).min(axis=2)
-    share = np.minimum(leave, 1.0) - np.maximum(enter, 0.0)
+    early, late = np.minimum(*ends), np.maximum(*ends)
+    enter = np.maximum(np.maximum(early[..., 0], early[..., 1]), 0.0)
+    share = np.minimum(np.minimum(late[..., 0], late[..., 1]), 1.0) - enter
     return np.asarray(np.maximum(share, 0.0) @ length)
 
 

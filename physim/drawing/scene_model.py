@@ -207,13 +207,12 @@ class SceneModel:
 
     @cached_property
     def path_pieces(self) -> tuple[tuple[list[FloatArray], list[FloatArray]], ...]:
-        """Own path of each robot in lines (n, 2), in the safe area and elsewhere.
-
-        All of it is in the first where no safe distance is known.
-        """
+        """Own path of each robot in lines (n, 2): in the safe area (all if L = 0), and the rest."""
         if self.safe_distance <= 0.0:
             return tuple(([path], []) for path in self.paths)
-        return tuple(split_at(path, self._nearly_safe) for path in self.paths)
+        each = {path.tobytes(): path for path in self.paths}  # robots may share one
+        pieces = {key: split_at(path, self._nearly_safe) for key, path in each.items()}
+        return tuple(pieces[path.tobytes()] for path in self.paths)
 
     @property
     def stops(self) -> FloatArray:

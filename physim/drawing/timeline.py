@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 MOST_MODES = 8
 """Modes that are explained; of more, those that the run has."""
+NO_ROW = -1
+"""Row of a robot that has not decided yet."""
 COLUMNS = ("target_x", "target_y", "formation_error", "deviation")
 """Columns of the decisions that pictures show."""
 
@@ -69,12 +71,18 @@ class Timeline:
         self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
         self.duration = float(self.time[-1])
-        decided = np.asarray(record.updates["step"], dtype=np.float64) * record.dt
-        mine = [np.flatnonzero(record.updates["robot"] == i) for i in range(self.robots)]
-        self._decided = [decided[rows] for rows in mine]
+        robot = np.asarray(record.updates["robot"], dtype=np.int64)
+        step = np.asarray(record.updates["step"], dtype=np.int64)
+        self._clock = np.arange(int(step.max(initial=0)) + 1, dtype=np.float64) * record.dt
+        # all decisions, robot by robot in the order of time: one search finds those of all robots
+        order = np.lexsort((step, robot))
+        self._keys = (robot * (len(self._clock) + 1) + step)[order]
+        self._first = np.searchsorted(robot[order], np.arange(self.robots))
         # row -1, no decision, finds what is added at the ends
-        self._rows = [np.concatenate(([-1], rows)) for rows in mine]
+        self._rows = np.append(order, NO_ROW)
         self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
+        known = len(self.scene.modes)
+        self._colours = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
         self._values = {name: np.append(record.column(name), np.nan) for name in COLUMNS}
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
@@ -83,7 +91,7 @@ class Timeline:
         """Return all that is shown of one time [s]."""
         sample, rows = int(self.sample(time)), self.decisions(time)
         modes = self.modes(rows)
-        colours = [self.scene.mode_colour(mode) for mode in modes.tolist()]
+        colours = [self._colours[mode] for mode in modes.tolist()]
         targets = np.column_stack((self.values("target_x", rows), self.values("target_y", rows)))
         pose = np.asarray(self.record.pose[sample], dtype=np.float64)
         return Moment(time, sample, pose, rows, modes, colours, targets)
@@ -104,9 +112,10 @@ class Timeline:
 
         (N,), or (T, N) for an array of times.
         """
-        until = np.asarray(time) + 1e-9
-        pairs = zip(self._decided, self._rows, strict=True)
-        return np.stack([rows[np.searchsorted(decided, until)] for decided, rows in pairs], axis=-1)
+        steps = np.searchsorted(self._clock, np.asarray(time) + 1e-9)
+        robots = np.arange(self.robots) * (len(self._clock) + 1)
+        after = np.searchsorted(self._keys, steps[..., None] + robots)
+        return np.where(after > self._first, self._rows[after - 1], NO_ROW)
 
     def modes(self, rows: IntArray) -> IntArray:
         """Return the modes of decisions ``rows``; -1 where there is none."""

@@ -16,16 +16,17 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from physim.analysis import metrics
+from physim.drawing.crowd import MOST_LINES, QUANTILES
 from physim.drawing.plots import NAMES, draw
 from physim.drawing.plots.collision_times import (
+    CLASSES,
     MOST_SINGLE,
     STRETCHES,
     collision_times,
+    draw_rows,
     least_of_stretches,
 )
 from physim.drawing.plots.curves import (
-    MOST_LINES,
-    QUANTILES,
     deviation,
     formation,
     sharp_turns,
@@ -34,11 +35,11 @@ from physim.drawing.plots.curves import (
 from physim.drawing.plots.distances import distances
 from physim.drawing.plots.frame import clear_marks, mark
 from physim.drawing.plots.maps import snapshot_rows, trajectories, width
-from physim.drawing.plots.modes import modes
+from physim.drawing.plots.modes import mode_counts, modes
 from physim.drawing.plots.pictures import PICTURES
 from physim.drawing.plots.style import DPI, styled
 from physim.drawing.timeline import Timeline
-from physim.parts.declarations import Column, Declared, Mode
+from physim.parts.declarations import PAPER_MODES, Column, Declared, Mode
 from physim.record import Record, RecordWriter
 from physim.world.scene import Body
 from tests.cli.commands import physim
@@ -337,6 +338,57 @@ def test_a_crowd_is_drawn_as_bands() -> None:
     median = next(line for line in axis.lines if line.get_label().startswith("median"))
     assert np.allclose(median.get_ydata(), np.median(values, axis=1))
     assert QUANTILES[3] == 0.5
+
+
+def test_of_a_crowd_the_robots_in_each_mode_are_counted() -> None:
+    with crowd() as made:
+        figure = modes(made)
+        spans = metrics.mode_spans(made)
+        times, counts = mode_counts(made, spans)
+    for k in (0, 200, 300, 620):
+        now = spans[(spans["begin"] <= times[k]) & (spans["end"] > times[k] + 1e-9)]
+        assert counts[:, k].tolist() == np.bincount(now["mode"], minlength=len(counts)).tolist()
+    assert (counts[:, :-1].sum(axis=0) == made.robots).all()
+    assert counts[1].max() == 2
+    above = figure.axes[0]
+    assert above.get_ylim() == (0.0, made.robots)
+    danger = [mode.danger for mode in made.modes]
+    colours = [to_hex(layer.get_facecolor()[0]) for layer in above.collections]
+    stacked = [mode.colour for mode in sorted(made.modes, key=lambda mode: not mode.danger)]
+    assert colours == stacked
+    assert danger != sorted(danger, reverse=True), "those of danger are put to the bottom"
+
+
+def test_of_very_many_robots_a_row_of_collision_times_is_the_shortest_of_some(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with crowd(11) as made:
+        rows = made.updates[np.isfinite(made.updates["collision_time"])].copy()
+        rows["collision_time"] += rows["robot"]
+        _, least = least_of_stretches(made, rows, STRETCHES)
+        monkeypatch.setattr("physim.drawing.plots.collision_times.MOST_SHADED", 4)
+        below = Figure().subplots()
+        draw_rows(below, made, rows, STRETCHES)
+    shades = below.collections[0].get_array()
+    assert shades.shape == (4, STRETCHES)
+    for row, robots in enumerate((slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11))):
+        shortest = np.fmin.reduce(least[robots], axis=0)
+        known = np.isfinite(shortest)
+        assert np.array_equal(~np.ma.getmaskarray(shades)[row], known)
+        expected = np.searchsorted(CLASSES, shortest[known], side="right")
+        assert np.array_equal(shades[row][known], expected)
+    assert re.search(facts("shortest", "3"), below.get_ylabel())
+
+
+def test_on_the_map_of_a_crowd_robots_in_danger_are_over_the_others() -> None:
+    with crowd() as made:
+        axis = trajectories(made, 4.0).axes[0]
+        assert (Timeline(made).at(4.0).modes == 1).sum() == 2
+    bodies = next(c for c in axis.collections if len(c.get_paths()) == 4 * made.robots)
+    faces = [to_hex(face) for face in bodies.get_facecolors()]
+    assert faces.count(PAPER_MODES[1].colour) == 2
+    ranked = [face == PAPER_MODES[0].colour for face in faces]
+    assert ranked == sorted(ranked, reverse=True)
 
 
 @pytest.mark.parametrize("fault", ["dataset", "version", "not a record"])

@@ -11,7 +11,7 @@ from physim.analysis.metrics import contact_episodes
 from physim.contacts import Phase
 from physim.drawing.plots import FORMATS, NAMES, draw
 from physim.drawing.plots import distances as contacts
-from physim.drawing.plots.collision_times import prediction, predictions
+from physim.drawing.plots.collision_times import MOST_NAMED, prediction, predictions
 from physim.drawing.plots.distances import distances, merged
 from physim.drawing.plots.frame import MOST_POINTS, thinned
 from physim.drawing.plots.style import CONTACT
@@ -159,3 +159,21 @@ def test_one_robot_alone_has_no_distance_to_another() -> None:
     labels = [line.get_label().split(",")[0] for line in below.lines]
     assert "robot to robot" not in labels
     assert "robot to wall" in labels
+
+
+@pytest.mark.parametrize("robots", [MOST_NAMED, MOST_NAMED + 1])
+def test_predictions_of_many_robots_are_marked_alike(robots: int) -> None:
+    decisions = [
+        {"step": 10, "robot": i, "collision_time": 0.3, "next_step": 60 - i} for i in range(robots)
+    ]
+    contacts = [(50, i, robots, Phase.BEGAN, 1e-3) for i in range(robots)]
+    axis = prediction(history(decisions, contacts, robots=robots)).axes[0]
+    marks = [line for line in axis.lines if line.get_marker() not in ("None", "", None)]
+    drawn = [line for line in marks if len(line.get_xdata())]
+    assert sum(len(line.get_xdata()) for line in drawn) == robots
+    words = [text.get_text() for text in axis.get_legend().get_texts()]
+    assert len({(line.get_color(), line.get_marker()) for line in drawn}) == (
+        robots if robots <= MOST_NAMED else 1
+    )
+    assert (f"{robots} robots" in words) == (robots > MOST_NAMED)
+    assert ("r1" in words) == (robots <= MOST_NAMED)

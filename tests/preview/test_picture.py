@@ -18,11 +18,12 @@ import shapely
 from matplotlib.colors import to_rgba
 
 from physim.drawing.labels import round_step, significant
-from physim.drawing.palette import DANGER_AREA, ROBOTS, hexed
+from physim.drawing.palette import BAND, DANGER_AREA, ROBOTS, hexed
 from physim.drawing.plots.style import styled
 from physim.drawing.preview import save_preview
 from physim.drawing.preview.contents import Contents
 from physim.drawing.preview.ground_plan import readable_scale
+from physim.drawing.preview.lettering import FEW_NAMED
 from physim.drawing.preview.picture import make_figure, preview_of
 from physim.errors import PhysimError
 from physim.world.file import load_world, parse_world
@@ -33,6 +34,7 @@ from tests.preview.worlds import (
     HOSTILE,
     HOSTILE_NAMES,
     HUNDRED,
+    MANY,
     NARROW,
     ONE,
     WORLDS,
@@ -183,10 +185,30 @@ def test_far_from_the_origin_numbers_stay_short(style: None) -> None:
 
 
 def test_robots_take_their_colours_from_the_palette(style: None) -> None:
-    plan = make_figure(shown(HUNDRED)).axes[0]
+    plan = make_figure(shown(MANY)).axes[0]
     faces = collection(plan, "robots").get_facecolors()
     assert np.allclose(faces[:10, :3] * 255.0, ROBOTS)
     assert len(np.unique(faces, axis=0)) == len(ROBOTS)
+
+
+def test_a_crowd_has_one_colour_few_names_and_a_key_that_says_so(style: None) -> None:
+    """Colours that come again tell nobody apart, and names and rings hide what they are of."""
+    figure = make_figure(shown(HUNDRED))
+    plan, _, key = figure.axes
+    together = to_rgba(hexed(BAND))
+    for name in ("robots", "dots", "safe paths"):
+        found = collection(plan, name)
+        colours = found.get_colors() if name == "safe paths" else found.get_facecolors()
+        assert {tuple(colour) for colour in colours} == {together}
+    assert len(collection(plan, "robots").get_paths()) == 100
+    assert "rings" not in {c.get_gid() for c in plan.collections}
+    named = sum(text.get_text().startswith("robot") for text in plan.texts)
+    assert 5 < named <= FEW_NAMED
+    words = [text.get_text() for text in key.get_legend().get_texts()]
+    assert "100 robots at the start" in words
+    assert "path that robots share" not in words
+    alone = [t.get_text() for t in make_figure(shown(MANY)).axes[2].get_legend().get_texts()]
+    assert "path of a robot" in alone
 
 
 @pytest.mark.parametrize("name", sorted(shipped_worlds()))

@@ -69,6 +69,7 @@ TALL = world(((0.0, 0.0), (0.0, 300.0)))
 WIDE = world(((0.0, 0.0), (3000.0, 0.0)))
 ONE = world(names=("solo",), more="controller: {type: path_following}")
 HUNDRED = world(((0.0, 0.0), (200.0, 0.0)), names=[f"robot {i}" for i in range(100)])
+MANY = world(((0.0, 0.0), (200.0, 0.0)), names=[f"robot {i}" for i in range(40)])
 NARROW = world(
     ((0.0, 0.0), (20.0, 0.0), (24.0, 0.0), (44.0, 0.0)), (8.0, 1.5, 1.5, 8.0),
     more="obstacles: [[[32, 0.6], [33, 0.6], [33, 2], [32, 2]]]",

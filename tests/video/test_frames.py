@@ -14,8 +14,8 @@ from physim.drawing import palette
 from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, panel
+from physim.drawing.video.closest import Closest
 from physim.drawing.video.frames import Painter
-from physim.drawing.video.marks import closest_pair
 from physim.errors import PhysimError
 from physim.parts.declarations import PAPER_MODES, SAFE, Mode
 from tests.records import make_record
@@ -97,7 +97,7 @@ def test_the_closest_pair_is_joined_by_a_line(made: Callable[..., Any]) -> None:
     painter = Painter(Timeline(made(3)), 1.0, 25.0)
     picture, pose = painter.frame(2.0), painter.timeline.pose(2.0)
     scene = painter.timeline.scene
-    pair = closest_pair(scene.footprints, pose, scene.reach)
+    pair = Closest(scene.footprints, scene.reach).pair(pose)
     assert pair is not None
     x, y = np.rint(painter._view.camera.lens(2.0).pixels(pair.points.mean(axis=0))).astype(int)
     assert picture[y - 1 : y + 2, x - 1 : x + 2].min() < 60

@@ -13,12 +13,14 @@ from physim.drawing import palette
 from physim.drawing.labels import Label, clean, leader, metres, number, spread, ticks
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at
+from physim.drawing.video.closest import Closest, pairs_within
 from physim.drawing.video.ground import Background, draw_ground, ground
 from physim.drawing.video.layout import ONE, arrange
-from physim.drawing.video.marks import Fleet, closest_pair, draw_reference_point
+from physim.drawing.video.marks import Fleet, draw_reference_point
+from physim.drawing.video.names import Labels
 from physim.drawing.video.panel import signs
 from physim.drawing.video.text import shorten, sprite, stamp, width
-from physim.drawing.video.view import Camera, Labels, Lens
+from physim.drawing.video.view import Camera, Lens
 from physim.geometry.shapes import FloatArray
 from tests.records import BOX, ELL
 
@@ -132,7 +134,7 @@ def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]])
         ELL if i % 4 == 3 else (BOX,) for i in range(len(pose))
     ]
     reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
-    pair = closest_pair(footprints, pose, reach)
+    pair = Closest(footprints, reach).pair(pose)
     assert pair is not None
     shapes = [
         shapely.union_all([turned(part, row) for part in parts])
@@ -143,6 +145,45 @@ def test_the_closest_pair_is_the_closest(rows: list[tuple[float, float, float]])
     assert pair.distance == pytest.approx(least, abs=1e-9)
     assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(least, abs=1e-9)
     assert np.hypot(*(pair.points[1] - pair.points[0])) == pytest.approx(least, abs=1e-9)
+
+
+def test_of_a_crowd_the_closest_pair_is_the_closest() -> None:
+    """Against every pair; some robots overlap, some stand at one place, some are far away."""
+    random = np.random.default_rng(5)
+    for count, span in ((65, 30.0), (150, 12.0), (200, 300.0), (70, 0.0)):
+        pose = np.column_stack(
+            (random.uniform(0.0, span, (count, 2)), random.uniform(-3, 3, count))
+        )
+        pose[-1, :2] += 1e4
+        footprints = [ELL if i % 4 == 3 else (BOX,) for i in range(count)]
+        reach = np.array([np.hypot(*np.concatenate(parts).T).max() for parts in footprints])
+        pair = Closest(footprints, reach).pair(pose)
+        assert pair is not None
+        shapes = np.array(
+            [
+                shapely.MultiPolygon([turned(part, row) for part in parts])
+                for parts, row in zip(footprints, pose, strict=True)
+            ]
+        )
+        a, b = np.triu_indices(count, 1)
+        distance = shapely.distance(shapes[a], shapes[b])
+        assert pair.distance == pytest.approx(distance.min(), abs=1e-9)
+        assert shapes[pair.a].distance(shapes[pair.b]) == pytest.approx(pair.distance, abs=1e-9)
+
+
+@given(
+    st.lists(st.tuples(st.floats(-50, 50), st.floats(-50, 50)), min_size=1, max_size=40),
+    st.floats(0.1, 30.0),
+)
+def test_no_pair_within_a_distance_is_missed(rows: list[tuple[float, float]], far: float) -> None:
+    places = np.array(rows)
+    a, b = pairs_within(places, far)
+    found = set(zip(a.tolist(), b.tolist(), strict=True))
+    assert len(found) == len(a)
+    assert all(one < other for one, other in found)
+    one, other = np.triu_indices(len(places), 1)
+    near = np.hypot(*(places[one] - places[other]).T) <= far
+    assert set(zip(one[near].tolist(), other[near].tolist(), strict=True)) <= found
 
 
 def turned(part: FloatArray, pose: FloatArray) -> shapely.Polygon:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.analysis.metrics import shortest_collision_time
 from physim.analysis.metrics.metric import Moment
@@ -34,6 +35,8 @@ CLASSES = (0.2, 0.5, 1.0, 2.0, 3.0, 5.0)
 """[s] between two shades"""
 SHADES = ("#440154", "#46327e", "#365c8d", "#277f8e", "#4ac16d", "#a0da39", "#f4e96b")
 """of the colour map viridis, the shortest times darkest"""
+MOST_SHADED = 250
+"""Rows, each of which can be seen."""
 MOST_ROWS = 40
 """Robots whose rows are named, each with its shortest collision time."""
 
@@ -57,20 +60,28 @@ def least_of_stretches(record: Record, rows: Any, count: int) -> tuple[FloatArra
 
 
 def draw_rows(axis: Any, record: Record, rows: Any, count: int) -> list[Any]:
-    """Draw the rows; returns handles for the shades that occur."""
+    """Draw the rows; returns handles for the shades that occur.
+
+    Of more than `MOST_SHADED` robots several share a row, which shows the shortest of them.
+    """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     edges, least = least_of_stretches(record, rows, count)
+    each = -(-record.robots // MOST_SHADED)
+    first = np.arange(0, record.robots, each)
+    least = np.fmin.reduceat(least, first, axis=0)
     shade = np.where(np.isnan(least), np.nan, np.searchsorted(CLASSES, least, side="right"))
     axis.grid(False)
     axis.pcolormesh(
-        edges * record.dt, np.arange(record.robots + 1) - 0.5, np.ma.masked_invalid(shade),
+        edges * record.dt, np.append(first, record.robots) - 0.5, np.ma.masked_invalid(shade),
         cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5, rasterized=True,
     )  # fmt: skip
     axis.set_ylim(record.robots - 0.5, -0.5)
     few = record.robots <= MOST_ROWS
     name_rows(axis, record, MOST_ROWS if few else 20, 7.5, most=10)
+    if each > 1:
+        axis.set_ylabel(f"robot (a row: shortest of {each})")
     if few:
         shortest = np.fmin.reduce(least, axis=1)
         words = [f"{value:.2f} s" if np.isfinite(value) else None for value in shortest]
@@ -185,7 +196,7 @@ def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
 
 
 MOST_NAMED = 12
-"""Robots in the legend."""
+"""Robots that have marks of their own; those of more are alike."""
 
 
 class Predictions(NamedTuple):
@@ -257,18 +268,27 @@ def prediction(record: Record) -> Any:
 
 
 def _scatter(axis: Any, record: Record, known: Predictions) -> None:
-    """One mark a robot; full where the command was held until the contact."""
+    """One mark a robot, of many the same; full where the command was held until the contact."""
     robots = np.unique(known.robot)
-    for k, robot in enumerate(robots):
-        colour, marker = robot_mark(int(robot))
-        label = short(record.names[robot]) if k < MOST_NAMED else None
-        for kept in (0, 1):
-            rows = (known.robot == robot) & (known.kept == kept)
-            axis.plot(
-                known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
-                markerfacecolor=colour if kept else "none", markeredgewidth=0.8,
-                label=label if kept == int(known.kept[known.robot == robot].any()) else None,
-                clip_on=True,
-            )  # fmt: skip
+    if len(robots) > MOST_NAMED:
+        _marks(axis, known, np.ones(len(known.robot), dtype=bool), (BAND, "o"),
+               f"{len(robots)} robots")  # fmt: skip
+    else:
+        for robot in robots.tolist():
+            _marks(axis, known, known.robot == robot, robot_mark(robot), short(record.names[robot]))
     if known.kept.any() and not known.kept.all():
         axis.plot([], [], "o", color=INK, markersize=4.0, label="command held until contact")
+
+
+def _marks(
+    axis: Any, known: Predictions, mine: NDArray[np.bool_], how: tuple[str, str], label: str
+) -> None:
+    """Marks of one kind, ``how`` in colour and shape, with one entry of the legend."""
+    colour, marker = how
+    for kept in (0, 1):
+        rows = mine & (known.kept == kept)
+        axis.plot(
+            known.actual[rows], known.predicted[rows], marker, color=colour, markersize=4.0,
+            markerfacecolor=colour if kept else "none", markeredgewidth=0.8,
+            label=label if kept == int(known.kept[mine].any()) else None, clip_on=True,
+        )  # fmt: skip

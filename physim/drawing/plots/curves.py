@@ -6,7 +6,6 @@ formation energy (Figs. 2b, 7a; (9), (10)), speeds averaged over 10 s (Figs. 1c,
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
@@ -25,6 +24,7 @@ from physim.analysis.metrics import (
     formation_errors,
 )
 from physim.analysis.metrics.motion import WINDOW
+from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.plots.frame import (
     framed,
     keep_span,
@@ -39,11 +39,6 @@ from physim.drawing.plots.frame import (
 from physim.drawing.plots.style import BAND, CYCLE, INK, QUIET, RULE, robot_colour
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
-
-MOST_LINES = 12
-"""Robots that are drawn one by one; of more, bands are drawn."""
-QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
-"""Shares of the robots below the lines of a band."""
 
 
 def draw_courses(axis: Any, record: Record, time: FloatArray, values: FloatArray) -> list[Any]:
@@ -63,9 +58,7 @@ def draw_courses(axis: Any, record: Record, time: FloatArray, values: FloatArray
 
 def draw_bands(axis: Any, time: FloatArray, values: FloatArray, of: str) -> list[Any]:
     """Bands of the quantiles of values (K, M) over time (K,), and the handles of their legend."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # moments without any value
-        quantile = np.nanquantile(values, QUANTILES, axis=1)
+    quantile = quantiles(values)
     outer = axis.plot(time, quantile[0], color=INK, linewidth=0.6, label="least, greatest")[0]
     axis.plot(time, quantile[-1], color=INK, linewidth=0.6)
     shades = ((1, -2, 0.25, "middle 90 %"), (2, -3, 0.45, "middle 50 %"))

@@ -12,8 +12,8 @@ import numpy as np
 from physim.analysis.metrics import Width, corridor_width
 from physim.analysis.metrics.distances import width_extreme
 from physim.contacts import Kind, Phase
+from physim.drawing.crowd import MOST_LINES
 from physim.drawing.palette import Colour, hexed
-from physim.drawing.plots.curves import MOST_LINES
 from physim.drawing.plots.frame import framed, legend_below, legend_beside, mark, nothing, short
 from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour
@@ -34,6 +34,8 @@ SIMPLE = (1.0, 2.0, 3.0, 5.0)
 """Leading figures of the time between snapshots."""
 LONGEST = 32
 """Characters of a mode in the legend."""
+TINY = 6.0
+"""[pt] length of a robot below which it is drawn in its colour alone"""
 POINTS = 1500
 """Points of a trajectory, at most."""
 
@@ -107,8 +109,10 @@ def snapshot_rows(timeline: Timeline, every: float) -> IntArray:
 
 def _paths(axis: Any, scene: SceneModel) -> list[Any]:
     """Own paths, thin: whole inside of the safe area, dashed outside."""
-    inside = [piece for pieces, _ in scene.path_pieces for piece in pieces]
-    outside = [piece for _, pieces in scene.path_pieces for piece in pieces]
+    paths = zip(scene.paths, scene.path_pieces, strict=True)
+    each = {path.tobytes(): pieces for path, pieces in paths}.values()  # robots may share one
+    inside = [piece for pieces, _ in each for piece in pieces]
+    outside = [piece for _, pieces in each for piece in pieces]
     style = {"color": QUIET, "alpha": 0.8, "zorder": 1.6}
     style["linewidth"] = 0.8 if scene.robots <= MOST_LINES else 0.4
     kinds = ((inside, "-", "path"), (outside, (0, (3, 2)), "path, danger area"))
@@ -124,9 +128,13 @@ def _courses(axis: Any, record: Record) -> list[Any]:
     rows = np.unique(np.linspace(0, record.samples - 1, POINTS).astype(int))
     courses = record.pose[rows][:, :, :2].transpose(1, 0, 2)
     if record.robots > MOST_LINES:
-        label = f"trajectories of\n{record.robots} robots"
-        style = {"color": INK, "linewidth": 0.5, "alpha": 0.35, "zorder": 2.0}
-        return [add_lines(axis, courses, label=label, **style)]
+        from matplotlib.lines import Line2D
+
+        style: dict[str, Any] = {"color": INK, "linewidth": 0.5, "zorder": 2.0}
+        add_lines(axis, courses, alpha=min(max(20.0 / record.robots, 0.02), 0.35), **style)
+        return [
+            Line2D([], [], alpha=0.35, label=f"trajectories of\n{record.robots} robots", **style)
+        ]
     style = {"linewidth": 1.2, "zorder": 2.0}
     return [
         axis.plot(*course.T, color=robot_colour(i), label=short(record.names[i]), **style)[0]
@@ -137,7 +145,8 @@ def _courses(axis: Any, record: Record) -> list[Any]:
 def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
     """Robots at samples ``at``, in their own colours or, of a crowd, in those of their modes.
 
-    A tick shows the heading.
+    A tick shows the heading. Robots in danger are over the others; outlines and ticks of those
+    that are tiny on paper would hide their colours and are left out.
     """
     from matplotlib.patches import Patch
 
@@ -151,9 +160,17 @@ def _snapshots(axis: Any, timeline: Timeline, at: IntArray) -> list[Any]:
         colours += now.colours if crowd else scene.colours
         ticks += [placed(*pair) for pair in zip(tips, now.pose, strict=True)]
     edge = 0.2 if crowd else 0.4
-    faces = [hexed(colour) for colour in colours]
-    add_bodies(axis, shapes, facecolor=faces, edgecolor=INK, linewidth=edge, zorder=3.0)
-    add_lines(axis, ticks, color="white", linewidth=2.0 * edge, zorder=3.1)
+    size = 72.0 * WIDTH / float(np.ptp(axis.get_xlim())) * 2.0 * float(scene.reach.max())  # [pt]
+    if crowd and size < TINY:
+        edge = 0.0
+    danger = np.append([mode.danger for mode in scene.modes], False)
+    order = np.argsort(danger[np.concatenate([now.modes for now in moments])], kind="stable")
+    order = order if crowd else np.arange(len(shapes))
+    faces = [hexed(colours[k]) for k in order]
+    add_bodies(axis, [shapes[k] for k in order], facecolor=faces, edgecolor=INK, linewidth=edge,
+               zorder=3.0)  # fmt: skip
+    if edge:
+        add_lines(axis, ticks, color="white", linewidth=2.0 * edge, zorder=3.1)
     given = {mode for now in moments for mode in now.modes.tolist()} if crowd else set()
     return [
         Patch(facecolor=mode.colour, label=short(f"robot, {mode}", LONGEST))

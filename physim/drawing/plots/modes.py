@@ -18,12 +18,17 @@ from physim.drawing.plots.frame import (
     time_axis,
 )
 from physim.drawing.plots.style import QUIET
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
 
 MOST_ROWS = 40
 """Robots that have a row with name and share; of more, rows are thin and only some are named."""
+
+COUNTS = 1.4
+"""[in] height of the axis that counts the robots in each mode"""
+MOMENTS = 1000
+"""Moments at which they are counted."""
 
 LONGEST_MODE = 30
 """Characters of a mode in the legend."""
@@ -32,30 +37,37 @@ BLANK = 0.002
 
 
 def modes(record: Record) -> Any:
-    """Figure: a row a robot, coloured by mode over time [s], its share out of danger at the end."""
+    """Figure: a row a robot, coloured by mode over time [s], its share out of danger at the end.
+
+    Of more than `MOST_ROWS` robots: above, how many are in each mode; below, the rows, thin.
+    """
     few = record.robots <= MOST_ROWS
-    row = 0.21 if few else max(0.03, 8.4 / record.robots)
-    tall = min(9.0, max(2.0, 1.25 + row * record.robots))
+    row = 0.21 if few else max(0.03, (8.4 - COUNTS) / record.robots)
+    tall = min(9.0, max(2.0, 1.25 + (0.0 if few else COUNTS) + row * record.robots))
     figure = framed(record, "Modes", "Fig. 8", height=tall, width=5.6, source_on_top=True)
-    axis = figure.subplots()
+    if few:
+        above = axis = figure.subplots()
+    else:
+        above, axis = figure.subplots(2, 1, sharex=True, height_ratios=(COUNTS, tall - COUNTS))
     axis.grid(False)
     time_axis(axis, record)
     spans = mode_spans(record)
-    if not len(spans):
-        nothing(axis, "no decision was recorded")
-        return figure
+    why = "the controller gives no modes" if len(spans) else "no decision was recorded"
     if (spans["mode"] == NO_NUMBER).all():
-        nothing(axis, "the controller gives no modes")
+        for empty in {above, axis}:
+            nothing(empty, why)
         return figure
     _rows(axis, record, spans, 0.76 if few else 1.0)
     axis.set_ylim(record.robots - 0.4, -0.6)
     name_rows(axis, record, MOST_ROWS, 8.0 if few else 6.5)
     if few:
         _shares(axis, record)
+    else:
+        _counts(above, record, spans)
     share = danger_time_share(record)
     if share is not None:
         words = f"out of danger: {1.0 - share:.1%} of all robots' time under way"
-        axis.set_title(words, loc="right", fontsize=8.0, color=QUIET)
+        above.set_title(words, loc="right", fontsize=8.0, color=QUIET)
     _legend(figure, record, spans)
     return figure
 
@@ -72,6 +84,30 @@ def _rows(axis: Any, record: Record, spans: NDArray[np.void], height: float) -> 
         axis.add_collection(
             PolyCollection(list(corners), facecolor=record.modes[mode].colour, linewidth=0.0)
         )
+
+
+def _counts(axis: Any, record: Record, spans: NDArray[np.void]) -> None:
+    """How many robots are in each mode, one upon the other; those of danger at the bottom."""
+    times, counts = mode_counts(record, spans)
+    order = sorted(range(len(record.modes)), key=lambda k: not record.modes[k].danger)
+    axis.stackplot(
+        times, counts[order], colors=[record.modes[k].colour for k in order], step="post",
+        linewidth=0.0,
+    )  # fmt: skip
+    axis.set(ylim=(0.0, record.robots), ylabel="robots in\neach mode")
+
+
+def mode_counts(record: Record, spans: NDArray[np.void]) -> tuple[FloatArray, IntArray]:
+    """Moments (T,) [s] and how many robots are in each of the M modes then (M, T)."""
+    times = np.linspace(0.0, record.steps_run * record.dt, MOMENTS)
+    found = []
+    for mode in range(len(record.modes)):
+        mine = spans[spans["mode"] == mode]
+        begun, over = (
+            np.searchsorted(np.sort(mine[end]), times + 1e-9) for end in ("begin", "end")
+        )
+        found.append(begun - over)
+    return times, np.array(found)
 
 
 def _shares(axis: Any, record: Record) -> None:

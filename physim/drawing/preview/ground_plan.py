@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from physim.drawing import palette
+from physim.drawing.crowd import NAMED
 from physim.drawing.labels import decimal, round_step
 from physim.drawing.palette import hexed, robot_colour
 from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
@@ -29,6 +30,10 @@ SMALL = 2.5
 """[pt] A robot smaller than this has a ring round it."""
 STALK = 5.0
 """[pt] by which the heading line reaches beyond the footprint"""
+DOT = 1.6
+"""[pt] size at least of a robot in a crowd"""
+TOGETHER = hexed(palette.BAND)
+"""Colour of all robots and paths of a crowd."""
 DASH = (3.2, 2.6)
 """[pt] in the danger area"""
 TURN = 14.5
@@ -40,8 +45,11 @@ def draw_map(axis: Any, preview: Contents, names: Sequence[str]) -> int:
     _frame(axis, preview)
     draw_scene(axis, preview.scene, _wall(axis, preview), zorder=3.0)
     _reference(axis, preview)
-    for route in preview.routes:
-        _route(axis, route)
+    if is_crowd(preview.scene):
+        _routes_alike(axis, preview.routes)
+    else:
+        for route in preview.routes:
+            _route(axis, route)
     _narrowest(axis, preview)
     _stops(axis, preview.scene)
     _robots(axis, preview.scene)
@@ -147,6 +155,15 @@ def _route(axis: Any, route: Route) -> None:
                gid=f"danger path {route.robots[0]}", **style)  # fmt: skip
 
 
+def _routes_alike(axis: Any, routes: Sequence[Route]) -> None:
+    """Paths of a crowd, all in one colour: solid in the safe area, dashed elsewhere."""
+    style = {"colors": TOGETHER, "linewidths": 0.5, "capstyle": "butt", "zorder": 2.3}
+    safe = [piece for route in routes for piece in route.safe]
+    danger = [piece for route in routes for piece in route.danger]
+    add_lines(axis, safe, gid="safe paths", **style)
+    add_lines(axis, danger, linestyles=[(0.0, DASH)], gid="danger paths", **style)
+
+
 def _narrowest(axis: Any, preview: Contents) -> None:
     """The shortest segments to both sides at the narrowest place."""
     k = preview.widths.narrowest
@@ -158,21 +175,34 @@ def _narrowest(axis: Any, preview: Contents) -> None:
 
 
 def _stops(axis: Any, scene: SceneModel) -> None:
-    axis.scatter(*scene.stops.T, s=17.0, marker="s", facecolors="white",
-                 edgecolors=list(map(hexed, scene.colours)), linewidths=1.1, zorder=3.4,
-                 gid="stops")  # fmt: skip
+    crowd = is_crowd(scene)
+    edges = TOGETHER if crowd else list(map(hexed, scene.colours))
+    size, line = (3.0, 0.4) if crowd else (17.0, 1.1)
+    axis.scatter(*scene.stops.T, s=size, marker="s", facecolors="white", edgecolors=edges,
+                 linewidths=line, zorder=3.4, gid="stops")  # fmt: skip
 
 
 def _robots(axis: Any, scene: SceneModel) -> None:
-    colours = np.array(list(map(hexed, scene.colours)))
-    add_bodies(axis, scene.starting, facecolors=colours, edgecolors=INK, linewidths=0.5,
-               zorder=4.0, gid="robots")  # fmt: skip
+    """Robots at the start, in their colours; a crowd in one, without what would hide others."""
+    crowd, scale = is_crowd(scene), points_a_metre(axis)
+    colours = np.array([TOGETHER] * scene.robots if crowd else list(map(hexed, scene.colours)))
+    add_bodies(axis, scene.starting, facecolors=colours, edgecolors=INK,
+               linewidths=0.0 if crowd else 0.5, zorder=4.0, gid="robots")  # fmt: skip
     place, heading = scene.start[:, :2], scene.start[:, 2]
-    scale = points_a_metre(axis)
-    direction = np.column_stack((np.cos(heading), np.sin(heading)))
-    tip = place + direction * (scene.reach + STALK / scale)[:, None]
-    add_lines(axis, np.stack((place, tip), axis=1), colors=INK, linewidths=1.1, zorder=4.1,
-              gid="headings")  # fmt: skip
     small = scene.reach * scale < SMALL
-    axis.scatter(*place[small].T, s=(4.0 * SMALL) ** 2, facecolors="none",
-                 edgecolors=colours[small], linewidths=1.0, zorder=4.2, gid="rings")  # fmt: skip
+    if crowd:
+        axis.scatter(*place[small].T, s=DOT**2, c=TOGETHER, linewidths=0.0, zorder=4.2, gid="dots")
+        if small.all():
+            return
+    direction = np.column_stack((np.cos(heading), np.sin(heading)))
+    tip = place + direction * (scene.reach + (0.0 if crowd else STALK / scale))[:, None]
+    add_lines(axis, np.stack((place, tip), axis=1), colors=INK, linewidths=0.4 if crowd else 1.1,
+              zorder=4.1, gid="headings")  # fmt: skip
+    if not crowd:
+        rings = {"facecolors": "none", "edgecolors": colours[small], "linewidths": 1.0}
+        axis.scatter(*place[small].T, s=(4.0 * SMALL) ** 2, zorder=4.2, gid="rings", **rings)
+
+
+def is_crowd(scene: SceneModel) -> bool:
+    """Whether robots and paths are drawn alike, in one colour."""
+    return scene.robots > NAMED

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from physim.drawing.crowd import NAMED
 from physim.drawing.labels import (
     TURNS,
     Label,
@@ -25,8 +26,8 @@ from physim.drawing.preview.contents import Contents
 from physim.drawing.scene_model import SceneModel, closed, pieces_of
 from physim.geometry.shapes import FloatArray
 
-MOST_NAMED = 300
-"""Robots whose names are tried; beyond that every k-th."""
+FEW_NAMED = 12
+"""Names of a crowd that are tried, of robots as far apart in the list as can be."""
 GAPS = (2.0, 6.0, 12.0, 20.0)
 """[pt] between what is labelled and its label"""
 NEAR = 4.0
@@ -81,7 +82,8 @@ def letter(
         at = points(preview.widths.left_foot[k][None])[0]
         texts.append((Text(words, WIDTHS, 8.5, "bold"), at, 3.0))
     first = len(texts)
-    for i in range(0, len(names), max(1, ceil(len(names) / MOST_NAMED))):
+    every = 1 if len(names) <= NAMED else ceil(len(names) / FEW_NAMED)
+    for i in range(0, len(names), every):
         texts.append((Text(names[i], INK, 7.5), robots[i], max(scene.reach[i] * scale, LEAST)))
     last = len(texts)
     for at, station in zip(points(ticks[0]), ticks[1], strict=True):

@@ -15,7 +15,7 @@ from physim.drawing.labels import round_step, shortened, significant
 from physim.drawing.palette import hexed
 from physim.drawing.plots.style import INK, QUIET, WIDTHS, save_figure
 from physim.drawing.preview.contents import Contents, contents, counts, drawable, families
-from physim.drawing.preview.ground_plan import DASH, MOST_TICKS, draw_map
+from physim.drawing.preview.ground_plan import DASH, MOST_TICKS, TOGETHER, draw_map, is_crowd
 from physim.drawing.preview.lettering import text_size
 from physim.drawing.preview.profile import draw_profile
 from physim.errors import PhysimError
@@ -36,7 +36,7 @@ def draw_key(axis: Any, preview: Contents, named: int) -> None:
         fontsize=8.2,
     )  # fmt: skip
     if named < len(preview.scene.names):
-        words = f"{named:,} of {len(preview.scene.names):,} names fit on the map"
+        words = f"{named:,} of {len(preview.scene.names):,} names are on the map"
         axis.text(0.0, 0.0, words, fontsize=8.0, color=QUIET)
 
 
@@ -56,21 +56,30 @@ def _paths(preview: Contents) -> Iterator[tuple[Any, str]]:
         markeredgecolor=QUIET, markersize=7.0,
     )  # fmt: skip
     yield reference, f"reference path, ticks every {step:,g} m"
+    crowd, alone = is_crowd(preview.scene), len(preview.scene.names) == 1
     first, second = (hexed(palette.robot_colour(i)) for i in (0, 1))
-    alone = len(preview.scene.names) == 1
-    yield _line(color=first, linewidth=PATH), f"path of {'the' if alone else 'a'} robot"
+    first = TOGETHER if crowd else first
+    words = "paths of all robots" if crowd else f"path of {'the' if alone else 'a'} robot"
+    yield _line(color=first, linewidth=PATH), words
     if any(route.danger for route in preview.routes):
         dash = (0.0, tuple(length / PATH for length in DASH))
         yield _line(color=first, linewidth=PATH, linestyle=dash), "path in the danger area"
-    if any(len(route.robots) > 1 for route in preview.routes):
+    if not crowd and any(len(route.robots) > 1 for route in preview.routes):
         turns = _line(color=first, gapcolor=second, linewidth=PATH, linestyle=(0.0, (5.0, 5.0)))
         yield turns, "path that robots share"
 
 
 def _marks(preview: Contents) -> Iterator[tuple[Any, str]]:
-    colour = hexed(palette.robot_colour(0))
-    yield _mark("s", 4.2, "white", colour, 1.1), "stop station"
-    yield _mark((3, 0, -90), 7.0, colour, INK, 0.5), "robot at the start, heading"
+    if is_crowd(preview.scene):
+        yield _mark("s", 2.0, "white", TOGETHER, 0.4), "stop stations"
+        yield (
+            _mark("o", 2.4, TOGETHER, TOGETHER, 0.0),
+            f"{preview.scene.robots:,} robots at the start",
+        )
+    else:
+        colour = hexed(palette.robot_colour(0))
+        yield _mark("s", 4.2, "white", colour, 1.1), "stop station"
+        yield _mark((3, 0, -90), 7.0, colour, INK, 0.5), "robot at the start, heading"
     if preview.widths.narrowest is not None:
         yield (
             _line(color=WIDTHS, linewidth=1.8, marker="o", markersize=3.4),

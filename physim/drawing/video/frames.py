@@ -35,34 +35,43 @@ LEAST_OVERVIEW = 24
 
 
 class Painter:
-    """Draws frames of one run at one playback speed: the view, figures beside it and below."""
+    """Draws frames of one run at one playback speed: the view, figures beside it and below.
+
+    There is one picture; from frame to frame only the parts of it that change are drawn.
+    """
 
     def __init__(self, timeline: Timeline, speed: float, fps: float) -> None:
         self.timeline = timeline
+        self._image: Image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
         curves = timeline.curves
-        view, self._panel_box, self._strip_box = arrange(curves is not None)
+        view, beside, below = arrange(curves is not None)
         world = ground(timeline)
         self._view = View(timeline, world, view, speed, fps)
         camera, entries = self._view.camera, signs(timeline, world)
-        self._panel = Panel(timeline, self._panel_box, camera.scale, speed, entries)
+        panel = beside.of(self._image)
+        self._panel = Panel(timeline, panel, camera.scale, speed, entries)
         free = self._panel.free
+        self._overview_image = free.of(panel)
         crowded = camera.whole or free.height < LEAST_OVERVIEW
-        self._overview = None if crowded else Overview(plain(timeline, world), free)
-        self._strip = Strip(timeline, curves, self._strip_box) if curves else None
+        modes = timeline.scene.modes
+        self._overview = None if crowded else Overview(plain(timeline, world), free, modes)
+        self._strip = Strip(timeline, curves, below.of(self._image)) if curves else None
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
+        return self.paint(time).copy()
+
+    def paint(self, time: float) -> Image:
+        """Return the picture at ``time`` [s] as it is until the next is asked for."""
         now = self.timeline.at(time)
-        image = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        pair = self._view.paint(image, now)
-        panel = self._panel_box.of(image)
-        self._panel.paint(panel, now, pair)
+        pair = self._view.paint(self._image, now)
+        self._panel.paint(now, pair)
         if self._overview is not None:
             corners = self._view.camera.corners(time)
-            self._overview.paint(self._panel.free.of(panel), corners, now)
+            self._overview.paint(self._overview_image, corners, now)
         if self._strip is not None:
-            self._strip.paint(self._strip_box.of(image), now)
-        return image
+            self._strip.paint(now)
+        return self._image
 
 
 HEADER, FOOTER = 62, 78
@@ -90,10 +99,16 @@ class Beside:
         ]
         self._titles = titles(left.record.world, right.record.world)
         self._still = self._draw_still()
+        self._image = np.empty_like(self._still)
 
     def frame(self, time: float) -> Image:
         """Return the picture (720, 1280, 3) uint8 RGB at ``time`` [s]."""
-        image = self._still.copy()
+        return self.paint(time).copy()
+
+    def paint(self, time: float) -> Image:
+        """Return the picture at ``time`` [s] as it is until the next is asked for."""
+        image = self._image
+        image[:] = self._still
         for view in self._views:
             then = min(time, view.timeline.duration)
             view.paint(image, view.timeline.at(then))

@@ -6,7 +6,7 @@ small, with the place of the view and of every robot.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,11 +14,13 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
+from physim.drawing.crowd import NAMED
 from physim.drawing.palette import Colour
 from physim.drawing.scene_model import SceneModel, closed, pieces_of
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.layout import ONE, SHIFT, Box, Image, Lens, fixed
 from physim.geometry.shapes import FloatArray
+from physim.parts.declarations import Mode
 
 PATH_TINT = 0.42
 """Share of white in the colour of a robot's own path."""
@@ -70,14 +72,27 @@ def plain(timeline: Timeline, whole: Ground) -> Ground:
 
 
 def _paths(scene: SceneModel) -> list[Stroke]:
-    """The reference path, and over it the robots' own, dashed outside of the safe area."""
+    """The reference path, and over it the robots' own, dashed outside of the safe area.
+
+    In a crowd all have one colour, and a path that robots share is there once.
+    """
     strokes = [Stroke(pieces_of([scene.reference]), palette.REFERENCE, 2)]
-    for own, (safe, danger) in zip(scene.colours, scene.path_pieces, strict=True):
+    for own, (safe, danger) in _own_paths(scene):
         colour = palette.mix(own, palette.WHITE, PATH_TINT)
         for lines, dash in ((safe, None), (danger, (5.0, 5.0))):
             if lines:
                 strokes.append(Stroke(pieces_of(lines), colour, 1, dash))
     return strokes
+
+
+def _own_paths(scene: SceneModel) -> Iterable[tuple[Colour, tuple[list[FloatArray], ...]]]:
+    """Colour of each path, and its pieces in the safe area and elsewhere."""
+    if scene.robots <= NAMED:
+        return zip(scene.colours, scene.path_pieces, strict=True)
+    paths = zip(scene.paths, scene.path_pieces, strict=True)
+    each = {path.tobytes(): pieces for path, pieces in paths}.values()
+    together = tuple([line for pieces in each for line in pieces[k]] for k in (0, 1))
+    return [(palette.BAND, together)]
 
 
 def _extent(timeline: Timeline) -> tuple[FloatArray, FloatArray]:
@@ -169,7 +184,8 @@ class Background:
 class Overview:
     """Fits a ground into a box, which is drawn once."""
 
-    def __init__(self, ground: Ground, box: Box) -> None:
+    def __init__(self, ground: Ground, box: Box, modes: Sequence[Mode]) -> None:
+        self._dangerous = np.array([*(mode.danger for mode in modes), False])
         low, high = ground.extent
         size = np.maximum(high - low, 1e-6)
         room = box.size
@@ -182,9 +198,22 @@ class Overview:
     def paint(self, image: Image, corners: FloatArray, now: Moment) -> None:
         """Draw the ground, the view's rectangle (two ``corners`` (2, 2) [m]) and the robots."""
         image[:] = self._ground
-        radius = int(2.6 * ONE)
-        for place, colour in zip(self._lens.fixed(now.pose[:, :2]), now.colours, strict=True):
-            cv2.circle(image, place.tolist(), radius, colour, cv2.FILLED, cv2.LINE_AA, SHIFT)
+        if len(now.pose) > NAMED:
+            self._draw_dots(image, now)
+        else:
+            radius = int(2.6 * ONE)
+            for place, colour in zip(self._lens.fixed(now.pose[:, :2]), now.colours, strict=True):
+                cv2.circle(image, place.tolist(), radius, colour, cv2.FILLED, cv2.LINE_AA, SHIFT)
         (x0, y0), (x1, y1) = np.rint(self._lens.pixels(corners)).astype(int).tolist()
         cv2.rectangle(image, (x0, y0), (x1, y1), palette.INK, 1)
         cv2.rectangle(image, (0, 0), (image.shape[1] - 1, image.shape[0] - 1), palette.RULE, 1)
+
+    def _draw_dots(self, image: Image, now: Moment) -> None:
+        """A dot of 2 x 2 px for each robot of a crowd, over all others those in danger."""
+        order = np.argsort(self._dangerous[now.modes], kind="stable")
+        places = np.rint(self._lens.pixels(now.pose[order, :2])).astype(int) - 1
+        colours = np.array(now.colours, np.uint8)[order]
+        for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+            x, y = (places + (dx, dy)).T
+            seen = (x >= 0) & (y >= 0) & (x < image.shape[1]) & (y < image.shape[0])
+            image[y[seen], x[seen]] = colours[seen]

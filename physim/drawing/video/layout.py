@@ -23,8 +23,8 @@ TEXT = 14
 SMALL = 13
 TITLE = 17
 
-TRAIL = 10.0
-"""[s] simulated length of a trail"""
+TRAIL, SHORT_TRAIL = 10.0, 2.0
+"""[s] simulated length of a trail, and of one in a crowd, where robots follow close behind"""
 FLASH = 0.5
 """[s of video] length of the flash at a contact"""
 MARK = 1.0

@@ -4,8 +4,9 @@ closest pair, contacts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import cv2
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 
 from physim.drawing import palette
 from physim.drawing.palette import Colour
-from physim.drawing.scene_model import largest, placed, rings_of, union
+from physim.drawing.scene_model import largest, rings_of, union
+from physim.drawing.video.closest import Pair
 from physim.drawing.video.layout import FLASH, MARK, ONE, SHIFT, Image, Lens, fixed
 from physim.geometry.shapes import FloatArray
 
@@ -76,7 +78,9 @@ class Fleet:
         self._owner = np.repeat(
             np.arange(len(pieces)), [sum(len(piece) for piece in body) for body in pieces]
         )
-        self._ends = np.cumsum([len(piece) for piece in flat])[:-1]
+        self._start = np.searchsorted(self._owner, np.arange(len(pieces)))
+        spans = iter(pairwise(np.cumsum([0, *map(len, flat)]).tolist()))
+        self._spans = [[next(spans) for _ in body] for body in pieces]
 
     def placed(self, pose: FloatArray) -> FloatArray:
         """Return all vertices (V, 2) [m] in the world frame for poses (N, 3)."""
@@ -85,69 +89,40 @@ class Fleet:
         turned = np.stack((c * x - s * y, s * x + c * y), axis=1)
         return turned + pose[self._owner, :2]
 
-    def split(self, vertices: NDArray[np.int32]) -> list[Outline]:
-        """Divide vertices (V, 2) into the outlines of each robot."""
-        pieces = iter(np.split(vertices, self._ends))
-        return [
-            Outline([next(pieces) for _ in shape.rings], next(pieces)) for shape in self.figures
-        ]
+    def split(
+        self, vertices: NDArray[np.int32], robots: Iterable[int] | None = None
+    ) -> list[Outline]:
+        """Divide vertices (V, 2) into the outlines of all robots, or of some."""
+        outlines = []
+        for robot in range(len(self.figures)) if robots is None else robots:
+            *rings, mark = (vertices[a:b] for a, b in self._spans[robot])
+            outlines.append(Outline(rings, mark))
+        return outlines
+
+    def boxes(self, vertices: NDArray[np.int32]) -> FloatArray:
+        """Return left, top, right, bottom (N, 4) [px] of robots, of vertices (V, 2)."""
+        low = np.minimum.reduceat(vertices, self._start, axis=0)
+        high = np.maximum.reduceat(vertices, self._start, axis=0)
+        return np.concatenate((low, high), axis=1) / ONE
 
 
-def draw_robot(view: Image, outline: Outline, colour: Colour, touching: bool) -> None:
-    """Draw one robot in the colour of its mode, given in OpenCV's fixed-point pixels.
+def draw_robots(
+    view: Image, outlines: Sequence[Outline], colours: Sequence[Colour], touching: Sequence[bool]
+) -> None:
+    """Draw robots in the colours of their modes, given in OpenCV's fixed-point pixels.
 
-    A robot that touches something has a firm outline in the contact colour.
+    A robot that touches something has a firm outline in the contact colour. Lines of one colour
+    are drawn together: calls cost more than pixels.
     """
-    rings = outline.rings
-    cv2.fillPoly(view, rings, colour, cv2.LINE_AA, SHIFT)
-    edge, width = (palette.CONTACT, 3) if touching else (palette.mix(colour, (0, 0, 0), 0.6), 1)
-    cv2.polylines(view, rings, True, edge, width, cv2.LINE_AA, SHIFT)
-    cv2.fillPoly(view, [outline.mark], palette.WHITE, cv2.LINE_AA, SHIFT)
-
-
-class Pair(NamedTuple):
-    """Two robots, their distance [m] (0 when they touch or overlap) and the points (2, 2) [m]."""
-
-    a: int
-    b: int
-    distance: float
-    points: FloatArray
-
-
-def closest_pair(
-    footprints: Sequence[Sequence[FloatArray]], pose: FloatArray, reach: FloatArray
-) -> Pair | None:
-    """Find the closest pair of robots; of equal ones the first. None for one robot.
-
-    ``footprints``: convex parts of the N robots, in their frames; ``pose`` (N, 3); ``reach`` (N,)
-    [m]: radius of a disc around the reference point that holds the robot.
-
-    Pairs are taken in the order of a lower bound, the distance of their enclosing discs, so far
-    fewer than all are worked out.
-    """
-    count = len(pose)
-    if count < 2:
-        return None
-    a, b = np.triu_indices(count, 1)
-    gap = np.hypot(*(pose[a, :2] - pose[b, :2]).T)
-    order = np.argsort(gap - reach[a] - reach[b], kind="stable")
-    bound = (gap - reach[a] - reach[b])[order]
-    best, found = np.inf, (0, 1)
-    shapes: dict[int, shapely.Geometry] = {}
-    for index, least in zip(order, bound, strict=True):
-        if least > best:
-            break
-        i, j = int(a[index]), int(b[index])
-        for k in (i, j):
-            if k not in shapes:
-                parts = [shapely.Polygon(placed(part, pose[k])) for part in footprints[k]]
-                shapes[k] = shapely.GeometryCollection(parts)
-        distance = float(shapely.distance(shapes[i], shapes[j]))
-        if distance < best:
-            best, found = distance, (i, j)
-    i, j = found
-    line = shapely.shortest_line(shapes[i], shapes[j])
-    return Pair(i, j, best, shapely.get_coordinates(line))
+    edges: dict[tuple[Colour, int], list[NDArray[np.int32]]] = {}
+    for outline, colour, touches in zip(outlines, colours, touching, strict=True):
+        cv2.fillPoly(view, outline.rings, colour, cv2.LINE_AA, SHIFT)
+        edge = (palette.CONTACT, 3) if touches else (palette.mix(colour, (0, 0, 0), 0.6), 1)
+        edges.setdefault(edge, []).extend(outline.rings)
+    for (colour, width), rings in sorted(edges.items(), key=lambda edge: edge[0][1]):
+        cv2.polylines(view, rings, True, colour, width, cv2.LINE_AA, SHIFT)
+    for outline in outlines:
+        cv2.fillConvexPoly(view, outline.mark, palette.WHITE, cv2.LINE_AA, SHIFT)
 
 
 CORNERS = np.array([[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
@@ -170,24 +145,26 @@ def draw_disc(
     cv2.circle(image, at.tolist(), round(radius * ONE), colour, width, cv2.LINE_AA, SHIFT)
 
 
-def draw_trail(view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int) -> None:
-    """Draw where a robot went, (T, 2) fixed-point pixels, old to new, fading in ``bands`` steps."""
-    count = len(pixels) - 1
+def draw_trails(
+    view: Image, pixels: NDArray[np.int32], colour: Colour, bands: int, width: int = 2
+) -> None:
+    """Draw where robots went, (N, T, 2) fixed-point pixels, old to new, fading in steps."""
+    count = pixels.shape[1] - 1
     for band in range(bands):
         first, last = band * count // bands, (band + 1) * count // bands
         if last > first:
             shade = palette.mix(colour, palette.SAFE_AREA, 0.85 * (1.0 - (band + 1) / bands))
-            draw_lines(view, pixels[None, first : last + 1], shade, 2)
+            draw_lines(view, pixels[:, first : last + 1], shade, width)
 
 
-def draw_target(view: Image, lens: Lens, robot: FloatArray, target: FloatArray) -> None:
-    """Draw a target (2,) [m] as a small ring, joined to its robot by a thin line."""
-    if not np.isfinite(target).all():
-        return
-    ends = lens.fixed(np.stack((robot, target)))
-    draw_lines(view, ends[None], palette.QUIET, 1)
-    draw_disc(view, ends[1], 3.0, palette.WHITE)
-    draw_disc(view, ends[1], 3.0, palette.INK, 1)
+def draw_targets(view: Image, lens: Lens, robots: FloatArray, targets: FloatArray) -> None:
+    """Draw targets (N, 2) [m] as small rings, joined to their robots by thin lines."""
+    known = np.isfinite(targets).all(axis=1)
+    ends = lens.fixed(np.stack((robots[known], targets[known]), axis=1))
+    draw_lines(view, ends, palette.QUIET, 1)
+    for end in ends[:, 1]:
+        draw_disc(view, end, 3.0, palette.WHITE)
+        draw_disc(view, end, 3.0, palette.INK, 1)
 
 
 def draw_reference_point(view: Image, lens: Lens, place: FloatArray) -> None:
@@ -219,13 +196,12 @@ def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> No
     draw_disc(image, fixed(centre), radius, palette.CONTACT, width)
 
 
-def draw_contact(image: Image, centre: FloatArray, swept: bool, small: bool = False) -> None:
-    """Draw the cross of a contact, or the open diamond of a swept one, at ``centre`` (2,) [px]."""
-    if not np.isfinite(centre).all():
-        return
+def draw_contacts(image: Image, centres: FloatArray, swept: bool, small: bool = False) -> None:
+    """Draw crosses of contacts, or open diamonds of swept ones, at ``centres`` (C, 2) [px]."""
+    centres = centres[np.isfinite(centres).all(axis=1)]
     shape = CORNERS[None] if swept else ARMS
     arm, width = ((5.0, 2) if swept else (4.0, 2)) if small else ((9.0, 3) if swept else (7.0, 4))
-    lines = fixed(centre + arm * shape)
+    lines = fixed((centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:]))
     draw_lines(image, lines, palette.WHITE, width + 3, swept)
     draw_lines(image, lines, palette.CONTACT, width, swept)
 

@@ -10,20 +10,21 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
+from physim.drawing.crowd import NAMED
 from physim.drawing.labels import metres, number, round_step
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.timeline import Moment, Timeline
+from physim.drawing.video.closest import Pair
 from physim.drawing.video.ground import PATH_TINT, Ground
-from physim.drawing.video.layout import SMALL, TEXT, TITLE, TRAIL, Box, Image, Lens
+from physim.drawing.video.layout import SHORT_TRAIL, SMALL, TEXT, TITLE, TRAIL, Box, Image, Lens
 from physim.drawing.video.marks import (
     Fleet,
-    Pair,
     draw_closest,
-    draw_contact,
+    draw_contacts,
     draw_ring,
-    draw_robot,
-    draw_target,
-    draw_trail,
+    draw_robots,
+    draw_targets,
+    draw_trails,
 )
 from physim.drawing.video.text import BOLD, shorten, write
 from physim.parts.declarations import Mode
@@ -35,7 +36,8 @@ SIGN, WIDE = 30, 22
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
 BEGINS = "a contact begins"
 SWEPT = "contact between samples"
-RECENT = f"trail, last {TRAIL:g} s"
+RECENT, RECENT_ALL = f"trail, last {TRAIL:g} s", f"trails, last {SHORT_TRAIL:g} s"
+DASHED_ALL, PATH_ALL = "paths, dashed in danger area", "paths"
 DASHED, PATH, REFERENCE = "path, dashed in danger area", "path", "reference path"
 BOUNDARY = "boundary"
 START, MIDDLE, END = np.array([[0.0, 0.0], [WIDE / 2.0, 0.0], [WIDE, 0.0]])
@@ -50,7 +52,7 @@ def draw_modes(
     for k, mode in enumerate(modes):
         y = top + k * row + row / 2.0
         vertices = Lens(1.0, left + MIDDLE[0], y).fixed(fleet.placed(np.zeros((1, 3))))
-        draw_robot(image, fleet.split(vertices)[0], rgb(mode.colour), False)
+        draw_robots(image, fleet.split(vertices), [rgb(mode.colour)], [False])
         words = shorten(str(mode), TEXT, room - SIGN)
         write(image, words, (left + SIGN, y + 5), TEXT)
 
@@ -58,16 +60,16 @@ def draw_modes(
 def signs(timeline: Timeline, ground: Ground) -> list[str]:
     """Return the words of the signs that can appear in the video of a record, in order."""
     dashed = any(stroke.dash is not None for stroke in ground.strokes)
-    scene, contacts = timeline.scene, timeline.contacts
+    scene, contacts, crowd = timeline.scene, timeline.contacts, timeline.robots > NAMED
     entries = {
         CONTACT: True,
         BEGINS: contacts.began.size > 0,
         SWEPT: bool(contacts.swept.any()),
         CLOSEST: timeline.robots > 1,
-        TARGET: timeline.has("target_x", "target_y"),
-        RECENT: True,
-        DASHED: dashed,
-        PATH: not dashed,
+        TARGET: not crowd and timeline.has("target_x", "target_y"),
+        RECENT_ALL if crowd else RECENT: True,
+        DASHED_ALL if crowd else DASHED: dashed,
+        PATH_ALL if crowd else PATH: not dashed,
         REFERENCE: True,
         BOUNDARY: bool(scene.boundaries or scene.obstacles),
     }
@@ -103,21 +105,31 @@ def _line(colour: Colour, width: int, *pieces: tuple[int, int]) -> Callable[[Ima
     return draw
 
 
+def _trail(colour: Colour) -> Callable[[Image, Lens], None]:
+    def draw(image: Image, lens: Lens) -> None:
+        draw_trails(image, lens.fixed(np.linspace(START, END, 13))[None], colour, 12)
+
+    return draw
+
+
 _OWN = palette.robot_colour(0)
 _OWN_PATH = palette.mix(_OWN, palette.WHITE, PATH_TINT)
+_ALL_PATHS = palette.mix(palette.BAND, palette.WHITE, PATH_TINT)
+_DASHES = (0, 9), (12, 15), (19, 22)
 _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
-    CONTACT: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), False),
+    CONTACT: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), False),
     BEGINS: lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2),
-    SWEPT: lambda image, lens: draw_contact(image, lens.pixels(MIDDLE), True),
+    SWEPT: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), True),
     CLOSEST: lambda image, lens: draw_closest(
         image, lens, Pair(0, 1, 0.0, np.stack((START + (3.0, 0.0), END - (3.0, 0.0))))
     ),
-    TARGET: lambda image, lens: draw_target(image, lens, START, END - (4.0, 0.0)),
-    RECENT: lambda image, lens: draw_trail(
-        image, lens.fixed(np.linspace(START, END, 13)), _OWN, 12
-    ),
-    DASHED: _line(_OWN_PATH, 1, (0, 9), (12, 15), (19, 22)),
+    TARGET: lambda image, lens: draw_targets(image, lens, START[None], END[None] - (4.0, 0.0)),
+    RECENT: _trail(_OWN),
+    RECENT_ALL: _trail(palette.BAND),
+    DASHED: _line(_OWN_PATH, 1, *_DASHES),
+    DASHED_ALL: _line(_ALL_PATHS, 1, *_DASHES),
     PATH: _line(_OWN_PATH, 1, (0, WIDE)),
+    PATH_ALL: _line(_ALL_PATHS, 1, (0, WIDE)),
     REFERENCE: _line(palette.REFERENCE, 2, (0, WIDE)),
     BOUNDARY: _line(palette.WALL, 3, (0, WIDE)),
     "safe area": _area(palette.SAFE_AREA),
@@ -134,15 +146,21 @@ BELOW = 134
 
 
 class Panel:
-    """Draws the panel; all that stays the same is drawn once."""
+    """Draws the panel; all that stays the same is drawn once, and texts when they change."""
 
     def __init__(
-        self, timeline: Timeline, box: Box, scale: float, speed: float, signs: Sequence[str]
+        self, timeline: Timeline, image: Image, scale: float, speed: float, signs: Sequence[str]
     ) -> None:
-        """``scale`` [px/m] is the view's; ``signs`` are the words of the legend's signs."""
-        self._timeline, self._box = timeline, box
-        self._right = box.width - PAD
+        """``image`` keeps what is painted in it, from one moment to the next.
+
+        ``scale`` [px/m] is the view's; ``signs`` are the words of the legend's signs.
+        """
+        self._timeline, self._image = timeline, image
+        self._box = Box(0, 0, image.shape[1], image.shape[0])
+        self._right = self._box.width - PAD
         self._still = self._draw_still(scale, speed, signs)
+        self._shown: dict[Box, object] = {}
+        image[:] = self._still
 
     @property
     def free(self) -> Box:
@@ -194,29 +212,49 @@ class Panel:
         write(image, f"{number(length, length)} m", (end + 10, y + 5), TEXT)
         return top + 34
 
-    def paint(self, image: Image, now: Moment, pair: Pair | None) -> None:
-        """Draw the panel at one moment, with the closest pair of robots."""
-        image[:] = self._still
-        write(image, f"{now.time:.1f} s", (PAD, CLOCK + 32), 30, weight=BOLD)
-        share = now.time / max(self._timeline.duration, 1e-9)
-        draw_progress(image, PAD, self._right, CLOCK + 50, share)
+    def paint(self, now: Moment, pair: Pair | None) -> None:
+        """Show one moment, with the closest pair of robots."""
+        self._show_clock(now.time)
         arrived = self._timeline.arrived(now.time)
-        if arrived:
-            every = arrived == self._timeline.robots > 1
-            self._at_right(image, "all arrived" if every else f"{arrived} arrived", 53, SMALL)
+        every = arrived == self._timeline.robots > 1
+        words = ("all arrived" if every else f"{arrived} arrived") if arrived else ""
+        self._show_line(53, "", words, palette.INK, size=SMALL, left=self._box.width // 2)
         for row, (words, value, colour) in enumerate(self._figures(now, pair)):
-            y = FIGURES + 12 + row * 22
-            write(image, words, (PAD, y), TEXT, colour=palette.QUIET)
-            self._at_right(image, value, y, colour=colour)
+            self._show_line(FIGURES + 12 + row * 22, words, value, colour)
         for k, mode in enumerate(self._timeline.explained_modes):
             count = int((now.modes == mode).sum())
             y = MODES + k * self._row_height + self._row_height // 2 + 5
-            self._at_right(image, str(count), y, colour=palette.INK if count else palette.QUIET)
+            colour = palette.INK if count else palette.QUIET
+            self._show_line(y, "", str(count), colour, left=self._right - 50)
 
-    def _at_right(
-        self, image: Image, text: str, y: int, size: int = TEXT, colour: Colour = palette.INK
+    def _show_clock(self, time: float) -> None:
+        words = f"{time:.1f} s"
+        if self._is_new(Box(PAD, CLOCK + 4, self._right - 60 - PAD, 38), words):
+            write(self._image, words, (PAD, CLOCK + 32), 30, weight=BOLD)
+        share = time / max(self._timeline.duration, 1e-9)
+        length = round((self._right - PAD) * share)
+        if self._is_new(Box(PAD - 4, CLOCK + 46, self._right - PAD + 8, 9), length):
+            draw_progress(self._image, PAD, self._right, CLOCK + 50, share)
+
+    def _show_line(
+        self, y: int, words: str, value: str, colour: Colour, size: int = TEXT, left: int = PAD
     ) -> None:
-        write(image, text, (self._right, y), size, colour=colour, weight=BOLD, anchor="right")
+        """Show words and at the right end a value, with their baseline at ``y`` [px]."""
+        box = Box(left, y - size + 1, self._box.width - left, size + 4)
+        if self._is_new(box, (words, value, colour)):
+            write(self._image, words, (left, y), size, colour=palette.QUIET)
+            write(
+                self._image, value, (self._right, y), size, colour=colour, weight=BOLD,
+                anchor="right",
+            )  # fmt: skip
+
+    def _is_new(self, box: Box, content: object) -> bool:
+        """Whether a box is to show something else than it does; it is blank then."""
+        if self._shown.get(box) == content:
+            return False
+        self._shown[box] = content
+        box.of(self._image)[:] = box.of(self._still)
+        return True
 
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
         """Words, value and colour of every line of figures."""

@@ -1,19 +1,22 @@
 """Formation error or deviation of each robot over the run, drawn up to the present time.
 
-A cross on the time axis says when a contact began, a diamond when two touched between samples.
+Of more than a dozen robots: their median, and bands of half and nine tenths of them. A cross on
+the time axis says when a contact began, a diamond when two touched between samples.
 """
 
 from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.drawing import palette
+from physim.drawing.crowd import MOST_LINES, quantiles
 from physim.drawing.labels import spread, ticks
 from physim.drawing.timeline import Curves, Moment, Timeline
-from physim.drawing.video.layout import SMALL, Box, Image, fixed
-from physim.drawing.video.marks import draw_contact, draw_lines
-from physim.drawing.video.text import BOLD, shorten, write
+from physim.drawing.video.layout import SHIFT, SMALL, Box, Image, fixed
+from physim.drawing.video.marks import draw_contacts, draw_lines
+from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.geometry.shapes import FloatArray
 
 LEFT, TOP, BOTTOM, NAMES = 58, 30, 28, 78
@@ -25,14 +28,19 @@ LEAST = 0.03
 REACH = 10
 """[px] size of the mark on the time axis where a contact began"""
 
+OUTER, INNER = 0.25, 0.6
+"""Share of colour in the bands of nine tenths and of half of the robots"""
+
 
 class Strip:
     """Draws the strip at any time: the full plot is drawn once and uncovered as time goes."""
 
-    def __init__(self, timeline: Timeline, curves: Curves, box: Box) -> None:
+    def __init__(self, timeline: Timeline, curves: Curves, image: Image) -> None:
+        """``image`` keeps what is painted in it, from one moment to the next."""
         self._timeline = timeline
         self._curves = curves
-        self._box = box
+        self._image = image
+        self._box = box = Box(0, 0, image.shape[1], image.shape[0])
         self._wide, self._high = box.width - LEFT - NAMES, box.height - TOP - BOTTOM
         columns = 2 * self._wide + 1
         times = np.linspace(0.0, timeline.duration, columns)
@@ -42,15 +50,18 @@ class Strip:
         low = min(float(finite.min(initial=0.0)) * 1.08, -0.15 * top)
         high = max(float(finite.max(initial=0.0)) * 1.08, 0.15 * top)
         self._range = (low, high)
+        self._each = timeline.robots <= MOST_LINES
         self._names = [shorten(name, SMALL, NAMES - 14) for name in timeline.record.names]
         self._blank = self._axes()
         self._full = self._blank.copy()
-        self._draw_lines(times, values)
+        self._draw_curves(times, values)
         columns = np.rint(self._x(timeline.contacts.began)).astype(int).tolist()
         found = set(zip(~timeline.contacts.swept, columns, strict=True))
         self._marks = [(x, not contact) for contact, x in sorted(found)]
         for x, swept in self._marks:
             self._mark(self._full, x, swept)
+        self._shown: tuple[int, list[tuple[int, int, int]]] = (0, [])
+        image[:] = self._blank
 
     def _x(self, time: FloatArray | float) -> FloatArray:
         return LEFT + np.asarray(time) / max(self._timeline.duration, 1e-9) * self._wide
@@ -62,7 +73,11 @@ class Strip:
     def _axes(self) -> Image:
         image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
         cv2.line(image, (0, 0), (self._box.width, 0), palette.RULE, 1)
-        write(image, self._curves.title, (14, 20), SMALL, weight=BOLD)
+        title = self._curves.title
+        if not self._each:
+            title += f" of {self._timeline.robots} robots"
+            self._key(image, 14 + width(title, SMALL, BOLD) + 30)
+        write(image, title, (14, 20), SMALL, weight=BOLD)
         right, bottom = LEFT + self._wide, TOP + self._high
         low, high = self._range
         for value, words in ticks(low, high, 5):
@@ -80,46 +95,83 @@ class Strip:
         write(image, "time [s]", (right + 22, bottom + 18), SMALL, colour=palette.INK)
         return image
 
-    def _draw_lines(self, times: FloatArray, values: FloatArray) -> None:
-        for index, line in enumerate(values):
-            known = np.isfinite(line)
-            points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
-            breaks = np.flatnonzero(np.diff(known)) + 1
-            for piece, is_known in zip(
-                np.split(points, breaks), np.split(known, breaks), strict=True
-            ):
-                if is_known[0] and len(piece) > 1:
+    def _draw_curves(self, times: FloatArray, values: FloatArray) -> None:
+        """Draw values (N, T) of the robots, a line each or, of many, bands."""
+        if self._each:
+            for index, line in enumerate(values):
+                for piece in self._pieces(times, line):
                     draw_lines(self._full, piece[None], palette.robot_colour(index), 2)
+            return
+        found = quantiles(values.T)
+        for low, high, share in ((1, -2, OUTER), (2, -3, INNER)):
+            colour = palette.mix(palette.WHITE, palette.BAND, share)
+            for below, above in zip(
+                self._pieces(times, found[low]), self._pieces(times, found[high]), strict=True
+            ):
+                outline = np.concatenate((below, above[::-1]))
+                cv2.fillPoly(self._full, [outline], colour, cv2.LINE_AA, SHIFT)
+        for k, colour, wide in ((0, palette.INK, 1), (-1, palette.INK, 1), (3, palette.BAND, 2)):
+            for piece in self._pieces(times, found[k]):
+                draw_lines(self._full, piece[None], colour, wide)
+
+    def _pieces(self, times: FloatArray, line: FloatArray) -> list[NDArray[np.int32]]:
+        """Known pieces (n, 2) of a line (T,), in fixed-point pixels."""
+        known = np.isfinite(line)
+        points = fixed(np.column_stack((self._x(times), self._y(np.where(known, line, 0.0)))))
+        breaks = np.flatnonzero(np.diff(known)) + 1
+        pieces = zip(np.split(points, breaks), np.split(known, breaks), strict=True)
+        return [piece for piece, is_known in pieces if is_known[0] and len(piece) > 1]
+
+    def _key(self, image: Image, left: int) -> None:
+        """Say what the bands are."""
+        signs = (
+            ("median", palette.BAND, 1.0),
+            ("middle 50 %", palette.BAND, INNER),
+            ("middle 90 %", palette.BAND, OUTER),
+            ("least, greatest", palette.INK, 1.0),
+        )
+        for words, colour, share in signs:
+            shade = palette.mix(palette.WHITE, colour, share)
+            half = 5 if words.startswith("middle") else int(words == "median")
+            cv2.rectangle(image, (left, 15 - half), (left + 18, 15 + half), shade, cv2.FILLED)
+            write(image, words, (left + 25, 20), SMALL)
+            left += 25 + width(words, SMALL) + 20
 
     def _mark(self, image: Image, x: int, swept: bool) -> None:
-        draw_contact(image, np.array([x, TOP + self._high]), swept, small=True)
+        draw_contacts(image, np.array([[x, TOP + self._high]]), swept, small=True)
 
-    def paint(self, image: Image, now: Moment) -> None:
-        """Draw the strip as it is at one moment."""
-        cursor = int(np.rint(self._x(now.time)))
-        image[:] = self._blank
-        image[:, : cursor + 1] = self._full[:, : cursor + 1]
+    def paint(self, now: Moment) -> None:
+        """Show one moment; only what is near the cursor, before and now, is drawn anew."""
+        image, cursor = self._image, int(np.rint(self._x(now.time)))
+        named = now.time >= LEAST * self._timeline.duration
+        names = self._place_names(now) if named else []
+        if (cursor, names) == self._shown:
+            return
+        before, self._shown = self._shown[0], (cursor, names)
+        left, right = max(min(cursor, before) - 2 * REACH, 0), max(cursor, before) + NAMES + LEFT
+        image[:, left:right] = self._blank[:, left:right]
+        image[:, left : cursor + 1] = self._full[:, left : cursor + 1]
         cv2.line(image, (cursor, TOP - 6), (cursor, TOP + self._high), palette.QUIET, 1)
         for x, swept in self._marks:
             if cursor - REACH < x <= cursor:  # whole, though half of it is still covered
                 self._mark(image, x, swept)
-        if now.time >= LEAST * self._timeline.duration:
-            self._write_names(
-                image, cursor, self._timeline.values(self._curves.column, now.decisions)
-            )
-
-    def _write_names(self, image: Image, cursor: int, values: FloatArray) -> None:
-        """Names at the line ends, moved apart; of many robots those farthest from 0."""
-        low, high = TOP - 4.0, float(TOP + self._high)
-        room = int((high - low) // SPACING)
-        known = np.flatnonzero(np.isfinite(values))
-        named = known[np.argsort(-np.abs(values[known]), kind="stable")][:room]
-        named = named[np.argsort(-values[named], kind="stable")]
-        wanted = np.asarray(self._y(values[named]), dtype=np.float64)
-        limits = (low + SPACING / 2.0, high - SPACING / 2.0)
-        for robot, at, y in zip(named, wanted, spread(wanted, SPACING, *limits), strict=True):
-            colour = palette.robot_colour(int(robot))
-            ends = fixed(np.array([[cursor + 1.0, at], [cursor + 11.0, y]]))
-            draw_lines(image, ends[None], colour, 1)
+        for robot, at, y in names:
+            colour = palette.robot_colour(robot) if self._each else palette.INK
+            cv2.line(image, (cursor + 1, at), (cursor + 11, y), colour, 1, cv2.LINE_AA)
             name = self._names[robot]
             write(image, name, (cursor + 14, y + 5), SMALL, colour=colour, weight=BOLD)
+
+    def _place_names(self, now: Moment) -> list[tuple[int, int, int]]:
+        """Robots that are named at the line ends, and heights [px] of line ends and names.
+
+        Names are moved apart; of a crowd those of the greatest and the least are there.
+        """
+        values = self._timeline.values(self._curves.column, now.decisions)
+        known = np.flatnonzero(np.isfinite(values))
+        named = known[np.argsort(-values[known], kind="stable")]
+        if not self._each:
+            named = named[[0, -1][: len(named)]]
+        wanted = np.asarray(self._y(values[named]), dtype=np.float64)
+        limits = (TOP - 4.0 + SPACING / 2.0, TOP + self._high - SPACING / 2.0)
+        places = np.rint((wanted, spread(wanted, SPACING, *limits))).astype(int).tolist()
+        return list(zip(named.tolist(), *places, strict=True))

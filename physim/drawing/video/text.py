@@ -13,8 +13,8 @@ from physim.drawing.labels import shortened
 from physim.drawing.palette import INK, WHITE, Colour
 from physim.drawing.video.layout import Image
 
-Sprite = tuple[Image, NDArray[np.float32]]
-"""Colour (h, w, 3) and opacity (h, w, 1) from 0 to 1."""
+Sprite = tuple[NDArray[np.float32], NDArray[np.float32]]
+"""Colour times opacity (h, w, 3) from 0 to 255, and transparency (h, w, 3) from 0 to 1."""
 
 NORMAL, BOLD = 420, 600
 
@@ -55,15 +55,15 @@ def write(
 
 @functools.lru_cache(maxsize=2048)
 def sprite(text: str, size: int, colour: Colour, weight: int = BOLD) -> Sprite:
-    """Return a text with a white halo, as colour (h, w, 3) and opacity (h, w, 1) from 0 to 1."""
+    """Return a text with a white halo, made ready to be blended into a picture."""
     wide, high = width(text, size, weight) + 8, size + 10
     ink = np.zeros((high, wide, 3), np.uint8)
     write(ink, text, (4, high - 8), size, colour=WHITE, weight=weight)
     cover = ink[:, :, :1].astype(np.float32) / 255.0
     halo = cv2.GaussianBlur(cv2.dilate(ink[:, :, 0], np.ones((3, 3), np.uint8)), (5, 5), 0)
     opacity = np.maximum(cover, np.minimum(halo[:, :, None] / 255.0 * 1.2, 0.9))
-    tint = cover * np.array(colour, np.float32) + (1.0 - cover) * 255.0
-    return tint.astype(np.uint8), opacity.astype(np.float32)
+    tint = np.floor(cover * np.array(colour, np.float32) + (1.0 - cover) * 255.0)
+    return (tint * opacity).astype(np.float32), np.repeat(1.0 - opacity, 3, 2).astype(np.float32)
 
 
 def size_of(picture: Sprite) -> tuple[int, int]:
@@ -73,12 +73,13 @@ def size_of(picture: Sprite) -> tuple[int, int]:
 
 def stamp(image: Image, picture: Sprite, left: int, top: int) -> None:
     """Blend a sprite into ``image`` with its corner at (left, top), clipped at the edges."""
-    colour, opacity = picture
-    high, wide = opacity.shape[:2]
+    colour, transparency = picture
+    high, wide = transparency.shape[:2]
     y0, y1 = max(top, 0), min(top + high, image.shape[0])
     x0, x1 = max(left, 0), min(left + wide, image.shape[1])
     if y0 >= y1 or x0 >= x1:
         return
     part = (slice(y0 - top, y1 - top), slice(x0 - left, x1 - left))
-    below = image[y0:y1, x0:x1].astype(np.float32)
-    image[y0:y1, x0:x1] = below + (colour[part] - below) * opacity[part]
+    blended = image[y0:y1, x0:x1] * transparency[part]
+    blended += colour[part]
+    image[y0:y1, x0:x1] = blended

@@ -1,147 +1,61 @@
 """The world at one time as a camera sees it: ground, trails, robots, contacts, names.
 
-Names stand beside the robots, away from robots and from each other: each takes the place that
-covers least, is on no wall, and is nearer to its robot than to any other or its target. It prefers
-to be near and to stay where it is, and glides to a new place.
+Of a crowd, trails are short and of one colour, targets are left out, and only the closest pair and
+robots that touch something have names: all others would hide what they name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import itertools
+import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.drawing import palette
-from physim.drawing.labels import (
-    ANGLES,
-    Label,
-    around,
-    covered,
-    grown,
-    leader,
-    metres,
-    overlaps,
-    places,
-)
+from physim.drawing.crowd import NAMED
+from physim.drawing.labels import Label, grown, leader, metres
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.camera import Camera
+from physim.drawing.video.closest import Closest, Pair
 from physim.drawing.video.ground import Background, Ground
-from physim.drawing.video.layout import ONE, TEXT, TRAIL, Box, Image, Lens, fixed
+from physim.drawing.video.layout import (
+    ONE,
+    SHORT_TRAIL,
+    TEXT,
+    TRAIL,
+    Box,
+    Image,
+    Lens,
+    fixed,
+)
 from physim.drawing.video.marks import (
     Fleet,
-    Pair,
-    closest_pair,
     draw_closest,
-    draw_contact,
+    draw_contacts,
     draw_flash,
     draw_lines,
     draw_reference_point,
-    draw_robot,
-    draw_target,
-    draw_trail,
+    draw_robots,
+    draw_targets,
+    draw_trails,
     mark_lasts,
 )
+from physim.drawing.video.names import Labels
 from physim.drawing.video.text import Sprite, shorten, size_of, sprite, stamp
 from physim.geometry.shapes import FloatArray, IntArray
 
-GAPS = (2.0, 12.0, 28.0, 48.0)
-"""[px] between a robot and its label"""
-PRICES = (0.0, 0.3, 0.9, 1.6)
-"""What these gaps cost; covering a whole label costs 10."""
-TURN = 0.2
-"""What it costs to stand below rather than above: a label that glides must not cross its robot."""
-COVERED, ON_WALL, ASTRAY, OUTSIDE = 10.0, 2.0, 1.5, 2.0
-"""What it costs to cover a whole label, to cross a wall, to touch another robot than the own, and
-to reach out of the view (a hundredth of it more for every px)."""
-STAYS = 0.6
-"""What a label saves where it stays in its direction."""
-CLEARER = 8.0
-"""[px] by which a label should be nearer to its own robot than to others"""
-AIR = 2.0
-"""[px] round a label that is counted as covered, too"""
-GLIDE = 0.3
-"""Share of the way that a label moves in a frame."""
-EVERY = 6
-"""Frames between two choices of places."""
-
-
-class Labels:
-    """Places labels frame by frame; it remembers where they were, and nothing else."""
-
-    def __init__(self) -> None:
-        self._chosen: dict[int, int] = {}
-        self._wanted: dict[int, FloatArray] = {}
-        self._offset: dict[int, FloatArray] = {}
-        self._frame = 0
-
-    def place(
-        self,
-        labels: Mapping[int, Label],
-        boxes: FloatArray,
-        area: tuple[int, int],
-        owners: IntArray | None = None,
-        walls: FloatArray | None = None,
-    ) -> list[FloatArray]:
-        """Return the middles (2,) [px] of labels, which are named by any number.
-
-        ``boxes`` (m, 4) are left, top, right, bottom of what should not be covered, ``owners``
-        (m,) the numbers of the labels that they belong to (first the body, then its target), and
-        ``walls`` (s, 2, 2) segments; ``area`` is the width and height of the view.
-        """
-        owners = np.arange(len(boxes)) if owners is None else owners
-        walls = np.zeros((0, 2, 2)) if walls is None else walls
-        choose = self._frame % EVERY == 0 or not labels.keys() <= self._chosen.keys()
-        self._frame += 1
-        middles, taken = [], boxes
-        for key, label in labels.items():
-            if choose:
-                found = places(label, GAPS, up=-1.0)
-                room = around(found, label.size)
-                cost = _cost(key, room, boxes, owners, walls, area)
-                # where a shape is given, its places clear its own body anyway
-                others = taken if label.shape is None else np.delete(taken, key, axis=0)
-                lapped = overlaps(grown(room, AIR), others).sum(axis=1)
-                cost += COVERED * lapped / np.prod(np.array(label.size) + 2.0 * AIR)
-                if key in self._chosen:
-                    cost[self._chosen[key]] -= STAYS
-                best = self._chosen[key] = int(np.argmin(cost))
-                self._wanted[key] = found[best] - label.at
-                taken = np.concatenate((taken, room[best : best + 1]))
-            before = self._offset.get(key, self._wanted[key])
-            self._offset[key] = before + (self._wanted[key] - before) * GLIDE
-            middles.append(self._offset[key] + label.at)
-        return middles
-
-
-def _cost(
-    key: int,
-    found: FloatArray,
-    boxes: FloatArray,
-    owners: IntArray,
-    walls: FloatArray,
-    area: tuple[int, int],
-) -> FloatArray:
-    """Return what each place (n, 4) costs for itself: gap, direction, walls, other robots."""
-    cost = np.add.outer(PRICES, TURN * (1.0 - np.sin(ANGLES)) / 2.0).ravel()
-    cost += ON_WALL * (covered(found, walls) > 0.0)
-    low, high = found[:, None, :2], found[:, None, 2:]
-    outside = np.maximum(-low, 0.0) + np.maximum(high - area, 0.0)
-    cost += OUTSIDE * (outside > 0.0).any(axis=(1, 2)) + 0.01 * OUTSIDE * outside.sum(axis=(1, 2))
-    others = boxes[owners != key]
-    if key >= 0 and len(others):
-        apart = np.maximum(np.maximum(others[:, :2] - high, low - others[:, 2:]), 0.0)
-        wanted = np.repeat(GAPS, len(ANGLES)) + CLEARER
-        distance = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1)
-        cost += ASTRAY * np.clip(1.0 - distance / wanted, 0.0, 1.0)
-    return np.asarray(cost)
-
-
-NAMED = 60
-"""Robots above which names would only hide the picture."""
 TRAIL_BANDS = 70
 """Steps in which trails fade, over all robots."""
-TRAIL_STEPS = 60
-"""Most places of a trail."""
+TRAIL_STEPS, SHORT_STEPS = 21, 6
+"""Most places of a trail, and of one in a crowd."""
+FADING = 3
+"""Steps in which those fade."""
+MOST_NAMED = 12
+"""Names in a crowd."""
+NEAR = 160.0
+"""[px] from a name within which it keeps off robots"""
 
 
 class View:
@@ -159,44 +73,62 @@ class View:
         self.camera = Camera(timeline, world.extent, box, speed)
         self._speed = speed
         self._background = Background(world, self.camera.scale)
-        self._fleet = Fleet(timeline.record.footprints)
+        footprints = timeline.record.footprints
+        self._fleet = Fleet(footprints)
+        self._closest = Closest(footprints, timeline.scene.reach)
+        self._eccentric = np.array([figure.eccentric for figure in self._fleet.figures])
         self._labels = Labels()
         solid = [stroke.pieces for stroke in world.strokes if stroke.colour == palette.WALL]
         self._walls = np.concatenate(solid)
         self._names = [shorten(name, TEXT, 110) for name in timeline.record.names]
-        self._period = max(speed / fps, TRAIL / TRAIL_STEPS)
+        self._crowd = timeline.robots > NAMED
+        self._trail = SHORT_TRAIL if self._crowd else TRAIL
+        steps = SHORT_STEPS if self._crowd else TRAIL_STEPS
+        self._period = max(speed / fps, self._trail / steps)
         grid = np.arange(int(timeline.duration / self._period) + 1) * self._period
         self._history = timeline.pose(grid)[:, :, :2]
 
     def paint(self, image: Image, now: Moment) -> Pair | None:
         """Draw into the view's box of ``image``; returns the closest pair of robots."""
         view, lens = self.box.of(image), self.camera.lens(now.time)
-        scene = self.timeline.scene
-        pair = closest_pair(scene.footprints, now.pose, scene.reach)
+        pair = self._closest.pair(now.pose)
         self._background.paint(view, lens)
-        bands = min(max(TRAIL_BANDS // self.timeline.robots, 4), 16)
-        for index, trail in enumerate(lens.fixed(self._trails(now))):
-            draw_trail(view, trail, palette.robot_colour(index), bands)
-        for place, target in zip(now.pose[:, :2], now.targets, strict=True):
-            draw_target(view, lens, place, target)
+        self._draw_trails(view, lens, now)
+        seen = self._seen(lens, now.pose)
+        if not self._crowd:
+            draw_targets(view, lens, now.pose[:, :2], now.targets)
         touching = self.timeline.contacts.touching(now.time, self.timeline.robots)
-        outlines = self._fleet.split(lens.fixed(self._fleet.placed(now.pose)))
-        for outline, colour, touches in zip(outlines, now.colours, touching, strict=True):
-            draw_robot(view, outline, colour, bool(touches))
-        for place, figure in zip(now.pose[:, :2], self._fleet.figures, strict=True):
-            if figure.eccentric:
-                draw_reference_point(view, lens, place)
+        vertices = lens.fixed(self._fleet.placed(now.pose))
+        outlines = self._fleet.split(vertices, seen.tolist())
+        draw_robots(
+            view, outlines, [now.colours[k] for k in seen.tolist()], touching[seen].tolist()
+        )
+        for place in now.pose[seen[self._eccentric[seen]], :2]:
+            draw_reference_point(view, lens, place)
         if pair is not None:
             draw_closest(view, lens, pair)
         self._mark_contacts(view, lens, now.time)
-        shapes = [np.concatenate(outline.rings) / ONE for outline in outlines]
-        self._write_labels(view, lens, shapes, pair, lens.pixels(now.targets))
+        boxes = self._fleet.boxes(vertices)
+        place = {robot: k for k, robot in enumerate(seen.tolist())}
+        named = (k for k in self._named(pair, touching) if k in place and self._shows(boxes[k]))
+        most = MOST_NAMED if self._crowd else None
+        shapes = {
+            robot: np.concatenate(outlines[place[robot]].rings) / ONE
+            for robot in itertools.islice(named, most)
+        }
+        self._write_labels(view, lens, now, pair, shapes, boxes)
         return pair
+
+    def _seen(self, lens: Lens, pose: FloatArray) -> IntArray:
+        """Robots of which some may be in the view, by index."""
+        places, reach = lens.pixels(pose[:, :2]), self.timeline.scene.reach * lens.scale + 3.0
+        inside = (places >= -reach[:, None]) & (places <= self.box.size + reach[:, None])
+        return np.flatnonzero(inside.all(axis=1))
 
     def _mark_contacts(self, view: Image, lens: Lens, time: float) -> None:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
 
-        A swept contact, between two samples, has a sign of its own.
+        A swept contact, between two samples, has a sign of its own. Of a crowd signs are small.
         """
         contacts = self.timeline.contacts
         recent = contacts.recent(time, mark_lasts(self._speed))
@@ -204,12 +136,29 @@ class View:
             began = float(contacts.began[row])
             place = lens.pixels(contacts.place_at(row, began))
             draw_flash(view, place, time - began, self._speed)
-        for row in np.union1d(recent, contacts.present(time)):
-            draw_contact(view, lens.pixels(contacts.place_at(row, time)), bool(contacts.swept[row]))
+        rows = np.union1d(recent, contacts.present(time)) if len(contacts.began) else recent
+        if len(rows):
+            places = lens.pixels(np.array([contacts.place_at(row, time) for row in rows]))
+            for swept in (False, True):
+                chosen = places[contacts.swept[rows] == swept]
+                draw_contacts(view, chosen, swept, small=self._crowd)
+
+    def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
+        """Trails of the robots, those of a crowd in one colour; only what reaches into the view."""
+        trails = lens.pixels(self._trails(now))
+        low, high = trails.min(axis=1), trails.max(axis=1)
+        seen = np.flatnonzero(((high > -3.0) & (low < self.box.size + 3.0)).all(axis=1))
+        lines = fixed(trails[seen])
+        if self._crowd:
+            draw_trails(view, lines, palette.BAND, FADING, 1)
+            return
+        bands = min(max(TRAIL_BANDS // self.timeline.robots, 4), 16)
+        for index, line in zip(seen.tolist(), lines, strict=True):
+            draw_trails(view, line[None], palette.robot_colour(index), bands)
 
     def _trails(self, now: Moment) -> FloatArray:
         """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""
-        first = int(np.ceil(max(now.time - TRAIL, 0.0) / self._period - 1e-9))
+        first = int(np.ceil(max(now.time - self._trail, 0.0) / self._period - 1e-9))
         last = int(np.floor(now.time / self._period + 1e-9)) + 1
         places = np.concatenate((self._history[first:last], now.pose[None, :, :2]))
         return np.ascontiguousarray(places.transpose(1, 0, 2))
@@ -218,18 +167,15 @@ class View:
         self,
         view: Image,
         lens: Lens,
-        shapes: list[FloatArray],
+        now: Moment,
         pair: Pair | None,
-        targets: FloatArray,
+        shapes: Mapping[int, FloatArray],
+        boxes: FloatArray,
     ) -> None:
-        """Names of the robots in view, and the distance of the closest pair.
+        """The distance of the closest pair, and names of robots, of given ``shapes`` (n, 2) [px].
 
-        ``shapes`` (n, 2) are the outlines of the robots, and ``targets`` (N, 2), all [px].
+        ``boxes`` (N, 4) [px] are those of all robots.
         """
-        high, wide = view.shape[:2]
-        boxes = np.array([[*s.min(axis=0), *s.max(axis=0)] for s in shapes])
-        aims = np.flatnonzero(np.isfinite(targets).all(axis=1))
-        rings = grown(np.tile(targets[aims], 2), 5.0)
         pictures: dict[int, Sprite] = {}
         labels: dict[int, Label] = {}
         if pair is not None:
@@ -240,20 +186,47 @@ class View:
             pictures[key] = sprite(text, TEXT, palette.INK)
             labels[key] = Label((x, y), min(max(span * 0.2, 8.0), 30.0), size_of(pictures[key]))
         middles = (boxes[:, :2] + boxes[:, 2:]) / 2.0
-        inside = (boxes[:, 2:] >= 0).all(axis=1) & (boxes[:, :2] <= (wide, high)).all(axis=1)
-        for k in np.flatnonzero(inside & (len(boxes) <= NAMED)).tolist():
-            pictures[k] = sprite(self._names[k], TEXT, palette.INK)
-            shape, (x, y) = shapes[k] - middles[k], middles[k]
-            reach = float(np.hypot(*shape.T).max())
-            labels[k] = Label((x, y), reach, size_of(pictures[k]), shape)
-        owners = np.concatenate((np.arange(len(boxes)), aims))
+        for robot, shape in shapes.items():
+            pictures[robot] = sprite(self._names[robot], TEXT, palette.INK)
+            (x, y), around = middles[robot].tolist(), shape - middles[robot]
+            reach = math.sqrt(float((around * around).sum(axis=1).max()))
+            labels[robot] = Label((x, y), reach, size_of(pictures[robot]), around)
+        high, wide = view.shape[:2]
+        obstacles, owners = self._obstacles(lens, now, boxes, labels)
         walls = lens.pixels(self._walls)
-        places = self._labels.place(
-            labels, np.concatenate((boxes, rings)), (wide, high), owners, walls
-        )
+        places = self._labels.place(labels, obstacles, (wide, high), owners, walls)
         for (key, label), at in zip(labels.items(), places, strict=True):
-            line = None if key < 0 else leader(label, at, 2.0 * label.reach)
-            if line is not None:
-                draw_lines(view, fixed(line[None]), palette.QUIET, 1)
-            left, top = at - np.array(label.size) / 2.0
-            stamp(view, pictures[key], round(left), round(top))
+            least = 2.0 * label.reach
+            if key >= 0 and math.dist(at, label.at) > least:
+                line = leader(label, at, least)
+                if line is not None:
+                    draw_lines(view, fixed(line[None]), palette.QUIET, 1)
+            (x, y), (wide, high) = at.tolist(), label.size
+            stamp(view, pictures[key], round(x - wide / 2.0), round(y - high / 2.0))
+
+    def _obstacles(
+        self, lens: Lens, now: Moment, boxes: FloatArray, labels: Mapping[int, Label]
+    ) -> tuple[FloatArray, IntArray]:
+        """Boxes (m, 4) [px] that labels should not cover, and the robots (m,) that they are of."""
+        if not self._crowd:
+            aims = np.flatnonzero(np.isfinite(now.targets).all(axis=1))
+            rings = grown(np.tile(lens.pixels(now.targets[aims]), 2), 5.0)
+            return np.concatenate((boxes, rings)), np.append(np.arange(len(boxes)), aims)
+        near = np.zeros(len(boxes), dtype=bool)  # what is far from all labels is in no one's way
+        for label in labels.values():
+            near |= (np.abs(boxes[:, :2] - label.at) < NEAR).all(axis=1)
+        robots = np.flatnonzero(near)
+        return boxes[robots], robots
+
+    def _named(self, pair: Pair | None, touching: NDArray[np.bool_]) -> Iterable[int]:
+        """Robots that have names: all, or of a crowd the closest pair and those that touch."""
+        if not self._crowd:
+            return range(self.timeline.robots)
+        closest = [] if pair is None else [pair.a, pair.b]
+        return dict.fromkeys((*closest, *np.flatnonzero(touching).tolist()))
+
+    def _shows(self, box: FloatArray) -> bool:
+        """Whether some of a box (4,) [px] is in the view."""
+        left, top, right, bottom = box.tolist()
+        wide, high = self.box.width, self.box.height
+        return bool(right >= 0.0 and bottom >= 0.0 and left <= wide and top <= high)

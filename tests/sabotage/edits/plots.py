@@ -104,4 +104,23 @@ EDITS = (
         "the energy drawn is the metric",
         "tests/plots/test_figures.py::test_formation_marks_peak_and_end",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/modes.py",
+        "mode_counts",
+        "found.append(begun - over)",
+        "found.append(begun)",
+        "a robot counts in a mode while it is in it",
+        "tests/plots/test_figures.py::test_of_a_crowd_the_robots_in_each_mode_are_counted",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/collision_times.py",
+        "draw_rows",
+        "np.fmin.reduceat(least, first, axis=0)",
+        "np.fmax.reduceat(least, first, axis=0)",
+        "a row of several robots shows the shortest of them",
+        "tests/plots/test_figures.py::"
+        "test_of_very_many_robots_a_row_of_collision_times_is_the_shortest_of_some",
+    ),
 )

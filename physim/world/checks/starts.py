@@ -20,12 +20,16 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import Placed, placed_outline
+from physim.world.layout.shared import Shared
 
 
 def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of footprints that do not hold the point about which their robot turns."""
+    away = Shared(
+        lambda outline: shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
+    )
     for i, outline in laid.footprints.items():
-        far = shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
+        far = away(outline)
         if far > LENGTH:
             found.warn(
                 ("robots", i, "footprint"),

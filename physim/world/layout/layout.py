@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -20,7 +20,7 @@ from physim.errors import Fault, Location, WorldError
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries, offset_polyline
 from physim.geometry.polygon import counter_clockwise
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, read_only
 from physim.tolerances import LENGTH
 from physim.world import Offset, World
 from physim.world.layout.shape_checks import (
@@ -185,19 +185,21 @@ def distinct(points: Sequence[Any] | None) -> tuple[FloatArray | None, list[int]
 
 
 def _footprints(world: Any, faults: list[Fault]) -> dict[int, FloatArray]:
-    """Footprints that are polygons; robots of the same outline are looked at once."""
-    known: dict[Any, str] = {}
+    """Footprints that are polygons; robots of the same outline share one, looked at once."""
+    known: dict[Any, str | FloatArray] = {}
     found = {}
     for i, robot in enumerate(world.robots):
         outline = robot.outline
         if outline is None:
             continue
         if outline not in known:
-            known[outline] = outline_fault(outline)
-        if known[outline]:
-            faults.append(Fault(("robots", i, "footprint"), known[outline]))
+            fault = outline_fault(outline)
+            known[outline] = fault or read_only(counter_clockwise(np.array(outline)))
+        shape = known[outline]
+        if isinstance(shape, str):
+            faults.append(Fault(("robots", i, "footprint"), shape))
         else:
-            found[i] = counter_clockwise(np.array(outline))
+            found[i] = shape
     return found
 
 
@@ -267,28 +269,52 @@ def corridor_line(world: Any) -> tuple[FloatArray | None, FloatArray | None]:
 
 
 def _paths(world: Any, reference: FloatArray | None, faults: list[Fault]) -> dict[int, FloatArray]:
-    """Waypoints (n, 2) of every sound path; a bend of s* too sharp for all is reported once."""
+    """Waypoints (n, 2) of every sound path, robots on the same one sharing it.
+
+    A bend of s* too sharp for all is reported once.
+    """
     found: dict[int, FloatArray] = {}
-    sharp: set[str] = set()
+    known: dict[Any, _Waypoints] = {}
+    is_bend_told = False
     for i, robot in enumerate(world.robots):
         where: Location = ("robots", i, "path")
-        if not isinstance(robot.path, Offset):
-            line = distinct(robot.path)[0]
-        elif reference is None:
-            continue
-        else:
-            try:
-                line = offset_polyline(reference, np.full(len(reference), robot.path.offset))
-            except ValueError as error:
-                if not sharp:
-                    faults.append(Fault((*where, "offset"), f"the reference path {error}"))
-                sharp.add(str(error))
-                continue
-        if line is not None and len(corners_of_line(line)) < 2:
+        if robot.path not in known:
+            known[robot.path] = _waypoints(robot.path, reference)
+        path = known[robot.path]
+        if path.bend and not is_bend_told:
+            faults.append(Fault((*where, "offset"), f"the reference path {path.bend}"))
+            is_bend_told = True
+        elif path.is_point:
             faults.append(Fault(where, "must have two distinct points"))
-        elif line is not None:
-            found[i] = line
+        elif path.line is not None:
+            found[i] = path.line
     return found
+
+
+class _Waypoints(NamedTuple):
+    """What a path as written means."""
+
+    line: FloatArray | None = None
+    """(n, 2) [m]; None where it is no path"""
+    bend: str = ""
+    """why it cannot run beside the reference path"""
+    is_point: bool = False
+    """whether all its waypoints are one"""
+
+
+def _waypoints(path: Any, reference: FloatArray | None) -> _Waypoints:
+    if not isinstance(path, Offset):
+        line = distinct(path)[0]
+    elif reference is None:
+        line = None
+    else:
+        try:
+            line = offset_polyline(reference, np.full(len(reference), path.offset))
+        except ValueError as error:
+            return _Waypoints(bend=str(error))
+    if line is not None and len(corners_of_line(line)) < 2:
+        return _Waypoints(is_point=True)
+    return _Waypoints(None if line is None else read_only(line))
 
 
 def _area(laid: PartialLayout, reference: FloatArray, faults: list[Fault]) -> Area | None:

@@ -36,7 +36,7 @@ EDITS = (
         "scene",
         "physim/world/layout/scene_builder.py",
         "_mass",
-        "DENSITY * abs(signed_area(footprint)) if given is None else given",
+        "DENSITY * abs(area) if given is None else given",
         "DENSITY",
         "a robot has the mass of its world, or of its area",
         "tests/test_scene_builder.py::test_a_mass_is_as_given_or_of_the_area",

@@ -107,6 +107,11 @@ RobotPath = Annotated[
 ]
 
 
+def outline_of(footprint: Box | tuple[Point, ...]) -> tuple[Point, ...]:
+    """Corners of a footprint [m], robot's frame, as written (a box counter-clockwise)."""
+    return footprint.corners if isinstance(footprint, Box) else footprint
+
+
 class Robot(Model):
     """One robot: its shape, where it starts, which path it follows and what it can do."""
 
@@ -145,7 +150,7 @@ class Robot(Model):
     @property
     def outline(self) -> tuple[Point, ...]:
         """Corners of the footprint [m], robot's frame, as written (a box counter-clockwise)."""
-        return self.footprint.corners if isinstance(self.footprint, Box) else self.footprint
+        return outline_of(self.footprint)
 
 
 def _word_or_list(value: Any) -> str:

@@ -167,7 +167,7 @@ def _check_length(
         return
     line_of = Shared(shapely.LineString)
     for k, path in laid.paths.items():
-        where: Location = ("robots", k, "pose")
+        where: Location = (*laid.world.entry_of(k), "pose")
         own, position = line_of(path), laid.start[k, :2]
         stop = max(own.length - float(leads.max() - leads[k]), 0.0)
         begin = float(own.project(shapely.Point(position)))
@@ -253,7 +253,7 @@ def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
     slow = [i for i, top in enumerate(tops) if top is not None and top < low]
     for i in slow[:MOST_ALIKE]:
         found.warn(
-            ("robots", i, "limits", "v"),
+            (*laid.world.entry_of(i), "limits", "v"),
             f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
             f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
             "the least speed of the formation",

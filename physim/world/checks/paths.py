@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import plural
+from physim.errors import Location, plural
 from physim.geometry.corridor import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
@@ -24,7 +24,11 @@ SHORTEST = 1.0
 def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
     """Every path lies inside the accessible area, and in the sense of the reference path."""
     outside = Shared(laid.area.outside_stretches) if laid.area is not None else None
+    told: set[Location] = set()
     for i, path in laid.paths.items():
+        if laid.path_key(i) in told:
+            continue  # the path of others of the group
+        told.add(laid.path_key(i))
         if outside is not None:
             _check_inside(laid, i, path, outside(path), found)
         if isinstance(laid.world.robots[i].path, Offset):
@@ -222,7 +226,7 @@ def check_passage(
     known: dict[float, list[object]] = {}
     faulty = {fault.location[:2] for fault in found.errors}
     for profile in profiles:
-        if ("robots", profile.number) in faulty:
+        if laid.world.entry_of(profile.number) in faulty:
             continue
         r = profile.inscribed
         if r not in known:

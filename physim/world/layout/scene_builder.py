@@ -19,7 +19,7 @@ from physim.geometry.shapes import (
     pack_shapes,
 )
 from physim.geometry.wall_grid import build_wall_grid
-from physim.world import World
+from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed_anew
 from physim.world.layout.shared import Shared
@@ -91,6 +91,8 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))
+    if any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries):
+        return build_scene(scene.world, int(seed))  # footprints are others, too
     laid = placed_anew(scene.layout, world)
     formation = _formation(world, laid.start, laid.reference)
     return replace(

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "scene",
+        "physim/world/layout/places.py",
+        "Cells.near",
+        "for b in range(low, high + 1)",
+        "for b in range(low, high)",
+        "no robot near a place is overlooked",
+        "tests/test_start_poses.py::test_the_first_place_with_room_is_that_of_a_look_at_all_robots",
+    ),
+    Edit(
+        "scene",
+        "physim/world/layout/scene_builder.py",
+        "reseeded",
+        "entry.is_drawn for entry",
+        "False for entry",
+        "a scene of another seed has the footprints of that seed",
+        "tests/world/test_group.py::test_another_seed_draws_anew",
+    ),
+    Edit(
+        "scene",
         "physim/world/layout/scene_builder.py",
         "_stop_stations",
         "ends - (formation.lead.max() - formation.lead)",
@@ -98,7 +116,7 @@ EDITS = (
     Edit(
         "scene",
         "physim/world/layout/places.py",
-        "Occupancy.room",
+        "Occupancy.first_fit",
         "shapely.covers(free, outlines)",
         "shapely.intersects(free, outlines)",
         "robots start wholly inside their region",
@@ -117,7 +135,7 @@ EDITS = (
         "scene",
         "physim/world/layout/places.py",
         "Candidates._cut",
-        "(self._lane(paths[i], 0.5 * (low + high)), i)",
+        "(lane[i], i)",
         "i",
         "in a row robots stand in the order of their paths",
         "tests/test_start_poses.py::test_rows_stand_in_the_order_of_the_robots_and_of_their_paths",

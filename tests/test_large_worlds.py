@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import physim.world.checks.room as room
-import physim.world.layout.layout as layout
+import physim.world.layout.robots as robots_of
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries
 from physim.world import World
@@ -67,8 +67,8 @@ def test_a_path_and_a_footprint_are_worked_out_once_however_many_robots_share_th
         count: Counter[str] = Counter()
         with monkeypatch.context() as patch:
             for module, name in (
-                (layout, "offset_polyline"),
-                (layout, "outline_fault"),
+                (robots_of, "offset_polyline"),
+                (robots_of, "outline_fault"),
                 (builder, "convex_parts"),
                 (Area, "outside_stretches"),
             ):

@@ -30,7 +30,7 @@ seed: 1
 time: {step: 0.01, duration: 1.0, record_every: 2}
 corridor: {centreline: [[0, 0], [30, 0]], width: 8.0, end_margin: 2.0}
 reference_path: [[0, 0], [30, 0]]
-start: {region: [[1, 1], [9, 1], [9, 3]], heading: along, min_gap: 0.2, abreast: 2}
+start: {region: [[1, 1], [9, 1], [9, 3]], heading: along, min_gap: 0.2, abreast: 2, spread: 1.0}
 robots:
   - name: r1
     footprint: {length: 1.8, width: 1.0}

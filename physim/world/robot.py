@@ -51,6 +51,11 @@ class Start(Model):
         description="robots in a row: they stand in rows across the reference path, in their "
         "order, the first row foremost; anywhere in the region when absent",
     )
+    spread: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        default=1.0,
+        description="[-] with abreast: share of its cell in which a robot is placed, from 0, in "
+        "the middle of it (even rows and columns), to 1, anywhere in it",
+    )
 
 
 OMEGA_LIMIT = 1.6

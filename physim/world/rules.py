@@ -29,7 +29,7 @@ WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obst
 def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
     """Every fault between values of ``data``, the raw values of a `World`."""
     rules = (
-        _time, _walls, _width, _names, _starts, _shapes, _omegas, _formation, _spacing,
+        _time, _walls, _width, _names, _starts, _spread, _shapes, _omegas, _formation, _spacing,
         _neighbours, _distinct,
     )  # fmt: skip
     return [fault for rule in rules for fault in rule(data)]
@@ -165,6 +165,19 @@ def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
                 "missing; needed: [m, m, rad] start x, y and heading, or a start region, here or "
                 "for the whole world",
             )
+
+
+def _spread(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Without rows there are no cells to spread within."""
+    places = [
+        ((), data),
+        *((("robots", i), one) for i, one in enumerate(_list(data, "robots") or ())),
+    ]
+    for where, holder in places:
+        start = _get(holder, "start")
+        if _get(start, "spread") not in (None, 1.0) and _get(start, "abreast") is None:
+            message = "has no effect without abreast; add abreast, or leave it out"
+            yield Fault((*where, "start", "spread"), message)
 
 
 def _misspelt(holder: Any, keys: list[str]) -> bool:

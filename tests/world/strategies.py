@@ -69,7 +69,7 @@ starts = st.builds(
     heading=st.floats(-1000, 1000) | st.sampled_from(["random", "along"]),
     min_gap=st.floats(0, 100),
     abreast=st.none() | st.integers(1, 9),
-)
+) | st.builds(Start, region=polygons, abreast=st.integers(1, 9), spread=st.floats(0.0, 1.0))
 
 
 paths = polylines | st.builds(Offset, offset=coordinates)

@@ -248,7 +248,15 @@ class Candidates:
             lane = {i: self._lane(line_of(paths[i]), middle) for i in row}
             ordered = sorted(row, key=lambda i: (lane[i], i))
             for i, (right, left) in zip(ordered, pairwise(bands), strict=True):
-                self.cells[i] = (float(low), float(high), float(right), float(left))
+                self.cells[i] = (*self._within(low, high), *self._within(right, left))
+
+    def _within(self, low: float, high: float) -> tuple[float, float]:
+        """The middle part of a side of a cell in which robots are placed."""
+        spread = self.start.spread
+        if spread == 1.0:
+            return float(low), float(high)
+        middle, half = 0.5 * (low + high), 0.5 * spread * (high - low)
+        return float(middle - half), float(middle + half)
 
     def _lane(self, line: shapely.LineString, station: float) -> float:
         """Deviation [m] of a robot's own path from the reference path near a station."""

@@ -33,6 +33,8 @@ LOOSE_ROUNDS, TIGHT_ROUNDS = 12, 8
 BATCHES = (32, 128, 512, 2048)
 """Places drawn for one robot before its round is given up"""
 TIGHT_BATCH = 1024
+MOST_TIGHT = 100
+"""Robots of a group that are placed as tight as can be: with more a refusal would take minutes."""
 FILLED = 0.4
 """[-] share of a region that robots with half their gap around them fill at random with ease"""
 
@@ -110,7 +112,8 @@ class _Group:
         if start.abreast is not None:
             order = self.members
         most, stuck = -1, order[0]
-        for attempt in range(LOOSE_ROUNDS + TIGHT_ROUNDS):
+        tight = TIGHT_ROUNDS if len(self.members) <= MOST_TIGHT else 0
+        for attempt in range(LOOSE_ROUNDS + tight):
             placed: list[int] = []
             for i in order:
                 pose = self._found(i, candidates, streams[i], tight=attempt >= LOOSE_ROUNDS)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physim.controllers.formation import formation_neighbours
 from physim.errors import WorldError
 from physim.geometry.wall_grid import parts_in_range, parts_near
 from physim.world import World
@@ -44,10 +45,20 @@ def test_listed_neighbours_are_mutual() -> None:
     listed = in_formation(neighbours=[["r1", "r3"], ["r3", "r2"]])
     adjacency = build_scene(listed).formation.adjacency
     assert adjacency.tolist() == [[0, 0, 1], [0, 0, 1], [1, 1, 0]]
-    assert build_scene(in_formation(neighbours="all")).formation.adjacency.tolist() == [
-        [0, 1, 1], [1, 0, 1], [1, 1, 0],
-    ]  # fmt: skip
     assert build_scene(in_formation()).formation.adjacency.size == 0
+
+
+def test_all_are_neighbours_however_far_apart_and_no_table_says_so() -> None:
+    """What a table of all pairs would say, without N x N numbers."""
+    plan = build_scene(in_formation(neighbours="all", range=1.0)).formation
+    number = np.arange(3)
+    station = np.array([0.0, -1e6, 1e6])
+    table = np.ones((3, 3), dtype=np.int64)
+    for me in number:
+        near = formation_neighbours(me, number, station, plan.adjacency, plan.range)
+        assert near.tolist() == formation_neighbours(me, number, station, table, 1.0).tolist()
+        assert len(near) == 2
+    assert plan.adjacency.size == 0
 
 
 def test_a_mass_is_as_given_or_of_the_area() -> None:

@@ -19,6 +19,7 @@ from physim.record import Record
 from physim.simulation.run import simulate
 from physim.world import World
 from physim.world.file import parse_world
+from physim.world.layout.places import Occupancy
 from physim.world.layout.scene_builder import build_scene, is_random
 from tests.cli.commands import physim, tree
 from tests.facts import facts
@@ -236,3 +237,33 @@ def test_run_tells_the_place_of_the_region_and_writes_nothing(tmp_path, capsys) 
     assert done.code == 2
     check_error(done.err, f"{file}:{line}:11: start.region:", "of 9 robots")
     assert list(tree(tmp_path)) == ["w.yaml"]
+
+
+@given(seed=st.integers(0, 10_000), gap=st.floats(0.0, 1.0))
+@settings(max_examples=40, deadline=None)
+def test_the_first_place_with_room_is_that_of_a_look_at_all_robots(seed: int, gap: float) -> None:
+    """Also the room itself, robots that left again, and robots as far away as places may be."""
+    rng = np.random.default_rng(seed)
+    footprints = [np.array(ELL), np.array(ARROW)] * 8
+    hall = shapely.box(-6.0, -6.0, 6.0, 6.0)
+    occupied = Occupancy(footprints, [hall.exterior, shapely.box(1.0, 1.0, 2.0, 3.0)])
+    poses = rng.uniform((-5.0, -5.0, -3.0), (5.0, 5.0, 3.0), (16, 3))
+    poses[14, :2] = 9e5
+    gaps = rng.uniform(0.0, 1.0, 16)
+    standing = [*range(1, 7), 14]
+    for i in [*range(1, 10), 14]:
+        occupied.stand(i, poses[i], float(gaps[i]))
+    occupied.leave([7, 8, 9])
+    tried = rng.uniform((-6.0, -6.0, -3.0), (6.0, 6.0, 3.0), (60, 3))
+    outlines = occupied.outlines(0, tried)
+    room = shapely.distance(occupied.walls, outlines) - gap
+    for i in standing:
+        wanted = max(gap, float(gaps[i]))
+        other = occupied.outlines(i, poses[i][None])[0]
+        room = np.minimum(room, shapely.distance(outlines, other) - wanted)
+    room[~shapely.covers(hall, outlines)] = -1.0
+    fits = np.flatnonzero(room >= 0.0)
+    found = occupied.room(0, tried, hall, gap)
+    assert (found >= 0.0).tolist() == (room >= 0.0).tolist()
+    assert found[fits].tolist() == room[fits].tolist()
+    assert occupied.first_fit(0, tried, hall, gap) == (int(fits[0]) if len(fits) else None)

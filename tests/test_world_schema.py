@@ -30,7 +30,7 @@ seed: 1
 time: {step: 0.01, duration: 1.0, record_every: 2}
 corridor: {centreline: [[0, 0], [30, 0]], width: 8.0, end_margin: 2.0}
 reference_path: [[0, 0], [30, 0]]
-start: {region: [[1, 1], [9, 1], [9, 3]], heading: along, min_gap: 0.2, abreast: 2}
+start: {region: [[1, 1], [9, 1], [9, 3]], heading: along, min_gap: 0.2, abreast: 2, spread: 1.0}
 robots:
   - name: r1
     footprint: {length: 1.8, width: 1.0}
@@ -44,6 +44,18 @@ robots:
     footprint: [[0.9, 0.0], [-0.5, 0.5], [-0.5, -0.5]]
     start: {region: [[1, -1], [9, -1], [9, -3]]}
     path: [[0, 0], [30, 0]]
+  - count: 2
+    name: "s{number}"
+    footprints: [{length: 1.0, width: 0.5}, [[0.5, 0.0], [-0.5, 0.5], [-0.5, -0.5]]]
+    paths: [{offset: 1.0}, [[0, 0], [30, 0]]]
+    mass: 90.0
+    speeds: [0.0, 1.0]
+    omegas: [-1.0, 0.0, 1.0]
+  - count: 1
+    footprint: {length: 1.0, width: 0.5}
+    start: {region: [[1, -1], [9, -1], [9, -3]]}
+    path: {offset: 1.0}
+    limits: {v: 1.0, omega: 1.6}
 formation:
   {gain: 0.1, speed: 1.0, limits: [0.8, 1.3], spacing: initial, range: 9.0, neighbours: all}
 controller: {type: mode_switching, look_ahead: 2.0}
@@ -108,8 +120,11 @@ def test_full_world_holds_every_key_of_every_model() -> None:
     assert parse_world(FULL).name == "full"
     assert list(VALIDATOR.iter_errors(values)) == []
     assert set(World.model_fields) - {"boundaries"} == set(values)
-    robots = [key for robot in values["robots"] for key in robot]
-    assert set(SHIPPED["properties"]["robots"]["items"]["properties"]) == set(robots)
+    one, many = SHIPPED["properties"]["robots"]["items"]["oneOf"]
+    robots = [key for robot in values["robots"] if "count" not in robot for key in robot]
+    assert set(one["properties"]) == set(robots)
+    groups = [key for robot in values["robots"] if "count" in robot for key in robot]
+    assert set(many["properties"]) == set(groups)
     for key in (
         "time",
         "corridor",

@@ -111,7 +111,7 @@ def part_faults(parts: Parts, world: World) -> list[Fault]:
     for kind, stage in parts.stages:
         for k, part in enumerate(stage):
             faults += world_faults(part, world, (*kind.key, k))
-    return faults
+    return world.as_written(faults)
 
 
 def class_name(part: object) -> str:

@@ -267,6 +267,7 @@ def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldRe
     """Try a controller in one world."""
     controller = make()
     if faults := robot_faults(controller, dict(enumerate(scene.world.robots))):
+        faults = scene.world.as_written(faults)
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
     found = FindingLog(name)

@@ -1,5 +1,6 @@
 """The world as its author writes it: frozen models whose attributes are the keys of the file."""
 
+from physim.world.group import RobotGroup
 from physim.world.kinds import FrozenMapping, thawed
 from physim.world.model import Corridor, World
 from physim.world.robot import Box, Formation, Limits, Offset, Robot, Start
@@ -18,6 +19,7 @@ __all__ = [
     "Offset",
     "Physics",
     "Robot",
+    "RobotGroup",
     "Sensing",
     "Start",
     "Time",

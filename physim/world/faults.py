@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
 
-TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>"})
+TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>"})
 """Parts of a location that distinguish alternatives of a value and that no author wrote."""
 
 

@@ -72,7 +72,7 @@ MOST_CORNERS = 2_000
 """Corners of one footprint or obstacle."""
 MOST_NAME = 100
 """Characters of a name."""
-MOST_ROBOTS = 10_000
+MOST_ROBOTS = 20_000
 MOST_WALLS = 10_000
 """Boundaries, and obstacles as many again."""
 MOST_SEED = 10**15

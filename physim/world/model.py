@@ -8,14 +8,24 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+)
 
-from physim.errors import Fault
+from physim.errors import Fault, Location
 from physim.world.base import Model
+from physim.world.group import Entry, RobotGroup, each_robot, limited
 from physim.world.kinds import (
     MOST_ROBOTS,
     MOST_SEED,
@@ -92,8 +102,14 @@ class World(Model):
         default=None,
         description="region in which robots without a pose are placed by the seed",
     )
-    robots: Annotated[tuple[Robot, ...], at_most(MOST_ROBOTS), Field(min_length=1)] = Field(
-        description="list of robots, in the order of their ids"
+    robots: Annotated[
+        tuple[Entry, ...],
+        at_most(MOST_ROBOTS),
+        Field(min_length=1),
+        AfterValidator(limited),
+    ] = Field(
+        description="list of robots, in the order of their ids; an entry with a count stands for "
+        "many"
     )
     formation: Formation | None = Field(
         default=None,
@@ -119,6 +135,38 @@ class World(Model):
     )
     expect: Expectation | None = Field(default=None, description="what the run must satisfy")
     physics: Physics = Field(default=Physics(), description="material in contact")
+
+    _entries: tuple[Robot | RobotGroup, ...] = PrivateAttr(default=())
+    _where: tuple[tuple[int, int], ...] = PrivateAttr(default=())
+
+    def model_post_init(self, _context: Any) -> None:
+        """Keep the entries as written, and put the robots that they stand for in their place."""
+        self._entries = self.robots
+        robots, self._where = each_robot(self.robots, self.seed or 0)
+        self.__dict__["robots"] = robots
+
+    @property
+    def entries(self) -> tuple[Robot | RobotGroup, ...]:
+        """The robots as written: a group in one piece."""
+        return self._entries
+
+    def entry_of(self, i: int) -> Location:
+        """Where Robot i is written, e.g. ``("robots", 0)``."""
+        return ("robots", self._where[i][0])
+
+    def place_of(self, i: int) -> int:
+        """Number of Robot i within its entry, from 0."""
+        return self._where[i][1]
+
+    def as_written(self, faults: Iterable[Fault]) -> list[Fault]:
+        """Faults that count robots as faults that count entries of ``robots``, each once."""
+        found: dict[Fault, None] = {}
+        for fault in faults:
+            where = fault.location
+            if where[:1] == ("robots",) and where[1:] and where[1] in range(len(self._where)):
+                fault = replace(fault, location=(*self.entry_of(int(where[1])), *where[2:]))
+            found[fault] = None
+        return list(found)
 
     @classmethod
     def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
@@ -153,8 +201,12 @@ class World(Model):
 
     def changed(self, **changes: Any) -> World:
         """Return this world with some values replaced; checked like a new one (WorldError)."""
-        values = {key: getattr(self, key) for key in type(self).model_fields}
+        values = {key: self.written(key) for key in type(self).model_fields}
         return World(**{**values, **changes})
+
+    def written(self, key: str) -> Any:
+        """Value of a key as its author wrote it."""
+        return self.entries if key == "robots" else getattr(self, key)
 
     def to_yaml(self) -> str:
         """Write the world as YAML text, units as comments; loads back equal."""

@@ -11,6 +11,7 @@ from typing import Annotated, Any, get_args
 
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
+from physim.world.group import RobotGroup, is_group
 from physim.world.kinds import MOST_ROBOTS, Polygon, Polyline
 from physim.world.model import Corridor, World
 from physim.world.robot import Formation, Limits, Robot, Start
@@ -51,7 +52,9 @@ class _Reader:
                 found[key] = self.model(part, value if isinstance(value, Mapping) else None)
             elif key == "robots":
                 robots = [item if isinstance(item, Mapping) else {} for item in _entries(value)]
-                found[key] = tuple(self.model(Robot, robot) for robot in robots)
+                found[key] = tuple(
+                    self.model(RobotGroup if is_group(robot) else Robot, robot) for robot in robots
+                )
             elif key in ENTRIES:
                 items = _entries(value)
                 found[key] = tuple(self._value(key, ENTRIES[key], item) for item in items)

@@ -51,6 +51,11 @@ class Start(Model):
         description="robots in a row: they stand in rows across the reference path, in their "
         "order, the first row foremost; anywhere in the region when absent",
     )
+    spread: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
+        default=1.0,
+        description="[-] with abreast: share of its cell in which a robot is placed, from 0, in "
+        "the middle of it (even rows and columns), to 1, anywhere in it",
+    )
 
 
 OMEGA_LIMIT = 1.6
@@ -107,6 +112,11 @@ RobotPath = Annotated[
 ]
 
 
+def outline_of(footprint: Box | tuple[Point, ...]) -> tuple[Point, ...]:
+    """Corners of a footprint [m], robot's frame, as written (a box counter-clockwise)."""
+    return footprint.corners if isinstance(footprint, Box) else footprint
+
+
 class Robot(Model):
     """One robot: its shape, where it starts, which path it follows and what it can do."""
 
@@ -145,7 +155,7 @@ class Robot(Model):
     @property
     def outline(self) -> tuple[Point, ...]:
         """Corners of the footprint [m], robot's frame, as written (a box counter-clockwise)."""
-        return self.footprint.corners if isinstance(self.footprint, Box) else self.footprint
+        return outline_of(self.footprint)
 
 
 def _word_or_list(value: Any) -> str:

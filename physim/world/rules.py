@@ -9,17 +9,19 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 from physim.errors import Fault, nearest
 from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import describe
-from physim.world.kinds import plain
+from physim.world.group import NUMBER, RobotGroup, is_group, numbered
+from physim.world.kinds import MOST_ROBOTS, plain
 from physim.world.robot import OMEGA_LIMIT
 
 MOST_STEPS = 100_000_000
 PLACES = ["pose", "start"]
+USUAL_NAME: str = RobotGroup.model_fields["name"].default
 WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obstacle) [0-9]+")
 """Names of boundaries and obstacles, which no robot may have"""
 
@@ -27,8 +29,8 @@ WALL_NAMES = re.compile(r"(?:left|right) wall|(?:start|end) cap|(?:boundary|obst
 def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
     """Every fault between values of ``data``, the raw values of a `World`."""
     rules = (
-        _time, _walls, _width, _names, _starts, _omegas, _formation, _spacing, _neighbours,
-        _distinct,
+        _time, _walls, _width, _names, _starts, _spread, _shapes, _omegas, _formation, _spacing,
+        _neighbours, _distinct,
     )  # fmt: skip
     return [fault for rule in rules for fault in rule(data)]
 
@@ -99,20 +101,42 @@ def _width(data: Mapping[str, Any]) -> Iterator[Fault]:
         )
 
 
-def _given_names(data: Mapping[str, Any]) -> list[str | None]:
-    names = [_get(robot, "name") for robot in _list(data, "robots") or ()]
-    return [name if isinstance(name, str) else None for name in names]
+def _given_names(data: Mapping[str, Any]) -> Iterator[tuple[int, str | None]]:
+    """Number of the entry and name of each robot, one by one; None for what is no name."""
+    return islice(_all_names(data), MOST_ROBOTS)
+
+
+def _all_names(data: Mapping[str, Any]) -> Iterator[tuple[int, str | None]]:
+    number = 0
+    for i, robot in enumerate(_list(data, "robots") or ()):
+        name = _get(robot, "name")
+        name = name if isinstance(name, str) else None
+        if not is_group(robot):
+            yield i, name
+            number += 1
+            continue
+        pattern = USUAL_NAME if _get(robot, "name") is None else name
+        count = _get(robot, "count")
+        for _ in range(count if isinstance(count, int) else 0):
+            yield i, None if pattern is None or NUMBER not in pattern else numbered(pattern, number)
+            number += 1
 
 
 def _names(data: Mapping[str, Any]) -> Iterator[Fault]:
     first: dict[str, int] = {}
-    for i, name in enumerate(_given_names(data)):
-        if name is not None and first.setdefault(name, i) != i:
+    told: set[int] = set()
+    for i, name in _given_names(data):
+        if name is None or i in told:
+            continue
+        if name in first:
+            told.add(i)
             yield Fault(
                 ("robots", i, "name"),
                 f"{describe(name)} is the name of robots[{first[name]}] too; names must differ",
             )
-        if name is not None and WALL_NAMES.fullmatch(name):
+        first.setdefault(name, i)
+        if WALL_NAMES.fullmatch(name):
+            told.add(i)
             yield Fault(
                 ("robots", i, "name"),
                 f"{describe(name)} names a wall in reports; give the robot another name",
@@ -125,10 +149,17 @@ def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
     for i, robot in enumerate(_list(data, "robots") or ()):
         if not isinstance(robot, Mapping) and not hasattr(robot, "pose"):
             continue
-        pose, start = _get(robot, "pose"), _get(robot, "start")
+        pose = None if is_group(robot) else _get(robot, "pose")
+        start = _get(robot, "start")
         if pose is not None and start is not None:
             yield Fault(("robots", i, "start"), "given beside pose; a robot has one of them")
         elif (pose, start) == (None, None) and not shared and not _misspelt(robot, PLACES):
+            if is_group(robot):
+                yield Fault(
+                    ("robots", i, "start"),
+                    "missing; needed: a start region, here or for the whole world",
+                )
+                continue
             yield Fault(
                 ("robots", i, "pose"),
                 "missing; needed: [m, m, rad] start x, y and heading, or a start region, here or "
@@ -136,10 +167,37 @@ def _starts(data: Mapping[str, Any]) -> Iterator[Fault]:
             )
 
 
+def _spread(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """Without rows there are no cells to spread within."""
+    places = [
+        ((), data),
+        *((("robots", i), one) for i, one in enumerate(_list(data, "robots") or ())),
+    ]
+    for where, holder in places:
+        start = _get(holder, "start")
+        if _get(start, "spread") not in (None, 1.0) and _get(start, "abreast") is None:
+            message = "has no effect without abreast; add abreast, or leave it out"
+            yield Fault((*where, "start", "spread"), message)
+
+
 def _misspelt(holder: Any, keys: list[str]) -> bool:
     """Whether a mapping holds one of ``keys`` misspelt, which is a fault of its own."""
     given = holder if isinstance(holder, Mapping) else {}
     return any(nearest(str(key).lower(), keys) for key in given if key not in keys)
+
+
+def _shapes(data: Mapping[str, Any]) -> Iterator[Fault]:
+    """A group has one footprint or a list of them, and likewise paths."""
+    for i, group in enumerate(_list(data, "robots") or ()):
+        for one in ("footprint", "path") if is_group(group) else ():
+            several = f"{one}s"
+            is_one, are_several = (_get(group, key) is not None for key in (one, several))
+            if is_one and are_several:
+                yield Fault(
+                    ("robots", i, several), f"given beside {one}; a group has one of them, not both"
+                )
+            elif not is_one and not are_several and not _misspelt(group, [one, several]):
+                yield Fault(("robots", i, one), f"missing; needed: {one}, or a list of {several}")
 
 
 def _omegas(data: Mapping[str, Any]) -> Iterator[Fault]:
@@ -170,14 +228,14 @@ def _formation(data: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def _spacing(data: Mapping[str, Any]) -> Iterator[Fault]:
-    leads, robots = _list(_get(data, "formation"), "spacing"), _list(data, "robots")
-    if leads is None or robots is None:
+    leads = _list(_get(data, "formation"), "spacing")
+    if leads is None or _list(data, "robots") is None:
         return
-    where = ("formation", "spacing")
-    if len(leads) != len(robots):
+    where, robots = ("formation", "spacing"), sum(1 for _ in _given_names(data))
+    if len(leads) != robots:
         yield Fault(
             where,
-            f"{len(leads)} leads for {len(robots)} robots; "
+            f"{len(leads)} leads for {robots} robots; "
             "give one lead [m] per robot, or the word initial",
         )
     elif _number(leads[0]) not in (None, 0.0):
@@ -185,11 +243,12 @@ def _spacing(data: Mapping[str, Any]) -> Iterator[Fault]:
 
 
 def _neighbours(data: Mapping[str, Any]) -> Iterator[Fault]:
-    names = [name for name in _given_names(data) if name is not None]
+    pairs = _list(_get(data, "formation"), "neighbours")
+    names = [name for _, name in _given_names(data) if name is not None] if pairs else []
     known, seen = set(names), set()
     if not known:
         return
-    for k, pair in enumerate(_list(_get(data, "formation"), "neighbours") or ()):
+    for k, pair in enumerate(pairs or ()):
         if not isinstance(pair, list | tuple) or len(pair) != 2:
             continue
         where = ("formation", "neighbours", k)
@@ -236,3 +295,6 @@ def _polylines(data: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...],
     for i, robot in enumerate(_list(data, "robots") or ()):
         if (line := _list(robot, "path")) is not None:
             yield ("robots", i, "path"), line
+        for m, line in enumerate(_list(robot, "paths") or ()):
+            if isinstance(line, list | tuple):
+                yield ("robots", i, "paths", m), line

@@ -143,17 +143,23 @@ class Physics(Model):
     )
 
 
+Signed = Annotated[Number, Field(ge=-1.0e6, le=1.0e6)]
+
+
 class Expectation(Model):
     """What a run must satisfy; a run that does not ends with exit code 1."""
 
     contacts: Annotated[Whole, Field(ge=0)] | None = Field(
         default=None, description="largest number of contacts, touches between two samples included"
     )
-    min_distance: Distance | None = Field(
-        default=None, description="[m] least distance between two robots"
+    min_distance: Signed | None = Field(
+        default=None,
+        description="[m] least distance between two robots; below 0: how deep they may overlap",
     )
-    min_boundary_distance: Distance | None = Field(
-        default=None, description="[m] least distance between a robot and a boundary or obstacle"
+    min_boundary_distance: Signed | None = Field(
+        default=None,
+        description="[m] least distance between a robot and a boundary or obstacle; below 0: how "
+        "deep they may overlap",
     )
     max_distance: Distance | None = Field(
         default=None, description="[m] greatest distance between two robots"

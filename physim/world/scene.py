@@ -49,9 +49,10 @@ class FormationPlan:
     lead: FloatArray
     """(N,) [m] desired lead of Robot i over Robot 1 along s*: the paper's -l_i; lead[0] = 0"""
     adjacency: IntArray
-    """(N, N) 1 where j is in N_i; (0, 0) when neighbours are those within ``range``"""
+    """(N, N) 1 where j is in N_i, in a world that lists pairs; (0, 0) when neighbours are those
+    within ``range``"""
     range: float
-    """[m] along s* within which formation neighbours are"""
+    """[m] along s* within which formation neighbours are; inf where all are"""
 
 
 @dataclass(frozen=True)

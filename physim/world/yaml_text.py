@@ -23,6 +23,9 @@ LINE = 100
 ABSENT = ("description", "obstacles", "sensing", "filters", "disturbances", "stages")
 """Keys that are left out where they are empty."""
 
+FLOWING = ("footprints", "paths")
+"""Lists of shapes, written in brackets."""
+
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[ -][A-Za-z0-9_]+)*")
 _NOT_PLAIN = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan", "inf"}
 
@@ -64,7 +67,7 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
     """Lines of a model as a block mapping."""
     space = " " * indent
     for key, field in type(model).model_fields.items():
-        value = getattr(model, key)
+        value = model.written(key) if isinstance(model, World) else getattr(model, key)
         if value is None or (key in ABSENT and not value):
             continue
         unit = _unit(field.description or "")
@@ -75,7 +78,7 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
             lines = list(_block(value, indent + 2))
             if lines or key not in ABSENT:
                 yield from [f"{space}{key}:", *lines] if lines else [f"{space}{key}: {{}}"]
-        elif isinstance(value, tuple) and value and isinstance(value[0], BaseModel):
+        elif key not in FLOWING and isinstance(value, tuple) and _are_models(value):
             yield f"{space}{key}:"
             for item in value:
                 first, *others = _item(item, indent + 4)
@@ -83,6 +86,10 @@ def _block(model: BaseModel, indent: int) -> Iterator[str]:
                 yield from others
         else:
             yield from _entry(f"{space}{key}", value, unit)
+
+
+def _are_models(values: tuple[Any, ...]) -> bool:
+    return bool(values) and isinstance(values[0], BaseModel)
 
 
 def _item(item: BaseModel, indent: int) -> Iterator[str]:
@@ -140,6 +147,8 @@ def _flow(value: Any) -> str:
         return int.__repr__(value)
     if isinstance(value, str):
         return scalar_text(value)
+    if isinstance(value, BaseModel):
+        return _flow({key: getattr(value, key) for key in type(value).model_fields})
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{scalar_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):

@@ -18,6 +18,7 @@ from physim.world import (
     Offset,
     Physics,
     Robot,
+    RobotGroup,
     Sensing,
     Start,
     Time,
@@ -68,7 +69,11 @@ starts = st.builds(
     heading=st.floats(-1000, 1000) | st.sampled_from(["random", "along"]),
     min_gap=st.floats(0, 100),
     abreast=st.none() | st.integers(1, 9),
-)
+) | st.builds(Start, region=polygons, abreast=st.integers(1, 9), spread=st.floats(0.0, 1.0))
+
+
+paths = polylines | st.builds(Offset, offset=coordinates)
+footprints = st.builds(Box, length=lengths, width=lengths) | polygons
 
 
 @st.composite
@@ -80,10 +85,30 @@ def robots(draw, name, shared):
     )
     return Robot(
         name=name,
-        footprint=draw(st.builds(Box, length=lengths, width=lengths) | polygons),
+        footprint=draw(footprints),
         pose=where[0],
         start=where[1],
-        path=draw(polylines | st.builds(Offset, offset=coordinates)),
+        path=draw(paths),
+        limits=Limits(v=draw(st.floats(0.1, 100.0)), omega=draw(st.floats(0.1, 100.0))),
+        mass=draw(st.none() | lengths),
+        speeds=draw(st.none() | st.just((-0.1, 0.0, 0.1))),
+        omegas=draw(st.none() | st.just((0.0,))),
+    )
+
+
+@st.composite
+def groups(draw, shared):
+    """Robots in one entry; their names begin with what no other name does."""
+    count = draw(st.integers(1, 3))
+    one_footprint, one_path = draw(st.booleans()), draw(st.booleans())
+    return RobotGroup(
+        count=count,
+        name=draw(st.sampled_from(["\u2603{number}", "\u2603 {number} of {number}"])),
+        footprint=draw(footprints) if one_footprint else None,
+        footprints=None if one_footprint else draw(st.lists(footprints, min_size=1, max_size=3)),
+        start=draw(starts if not shared else st.none() | starts),
+        path=draw(paths) if one_path else None,
+        paths=None if one_path else draw(st.lists(paths, min_size=1, max_size=3)),
         limits=Limits(v=draw(st.floats(0.1, 100.0)), omega=draw(st.floats(0.1, 100.0))),
         mass=draw(st.none() | lengths),
         speeds=draw(st.none() | st.just((-0.1, 0.0, 0.1))),
@@ -98,7 +123,12 @@ def worlds(draw):
     step = draw(st.sampled_from([0.01, 0.05, 1e-5, 0.1]))
     has_corridor = draw(st.booleans())
     shared = draw(st.none() | starts)
-    leads = (0.0, *draw(st.tuples(*[coordinates for _ in names[1:]])))
+    entries = [draw(robots(name, shared is not None)) for name in names]
+    group = draw(st.none() | groups(shared is not None))
+    if group is not None:
+        entries.insert(draw(st.integers(0, len(entries))), group)
+    count = len(names) + (group.count if group is not None else 0)
+    leads = (0.0, *draw(st.tuples(*[coordinates for _ in range(count - 1)])))
     formation = Formation(
         gain=draw(st.floats(0, 10)),
         limits=tuple(sorted((draw(st.floats(0, 10)), draw(st.floats(0.1, 10))))),
@@ -120,7 +150,7 @@ def worlds(draw):
         boundaries=None if has_corridor else draw(st.lists(polylines, min_size=1, max_size=3)),
         reference_path=draw(st.none() | polylines) if has_corridor else draw(polylines),
         start=shared,
-        robots=[draw(robots(name, shared is not None)) for name in names],
+        robots=entries,
         formation=draw(st.none() | st.just(formation)),
         controller=ControllerChoice(
             type=draw(st.sampled_from(["mode_switching", "odd: one"])), settings=draw(settings)

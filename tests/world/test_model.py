@@ -144,7 +144,7 @@ def test_all_faults_come_at_once_in_our_words():
         ({"seed": -1}, ("seed",), ("at least 0",)),
         ({"physics": {"elasticity": 2}}, ("physics", "elasticity"), ("at most 1",)),
         ({"expect": {"finished": 1}}, ("expect", "finished"), ("true or false",)),
-        ({"expect": {"min_distance": -1}}, ("expect", "min_distance"), ("at least 0",)),
+        ({"expect": {"max_distance": -1}}, ("expect", "max_distance"), ("at least 0",)),
         ({"robots": [{**ROBOT, "pose": [1, 2, "rndom"]}]}, ("robots", 0, "pose", 2),
          ("number", "random", '"rndom"', '"random"')),
         ({"robots": [{**ROBOT, "footprint": {"length": -1, "width": 1}}]},

@@ -149,11 +149,15 @@ def masses(record: Record) -> FloatArray | None:
 
     A robot without a mass of its own has `DENSITY` over the area of its footprint.
     """
-    robots = record.world_settings.get("robots")
-    if not isinstance(robots, list) or len(robots) != record.robots:
+    entries = record.world_settings.get("robots")
+    given: list[Any] = []
+    for entry in entries if isinstance(entries, list) else ():
+        one = entry if isinstance(entry, dict) else {}
+        count = one.get("count", 1)  # an entry with a count stands for many
+        given += [one.get("mass")] * min(count if isinstance(count, int) else 1, record.robots)
+    if len(given) != record.robots:
         return None
     area = [sum(abs(signed_area(part)) for part in parts) for parts in record.footprints]
-    given: list[Any] = [one.get("mass") if isinstance(one, dict) else None for one in robots]
     return np.array(
         [DENSITY * a if m is None else float(m) for a, m in zip(area, given, strict=True)]
     )

@@ -16,20 +16,22 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from math import hypot
 from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from physim.errors import Location
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.way import Way
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import Shared
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -53,7 +55,7 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
         if leads is None:
             return
         speed = 1.0 if plan.speed is None else plan.speed
-        _check_spacing(laid, line, leads, found)
+        _check_spacing(laid, laid.reference, leads, found)
     if stations is not None and leads is not None:
         _check_length(laid, line, stations, leads, speed, found)
 
@@ -73,21 +75,19 @@ def listed_leads(laid: PartialLayout) -> FloatArray | None:
 
 
 def _check_spacing(
-    laid: PartialLayout, line: shapely.LineString, leads: FloatArray, found: Diagnostics
+    laid: PartialLayout, reference: FloatArray, leads: FloatArray, found: Diagnostics
 ) -> None:
     """Lay the formation out along the reference path and see which footprints meet."""
     shared = [i for i in laid.paths if i in laid.footprints]
-    if len(shared) < 2 or len(shared) > 1000:
+    if len(shared) < 2:
         return
-    room = line.length - (leads.max() - leads.min())
+    way = Way(reference)
+    room = way.station[-1] - (leads.max() - leads.min())
     if room <= 0.0:
         return  # reported as a reference path that is too short
     met: dict[tuple[int, int], int] = {}
     bases = np.linspace(-leads.min(), -leads.min() + room, PLACES)
-    shapes_of = [
-        _laid_out(line, bases + leads[n], laid.paths[n], laid.footprints[n]) for n in shared
-    ]
-    for shapes in np.array(shapes_of, dtype=object).T:
+    for shapes in _laid_out(laid, shared, way.at((bases + leads[shared][:, None]).ravel())[0]).T:
         tree = shapely.STRtree(shapes)
         for i, j in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
             if i < j:
@@ -129,19 +129,23 @@ def _remedy(laid: PartialLayout, i: int, j: int) -> str:
     )
 
 
-def _laid_out(
-    line: shapely.LineString, stations: FloatArray, path: FloatArray, outline: FloatArray
-) -> Any:
-    """Footprints (K,) on the robot's own path, beside stations (K,) of the reference path."""
-    own = shapely.LineString(path)
-    along = own.project(line.interpolate(stations))
-    places = shapely.get_coordinates(own.interpolate(along))
-    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
-    k = np.clip(np.searchsorted(length, along, side="right") - 1, 0, len(path) - 2)
-    c, s = (np.diff(path, axis=0)[k] / np.diff(length)[k][:, None]).T
-    x, y = outline.T
-    turned = np.stack([np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)], axis=2)
-    return shapely.polygons(turned + places[:, None])
+def _laid_out(laid: PartialLayout, robots: Sequence[int], beside: FloatArray) -> Any:
+    """Footprints (R, K) of robots on their own paths, next to K places each, beside (R K, 2)."""
+    beside = beside.reshape(len(robots), -1, 2)
+    shapes = np.empty(beside.shape[:2], dtype=object)
+    sharing: dict[int, list[int]] = {}
+    for row, robot in enumerate(robots):
+        sharing.setdefault(id(laid.paths[robot]), []).append(row)
+    for rows in sharing.values():
+        way = Way(laid.paths[robots[rows[0]]])
+        places, ahead = way.at(way.nearest(beside[rows].reshape(-1, 2)))
+        by_robot = zip(rows, np.split(places, len(rows)), np.split(ahead, len(rows)), strict=True)
+        for row, place, direction in by_robot:
+            x, y = laid.footprints[robots[row]].T
+            c, s = direction.T
+            turned = [np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)]
+            shapes[row] = shapely.polygons(np.stack(turned, axis=2) + place[:, None])
+    return shapes
 
 
 def _check_length(
@@ -161,9 +165,10 @@ def _check_length(
             "make it longer than the formation",
         )
         return
+    line_of = Shared(shapely.LineString)
     for k, path in laid.paths.items():
-        where: Location = ("robots", k, "pose")
-        own, position = shapely.LineString(path), laid.start[k, :2]
+        where: Location = (*laid.world.entry_of(k), "pose")
+        own, position = line_of(path), laid.start[k, :2]
         stop = max(own.length - float(leads.max() - leads[k]), 0.0)
         begin = float(own.project(shapely.Point(position)))
         if begin >= stop:
@@ -248,7 +253,7 @@ def _check_slow(laid: PartialLayout, low: float, found: Diagnostics) -> None:
     slow = [i for i, top in enumerate(tops) if top is not None and top < low]
     for i in slow[:MOST_ALIKE]:
         found.warn(
-            ("robots", i, "limits", "v"),
+            (*laid.world.entry_of(i), "limits", "v"),
             f"{describe(laid.names[i])} drives at most {tops[i]:.6g} m/s and cannot keep up: by "
             f"formation.limits the others drive at least {low:.6g} m/s; raise this limit, or lower "
             "the least speed of the formation",
@@ -288,27 +293,38 @@ def _error_sums(laid: PartialLayout) -> tuple[FloatArray, int]:
         return np.zeros(count), 1
     listed = listed_leads(laid)
     lead = station if listed is None else listed
+    if plan.neighbours == "range":
+        near = _within(station, plan.range or 0.0)
+    elif isinstance(plan.neighbours, tuple):
+        near = _listed(laid)
+    else:
+        error = station - lead
+        return error.sum() - count * error, count - 1
     sums, most = np.zeros(count), 0
-    pairs = _pairs(laid)
-    reach = plan.range or 0.0
-    for i in range(count):
-        near = np.abs(station - station[i]) <= reach
-        if plan.neighbours != "range":
-            near = np.ones(count, dtype=bool) if pairs is None else pairs[i]
-        near[i] = False
-        sums[i] = ((station - station[i]) - (lead - lead[i]))[near].sum()
-        most = max(most, int(near.sum()))
+    for i, others in enumerate(near):
+        sums[i] = ((station[others] - station[i]) - (lead[others] - lead[i])).sum()
+        most = max(most, len(others))
     return sums, most
 
 
-def _pairs(laid: PartialLayout) -> NDArray[np.bool_] | None:
-    """Who keeps distance to whom (N, N), where pairs of names are listed; else None."""
-    given = laid.world.formation.neighbours
-    if not isinstance(given, tuple):
-        return None
+def _within(station: FloatArray, reach: float) -> Iterator[IntArray]:
+    """For each robot the others within ``reach`` [m] of its station, increasing."""
+    order = np.argsort(station)
+    margin = reach + CONTACT  # at first a hair more, so that no rounding leaves one out
+    low = np.searchsorted(station, station - margin, sorter=order)
+    high = np.searchsorted(station, station + margin, side="right", sorter=order)
+    for i in range(len(station)):
+        some = np.sort(order[low[i] : high[i]])
+        yield some[(np.abs(station[some] - station[i]) <= reach) & (some != i)]
+
+
+def _listed(laid: PartialLayout) -> Iterator[IntArray]:
+    """For each robot those that are listed as its neighbours, increasing."""
     index = {name: i for i, name in enumerate(laid.names)}
-    near = np.zeros((len(index), len(index)), dtype=bool)
-    for a, b in given:
+    near: list[set[int]] = [set() for _ in laid.names]
+    for a, b in laid.world.formation.neighbours:
         if a in index and b in index:
-            near[index[a], index[b]] = near[index[b], index[a]] = True
-    return near
+            near[index[a]].add(index[b])
+            near[index[b]].add(index[a])
+    for others in near:
+        yield np.array(sorted(others), dtype=np.int64)

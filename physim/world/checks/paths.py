@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import plural
+from physim.errors import Location, plural
 from physim.geometry.corridor import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
@@ -15,6 +15,7 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
+from physim.world.layout.shared import Shared
 
 SHORTEST = 1.0
 """[m] A path or reference path shorter than this is hardly meant."""
@@ -22,18 +23,24 @@ SHORTEST = 1.0
 
 def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
     """Every path lies inside the accessible area, and in the sense of the reference path."""
+    outside = Shared(laid.area.outside_stretches) if laid.area is not None else None
+    told: set[Location] = set()
     for i, path in laid.paths.items():
-        _check_inside(laid, i, path, found)
+        if laid.path_key(i) in told:
+            continue  # the path of others of the group
+        told.add(laid.path_key(i))
+        if outside is not None:
+            _check_inside(laid, i, path, outside(path), found)
         if isinstance(laid.world.robots[i].path, Offset):
             _check_offset_folds(laid, i, path, found)
         else:
             _check_sense(laid, i, path, found)
 
 
-def _check_inside(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
-    if laid.area is None:
-        return
-    outside = laid.area.outside_stretches(path)
+def _check_inside(
+    laid: PartialLayout, i: int, path: FloatArray, outside: FloatArray, found: Diagnostics
+) -> None:
+    """Report the stretches (M, 2) [m] of a path outside the area, if there are any."""
     if not len(outside):
         return
     first, last = outside[0]
@@ -143,7 +150,8 @@ def check_width(laid: PartialLayout, found: Diagnostics) -> set[int]:
         return set()
     k = int(np.argmin(widths))
     width = float(widths[k])
-    needed = {number: _narrowest_gap(outline) for number, outline in laid.footprints.items()}
+    narrowest = Shared(_narrowest_gap)
+    needed = {number: narrowest(outline) for number, outline in laid.footprints.items()}
     too_wide = {number for number, gap in needed.items() if gap >= width - CONTACT}
     if too_wide:
         worst = max(sorted(too_wide), key=lambda number: needed[number])
@@ -218,7 +226,7 @@ def check_passage(
     known: dict[float, list[object]] = {}
     faulty = {fault.location[:2] for fault in found.errors}
     for profile in profiles:
-        if ("robots", profile.number) in faulty:
+        if laid.world.entry_of(profile.number) in faulty:
             continue
         r = profile.inscribed
         if r not in known:

@@ -11,7 +11,6 @@ never leaves danger mode.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from physim.tolerances import CONTACT
 from physim.world.checks.findings import Diagnostics
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import Shared
 
 SPACING = 0.25
 """[m] from one station of a profile to the next; waypoints are stations too"""
@@ -133,21 +133,21 @@ def clearance_profiles(
     if not laid.walls and not laid.solids:
         return ()
     tree = shapely.STRtree(_pieces([shape for _, shape in (*laid.walls, *laid.solids)]))
-    known: dict[bytes, tuple[FloatArray, FloatArray, Place]] = {}
+    room_along = Shared(lambda path: _room_along(path, tree, laid.area))
+    radii = Shared(lambda outline: (inscribed_radius(outline), circumscribed_radius(outline)))
+    stretches: dict[tuple[int, float, float], tuple[Stretch, ...]] = {}
     profiles = []
     for i, path in laid.paths.items():
         if i not in laid.footprints:
             continue
-        key = path.tobytes()
-        if key not in known:
-            known[key] = _room_along(path, tree, laid.area)
-        station, clearance, narrowest = known[key]
-        outline = laid.footprints[i]
-        r, R = inscribed_radius(outline), circumscribed_radius(outline)
-        stretches = _stretches(station, clearance, r, R)
+        station, clearance, narrowest = room_along(path)
+        r, R = radii(laid.footprints[i])
+        key = (id(path), r, R)
+        if key not in stretches:
+            stretches[key] = _stretches(station, clearance, r, R)
         profiles.append(
             ClearanceProfile(
-                i, laid.names[i], station, clearance, r, R, narrowest, stretches, safe_distance
+                i, laid.names[i], station, clearance, r, R, narrowest, stretches[key], safe_distance
             )
         )
     return tuple(profiles)
@@ -205,13 +205,16 @@ def _pieces(shapes: list[Any]) -> list[Any]:
 def _stretches(
     stations: FloatArray, clearance: FloatArray, inscribed: float, circumscribed: float
 ) -> tuple[Stretch, ...]:
-    verdicts = [verdict(float(c), inscribed, circumscribed) for c in clearance]
-    found, k = [], 0
-    for same, group in groupby(verdicts):
-        count = len(list(group))
-        found.append(Stretch(float(stations[k]), float(stations[k + count - 1]), same))
-        k += count
-    return tuple(found)
+    fits = (clearance > inscribed + CONTACT).astype(int) + (clearance > circumscribed + CONTACT)
+    firsts = np.flatnonzero(np.diff(fits, prepend=-1))
+    lasts = np.append(firsts[1:], len(fits)) - 1
+    return tuple(
+        Stretch(first, last, verdict(least, inscribed, circumscribed))
+        for first, last, least in zip(
+            stations[firsts].tolist(), stations[lasts].tolist(), clearance[firsts].tolist(),
+            strict=True,
+        )
+    )  # fmt: skip
 
 
 NEARLY_ALL = 0.95

@@ -20,15 +20,19 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import Placed, placed_outline
+from physim.world.layout.shared import Shared
 
 
 def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:
     """Warn of footprints that do not hold the point about which their robot turns."""
+    away = Shared(
+        lambda outline: shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
+    )
     for i, outline in laid.footprints.items():
-        far = shapely.Polygon(outline).convex_hull.distance(shapely.Point(0.0, 0.0))
+        far = away(outline)
         if far > LENGTH:
             found.warn(
-                ("robots", i, "footprint"),
+                (*laid.world.entry_of(i), "footprint"),
                 f"the reference point (0, 0), about which the robot turns and which follows the "
                 f"path, lies {far:.4g} m outside the footprint; corners are given "
                 "relative to that point",
@@ -83,7 +87,8 @@ def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
     Judged by the circle that the robot sweeps when it turns on the spot: no false comfort, but a
     warning may be too cautious for a long robot.
     """
-    faulty = {fault.location[1] for fault in laid.faults if fault.location[2:] == ("pose",)}
+    entries = {fault.location[:2] for fault in laid.faults if fault.location[2:] == ("pose",)}
+    faulty = {i for i in laid.footprints if laid.world.entry_of(i) in entries}
     posed = [i for i in laid.footprints if laid.world.robots[i].pose is not None]
     random = {i for i in posed if is_drawn(laid, i) and i not in faulty}
     if not random:
@@ -107,7 +112,7 @@ def check_random_headings(laid: PartialLayout, found: Diagnostics) -> None:
             met.setdefault(robot.number, names[k])
     for index, name in sorted(met.items()):
         found.warn(
-            ("robots", index, "pose", 2),
+            (*laid.world.entry_of(index), "pose", 2),
             f"random; with this seed {describe(laid.names[index])} starts clear, with another "
             f"it may touch {name}; leave room to turn, or write a heading",
         )
@@ -128,7 +133,7 @@ def check_headings(laid: PartialLayout, found: Diagnostics) -> None:
         away = abs((pose[2] - along + pi) % (2.0 * pi) - pi)
         if away > pi / 2.0 + 1e-6 and abs(pose[2]) <= 2.0 * pi:
             found.warn(
-                ("robots", i, "pose", 2),
+                (*laid.world.entry_of(i), "pose", 2),
                 f"{describe(laid.names[i])} starts facing {np.degrees(away):.0f} degrees away from "
                 f"its path, which goes {along:.4g} rad there; it will have to turn round",
             )
@@ -167,13 +172,15 @@ def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
     _check_lengths(laid, found)
     count = 0
     for i in range(len(world.robots)):
+        if world.place_of(i) > 0 and not getattr(_entry(world, i), "is_drawn", False):
+            continue  # as the first of its group
         before = len(found.warnings)
         _check_robot(laid, i, found)
         count += len(found.warnings) > before
         if count >= MOST_ALIKE:
             break
-    for i, robot in enumerate(world.robots):
-        _check_choices(("robots", i), robot.speeds, robot.omegas, found)
+    for e, robot in enumerate(world.entries):
+        _check_choices(("robots", e), robot.speeds, robot.omegas, found)
     is_sound = not any(fault.location[:1] == ("controller",) for fault in found.errors)
     if world.controller is not None and is_sound:  # its own check knows more
         settings = world.controller.settings
@@ -192,6 +199,10 @@ def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
             f"{step:.4g} s makes {steps:,.0f} steps in {duration:.6g} s: such a run takes hours; "
             "steps are in seconds, and 0.01 is usual",
         )
+
+
+def _entry(world: Any, i: int) -> Any:
+    return world.entries[world.entry_of(i)[1]]
 
 
 def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
@@ -219,7 +230,7 @@ def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
 
 
 def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
-    where: Location = ("robots", i)
+    where = laid.world.entry_of(i)
     robot, name = laid.world.robots[i], describe(laid.names[i])
     if i in laid.footprints:
         outline = laid.footprints[i]

@@ -21,12 +21,13 @@ from physim.parts.registry import (
     made_part,
 )
 from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
-from physim.world import ControllerChoice, Robot, World
+from physim.world import ControllerChoice, Robot, RobotGroup, World
 from physim.world.faults import KeyFault
 from physim.world.file.files import file_text, find_world
 from physim.world.file.nodes import Document, Member, Node, holds_unreadable
 from physim.world.file.overrides import apply_overrides
 from physim.world.file.reading import read_document, refused
+from physim.world.group import is_group
 from physim.world.run import MOST_STAGES
 
 
@@ -224,6 +225,8 @@ def validate(
         robots = dict(enumerate(world.robots)) if world is not None else _sound_robots(values)
         sound = None if document.faults else world
         chosen, of_parts, warnings = check_parts(values, controller is not None, robots, sound)
+        if world is not None:
+            of_parts, warnings = world.as_written(of_parts), tuple(world.as_written(warnings))
         faults += of_parts
     world = None if faults or document.faults else world
     return Validated(document, values, faults, world, chosen, warnings)
@@ -282,10 +285,15 @@ def _with_controller(document: Document, name: str) -> Document:
 
 
 def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:
-    """Robots that have no fault themselves, by number, of a world that has some."""
+    """Robots that have no fault themselves, of a world that has some, by number of the entry.
+
+    Of a group the first one stands for all.
+    """
     given = values.get("robots")
     found = {}
-    for i, robot in enumerate(given if isinstance(given, list) else []):
+    for i, entry in enumerate(given if isinstance(given, list) else []):
         with suppress(WorldError, ValueError, TypeError):
-            found[i] = Robot(**robot)
+            robot = RobotGroup(**entry).robot(i, 0, 0) if is_group(entry) else Robot(**entry)
+            if robot.footprint is not None and robot.path is not None:
+                found[i] = robot
     return found

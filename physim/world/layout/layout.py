@@ -8,7 +8,6 @@ faults keep a world from running; what would run but cannot be meant is left to
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,15 +17,13 @@ import shapely
 
 from physim.errors import Fault, Location, WorldError
 from physim.geometry.area import Area, accessible_area
-from physim.geometry.corridor import corridor_boundaries, offset_polyline
-from physim.geometry.polygon import counter_clockwise
+from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
-from physim.tolerances import LENGTH
 from physim.world import Offset, World
+from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
 from physim.world.layout.shape_checks import (
     Moving,
     Placed,
-    corners_of_line,
     gaps,
     outline_fault,
     placed_outline,
@@ -74,8 +71,8 @@ class PartialLayout:
 
     def path_key(self, i: int) -> Location:
         """Where the path of a robot stands."""
-        is_beside = isinstance(self.world.robots[i].path, Offset)
-        return ("robots", i, "path", "offset") if is_beside else ("robots", i, "path")
+        where = path_of(self.world, i)
+        return (*where, "offset") if isinstance(self.world.robots[i].path, Offset) else where
 
     @cached_property
     def walls(self) -> list[Named]:
@@ -126,7 +123,7 @@ def partial_layout(world: Any, is_whole: bool = True) -> PartialLayout:
     that it is.
     """
     faults: list[Fault] = []
-    footprints = _footprints(world, faults)
+    footprints = footprints_of(world, faults)
     _check_regions(world, faults)
     _check_step(world, footprints, faults)
     obstacles = _obstacles(world, faults)
@@ -134,7 +131,7 @@ def partial_layout(world: Any, is_whole: bool = True) -> PartialLayout:
     boundaries, are_all = _boundaries(world, faults)
     laid = PartialLayout(
         world, boundaries, obstacles, reference, None, footprints,
-        _paths(world, reference, faults), np.empty((0, 3)),
+        paths_of(world, reference, faults), np.empty((0, 3)),
     )  # fmt: skip
     if are_all and reference is not None:
         laid = replace(laid, area=_area(laid, reference, faults))
@@ -155,8 +152,9 @@ def _placed(laid: PartialLayout, is_whole: bool) -> PartialLayout:
         if not np.isnan(start[i]).any()
     ]
     accessible = laid.area.polygon if laid.area is not None else None
-    faults += wall_faults(standing, laid.walls, laid.solids, accessible)
-    return replace(laid, start=start, faults=(*faults, *robot_faults(standing)))
+    of_places = wall_faults(standing, laid.walls, laid.solids, accessible)
+    of_places += robot_faults(standing)
+    return replace(laid, start=start, faults=(*faults, *laid.world.as_written(of_places)))
 
 
 def robot_names(world: Any) -> list[str]:
@@ -168,42 +166,9 @@ def robot_names(world: Any) -> list[str]:
     ]
 
 
-def distinct(points: Sequence[Any] | None) -> tuple[FloatArray | None, list[int]]:
-    """Points (n, 2) [m] of a polyline without repeated neighbours, and which of them these are.
-
-    None where fewer than two are left.
-    """
-    line = np.array(points or (), dtype=np.float64).reshape(-1, 2)
-    kept = list(range(len(line)))
-    if (np.hypot(*np.diff(line, axis=0).T) <= LENGTH).any():
-        kept = [0]
-        for k in range(1, len(line)):
-            if np.hypot(*(line[k] - line[kept[-1]])) > LENGTH:
-                kept.append(k)
-        line = line[kept]
-    return (line, kept) if len(kept) > 1 else (None, [])
-
-
-def _footprints(world: Any, faults: list[Fault]) -> dict[int, FloatArray]:
-    """Footprints that are polygons; robots of the same outline are looked at once."""
-    known: dict[Any, str] = {}
-    found = {}
-    for i, robot in enumerate(world.robots):
-        outline = robot.outline
-        if outline is None:
-            continue
-        if outline not in known:
-            known[outline] = outline_fault(outline)
-        if known[outline]:
-            faults.append(Fault(("robots", i, "footprint"), known[outline]))
-        else:
-            found[i] = counter_clockwise(np.array(outline))
-    return found
-
-
 def _check_regions(world: Any, faults: list[Fault]) -> None:
     holders: list[tuple[Location, Any]] = [((), world)]
-    holders += [(("robots", i), robot) for i, robot in enumerate(world.robots)]
+    holders += [(("robots", i), entry) for i, entry in enumerate(world.entries)]
     for where, holder in holders:
         region = holder.start.region if holder.start is not None else None
         if region is not None and (message := outline_fault(region)):
@@ -218,7 +183,7 @@ def _check_step(world: Any, footprints: dict[int, FloatArray], faults: list[Faul
         if i in footprints and limits.v is not None and limits.omega is not None:
             moving.append(Moving(i, names[i], footprints[i], limits.v, limits.omega))
     if world.time.step is not None:
-        faults += tunnelling(moving, world.time.step)
+        faults += world.as_written(tunnelling(moving, world.time.step))
 
 
 def _obstacles(world: Any, faults: list[Fault]) -> dict[int, FloatArray]:
@@ -264,31 +229,6 @@ def corridor_line(world: Any) -> tuple[FloatArray | None, FloatArray | None]:
         is_one_each = len(width) == len(world.corridor.centreline)
         return centreline, np.array(width, dtype=np.float64)[kept] if is_one_each else None
     return centreline, np.full(len(centreline), width, dtype=np.float64)
-
-
-def _paths(world: Any, reference: FloatArray | None, faults: list[Fault]) -> dict[int, FloatArray]:
-    """Waypoints (n, 2) of every sound path; a bend of s* too sharp for all is reported once."""
-    found: dict[int, FloatArray] = {}
-    sharp: set[str] = set()
-    for i, robot in enumerate(world.robots):
-        where: Location = ("robots", i, "path")
-        if not isinstance(robot.path, Offset):
-            line = distinct(robot.path)[0]
-        elif reference is None:
-            continue
-        else:
-            try:
-                line = offset_polyline(reference, np.full(len(reference), robot.path.offset))
-            except ValueError as error:
-                if not sharp:
-                    faults.append(Fault((*where, "offset"), f"the reference path {error}"))
-                sharp.add(str(error))
-                continue
-        if line is not None and len(corners_of_line(line)) < 2:
-            faults.append(Fault(where, "must have two distinct points"))
-        elif line is not None:
-            found[i] = line
-    return found
 
 
 def _area(laid: PartialLayout, reference: FloatArray, faults: list[Fault]) -> Area | None:

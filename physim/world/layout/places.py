@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
+from math import floor
 
 import numpy as np
 import shapely
 
 from physim.geometry.polygon import circumscribed_radius
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.world import Start
+from physim.world.layout.shared import Shared
 
+ROUNDING = 1e-6
+"""[m] by which more is looked at than is near, so that no rounding leaves anything out"""
+SMALLEST_CELL = 0.1
+"""[m]"""
 OUTLINE_STEP = 0.25
 """[m] apart are the points of a region's outline by which its stretch of road is found"""
 
@@ -23,8 +29,11 @@ class Occupancy:
         self.footprints = [np.asarray(footprint) for footprint in footprints]
         self.walls = shapely.GeometryCollection(list(walls))
         shapely.prepare(self.walls)
-        count = len(self.footprints)
-        self.radius = np.array([circumscribed_radius(f) for f in self.footprints])
+        count, radius = len(self.footprints), Shared(circumscribed_radius)
+        self.radius = np.array([radius(f) for f in self.footprints])
+        self.largest = float(self.radius.max(initial=0.0))
+        self.widest = 0.0
+        self.cells = Cells(max(2.0 * self.largest, SMALLEST_CELL))
         self.outline = np.empty(count, dtype=object)
         self.place = np.full((count, 2), np.inf)
         self.gap = np.zeros(count)
@@ -34,10 +43,14 @@ class Occupancy:
         self.outline[i] = self.outlines(i, np.asarray(pose)[None])[0]
         self.place[i] = pose[:2]
         self.gap[i] = gap
+        self.widest = max(self.widest, gap)
+        self.cells.put(i, float(pose[0]), float(pose[1]))
 
     def leave(self, robots: Iterable[int]) -> None:
         """These robots stand no more."""
-        self.place[list(robots)] = np.inf
+        for i in robots:
+            self.cells.take(i, *self.place[i].tolist())
+            self.place[i] = np.inf
 
     def outlines(self, i: int, poses: FloatArray) -> FloatArray:
         """Outlines (B,) of robot i at poses (B, 3), shapely polygons in the world frame."""
@@ -58,20 +71,74 @@ class Occupancy:
         outlines = self.outlines(i, poses)
         inside = np.flatnonzero(shapely.covers(free, outlines))
         room[inside] = shapely.distance(self.walls, outlines[inside]) - gap
-        reach = self.radius[i] + self.radius + np.maximum(self.gap, gap)
         for k in inside[room[inside] >= 0.0]:
-            away = np.hypot(*(self.place - poses[k, :2]).T)
-            near = np.flatnonzero(away <= reach + room[k])
-            if len(near):
-                wanted = np.maximum(self.gap[near], gap)
-                spare = shapely.distance(self.outline[near], outlines[k]) - wanted
-                room[k] = min(room[k], spare.min())
+            room[k] = min(room[k], self._spare(i, poses[k], outlines[k], gap, float(room[k])))
         return room
+
+    def first_fit(
+        self, i: int, poses: FloatArray, free: shapely.Geometry, gap: float
+    ) -> int | None:
+        """Which of the poses (B, 3) is the first with `room` for robot i; None where none has."""
+        outlines = self.outlines(i, poses)
+        for k in np.flatnonzero(shapely.covers(free, outlines)):
+            near_wall = shapely.dwithin(self.walls, outlines[k], gap + ROUNDING)
+            if near_wall and shapely.distance(self.walls, outlines[k]) - gap < 0.0:
+                continue
+            if self._spare(i, poses[k], outlines[k], gap, ROUNDING) >= 0.0:
+                return int(k)
+        return None
+
+    def _spare(
+        self, i: int, pose: FloatArray, outline: shapely.Polygon, gap: float, room: float
+    ) -> float:
+        """Room [m] of robot i to the nearest robot, inf where that is surely more than ``room``."""
+        widest = max(self.widest, gap)
+        some = self.cells.near(pose[0], pose[1], self.radius[i] + self.largest + widest + room)
+        away = np.hypot(*(self.place[some] - pose[:2]).T)
+        wanted = np.maximum(self.gap[some], gap)
+        close = away <= self.radius[i] + self.radius[some] + wanted + room
+        if not close.any():
+            return np.inf
+        near = self.outline[some[close]]
+        return float((shapely.distance(near, outline) - wanted[close]).min())
 
     def kept_clear(self, gap: float) -> shapely.Geometry:
         """Where nothing may stand: within ``gap`` of walls and standing robots."""
         standing = self.outline[np.isfinite(self.place[:, 0])]
         return shapely.union_all([self.walls.buffer(gap), *shapely.buffer(standing, gap)])
+
+
+class Cells:
+    """Which robots stand near a place, by squares of side ``size`` [m]."""
+
+    def __init__(self, size: float) -> None:
+        self.size = size
+        self._robots: dict[tuple[int, int], set[int]] = {}
+
+    def put(self, i: int, x: float, y: float) -> None:
+        """Robot i stands at a place."""
+        self._robots.setdefault(self._cell(x, y), set()).add(i)
+
+    def take(self, i: int, x: float, y: float) -> None:
+        """Robot i, at that place, stands no more."""
+        self._robots[self._cell(x, y)].discard(i)
+
+    def near(self, x: float, y: float, reach: float) -> IntArray:
+        """Robots within ``reach`` [m] of a place and perhaps some others, increasing."""
+        reach += ROUNDING
+        (left, low), (right, high) = (
+            self._cell(x - reach, y - reach),
+            self._cell(x + reach, y + reach),
+        )
+        if (right - left + 1) * (high - low + 1) >= len(self._robots):
+            found = [i for robots in self._robots.values() for i in robots]
+        else:
+            square = ((a, b) for a in range(left, right + 1) for b in range(low, high + 1))
+            found = [i for cell in square for i in self._robots.get(cell, ())]
+        return np.array(sorted(found), dtype=np.int64)
+
+    def _cell(self, x: float, y: float) -> tuple[int, int]:
+        return floor(x / self.size), floor(y / self.size)
 
 
 class PathFrame:
@@ -168,17 +235,31 @@ class Candidates:
         station, deviation = self.along.project(outline)
         rows = [members[k : k + abreast] for k in range(0, len(members), abreast)]
         ends = np.linspace(station.max(), station.min(), len(rows) + 1)
+        order = np.argsort(station)
+        station, deviation = station[order], deviation[order]
+        line_of = Shared(shapely.LineString)
         for row, (high, low) in zip(rows, pairwise(ends), strict=True):
             margin = OUTLINE_STEP
-            here = deviation[(station >= low - margin) & (station <= high + margin)]
+            first = np.searchsorted(station, low - margin)
+            end = np.searchsorted(station, high + margin, side="right")
+            here = deviation[first:end]
             bands = np.linspace(here.min(), here.max(), len(row) + 1)
-            ordered = sorted(row, key=lambda i: (self._lane(paths[i], 0.5 * (low + high)), i))
+            middle = 0.5 * (low + high)
+            lane = {i: self._lane(line_of(paths[i]), middle) for i in row}
+            ordered = sorted(row, key=lambda i: (lane[i], i))
             for i, (right, left) in zip(ordered, pairwise(bands), strict=True):
-                self.cells[i] = (float(low), float(high), float(right), float(left))
+                self.cells[i] = (*self._within(low, high), *self._within(right, left))
 
-    def _lane(self, path: FloatArray, station: float) -> float:
+    def _within(self, low: float, high: float) -> tuple[float, float]:
+        """The middle part of a side of a cell in which robots are placed."""
+        spread = self.start.spread
+        if spread == 1.0:
+            return float(low), float(high)
+        middle, half = 0.5 * (low + high), 0.5 * spread * (high - low)
+        return float(middle - half), float(middle + half)
+
+    def _lane(self, line: shapely.LineString, station: float) -> float:
         """Deviation [m] of a robot's own path from the reference path near a station."""
         origin, direction = self.along.at(np.array([station]))
-        line = shapely.LineString(path)
         x, y = line.interpolate(line.project(shapely.Point(origin[0]))).coords[0]
         return float(direction[0, 0] * (y - origin[0, 1]) - direction[0, 1] * (x - origin[0, 0]))

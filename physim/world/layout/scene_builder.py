@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from physim.errors import Fault, WorldError
-from physim.geometry.path import Path
+from physim.geometry.path import Path, project
 from physim.geometry.polygon import convex_parts, signed_area
 from physim.geometry.shapes import (
     FloatArray,
@@ -19,9 +19,10 @@ from physim.geometry.shapes import (
     pack_shapes,
 )
 from physim.geometry.wall_grid import build_wall_grid
-from physim.world import World
+from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed_anew
+from physim.world.layout.shared import Shared
 from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Scene
 
@@ -46,21 +47,26 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     names += [("boundary", name) for name in laid.boundaries]
     names += [("obstacle", f"obstacle {k + 1}") for k in range(len(laid.obstacles))]
     paths = pack_polylines(laid.paths)
+    parts, size = Shared(convex_parts), Shared(signed_area)
+    outside = Shared(laid.area.outside_stretches)
     return Scene(
         world=world,
         seed=world.seed,
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
-        shapes=pack_shapes([convex_parts(outline) for outline in footprints]),
+        shapes=pack_shapes([parts(outline) for outline in footprints]),
         walls=walls,
         wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
-        mass=np.array([_mass(r.mass, f) for r, f in zip(world.robots, footprints, strict=True)]),
+        mass=np.array([
+            _mass(robot.mass, size(outline))
+            for robot, outline in zip(world.robots, footprints, strict=True)
+        ]),
         limits=np.array([(robot.limits.v, robot.limits.omega) for robot in world.robots]),
         start=laid.start,
         paths=paths,
         reference=pack_polylines([laid.reference]),
-        outside=tuple(laid.area.outside_stretches(path) for path in laid.paths),
+        outside=tuple(outside(path) for path in laid.paths),
         speeds=tuple(robot.speeds for robot in world.robots),
         omegas=tuple(robot.omegas for robot in world.robots),
         stop_station=_stop_stations(paths, formation),
@@ -85,6 +91,8 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))
+    if any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries):
+        return build_scene(scene.world, int(seed))  # footprints are others, too
     laid = placed_anew(scene.layout, world)
     formation = _formation(world, laid.start, laid.reference)
     return replace(
@@ -112,8 +120,8 @@ def _segments(line: FloatArray) -> list[FloatArray]:
     return [line[k : k + 2] for k in range(len(line) - 1)]
 
 
-def _mass(given: float | None, footprint: FloatArray) -> float:
-    return DENSITY * abs(signed_area(footprint)) if given is None else given
+def _mass(given: float | None, area: float) -> float:
+    return DENSITY * abs(area) if given is None else given
 
 
 def _formation(world: World, start: FloatArray, reference: FloatArray) -> FormationPlan:
@@ -125,7 +133,8 @@ def _formation(world: World, start: FloatArray, reference: FloatArray) -> Format
         return FormationPlan(False, 0.0, 1.0, 0.0, 1.0, np.zeros(n), none, DEFAULT_RANGE)
     if plan.spacing == "initial":
         path = Path(reference)
-        station = np.array([path.project(x, y)[0] for x, y, _ in start])
+        length = path.length
+        station = np.array([project(path.lines, 0, x, y, 0.0, length)[0] for x, y, _ in start])
         lead = station - station[0]
     else:
         lead = np.array(plan.spacing)
@@ -137,22 +146,20 @@ def _formation(world: World, start: FloatArray, reference: FloatArray) -> Format
         v_max=plan.limits[1],
         lead=lead,
         adjacency=_adjacency(plan.neighbours, [robot.name for robot in world.robots]),
-        range=plan.range,
+        range=np.inf if plan.neighbours == "all" else plan.range,
     )
 
 
 def _adjacency(
     neighbours: Literal["range", "all"] | Sequence[tuple[str, str]], names: Sequence[str]
 ) -> IntArray:
-    """(N, N) symmetric, or (0, 0) when neighbours are those within range."""
+    """(N, N) symmetric where pairs are listed, else (0, 0)."""
     n = len(names)
-    if neighbours == "range":
+    if isinstance(neighbours, str):
         return np.zeros((0, 0), dtype=np.int64)
-    if neighbours == "all":
-        return np.ones((n, n), dtype=np.int64) - np.eye(n, dtype=np.int64)
     adjacency = np.zeros((n, n), dtype=np.int64)
-    for pair in neighbours:
-        a, b = pair
-        i, j = names.index(a), names.index(b)
+    number = {name: i for i, name in enumerate(names)}
+    for a, b in neighbours:
+        i, j = number[a], number[b]
         adjacency[i, j] = adjacency[j, i] = 1
     return adjacency

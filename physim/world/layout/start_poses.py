@@ -33,6 +33,8 @@ LOOSE_ROUNDS, TIGHT_ROUNDS = 12, 8
 BATCHES = (32, 128, 512, 2048)
 """Places drawn for one robot before its round is given up"""
 TIGHT_BATCH = 1024
+MOST_TIGHT = 100
+"""Robots of a group that are placed as tight as can be: with more a refusal would take minutes."""
 FILLED = 0.4
 """[-] share of a region that robots with half their gap around them fill at random with ease"""
 
@@ -60,8 +62,8 @@ def start_poses(laid: PartialLayout) -> FloatArray:
             groups.setdefault((start, shared), []).append(i)
     faults = []
     for (start, where), members in groups.items():
-        group = _Group(start, members, where, occupied, along, free, world.seed)
-        fault = group.place(poses, laid.paths, world)
+        group = _Group(start, members, where, occupied, along, free, world)
+        fault = group.place(poses, laid.paths)
         faults += [fault] if fault is not None else []
     if faults:
         raise WorldError(faults)
@@ -91,16 +93,14 @@ class _Group:
 
     def __init__(
         self, start: Start, members: list[int], where: Location, occupied: Occupancy,
-        along: PathFrame, accessible: shapely.Polygon, seed: int,
+        along: PathFrame, accessible: shapely.Polygon, world: World,
     ) -> None:  # fmt: skip
         self.start, self.members, self.where = start, members, where
-        self.occupied, self.along, self.seed = occupied, along, seed
+        self.occupied, self.along, self.world, self.seed = occupied, along, world, world.seed
         self.free = shapely.intersection(shapely.Polygon(start.region), accessible)
         shapely.prepare(self.free)
 
-    def place(
-        self, poses: FloatArray, paths: Mapping[int, FloatArray], world: World
-    ) -> Fault | None:
+    def place(self, poses: FloatArray, paths: Mapping[int, FloatArray]) -> Fault | None:
         """Fill in the poses of the group; the fault that says why not otherwise."""
         if self.free.area <= 0.0:
             return self._fault("none of it lies in the accessible area; draw it inside")
@@ -112,7 +112,8 @@ class _Group:
         if start.abreast is not None:
             order = self.members
         most, stuck = -1, order[0]
-        for attempt in range(LOOSE_ROUNDS + TIGHT_ROUNDS):
+        tight = TIGHT_ROUNDS if len(self.members) <= MOST_TIGHT else 0
+        for attempt in range(LOOSE_ROUNDS + tight):
             placed: list[int] = []
             for i in order:
                 pose = self._found(i, candidates, streams[i], tight=attempt >= LOOSE_ROUNDS)
@@ -128,7 +129,7 @@ class _Group:
             self.occupied.leave(placed)
             if not placed and attempt >= 1:
                 break
-        return self._fault(self._crowded(most, world.robots[stuck].name))
+        return self._fault(self._crowded(most, self.world.robots[stuck].name))
 
     def _found(
         self, i: int, candidates: Candidates, draw: np.random.Generator, tight: bool
@@ -136,12 +137,16 @@ class _Group:
         """Pose at which robot i is apart from all: the first that is drawn, or the tightest."""
         heading = drawn_heading(self.seed, i)
         for size in (TIGHT_BATCH,) if tight else BATCHES:
-            poses = candidates.draw(i, draw, size, heading)
-            room = self.occupied.room(i, poses, self.free, self.start.min_gap + SLACK)
+            poses, gap = candidates.draw(i, draw, size, heading), self.start.min_gap + SLACK
+            if not tight:
+                first = self.occupied.first_fit(i, poses, self.free, gap)
+                if first is not None:
+                    return np.asarray(poses[first])
+                continue
+            room = self.occupied.room(i, poses, self.free, gap)
             fits = np.flatnonzero(room >= 0.0)
             if len(fits):
-                best = fits[np.argmin(room[fits])] if tight else fits[0]
-                return np.asarray(poses[best])
+                return np.asarray(poses[fits[np.argmin(room[fits])]])
         return None
 
     def _crowded(self, placed: int, name: str) -> str:
@@ -185,7 +190,7 @@ class _Group:
         )
 
     def _fault(self, message: str) -> Fault:
-        where = self.where or ("robots", self.members[0], "start")
+        where = self.where or (*self.world.entry_of(self.members[0]), "start")
         return Fault((*where, "region"), message)
 
 

@@ -1,0 +1,40 @@
+"""A path on which many places are looked up at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from physim.geometry.shapes import FloatArray
+
+
+class Way:
+    """Places on a path (n, 2) [m] by station, and stations by place; numpy and a tree."""
+
+    def __init__(self, path: FloatArray) -> None:
+        self.points, self.step = path, np.diff(path, axis=0)
+        self.length = np.hypot(*self.step.T)
+        self.station = np.concatenate(([0.0], np.cumsum(self.length)))
+        self._tree = shapely.STRtree(shapely.linestrings(np.stack([path[:-1], path[1:]], axis=1)))
+
+    def at(self, stations: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Places (K, 2) at stations (K,) [m] and unit directions (K, 2) of the path there.
+
+        The ends hold beyond them.
+        """
+        stations = np.clip(stations, 0.0, self.station[-1])
+        found = np.searchsorted(self.station, stations, side="right") - 1
+        k = np.clip(found, 0, len(self.step) - 1)
+        direction = self.step[k] / self.length[k, None]
+        return self.points[k] + (stations - self.station[k])[:, None] * direction, direction
+
+    def nearest(self, places: FloatArray) -> FloatArray:
+        """Stations (K,) [m] of the points of the path nearest to places (K, 2).
+
+        The smaller station of equally near ones.
+        """
+        place, segment = self._tree.query_nearest(shapely.points(places))
+        k = np.full(len(places), len(self.step))
+        np.minimum.at(k, place, segment)
+        along = ((places - self.points[k]) * self.step[k]).sum(axis=1) / self.length[k]
+        return np.asarray(self.station[k] + np.clip(along, 0.0, self.length[k]))

@@ -1,0 +1,170 @@
+"""Many robots in one entry of ``robots``: how many, and what they have in common.
+
+A group stands for robots one by one (`each_robot`): names by number, paths in turn, footprints
+drawn by the seed. Each robot draws from (seed, "footprint", robot), so that no other draw shifts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
+
+from physim.errors import nearest
+from physim.world.base import Model
+from physim.world.kinds import MOST_NAME, MOST_ROBOTS, Label, Number, Whole, at_most
+from physim.world.robot import Footprint, Limits, Multiples, Robot, RobotPath, Speeds, Start
+
+NUMBER = "{number}"
+"""What is replaced in the name of a group."""
+MOST_KINDS = 1_000
+"""Footprints, and paths as many again, of one group."""
+
+
+def _pattern(text: str) -> str:
+    """Nothing but `NUMBER` is replaced: the text may come from anybody."""
+    bare = text.replace(NUMBER, "")
+    if bare == text:
+        raise PydanticCustomError("label", f"must hold {NUMBER}, which makes names differ")
+    if "{" in bare or "}" in bare:
+        raise PydanticCustomError("label", f"may hold no braces but those of {NUMBER}")
+    if len(text.replace(NUMBER, str(MOST_ROBOTS))) > MOST_NAME:
+        raise PydanticCustomError("label", f"names must have at most {MOST_NAME} characters")
+    return text
+
+
+class RobotGroup(Model):
+    """Robots alike: all placed by the seed."""
+
+    count: Annotated[Whole, Field(ge=1, le=MOST_ROBOTS)] = Field(
+        description="number of robots that this entry stands for"
+    )
+    name: Annotated[Label, AfterValidator(_pattern)] = Field(
+        default=f"r{NUMBER}",
+        description=f"names; {NUMBER} stands for the number of the robot in the world, from 1",
+    )
+    footprint: Footprint | None = Field(
+        default=None, description="[m] footprint of all, as of one robot (or give footprints)"
+    )
+    footprints: (
+        Annotated[tuple[Footprint, ...], at_most(MOST_KINDS), Field(min_length=1)] | None
+    ) = Field(
+        default=None,
+        description="[m] list of footprints, of which the seed draws one for each robot",
+    )
+    start: Start | None = Field(
+        default=None, description="region to be placed in by the seed; without it the world's start"
+    )
+    path: RobotPath | None = Field(
+        default=None, description="[m] path of all, as of one robot (or give paths)"
+    )
+    paths: Annotated[tuple[RobotPath, ...], at_most(MOST_KINDS), Field(min_length=1)] | None = (
+        Field(
+            default=None,
+            description="[m] list of paths, taken in turn: the first robot has the first, and "
+            "after the last path comes the first again",
+        )
+    )
+    limits: Limits = Field(default=Limits(), description="largest commands of each robot")
+    mass: Annotated[Number, Field(gt=0.0, le=1.0e9)] | None = Field(
+        default=None,
+        description="[kg] of each robot; 100 kg/m² times the area of its footprint when absent",
+    )
+    speeds: Multiples | None = Field(
+        default=None,
+        description="[-] forward speeds to choose from, as multiples of nu, between -1 and 1, "
+        "instead of the controller's",
+    )
+    omegas: Speeds | None = Field(
+        default=None,
+        description="[rad/s] rotational speeds to choose from, instead of the controller's",
+    )
+
+    @property
+    def shapes(self) -> tuple[Any, ...]:
+        """Footprints that its robots may have."""
+        return (self.footprint,) if self.footprints is None else self.footprints
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether the seed decides over footprints."""
+        return len(self.shapes) > 1
+
+    def robot(self, number: int, place: int, seed: int) -> Robot:
+        """Robot ``number`` of a world, from 0, which is number ``place`` of the group, from 0."""
+        shapes, drawn = self.shapes, 0
+        if self.is_drawn:
+            from physim.randomness import stream  # worlds are read without numpy
+
+            drawn = int(stream(seed, "footprint", number).integers(len(shapes)))
+        return Robot.model_construct(
+            name=self.name and numbered(self.name, number),  # None where it is no pattern
+            footprint=shapes[drawn],
+            pose=None,
+            start=self.start,
+            path=self.path if self.paths is None else self.paths[place % len(self.paths)],
+            limits=self.limits,
+            mass=self.mass,
+            speeds=self.speeds,
+            omegas=self.omegas,
+        )
+
+
+def numbered(pattern: str, number: int) -> str:
+    """Name of robot ``number``, from 0, by the pattern of its group."""
+    return pattern.replace(NUMBER, str(number + 1))
+
+
+def is_group(value: Any) -> bool:
+    """Whether an entry of ``robots``, as read or as a model, is a group."""
+    if not isinstance(value, Mapping):
+        return isinstance(value, RobotGroup)
+    others = [key for key in value if key not in Robot.model_fields and isinstance(key, str)]
+    return any(
+        key in ("footprints", "paths") or nearest(key[:MOST_NAME].lower(), ["count"])
+        for key in others
+    )
+
+
+if TYPE_CHECKING:
+    Entry = Robot
+    """What a world holds after reading: each robot by itself."""
+else:
+    Entry = Annotated[
+        Annotated[Robot, Tag("<robot>")] | Annotated[RobotGroup, Tag("<group>")],
+        Discriminator(lambda value: "<group>" if is_group(value) else "<robot>"),
+    ]
+
+
+def limited(entries: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The entries, if they stand for no more robots than a world may hold."""
+    count = sum(one.count if isinstance(one, RobotGroup) else 1 for one in entries)
+    if count > MOST_ROBOTS:
+        lengths = {"max_length": MOST_ROBOTS, "actual_length": count}
+        raise PydanticCustomError("too_long", "too long", lengths)
+    return entries
+
+
+def each_robot(
+    entries: Iterable[Any], seed: int
+) -> tuple[tuple[Robot, ...], tuple[tuple[int, int], ...]]:
+    """The robots that entries stand for, and for each the number of its entry and its place there.
+
+    No more than a world may hold; a group of unknown size stands for none.
+    """
+    where = tuple(islice(_places(entries), MOST_ROBOTS))
+    kept = tuple(entries)
+    robots = (
+        one.robot(number, place, seed) if isinstance(one, RobotGroup) else one
+        for number, (one, place) in enumerate((kept[entry], place) for entry, place in where)
+    )
+    return tuple(robots), where
+
+
+def _places(entries: Iterable[Any]) -> Iterator[tuple[int, int]]:
+    for entry, one in enumerate(entries):
+        for place in range((one.count or 0) if isinstance(one, RobotGroup) else 1):
+            yield entry, place

@@ -81,7 +81,6 @@ def draw(store: Store, folder: Path) -> None:
     left.axhline(1.0, color="0.8", linewidth=1)
     left.text(robots[0], 1.05, "real time", color="0.45", va="bottom")
     left.set(xlabel="robots", ylabel="processor time of a simulated second [s]")
-    left.legend(fontsize=8, frameon=False)
     bottom = [0.0] * len(robots)
     labels = [f"{n:,}" for n in robots]
     for name, (words, colour) in PARTS.items():
@@ -89,6 +88,8 @@ def draw(store: Store, folder: Path) -> None:
         right.bar(labels, height, bottom=bottom, color=colour, label=words)
         bottom = [a + b for a, b in zip(bottom, height, strict=True)]
     right.set(xlabel="robots", ylabel="µs a robot and simulated second")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=6,
+                  fontsize=9, frameon=False)  # fmt: skip
     for axes in (left, right):
         axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(folder / PICTURE, metadata={"Date": None})

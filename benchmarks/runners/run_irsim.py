@@ -175,4 +175,5 @@ def main() -> None:
     report(**found, version=version("ir-sim"))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -128,4 +128,5 @@ def main() -> None:
     report(**found, version=version("navground"))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -275,4 +275,5 @@ def main() -> None:
     report(**KINDS[asked["what"]](asked), version=physim.__version__, python=sys.version.split()[0])
 
 
-main()
+if __name__ == "__main__":
+    main()

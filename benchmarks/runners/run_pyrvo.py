@@ -38,4 +38,5 @@ def main() -> None:
     report(**found, version=version("pyrvo"))
 
 
-main()
+if __name__ == "__main__":
+    main()

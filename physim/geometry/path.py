@@ -116,6 +116,14 @@ class Path:
         self.lines = pack_polylines([points])
         self.outside = np.zeros((0, 2)) if outside is None else outside
 
+    def copy(self) -> Path:
+        """Return the same path with arrays of its own."""
+        path = Path.__new__(Path)
+        points, start, station = self.lines
+        path.lines = Polylines(points.copy(), start.copy(), station.copy())
+        path.outside = self.outside.copy()
+        return path
+
     @property
     def points(self) -> FloatArray:
         """(n, 2) [m] waypoints."""

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import Column, Mode, Rule
+from physim.parts.later import Later, made_later
 
 if TYPE_CHECKING:
     from physim.errors import Fault
@@ -64,11 +65,13 @@ class Neighbour:
     """[s] when it was sent"""
 
 
+@made_later("footprint", "path", "neighbours", "others", "walls")
 @dataclass(frozen=True)
-class Observation:
+class Observation(Later):
     """All that Robot i may know when it decides. World frame, SI units.
 
-    Arrays are read-only, or copies of its own (the path).
+    Arrays are read-only, or copies of its own (the path). What takes time to find out is made when
+    it is first asked for; whenever that is, it is what was true when the robot decided.
     """
 
     time: float

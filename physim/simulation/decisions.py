@@ -25,7 +25,7 @@ from physim.parts.controller import (
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
 from physim.parts.user_code import asked, broken_by
-from physim.simulation.observation import observe
+from physim.simulation.observation import Sight, Views
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
@@ -192,6 +192,7 @@ class PerRobotAdapter:
         self.controller = controller
         self.scene = scene
         self.declared = declared
+        self.sight = Sight(scene)
 
     def memory(self) -> dict[str, NDArray[Any]]:
         """What each robot's last decision returned: None at first."""
@@ -201,9 +202,9 @@ class PerRobotAdapter:
         self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
     ) -> Decisions:
         """Decide for robots ``due``; every one sees the same snapshot, whatever their order."""
-        rows, memories = [], []
+        rows, memories, views = [], [], Views(self.sight, sensed, due)
         for i in due.tolist():
-            decision, row = self._decide(i, sensed, memory[MEMORY][i])
+            decision, row = self._decide(i, views, memory[MEMORY][i])
             rows.append(row)
             memories.append(decision.memory)
         for i, value in zip(due, memories, strict=True):
@@ -221,11 +222,11 @@ class PerRobotAdapter:
             np.cumsum([0, *(len(robots) for robots in considered)]).astype(np.int64),
         )
 
-    def _decide(self, i: int, sensed: Sensed, memory: Any) -> tuple[Decision, Row]:
-        name, time = type(self.controller).__name__, sensed.step * self.scene.dt
-        where = f"controller {name}, {self.scene.names[i]} at {time:g} s"
+    def _decide(self, i: int, views: Views, memory: Any) -> tuple[Decision, Row]:
+        observation = views.observation(i)
+        name = type(self.controller).__name__
+        where = f"controller {name}, {observation.name} at {views.time:g} s"
         try:
-            observation = observe(self.scene, sensed, i)
             decision = asked(self.controller.decide, DECIDE, observation, memory)
         except PhysimError:
             raise

@@ -2,14 +2,23 @@
 
 An observation holds only what Robot i may know: itself, the robots and walls within range, and the
 stations of its formation neighbours, which are broadcast.
+
+`Sight` is made once for a scene, `Views` once for a step. Most of an observation is made when it is
+asked for; what several robots see of one is made once for all of them. Nothing of it can change:
+arrays of a step and of a scene never do once they are handed out.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import Any, ClassVar
+
 import numpy as np
 
+from physim.geometry.in_range import rows_in_range, sorted_places, window_along
 from physim.geometry.path import Path
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.geometry.wall_grid import parts_in_range, parts_near
 from physim.parts.controller import FormationView, Neighbour, Observation, ObservedRobot, Sensed
 from physim.world.scene import Scene
@@ -17,60 +26,7 @@ from physim.world.scene import Scene
 
 def observe(scene: Scene, sensed: Sensed, i: int) -> Observation:
     """What Robot i may know at a step, from what it senses."""
-    plan, reach = scene.formation, scene.sensing_range
-    rows = sensed.rows(i)
-    known = sensed.robot[rows]
-    pose, station = sensed.pose[rows], sensed.reference_station[rows]
-    command, age = sensed.command[rows], sensed.age[rows]
-    me = int(np.flatnonzero(known == i)[0])
-    time = sensed.step * scene.dt
-    x, y = pose[me, 0], pose[me, 1]
-    in_range = np.square(pose[:, :2] - pose[me, :2]).sum(axis=1) <= reach * reach
-    in_range[me] = False
-    walls = parts_in_range(scene.walls, parts_near(scene.wall_grid, x, y), x, y, reach)
-    first, end = scene.paths.start[i], scene.paths.start[i + 1]
-    return Observation(
-        time=time,
-        index=i,
-        name=scene.names[i],
-        pose=_read_only(pose[me]),
-        v=float(command[me, 0]),
-        omega=float(command[me, 1]),
-        footprint=_footprint(scene, i),
-        limits=(float(scene.limits[i, 0]), float(scene.limits[i, 1])),
-        path=Path(scene.paths.points[first:end], scene.outside[i].copy()),
-        station=float(sensed.station[i]),
-        stop_station=float(scene.stop_station[i]),
-        reference_station=float(station[me]),
-        lead=float(plan.lead[i]),
-        neighbours=tuple(
-            Neighbour(
-                index=int(known[row]),
-                station=float(station[row]),
-                lead=float(plan.lead[known[row]]),
-                time=time - float(age[row]),
-            )
-            for row in (_neighbours(scene, i, me, known, station) if plan.active else ())
-        ),
-        others=tuple(
-            ObservedRobot(
-                index=int(known[row]),
-                pose=_read_only(pose[row]),
-                footprint=_footprint(scene, int(known[row])),
-                v=float(command[row, 0]),
-                omega=float(command[row, 1]),
-                station=float(station[row]),
-                time=time - float(age[row]),
-            )
-            for row in np.flatnonzero(in_range)
-        ),
-        walls=tuple(_part(scene.walls, p) for p in walls),
-        range=reach,
-        dt=scene.dt,
-        formation=FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max),
-        speeds=scene.speeds[i],
-        omegas=scene.omegas[i],
-    )
+    return Views(Sight(scene), sensed, np.array([i])).observation(i)
 
 
 def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
@@ -79,28 +35,225 @@ def formation_errors(scene: Scene, reference_station: FloatArray) -> FloatArray:
     return np.asarray((station.mean(axis=-1, keepdims=True) - station) - (lead.mean() - lead))
 
 
-def _neighbours(scene: Scene, i: int, me: int, known: IntArray, station: FloatArray) -> IntArray:
-    """Rows of the robots in N_i, increasing."""
-    plan = scene.formation
-    if plan.adjacency.shape[0]:
-        near = plan.adjacency[i][known] != 0
-    else:
-        near = np.abs(station - station[me]) <= plan.range
-    near[me] = False
-    return np.flatnonzero(near)
+FEW = 32
+"""Rows of so many are looked at one by one: to sort them would take longer."""
 
 
-def _footprint(scene: Scene, i: int) -> tuple[FloatArray, ...]:
-    shapes = scene.shapes
-    return tuple(_part(shapes, p) for p in range(shapes.body_start[i], shapes.body_start[i + 1]))
+class Sight:
+    """What observations have in common at all steps of a scene, made when it is first needed."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        plan = scene.formation
+        self.formation = FormationView(plan.active, plan.gain, plan.speed, plan.v_min, plan.v_max)
+        self._facts: dict[int, dict[str, Any]] = {}
+        self._footprints: dict[int, tuple[FloatArray, ...]] = {}
+        self._paths: dict[int, Path] = {}
+        self._walls: dict[int, FloatArray] = {}
+
+    def facts(self, i: int) -> dict[str, Any]:
+        """Fields of observations of Robot i that stay as they are."""
+        if i not in self._facts:
+            scene = self.scene
+            self._facts[i] = {
+                "index": i,
+                "name": scene.names[i],
+                "limits": (float(scene.limits[i, 0]), float(scene.limits[i, 1])),
+                "stop_station": float(scene.stop_station[i]),
+                "lead": float(scene.formation.lead[i]),
+                "range": scene.sensing_range,
+                "dt": scene.dt,
+                "formation": self.formation,
+                "speeds": scene.speeds[i],
+                "omegas": scene.omegas[i],
+            }
+        return self._facts[i]
+
+    def footprint(self, i: int) -> tuple[FloatArray, ...]:
+        """Convex parts (n, 2) of Robot i, read-only."""
+        if i not in self._footprints:
+            shapes = self.scene.shapes
+            parts = range(shapes.body_start[i], shapes.body_start[i + 1])
+            self._footprints[i] = tuple(_part(shapes, p) for p in parts)
+        return self._footprints[i]
+
+    def path(self, i: int) -> Path:
+        """Path of Robot i, a copy."""
+        if i not in self._paths:
+            paths = self.scene.paths
+            points = paths.points[paths.start[i] : paths.start[i + 1]]
+            self._paths[i] = Path(points, self.scene.outside[i])
+        return self._paths[i].copy()
+
+    def walls_near(self, x: float, y: float) -> tuple[FloatArray, ...]:
+        """Parts of walls (n, 2) within range of a place, read-only."""
+        scene, made = self.scene, self._walls
+        near = parts_near(scene.wall_grid, x, y)
+        parts = parts_in_range(scene.walls, near, x, y, scene.sensing_range).tolist()
+        for p in parts:
+            if p not in made:
+                made[p] = _part(scene.walls, p)
+        return tuple(map(made.__getitem__, parts))
+
+
+class Views:
+    """Observations of robots ``due`` (increasing) at one step."""
+
+    def __init__(self, sight: Sight, sensed: Sensed, due: IntArray) -> None:
+        self.sight = sight
+        self.sensed = sensed
+        self.due = due
+        self.time = sensed.step * sight.scene.dt
+        self._neighbours: dict[int, Neighbour] = {}
+
+    def observation(self, i: int) -> Observation:
+        """What Robot i, one of those that are due, may know."""
+        sensed, own = self.sensed, self._own_row(i)
+        values = self.sight.facts(i).copy()
+        values["time"] = self.time
+        values["pose"] = read_only(sensed.pose[own].copy())
+        values["v"], values["omega"] = sensed.command[own].tolist()
+        values["station"] = sensed.station.item(i)
+        values["reference_station"] = sensed.reference_station.item(own)
+        return Observation.partly(values, partial(self._field, i))
+
+    def _field(self, i: int, name: str) -> Any:
+        return self._makers[name](self, i)
+
+    def _footprint(self, i: int) -> tuple[FloatArray, ...]:
+        return self.sight.footprint(i)
+
+    def _path(self, i: int) -> Path:
+        return self.sight.path(i)
+
+    def _walls(self, i: int) -> tuple[FloatArray, ...]:
+        x, y, _ = self.sensed.pose[self._own_row(i)]
+        return self.sight.walls_near(x, y)
+
+    def _others(self, i: int) -> tuple[ObservedRobot, ...]:
+        start, found = self._in_range
+        k = self._position[i]
+        rows = np.sort(found[start[k] : start[k + 1]]).tolist()
+        return tuple(map(self._robots.__getitem__, rows))
+
+    def _told(self, i: int) -> tuple[Neighbour, ...]:
+        made, rows = self._neighbours, self._neighbour_rows(i)
+        for row in rows:
+            if row not in made:
+                made[row] = self._neighbour(row)
+        return tuple(map(made.__getitem__, rows))
+
+    _makers: ClassVar[dict[str, Callable[[Views, int], Any]]] = {
+        "footprint": _footprint,
+        "path": _path,
+        "walls": _walls,
+        "others": _others,
+        "neighbours": _told,
+    }
+    """Fields that are made when they are asked for."""
+
+    @cached_property
+    def _robots(self) -> dict[int, ObservedRobot]:
+        """Robots as they are seen in the rows that are within range of anybody."""
+        sensed = self.sensed
+        is_seen = np.zeros(len(sensed.robot), dtype=bool)
+        is_seen[self._in_range[1]] = True
+        rows = is_seen.nonzero()[0]
+        columns = zip(
+            sensed.robot[rows].tolist(),
+            read_only(sensed.pose[rows]),
+            map(self.sight.footprint, sensed.robot[rows].tolist()),
+            sensed.command[rows].tolist(),
+            sensed.reference_station[rows].tolist(),
+            (self.time - sensed.age[rows]).tolist(),
+            strict=True,
+        )
+        return {
+            row: ObservedRobot(j, pose, shape, v, omega, station, time)
+            for row, (j, pose, shape, (v, omega), station, time) in zip(
+                rows.tolist(), columns, strict=True
+            )
+        }
+
+    def _neighbour(self, row: int) -> Neighbour:
+        sensed = self.sensed
+        j = int(sensed.robot[row])
+        return Neighbour(
+            index=j,
+            station=float(sensed.reference_station[row]),
+            lead=float(self.sight.scene.formation.lead[j]),
+            time=self.time - float(sensed.age[row]),
+        )
+
+    # Rows of what is sensed
+
+    @cached_property
+    def _position(self) -> dict[int, int]:
+        """Where each of those that are due stands among them."""
+        return {i: k for k, i in enumerate(self.due.tolist())}
+
+    @cached_property
+    def _is_shared(self) -> bool:
+        """Whether all observers have the same rows."""
+        first, end = self.sensed.first, self.sensed.end
+        return bool((first == first[0]).all() and (end == end[0]).all())
+
+    @cached_property
+    def _row_of(self) -> IntArray:
+        """(N,) row of each robot, where all observers have the same rows."""
+        rows = self.sensed.rows(0)
+        row_of = np.zeros(self.sight.scene.robots, dtype=np.int64)
+        row_of[self.sensed.robot[rows]] = np.arange(rows.start, rows.stop)
+        return row_of
+
+    def _own_row(self, i: int) -> int:
+        if self._is_shared:
+            return int(self._row_of[i])
+        rows = self.sensed.rows(i)
+        return int(rows.start + np.flatnonzero(self.sensed.robot[rows] == i)[0])
+
+    @cached_property
+    def _in_range(self) -> tuple[IntArray, IntArray]:
+        """Rows within range of all that are due, as `rows_in_range` has them."""
+        sensed, reach = self.sensed, self.sight.scene.sensing_range
+        own = np.array([self._own_row(i) for i in self.due.tolist()])
+        low, high = sensed.first[self.due], sensed.end[self.due]
+        rows = sensed.rows(0)
+        if self._is_shared and rows.stop - rows.start > FEW:
+            order, axis = sorted_places(sensed.pose[rows])
+            order += rows.start
+            place = sensed.pose[:, axis]
+            low, high = window_along(place[order], place[own], reach)
+        else:
+            order = np.arange(len(sensed.pose))
+        return rows_in_range(sensed.pose, order, low, high, own, reach)
+
+    @cached_property
+    def _along(self) -> tuple[IntArray, FloatArray]:
+        """Rows that all share in order along s*, and their stations there."""
+        rows = self.sensed.rows(0)
+        order = rows.start + np.argsort(self.sensed.reference_station[rows], kind="stable")
+        return order, self.sensed.reference_station[order]
+
+    def _neighbour_rows(self, i: int) -> list[int]:
+        """Rows of the robots in N_i, increasing."""
+        plan, station = self.sight.scene.formation, self.sensed.reference_station
+        if not plan.active:
+            return []
+        own, rows = self._own_row(i), self.sensed.rows(i)
+        among = np.arange(rows.start, rows.stop)
+        if plan.adjacency.shape[0]:
+            near = plan.adjacency[i][self.sensed.robot[rows]] != 0
+        else:
+            if self._is_shared:
+                order, along = self._along
+                low, high = window_along(along, station[own : own + 1], plan.range)
+                among = np.sort(order[low[0] : high[0]])
+            near = np.abs(station[among] - station[own]) <= plan.range
+        found: list[int] = among[near & (among != own)].tolist()
+        return found
 
 
 def _part(shapes: Shapes, part: int) -> FloatArray:
     """Vertices (n, 2) of a part, read-only."""
-    return _read_only(shapes.vertices[shapes.part_start[part] : shapes.part_start[part + 1]])
-
-
-def _read_only(array: FloatArray) -> FloatArray:
-    copy = array.copy()
-    copy.flags.writeable = False
-    return copy
+    return read_only(shapes.vertices[shapes.part_start[part] : shapes.part_start[part + 1]].copy())

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from physim.parts.controller import Controller
+from physim.parts.later import Later
 
 Contents = dict[str, Any]
 """Leaves by place, to compare with ``==``."""
@@ -245,7 +246,7 @@ def _top(module: str) -> str:
 
 def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
     """Attributes of an object itself: those of its dictionary and of its slots."""
-    own = getattr(value, "__dict__", None)
+    own = value.made() if isinstance(value, Later) else getattr(value, "__dict__", None)
     if isinstance(own, dict):
         yield from ((f".{name}", item) for name, item in own.items())
     for kind in type(value).__mro__:
@@ -259,8 +260,7 @@ def _attributes(value: Any) -> Iterator[tuple[str, Any]]:
 
 MOST = 5000
 """Values of one object, class or global that are looked at."""
-SELF = "self"
-CALLED = ("__init__", "__call__")
+SELF, CALLED = "self", ("__init__", "__call__")
 """Names of this kind that are looked at: the others are not the author's."""
 
 

@@ -42,6 +42,7 @@ ROOMS = MappingProxyType(
             "tests/test_stages.py",
             "tests/test_stage_errors.py",
             "tests/test_control_loop.py",
+            "tests/test_observations.py",
             "tests/test_perception.py",
             "tests/test_recording.py",
             "tests/test_grazes.py",

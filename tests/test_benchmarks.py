@@ -1,0 +1,167 @@
+"""The benchmark's own work: in turn, kept, resumed, and nothing silently dropped."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks import environments, headon, report, scaling, speed, trial
+from benchmarks.__main__ import main
+from benchmarks.environments import PEERS, Environment, Peer, environment
+from benchmarks.measuring import FAILED, Job, Progress, Store, in_turn, ratio, run, runner, spread
+
+HERE = {peer.name: Environment(peer, sys.executable) for peer in PEERS if not peer.optional}
+
+
+def prints(code: str, who: str = "a", what: str = "it", timeout: float = 60.0) -> Job:
+    return Job("speed", who, what, (sys.executable, "-c", code), timeout)
+
+
+def test_what_goes_wrong_is_the_result() -> None:
+    assert run(prints("print('words'); print('{\"rate\": 2.0}')")) == {"rate": 2.0}
+    assert run(prints("raise SystemExit('no wheel')"))[FAILED] == "no wheel"
+    assert "3" in run(prints("raise SystemExit(3)"))[FAILED]
+    assert FAILED in run(prints("print('no result')"))
+    assert FAILED in run(prints("import time; time.sleep(60)", timeout=0.2))
+    assert FAILED in run(Job("speed", "a", "it", ("/there/is/no/such/program",)))
+
+
+def test_jobs_are_done_in_turn_and_every_other_round_backwards(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    code = f"open({str(log)!r}, 'a').write('%s '); print('{{\"rate\": 1.0}}')"
+    group = [prints(code % who, who) for who in ("a", "b", "c")]
+    store = Store(tmp_path / "measured")
+    in_turn([group], 3, store, False, Progress(9))
+    assert log.read_text() == "a b c c b a a b c "
+    assert store.values("speed", "b", "it") == [1.0] * 3
+
+
+def test_a_resumed_run_keeps_what_is_there_and_tries_again_what_failed(tmp_path: Path) -> None:
+    store, good = Store(tmp_path), prints("print('{\"rate\": 5.0}')")
+    bad = prints("raise SystemExit('gone')", "b")
+    store.put(good, 0, {"rate": 4.0})
+    store.put(bad, 0, {FAILED: "then"})
+    in_turn([[good, bad]], 2, store, True, Progress(4))
+    assert sorted(store.values("speed", "a", "it")) == [4.0, 5.0]
+    assert store.why_not("speed", "b", "it") == "gone"
+    assert len(store.results("speed", "b", "it")) == 1  # once is enough
+
+
+def test_ratios_and_spreads_are_of_medians() -> None:
+    assert ratio([10.0, 1.0, 4.0], [2.0]) == 2.0
+    assert ratio([], [2.0]) is None
+    assert spread([1.5e6, 1e3, 12.0]) == "1 k (12–1.5 M)"
+    assert spread([]) == "–"
+
+
+def made_up(store: Store, quick: bool = False) -> None:
+    """Results of every measurement: physim twice as fast as all others."""
+    for group in speed.groups(HERE, quick):
+        for job in group:
+            rate = 2e3 if job.who == "physim" else 1e3
+            for number, share in enumerate((0.9, 1.0, 1.2)):
+                store.put(job, number, {"rate": rate * share, "version": "1.2", "memory": 90.0})
+
+
+def test_tables_hold_medians_ratios_and_who_is_faster(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    made_up(store)
+    text = speed.text(store, HERE)
+    assert "| physim, rectangles with contact | 2 k (1.8 k–2.4 k) |" in text
+    assert text.count("| physim : navground HL, discs | **2** | **2** | **2** | **2** |") == 1
+    assert text.count("Faster than physim: none of them.") == len(speed.CONTESTS)
+    job = runner("speed", "navground-HL", "controller-10", "python", "x.py")
+    for number in range(3):
+        store.put(job, number, {"rate": 8e3})
+    assert "Faster than physim: navground HL, discs at N = 10." in speed.text(store, HERE)
+
+
+def test_a_peer_that_is_not_there_is_told(tmp_path: Path) -> None:
+    store = Store(tmp_path / "measured")
+    made_up(store)
+    peers = {**HERE, "navground": Environment(PEERS[0], "", "cannot be installed: no wheel")}
+    job = runner("speed", "irsim-rvo", "controller-100", "python", "x.py")
+    for number in range(3):
+        store.put(job, number, {FAILED: "not done in 60 s"})
+    report.write(store, peers, tmp_path / "RESULTS.md", quick=True)
+    text = (tmp_path / "RESULTS.md").read_text(encoding="utf-8")
+    speeds, versions = text.split("## Peers")
+    assert speeds.count("| cannot be installed: no wheel") == 4 + 4 + 4 + 2
+    assert speeds.count("not done in 60 s") == 1
+    assert "| navground | cannot be installed: no wheel |" in versions
+    assert "| irsim | 1.2 |" in versions
+    assert "| vmas | not asked for |" in versions
+
+
+def test_an_environment_that_cannot_be_made_says_why(tmp_path: Path, monkeypatch: Any) -> None:
+    peer = Peer("none", ("./there-is-no-such-folder",), "", "")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    found = environment(peer, tmp_path)
+    assert "there-is-no-such-folder" in found.failed
+    assert environments.size_of(tmp_path) > 0.0
+
+
+def test_targets_are_held_against_ratios(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    for who, rate in (("physim", 75.0), ("trial", 100.0)):
+        for robots in (10, 1000):
+            store.put(Job("trial", who, f"free-{robots}", ()), 0, {"rate": rate})
+    store.put(Job("trial", "physim", "plain-10", ()), 0, {FAILED: "not done in 300 s"})
+    rows = [line for line in trial.text(store).splitlines() if line.startswith("| ")]
+    ends = {tuple(row.split(" | ")[1:2] + row.split(" | ")[-3:]) for row in rows[2:]}
+    assert ends == {
+        ("10", "**0.75**", "≥ 0.50", "met |"),
+        ("1,000", "**0.75**", "≥ 0.80", "short |"),
+        ("10", "–", "≥ 1.00", "not measured |"),
+    }
+
+
+def test_head_on_counts_who_passed_and_who_was_never_told_of(tmp_path: Path) -> None:
+    runs = [
+        {"speed": v, "passed": v > 1.0 and k < 3, "late": None if k == 0 else 0.01 * k}
+        for v in headon.SPEEDS for k in range(5)
+    ]  # fmt: skip
+    store = Store(tmp_path)
+    store.put(Job("headon", "irsim", "wall", ()), 0, {"runs": runs, "step": 0.05})
+    text = headon.text(store, HERE)
+    assert "| IR-SIM, contact | 1 m/s | 0.05 s | 0 of 5 | 1 of 5 | 25.0 ms, 40.0 ms |" in text
+    assert "| IR-SIM, contact | 6 m/s | 0.05 s | 3 of 5 | 1 of 5 |" in text
+    assert "| physim | not measured |" in text
+
+
+def test_the_picture_and_the_table_of_the_cost_are_written(tmp_path: Path) -> None:
+    store = Store(tmp_path / "measured")
+    parts = {"decide": 0.02, "physics": 0.01, "record": 0.0, "rest": 0.01}
+    for robots in (10, 1000):
+        result = {"parts": parts, "build": 1.0, "memory": 100.0}
+        store.put(Job("scaling", "physim", f"parts-{robots}", ()), 0, result)
+    store.put(Job("scaling", "physim", "parts-20000", ()), 0, {FAILED: "not done in 240 s"})
+    scaling.draw(store, tmp_path)
+    assert (tmp_path / scaling.PICTURE).stat().st_size > 5000
+    text = scaling.text(store)
+    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 100 MB |" in text
+    assert "| 20,000 | not done in 240 s |" in text
+
+
+@pytest.mark.parametrize("given", [["--trial", "nowhere"], ["--only", "nothing"]])
+def test_bad_input_ends_with_2(given: list[str], monkeypatch: Any, capsys: Any) -> None:
+    monkeypatch.setattr(sys, "argv", ["benchmarks", *given])
+    try:
+        code = main()
+    except SystemExit as stop:
+        code = stop.code
+    assert code == 2
+    assert given[1] in capsys.readouterr().err
+
+
+def test_results_are_whole_files(tmp_path: Path) -> None:
+    """What is cut short is no result."""
+    store, job = Store(tmp_path), prints("")
+    store.put(job, 0, {"rate": 1.0})
+    file = next(tmp_path.rglob("*.json"))
+    file.write_text(json.dumps({"rate": 1.0})[:-4])
+    assert store.get(job, 0) is None

@@ -1,0 +1,173 @@
+"""Observations: made later, yet what they would be if they were made whole and at once."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physim.geometry.in_range import rows_in_range, sorted_places, window_along
+from physim.geometry.shapes import FloatArray
+from physim.parts.controller import Decision, Observation, Sensed
+from physim.parts.stages import for_each
+from physim.simulation.loop import Simulation
+from physim.simulation.observation import Sight, Views
+from physim.testing.contents import contents, difference
+from physim.testing.trial import own
+from tests.oracles.observation import observe as observed_at_once
+from tests.roads import road
+from tests.says import Says
+
+REACH = 10.0
+
+
+def crowd(robots: int, **more: Any) -> Simulation:
+    """Robots on a wide road, with obstacles between them; nobody is asked yet."""
+    rng = np.random.default_rng(robots)
+    place = 3.0 * np.stack(np.divmod(np.arange(robots), 9), axis=1) + [20.0, -13.0]
+    place[:, :2] += rng.uniform(-0.4, 0.4, (robots, 2))
+    posts = [[[x, 14.0], [x + 1.0, 14.0], [x, 15.0]] for x in range(20, 60, 8)]
+    world = road(
+        np.c_[place, rng.uniform(-3.0, 3.0, robots)].tolist(),
+        obstacles=posts,
+        formation={"spacing": "initial", **more},
+        sensing={"range": REACH},
+    )
+    simulation = Simulation(world, controller=Says(lambda o: Decision(0.3, 0.2, hold=0.02)))
+    for _ in range(3):
+        simulation.step()
+    return simulation
+
+
+def shared(simulation: Simulation) -> Sensed:
+    """Rows that all share, in an order that is not that of the robots, behind rows of nobody."""
+    sensed, robots = simulation._sense()[0], simulation.scene.robots
+    shuffled = np.random.default_rng(5).permutation(robots)
+    taken = np.concatenate((np.resize(shuffled, 7), shuffled))
+    first, end = np.full(robots, 7), np.full(robots, 7 + robots)
+    rows = (sensed.robot, sensed.pose, sensed.command, sensed.reference_station, sensed.age)
+    seven = Sensed(sensed.step, *(one[taken] for one in rows), first, end, sensed.station)
+    return own(seven._replace(age=0.001 * np.arange(len(taken))))
+
+
+def apart(simulation: Simulation) -> Sensed:
+    """Rows of its own for everybody, in which others are elsewhere and some are missing."""
+    sensed = for_each(shared(simulation))
+    rng = np.random.default_rng(3)
+    pose = sensed.pose + rng.normal(0.0, 0.3, sensed.pose.shape)
+    end = sensed.end.copy()
+    for i in range(len(end)):  # as many as can be, with one of itself still there
+        while end[i] > sensed.first[i] + 1 and sensed.robot[end[i] - 1] != i and rng.random() < 0.8:
+            end[i] -= 1
+    return own(sensed._replace(pose=pose, end=end))
+
+
+@pytest.mark.parametrize("robots", [1, 9, 80])
+@pytest.mark.parametrize("rows", [shared, apart])
+@pytest.mark.parametrize("plan", [{"range": 4.0}, {"neighbours": "all"}])
+def test_observations_are_those_of_the_oracle(robots: int, rows: Any, plan: dict[str, Any]) -> None:
+    simulation = crowd(robots, **plan)
+    scene, sensed = simulation.scene, rows(simulation)
+    due = np.arange(robots)[:: 2 if robots > 1 else 1]
+    views = Views(Sight(scene), sensed, due)
+    seen = walls = 0
+    for i in due.tolist():
+        made, wanted = views.observation(i), observed_at_once(scene, sensed, i)
+        assert type(made) is Observation
+        assert difference(contents(wanted, "o"), contents(made, "o")) is None
+        seen, walls = seen + len(made.others), walls + len(made.walls)
+    assert (seen > 0) == (robots > 1)
+    assert walls > 0
+
+
+def test_just_within_range_counts_whatever_the_rounding() -> None:
+    """Places about a robot at the range, on the grid of floating-point numbers."""
+    for x in (0.0, 0.1, 1e5 + 0.3):
+        for reach in (0.3, 10.0):
+            edge = x + reach
+            place = np.array([x, *np.nextafter(edge, [-np.inf, np.inf]), edge, x - reach])
+            pose = np.c_[place, np.zeros((5, 2))]
+            assert _windowed(pose, 0, reach) == _in_range(pose, 0, reach)
+            assert _windowed(pose[:, [1, 0, 2]], 0, reach) == _in_range(pose, 0, reach)
+
+
+def test_a_window_finds_everybody_in_range() -> None:
+    rng = np.random.default_rng(7)
+    for stretch in ([80.0, 4.0, 1.0], [4.0, 80.0, 1.0], [20.0, 20.0, 1.0]):
+        pose = rng.uniform(-1.0, 1.0, (120, 3)) * stretch
+        for k in range(0, 120, 7):
+            assert _windowed(pose, k, 6.0) == _in_range(pose, k, 6.0)
+
+
+def _windowed(pose: FloatArray, k: int, reach: float) -> list[int]:
+    order, axis = sorted_places(pose)
+    low, high = window_along(pose[order, axis], pose[[k], axis], reach)
+    start, found = rows_in_range(pose, order, low, high, np.array([k]), reach)
+    assert start.tolist() == [0, len(found)]
+    return sorted(found.tolist())
+
+
+def _in_range(pose: FloatArray, k: int, reach: float) -> list[int]:
+    near = np.square(pose[:, :2] - pose[k, :2]).sum(axis=1) <= reach * reach
+    return [j for j in np.flatnonzero(near).tolist() if j != k]
+
+
+def test_what_is_asked_for_later_is_what_was_true_then() -> None:
+    simulation = crowd(40)
+    sensed = simulation._sense()[0]
+    kept = [simulation.observe(i) for i in range(40)]
+    wanted = [contents(observed_at_once(simulation.scene, sensed, i), "o") for i in range(40)]
+    for _ in range(20):
+        simulation.step()
+    assert simulation.observe(0).others[0].pose[0] != kept[0].others[0].pose[0]
+    for one, then in zip(kept, wanted, strict=True):
+        assert difference(then, contents(one, "o")) is None
+
+
+def test_an_observation_is_a_value_though_nothing_of_it_was_asked_for() -> None:
+    simulation = crowd(12)  # the ninth sees a wall
+    wanted = contents(observed_at_once(simulation.scene, simulation._sense()[0], 8), "o")
+    for form in (
+        lambda o: pickle.loads(pickle.dumps(o)),
+        copy.copy,
+        copy.deepcopy,
+        replace,
+        lambda o: Observation(**{f.name: getattr(o, f.name) for f in fields(o)}),
+    ):
+        assert difference(wanted, contents(form(simulation.observe(8)), "o")) is None
+    changed = replace(simulation.observe(8), others=(), v=0.25)
+    assert (changed.others, changed.v) == ((), 0.25)
+    assert changed.walls
+    text = repr(simulation.observe(8))
+    assert all(f"{field.name}=" in text for field in fields(Observation))
+    with pytest.raises(AttributeError):
+        simulation.observe(8).other  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_arrays_cannot_be_written_to() -> None:
+    o = crowd(12).observe(8)
+    for array in (o.pose, *o.footprint, *o.walls, *(s.pose for s in o.others)):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    assert o.others
+
+
+def test_a_path_is_a_copy_of_its_own() -> None:
+    """What a controller writes into it is gone at its next decision."""
+    ends = []
+
+    def bends(o: Observation) -> Decision:
+        ends.append(o.path.points[-1].tolist())
+        o.path.points[-1] += 1.0
+        o.path.outside = np.ones((1, 2))
+        assert o.path.points[-1].tolist() != ends[-1]
+        return Decision(0.0, 0.0, hold=0.01)
+
+    simulation = Simulation(road([[20.0, 0.0, 0.0]]), controller=Says(bends))
+    for _ in range(3):
+        simulation.step()
+    assert ends == [[200.0, 0.0]] * 3

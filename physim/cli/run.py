@@ -127,7 +127,7 @@ def _simulate(
         with Bar(scene.world.name, scene.steps * scene.dt, "s", quiet) as bar:
             record = record_run(
                 simulation, observers=observers, path=folder / "record.h5",
-                progress=bar.simulated, stop=interrupt,
+                progress=bar.simulated if bar.visible else None, stop=interrupt,
             )  # fmt: skip
         return record, None
     except LateError as error:

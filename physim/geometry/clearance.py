@@ -7,7 +7,7 @@ do not depend on the samples before it.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,12 +17,12 @@ from physim.geometry.nearest_robots import (
     Neighbours,
     Pairs,
     nearest_others,
-    no_neighbours,
+    neighbours,
     no_pairs,
 )
 from physim.geometry.nearest_wall import WallLists, empty_lists, nearest_parts
 from physim.geometry.robot_frames import bounding_discs, set_frames
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies, read_only
 from physim.geometry.wall_grid import WallGrid
 
 class Clearances(NamedTuple):
@@ -56,8 +56,14 @@ class ClearanceFinder:
 
     def __init__(self, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> None:
         robots = len(shapes.body_start) - 1
-        self._world = shapes, walls, wall_grid, part_bodies(walls)
-        self._known = Known(no_neighbours(robots), empty_lists(robots))
+        # Read-only, whoever asks: for arrays that may be written to, kernels are compiled anew.
+        self._world = (
+            Shapes(*map(locked, shapes)),
+            Shapes(*map(locked, walls)),
+            WallGrid(*map(locked, wall_grid)),
+            locked(part_bodies(walls)),
+        )
+        self._known: Known | None = None
         self._pairs = no_pairs(8 * robots)
         self.measured = 0
         """distances of two robots that were worked out for ``clearance``, over all blocks"""
@@ -74,10 +80,19 @@ class ClearanceFinder:
             np.empty(samples, dtype=np.int64),
             np.empty(samples, dtype=np.int64),
         )
-        poses = np.ascontiguousarray(poses)
+        if not samples:
+            return out
+        if self._known is None:
+            self._known = Known(neighbours(poses[0]), empty_lists(robots))
+        poses = locked(np.ascontiguousarray(poses))
         self._pairs, measured = fill(poses, *self._world, self._known, self._pairs, out)
         self.measured += measured
         return out
+
+
+def locked(value: Any) -> Any:
+    """A read-only view of an array; anything else as it is."""
+    return read_only(value.view()) if isinstance(value, np.ndarray) else value
 
 
 def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> Clearances:

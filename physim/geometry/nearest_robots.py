@@ -13,6 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from physim.compiled import compiled
 from physim.geometry.cells import Cells, around, no_cells, set_cells
@@ -27,7 +28,7 @@ class Neighbours(NamedTuple):
     """What is known from the samples before."""
 
     hint: IntArray
-    """(N,) robot that was nearest, -1 at first"""
+    """(N,) robot that was nearest, or is by the reference points: another, whoever it is"""
     pose: FloatArray
     """(N, 3) at the sample before"""
     wear: FloatArray
@@ -47,14 +48,17 @@ class Pairs(NamedTuple):
     count: IntArray
 
 
-def no_neighbours(robots: int) -> Neighbours:
-    """Nothing known yet."""
-    return Neighbours(
-        np.full(robots, -1), np.zeros((robots, 3)), np.zeros(robots), np.full(robots, -np.inf)
-    )
+def neighbours(pose: FloatArray) -> Neighbours:
+    """What is known before sample 0, at which robots are at ``pose`` (N, 3)."""
+    robots = len(pose)
+    hint = (np.arange(robots) + 1) % robots
+    places = shapely.points(pose[:, :2])
+    tree = shapely.STRtree(places)
+    who, nearest = tree.query_nearest(places, exclusive=True, all_matches=False)
+    hint[who] = nearest  # nobody's where all are at the same place
+    return Neighbours(hint, pose.copy(), np.zeros(robots), np.full(robots, -np.inf))
 
 
-@compiled
 def no_pairs(room: int) -> Pairs:
     """Room for a list of pairs."""
     return Pairs(
@@ -88,8 +92,6 @@ def nearest_others(
         return pairs, 0
     V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
     hint, wear, complete = known.hint, known.wear, known.complete
-    if hint[0] < 0:
-        guess(frame, discs, hint)
     wear_off(pose, discs, known)
     measured = 0
     for i in range(robots):
@@ -153,28 +155,6 @@ def wear_off(pose: FloatArray, discs: BoundingDiscs, known: Neighbours) -> None:
 
 
 @compiled
-def guess(frame: FloatArray, discs: BoundingDiscs, hint: IntArray) -> None:
-    """Set ``hint`` to the robot whose middle is nearest."""
-    robots = len(frame)
-    order = np.argsort(frame[:, 4])
-    apart = np.empty(robots)
-    found = np.empty(robots, dtype=np.int64)
-    cells = no_cells(robots)
-    for k in range(robots):
-        hint[order[k]] = order[k - 1] if k else order[1]
-    for _ in range(2):  # the first time with cells as large as the first hints are poor
-        for i in range(robots):
-            apart[i] = middles_apart(frame, i, hint[i])
-        set_cells(frame, max(np.median(apart), discs.outer.max(), MARGIN), cells)
-        for i in range(robots):
-            for k in range(around(frame, cells, i, apart[i], found)):
-                d = middles_apart(frame, i, found[k])
-                if d < apart[i]:
-                    apart[i] = d
-                    hint[i] = found[k]
-
-
-@compiled
 def near_pairs(
     discs: BoundingDiscs, frame: FloatArray, limit: FloatArray, known: Neighbours, pairs: Pairs
 ) -> Pairs:
@@ -188,11 +168,13 @@ def near_pairs(
     largest = outer.max()
     known.wear[:] = 0.0
     reach = np.empty(robots)
+    total = 0.0
     for i in range(robots):
         complete[i] = limit[i] + SLACK * largest
         reach[i] = complete[i] + outer[i] + largest + 2.0 * MARGIN
+        total += 1.0 / max(reach[i], MARGIN)
     cells = no_cells(robots)
-    set_cells(frame, max(0.5 * np.median(reach), MARGIN), cells)
+    set_cells(frame, 0.5 * robots / total, cells)  # a mean that a few lone robots do not change
     found = np.empty(robots, dtype=np.int64)
     count = 0
     for i in range(robots):
@@ -213,10 +195,13 @@ def near_pairs(
 @compiled
 def with_more_room(pairs: Pairs) -> Pairs:
     """Copy a list that is full into one of twice the room."""
-    size = len(pairs.a)
-    larger = no_pairs(2 * size)
-    larger.a[:size], larger.b[:size], larger.least[:size] = pairs.a, pairs.b, pairs.least
-    return larger
+    more = len(pairs.a)
+    return Pairs(
+        np.append(pairs.a, np.empty(more, dtype=np.int64)),
+        np.append(pairs.b, np.empty(more, dtype=np.int64)),
+        np.append(pairs.least, np.empty(more)),
+        pairs.count,
+    )
 
 
 @compiled

@@ -68,7 +68,8 @@ def run(options: Options) -> int:
     world, document = read_world(
         options.world, overrides=options.overrides, controller=options.controller
     )
-    simulation = ready(world, document, options.seed, options)
+    place = (options.output or Path("runs")) / "record.h5"
+    simulation = ready(world, document, options.seed, options, place)
     observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"

@@ -53,7 +53,8 @@ def set_cells(frame: FloatArray, side: float, cells: Cells) -> None:
     column, row, start, robot = cells.column, cells.row, cells.start, cells.robot
     buckets = len(start) - 1
     cells.side[0] = side
-    start[:] = 0
+    for b in range(buckets + 1):
+        start[b] = 0
     for i in range(len(frame)):
         column[i] = math.floor(frame[i, 4] / side)
         row[i] = math.floor(frame[i, 5] / side)

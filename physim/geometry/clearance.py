@@ -25,6 +25,7 @@ from physim.geometry.robot_frames import bounding_discs, set_frames
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies, read_only
 from physim.geometry.wall_grid import WallGrid
 
+
 class Clearances(NamedTuple):
     """Signed distances [m] at B samples of N robots: negative = depth. Bodies by id, -1 = none."""
 

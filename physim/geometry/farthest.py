@@ -26,8 +26,7 @@ def farthest_pair(
         return -np.inf, -1, -1
     V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
     inner = discs.inner
-    x = 0.5 * (frame[:, 4].min() + frame[:, 4].max())
-    y = 0.5 * (frame[:, 5].min() + frame[:, 5].max())
+    x, y = middle(frame)
     first = farthest_from(frame, x, y, spread)
     widest = spread[first]
     # The robot at the rim and the one farthest from it are a good start: few pairs can beat it.
@@ -38,10 +37,12 @@ def farthest_pair(
         first, second = second, first
     best = pair_distance(V, part_start, body_start, first, second, frame)
     farthest_from(frame, x, y, spread)
-    least = best + inner.min() - widest - 2.0 * MARGIN
+    smallest = np.inf
+    for i in range(robots):
+        smallest = min(smallest, inner[i])
     count = 0
     for i in range(robots):
-        if spread[i] >= least + inner[i]:
+        if spread[i] + widest + 2.0 * MARGIN >= best + smallest + inner[i]:
             rim[count] = i
             count += 1
     for m in range(count):
@@ -55,7 +56,7 @@ def farthest_pair(
             dy = frame[j, 5] - frame[i, 5]
             if room <= 0.0 or dx * dx + dy * dy >= room * room:
                 d = pair_distance(V, part_start, body_start, i, j, frame)
-                if d > best or (d == best and (i, j) < (first, second)):
+                if d > best or (d == best and (i < first or (i == first and j < second))):
                     best, first, second = d, i, j
     return best, first, second
 
@@ -71,3 +72,14 @@ def farthest_from(frame: FloatArray, x: float, y: float, apart: FloatArray) -> i
         if apart[i] > apart[most]:
             most = i
     return most
+
+
+@compiled
+def middle(frame: FloatArray) -> tuple[float, float]:
+    """Middle of the box around the robots' middles."""
+    low_x, high_x = frame[0, 4], frame[0, 4]
+    low_y, high_y = frame[0, 5], frame[0, 5]
+    for i in range(len(frame)):
+        low_x, high_x = min(low_x, frame[i, 4]), max(high_x, frame[i, 4])
+        low_y, high_y = min(low_y, frame[i, 5]), max(high_y, frame[i, 5])
+    return 0.5 * (low_x + high_x), 0.5 * (low_y + high_y)

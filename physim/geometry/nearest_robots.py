@@ -16,8 +16,14 @@ import numpy as np
 import shapely
 
 from physim.compiled import compiled
-from physim.geometry.cells import Cells, around, no_cells, set_cells
-from physim.geometry.robot_frames import MARGIN, BoundingDiscs, least_gap, pair_distance
+from physim.geometry.cells import around, no_cells, set_cells
+from physim.geometry.robot_frames import (
+    MARGIN,
+    BoundingDiscs,
+    largest_of,
+    least_gap,
+    pair_distance,
+)
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 
 SLACK = 1.0
@@ -39,13 +45,13 @@ class Neighbours(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """List of pairs of robots; only the first ``count[0]`` rows count."""
+    """List of pairs of robots; only the first ``length[0]`` rows count."""
 
     a: IntArray
     b: IntArray
     least: FloatArray
     """[m] the distance of a pair is at least this less the wear of both"""
-    count: IntArray
+    length: IntArray
 
 
 def neighbours(pose: FloatArray) -> Neighbours:
@@ -86,8 +92,9 @@ def nearest_others(
     sample, and how many distances were worked out.
     """
     robots = len(frame)
-    gap[:] = np.inf
-    other[:] = -1
+    for i in range(robots):
+        gap[i] = np.inf
+        other[i] = -1
     if robots < 2:
         return pairs, 0
     V, part_start, body_start = shapes.vertices, shapes.part_start, shapes.body_start
@@ -101,13 +108,13 @@ def nearest_others(
             measured += 1
             keep_nearest(i, j, d, gap, other)
             keep_nearest(j, i, d, gap, other)
-    most = wear.max()
+    most = largest_of(wear)
     for i in range(robots):
         if gap[i] + wear[i] + most > complete[i]:
             pairs = near_pairs(discs, frame, gap, known, pairs)
             break
     a, b, least = pairs.a, pairs.b, pairs.least
-    for k in range(pairs.count[0]):
+    for k in range(pairs.length[0]):
         i, j = a[k], b[k]
         limit = max(gap[i], gap[j]) + wear[i] + wear[j]
         if least[k] > limit or hint[i] == j or hint[j] == i:
@@ -120,7 +127,8 @@ def nearest_others(
             keep_nearest(j, i, d, gap, other)
             d += wear[i] + wear[j] - MARGIN
         least[k] = d
-    hint[:] = other
+    for i in range(robots):
+        hint[i] = other[i]
     return pairs, measured
 
 
@@ -165,11 +173,11 @@ def near_pairs(
     """
     robots = len(frame)
     outer, complete = discs.outer, known.complete
-    largest = outer.max()
-    known.wear[:] = 0.0
+    largest = largest_of(outer)
     reach = np.empty(robots)
     total = 0.0
     for i in range(robots):
+        known.wear[i] = 0.0
         complete[i] = limit[i] + SLACK * largest
         reach[i] = complete[i] + outer[i] + largest + 2.0 * MARGIN
         total += 1.0 / max(reach[i], MARGIN)
@@ -188,20 +196,23 @@ def near_pairs(
             pairs.a[count], pairs.b[count] = i, j
             pairs.least[count] = apart - outer[i] - outer[j] - MARGIN
             count += 1
-    pairs.count[0] = count
+    pairs.length[0] = count
     return pairs
 
 
 @compiled
 def with_more_room(pairs: Pairs) -> Pairs:
     """Copy a list that is full into one of twice the room."""
-    more = len(pairs.a)
-    return Pairs(
-        np.append(pairs.a, np.empty(more, dtype=np.int64)),
-        np.append(pairs.b, np.empty(more, dtype=np.int64)),
-        np.append(pairs.least, np.empty(more)),
-        pairs.count,
+    size = len(pairs.a)
+    larger = Pairs(
+        np.empty(2 * size, dtype=np.int64),
+        np.empty(2 * size, dtype=np.int64),
+        np.empty(2 * size),
+        pairs.length,
     )
+    for k in range(size):
+        larger.a[k], larger.b[k], larger.least[k] = pairs.a[k], pairs.b[k], pairs.least[k]
+    return larger
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Where the shapes of all robots are at one sample: frames, discs about them, distances of pairs."""
+"""Where all robots are at one sample: frames, discs about their shapes, distances of pairs."""
 
 from __future__ import annotations
 
@@ -130,4 +130,13 @@ def least_gap(
     j0, j1 = part_start[body_start[j]], part_start[body_start[j + 1]]
     near = extent(vertices, i0, i1, frame[i, 2], frame[i, 3], ux, uy)
     far = extent(vertices, j0, j1, frame[j, 2], frame[j, 3], -ux, -uy)
-    return apart - near - far - MARGIN
+    return float(apart - near - far - MARGIN)
+
+
+@compiled
+def largest_of(values: FloatArray) -> float:
+    """Return the largest value; -inf without any."""
+    most = -np.inf
+    for value in values:
+        most = max(most, value)
+    return most

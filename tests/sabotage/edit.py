@@ -44,6 +44,7 @@ ROOMS = MappingProxyType(
             "tests/test_control_loop.py",
             "tests/test_perception.py",
             "tests/test_recording.py",
+            "tests/test_size.py",
             "tests/test_grazes.py",
         ),
         "record": ("tests/record",),

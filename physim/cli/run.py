@@ -68,7 +68,8 @@ def run(options: Options) -> int:
     world, document = read_world(
         options.world, overrides=options.overrides, controller=options.controller
     )
-    simulation = ready(world, document, options.seed, options)
+    place = (options.output or Path("runs")) / "record.h5"
+    simulation = ready(world, document, options.seed, options, place)
     observers = [_observer(name) for name in options.observers]
     scene = simulation.scene
     folder = options.output or Path("runs") / f"{scene.world.stem}-{scene.seed}"
@@ -127,7 +128,7 @@ def _simulate(
         with Bar(scene.world.name, scene.steps * scene.dt, "s", quiet) as bar:
             record = record_run(
                 simulation, observers=observers, path=folder / "record.h5",
-                progress=bar.simulated, stop=interrupt,
+                progress=bar.simulated if bar.visible else None, stop=interrupt,
             )  # fmt: skip
         return record, None
     except LateError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 from physim.cli.parser import Options
 from physim.cli.progress import Bar, announce_compiling, interrupts
@@ -13,6 +14,7 @@ from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
+from physim.simulation.size import check_room, size_of
 from physim.world import World
 from physim.world.file import located, read_world
 from physim.world.file.loading import world_of
@@ -26,8 +28,18 @@ COMPILING = 25
 """[s] about, for all that a run needs"""
 
 
-def ready(world: World, document: Document, seed: int | None, options: Options) -> Simulation:
-    """Simulation of a world that was read, with the kernels loaded or compiled."""
+def ready(
+    world: World,
+    document: Document,
+    seed: int | None,
+    options: Options,
+    path: Path | None = None,
+) -> Simulation:
+    """Simulation of a world that was read, with the kernels loaded or compiled.
+
+    A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
+    anything is compiled; where one is long or its record large, that is told.
+    """
     try:
         scene = build_scene(world, seed)
     except WorldError as error:
@@ -39,6 +51,10 @@ def ready(world: World, document: Document, seed: int | None, options: Options) 
         return made
 
     simulation = Simulation(scene, controller=controller())
+    size = size_of(scene, world.time.record_every, len(simulation.declared.columns))
+    check_room(size, path)
+    if path is not None and size.is_large and not options.quiet:
+        print(size.line(), file=sys.stderr, flush=True)
     _prepare(scene, controller(), options)
     return simulation
 

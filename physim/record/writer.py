@@ -50,6 +50,10 @@ class RowBuffer:
         if given.shape[1:] != self._rows.shape[1:]:
             wanted = self._rows.shape[1:]
             raise ValueError(f"{self.dataset.name}: rows {given.shape[1:]}; {wanted} expected")
+        if len(given) >= len(self._rows):  # as they are, without a copy
+            self.flush()
+            self._write(given)
+            return
         taken = 0
         while taken < len(given):
             part = given[taken : taken + len(self._rows) - self._count]
@@ -62,10 +66,14 @@ class RowBuffer:
     def flush(self) -> None:
         """Hand what was gathered to the library."""
         if self._count:
-            total = self._written + self._count
-            self.dataset.resize(total, axis=0)
-            self.dataset[self._written : total] = self._rows[: self._count]
-            self._written, self._count = total, 0
+            self._write(self._rows[: self._count])
+            self._count = 0
+
+    def _write(self, rows: NDArray[Any]) -> None:
+        total = self._written + len(rows)
+        self.dataset.resize(total, axis=0)
+        self.dataset[self._written : total] = rows
+        self._written = total
 
 
 class Extremes:

@@ -22,6 +22,7 @@ from physim.record import Record, RecordWriter
 from physim.simulation.engine import Physics
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import Recorder, SaveAt
+from physim.simulation.size import check_room, size_of
 from physim.simulation.swept_contacts import warm_up_swept_contacts
 from physim.world import World
 from physim.world.scene import Scene
@@ -50,7 +51,8 @@ def simulate(
     stays in memory; ``save`` says what is recorded. Stages and controller are as for `Simulation`;
     ``observers`` look on. ``progress`` is called after every step with the simulation and the
     real-time factor; when ``stop`` says True the run ends there, with a complete record. Raises
-    WorldError or ControllerError; a run that breaks off leaves its record closed, ended "error".
+    WorldError or ControllerError, and RecordError where the record cannot fit on the disk or in
+    memory; a run that breaks off leaves its record closed, ended "error".
     """
     simulation = Simulation(
         world, seed, controller, sensing=sensing, filters=filters, disturbances=disturbances
@@ -73,7 +75,8 @@ def record_run(
 ) -> Record:
     """Run a simulation from its start to its end and record it; see `simulate`.
 
-    Raises ValueError for one that has made steps already: its record would lack them.
+    Raises ValueError for one that has made steps already: its record would lack them; and
+    RecordError where its record cannot fit on the disk or in memory.
     """
     if simulation.step_number:
         raise ValueError(
@@ -82,6 +85,8 @@ def record_run(
     if path is not None and os.path.lexists(path) and not overwrite:
         raise RecordError(f"{path}: exists; give another path, or overwrite=True")
     every = save.every or simulation.scene.world.time.record_every
+    columns = len(simulation.declared.columns)
+    check_room(size_of(simulation.scene, every, columns, save.tables), path)
     writer = _writer(simulation, path, every, save.tables)
     recorder = Recorder(writer, every, save.tables)
     looking_on: list[Observer] = []

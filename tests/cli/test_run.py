@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,6 +18,7 @@ from physim.record import Record
 from physim.world.file import load_world
 from physim.world.file.files import shipped_worlds
 from tests.cli.commands import SMALL, environment, frames, physim, shell, tree
+from tests.facts import facts
 from tests.says import check_error
 
 FILES = {"record.h5", "video.mp4", "summary.json"}
@@ -26,6 +30,28 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_text(SMALL)
     return tmp_path
+
+
+def test_a_run_too_large_for_the_disk_is_refused_before_anything_is_made(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=100))
+    done = physim("run", "small.yaml", "--no-video", capture=capsys)
+    assert done.code == 2
+    assert done.out == ""
+    check_error(done.err, f"{here}:", "100 B", "time.duration", "time.record_every", "robots")
+    assert [file.name for file in here.iterdir()] == ["small.yaml"]
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_a_long_run_says_beforehand_how_large_it_will_be(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, quiet: bool
+) -> None:
+    arguments = ["run", "small.yaml", "--no-video", "--force", *(["--quiet"] if quiet else [])]
+    told = facts("steps", "computing", "record", "samples")
+    assert not re.search(told, physim(*arguments, capture=capsys).err)
+    monkeypatch.setattr("physim.simulation.size.LARGE_BYTES", 1000.0)
+    assert bool(re.search(told, physim(*arguments, capture=capsys).err)) is not quiet
 
 
 def test_a_run_writes_record_video_and_summary(

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.geometry import clearance
 from physim.geometry import separation as kernels
-from physim.geometry.clearance import clearances
+from physim.geometry.clearance import ClearanceFinder, clearances
+from physim.geometry.nearest_wall import LIST_SIZE
+from physim.geometry.robot_frames import bounding_discs
 from physim.geometry.shapes import pack_shapes
-from physim.geometry.wall_grid import LIST_SIZE, build_wall_grid
+from physim.geometry.wall_grid import build_wall_grid
 from tests.geometry.cases import BOX, corridor_walls, random_body
+from tests.oracles.clearances import clearances as plain_clearances
 
 
 def random_run(rng, robots, samples):
@@ -59,6 +61,70 @@ def test_equal_to_plain_minima(reach):
         a, c = found.farthest_a[b], found.farthest_b[b]
         assert a < c
         assert pairs[a, c] >= pairs.max() - 1e-13
+
+
+def assert_same(found, expected):
+    """Equal to the bit."""
+    for name, one, other in zip(found._fields, found, expected, strict=True):
+        np.testing.assert_array_equal(one, other, err_msg=name)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bit_equal_to_a_look_at_all_pairs(seed):
+    """Robots that keep together, scatter, jump, lie on each other, or stand far from the rest."""
+    rng = np.random.default_rng(seed)
+    walls = corridor_walls(25.0)
+    wall_grid = build_wall_grid(walls, 3.0, 1.0)
+    robots = 30
+    shapes, poses = random_run(rng, robots, 40)
+    poses[:, :, :2] *= [1.0, 2.0, 5.0, 0.05, 1.0, 1.0][seed]
+    poses[:, 7, 0] += 1e4 * (seed == 4)
+    poses[20:, 3:5] = poses[20:, 5:7]  # two are at the very place of two others, from then on
+    assert_same(clearances(poses, shapes, walls, wall_grid), plain_clearances(poses, shapes, walls))
+
+
+@pytest.mark.parametrize("gap", [1.0, 0.0])
+def test_robots_in_rows_and_columns_tie_to_the_bit(gap):
+    """Every robot has four others at the same distance, and there are two farthest pairs."""
+    walls = corridor_walls(25.0)
+    wall_grid = build_wall_grid(walls, 3.0, 1.0)
+    square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    shapes = pack_shapes([[square]] * 36)
+    places = (1.0 + gap) * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), axis=-1)
+    start = np.c_[places.reshape(36, 2), np.zeros(36)]
+    poses = start + np.arange(12)[:, None, None] * np.array([0.25, 0.0, 0.0])
+    found = clearances(poses, shapes, walls, wall_grid)
+    assert_same(found, plain_clearances(poses, shapes, walls))
+    assert (found.clearance == gap).all()
+
+
+def test_work_grows_with_the_robots_and_not_with_their_pairs():
+    """At the same density, distances of two robots worked out per robot and sample."""
+    walls = corridor_walls(25.0)
+    wall_grid = build_wall_grid(walls, 3.0, 1.0)
+    rng = np.random.default_rng(3)
+    work = []
+    for side in (10, 40):
+        robots = side * side
+        places = 2.0 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1)
+        start = np.c_[places.reshape(robots, 2), rng.uniform(-3.0, 3.0, robots)]
+        poses = start + np.cumsum(rng.normal(0.0, 0.005, (20, robots, 3)), axis=0)
+        finder = ClearanceFinder(pack_shapes([[BOX]] * robots), walls, wall_grid)
+        finder.find(poses)
+        work.append(finder.measured / poses[..., 0].size)
+    assert work[1] < 1.2 * work[0]
+    assert work[1] < 2.0
+
+
+def test_blocks_give_what_all_samples_at_once_give():
+    rng = np.random.default_rng(11)
+    walls = corridor_walls(25.0)
+    wall_grid = build_wall_grid(walls, 3.0, 1.0)
+    shapes, poses = random_run(rng, 9, 60)
+    whole = clearances(poses, shapes, walls, wall_grid)
+    finder = ClearanceFinder(shapes, walls, wall_grid)
+    for first, last in ((0, 1), (1, 2), (2, 30), (30, 60)):
+        assert_same(finder.find(poses[first:last]), [one[first:last] for one in whole])
 
 
 def test_a_sample_does_not_depend_on_the_others():
@@ -127,7 +193,7 @@ def test_equally_near_robots_give_the_lowest():
 def test_cores_lie_inside():
     rng = np.random.default_rng(9)
     shapes = pack_shapes([random_body(rng) for _ in range(20)])
-    discs = clearance.bounding_discs(shapes)
+    discs = bounding_discs(shapes)
     for i in range(20):
         core = pack_shapes([[np.array([[discs.x[i], discs.y[i]]])]])
         pose = np.zeros(3)

@@ -45,6 +45,7 @@ ROOMS = MappingProxyType(
             "tests/test_observations.py",
             "tests/test_perception.py",
             "tests/test_recording.py",
+            "tests/test_size.py",
             "tests/test_grazes.py",
         ),
         "record": ("tests/record",),

@@ -143,9 +143,15 @@ def scan_walls(
             parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
             if not len(parts):
                 continue
+            spare = 0.0  # the wall is farther than `reach` by at least that
             for k in range(first, len(poses)):
+                if spare > 0.0:
+                    spare -= travel_bound(poses[k - 1, i], poses[k, i], radius)
+                    if spare > 0.0:
+                        continue
                 d = wall_distance(shapes, i, poses[k, i], walls, parts)
                 if d > reach:
+                    spare = d - reach - CONTACT
                     continue
                 if count == len(who):
                     return FULL
@@ -242,8 +248,9 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     touching, grazes = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)]
     running: dict[tuple[int, int], Approach] = {}
     done: list[Approach] = []
+    room = Room()
     for poses, start in pose_blocks(record):
-        rows = near_rows(poses, start, shapes, walls, reach, record.dt)
+        rows = near_rows(poses, start, shapes, walls, reach, record.dt, room)
         touching.append(rows[rows["distance"] <= CONTACT])
         grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
         follow(rows, running, done)
@@ -255,8 +262,33 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     )  # fmt: skip
 
 
+class Room:
+    """How many rows a scan may find: more once it was too few, for what comes next too."""
+
+    def __init__(self) -> None:
+        self.rows = 1024
+
+    def filled(
+        self, scan: Callable[[IntArray, FloatArray], int], columns: int
+    ) -> tuple[IntArray, FloatArray]:
+        """Output of a scan, (C, 3) and (C, ``columns``), with as much room as it needs."""
+        while True:
+            who = np.empty((self.rows, 3), dtype=np.int64)
+            values = np.empty((self.rows, columns))
+            count = scan(who, values)
+            if count != FULL:
+                return who[:count], values[:count]
+            self.rows *= 4
+
+
 def near_rows(
-    poses: FloatArray, start: int, shapes: Shapes, walls: Shapes, reach: float, dt: float
+    poses: FloatArray,
+    start: int,
+    shapes: Shapes,
+    walls: Shapes,
+    reach: float,
+    dt: float,
+    room: Room,
 ) -> NDArray[np.void]:
     """Rows of `NEAR` of a block, sorted by step, a and b; its first sample only if ``start`` is 0.
 
@@ -270,7 +302,7 @@ def near_rows(
     def boundaries(who: IntArray, values: FloatArray) -> int:
         return scan_walls(poses, first, shapes, walls, reach, dt, who, values)
 
-    found = [filled(robots, 2), filled(boundaries, 2)]
+    found = [room.filled(robots, 2), room.filled(boundaries, 2)]
     rows = np.zeros(sum(len(who) for who, _ in found), NEAR)
     who = np.concatenate([pair[0] for pair in found])
     values = np.concatenate([pair[1] for pair in found])
@@ -301,16 +333,3 @@ def follow(
         elif before is not None:
             done.append(before)
         running[a, b] = now
-
-
-def filled(
-    scan: Callable[[IntArray, FloatArray], int], columns: int
-) -> tuple[IntArray, FloatArray]:
-    """Output of a scan, (C, 3) and (C, ``columns``), with as much room as it needs."""
-    room = 1024
-    while True:
-        who, values = np.empty((room, 3), dtype=np.int64), np.empty((room, columns))
-        count = scan(who, values)
-        if count != FULL:
-            return who[:count], values[:count]
-        room *= 4

@@ -19,7 +19,7 @@ from physim.analysis.metrics import contact_episodes, grazes
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
-    filled,
+    Room,
     pose_blocks,
     walls_about,
 )
@@ -134,6 +134,8 @@ def decision_times(
         at, i = rows[k].step - start, rows[k].robot
         pose, held = poses[at], command[at]
         mine = (held[i, 0], held[i, 1])
+        span = abs(mine[0]) * horizon + 1e-6
+        about = walls_about(poses[at : at + 1], i, shapes.radius[i], walls, span)
         for j in range(robots + len(walls.body_start) - 1):
             if j == i:
                 continue
@@ -142,9 +144,6 @@ def decision_times(
                 xi = collision_time_pair(shapes, i, pose[i], mine, j, pose[j], theirs, horizon)
             else:
                 w = j - robots
-                span = abs(mine[0]) * horizon + 1e-6
-                here = poses[at : at + 1]
-                about = walls_about(here, i, shapes.radius[i], walls, span)
                 parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
                 xi = collision_time_walls(shapes, i, pose[i], mine, walls, parts, horizon)
             if xi <= horizon:
@@ -163,13 +162,13 @@ def _times(record: Record) -> tuple[NearMiss, ...]:
     decided = np.zeros(len(record.updates), dtype=DECIDED)
     for name in DECIDED.names or ():
         decided[name] = record.updates[name]
-    who, values = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)]
+    who, values, room = [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0)], Room()
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         first, last = np.searchsorted(decided["step"], [start, end])
         rows, command = decided[first:last], record.commands_over("applied", start, end)
         scan = partial(decision_times, rows, poses, start, command, shapes, walls, LOOK)
-        some, times = filled(scan, 1)
+        some, times = room.filled(scan, 1)
         who.append(some)
         values.append(times[:, 0])
     return _smallest(record, np.concatenate(who), np.concatenate(values))

@@ -40,7 +40,7 @@ from physim.analysis.validation.mismatch import (
 )
 from physim.analysis.validation.origin import Inside
 from physim.errors import ControllerError
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
     LONGEST_HOLD,
     BatchCapable,
@@ -104,7 +104,9 @@ class Replay:
 
     def _sensed(self, block: SampleBlock, k: int) -> Sensed:
         """What everybody knows at sample ``k`` of a block."""
-        truth = Snapshot(block.first + k, block.pose[k], block.held[k], *block.course[k].T)
+        # Laid out as in the loop: for arrays of another kind kernels are compiled anew.
+        course = read_only(np.ascontiguousarray(block.course[k].T))
+        truth = Snapshot(block.first + k, block.pose[k], block.held[k], *course)
         return everybody(truth, self.shared)
 
     def _hold(

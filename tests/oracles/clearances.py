@@ -1,0 +1,43 @@
+"""Clearances the plain way: every robot against every other, and against every part of a wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.geometry.clearance import Clearances
+from physim.geometry.robot_frames import bounding_discs, pair_distance, set_frames
+from physim.geometry.separation import wall_distance
+from physim.geometry.shapes import FloatArray, Shapes
+
+
+def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes) -> Clearances:
+    """What `physim.geometry.clearance.clearances` must give, bit for bit."""
+    return Clearances(*map(np.array, zip(*(_sample(p, shapes, walls) for p in poses), strict=True)))
+
+
+def _sample(pose: FloatArray, shapes: Shapes, walls: Shapes) -> tuple[object, ...]:
+    robots, parts = len(pose), len(walls.part_start) - 1
+    frame = np.empty((robots, 6))
+    set_frames(np.ascontiguousarray(pose), bounding_discs(shapes), frame)
+    apart = np.full((robots, robots), np.nan)
+    for i in range(robots):
+        for j in range(i + 1, robots):
+            apart[i, j] = apart[j, i] = pair_distance(
+                shapes.vertices, shapes.part_start, shapes.body_start, i, j, frame
+            )
+    nearest = np.where(np.isnan(apart), np.inf, apart)
+    farthest = np.where(np.isnan(apart), -np.inf, apart)
+    gaps = np.array([
+        [wall_distance(shapes, i, pose[i], walls, np.array([k])) for k in range(parts)]
+        for i in range(robots)
+    ])  # fmt: skip
+    body = np.repeat(np.arange(len(walls.body_start) - 1), np.diff(walls.body_start))
+    pair = divmod(int(farthest.argmax()), robots) if robots > 1 else (-1, -1)
+    return (
+        nearest.min(axis=1),
+        nearest.argmin(axis=1) if robots > 1 else np.array([-1]),
+        gaps.min(axis=1),
+        robots + body[gaps.argmin(axis=1)],
+        farthest.max(),
+        *pair,
+    )

@@ -1,0 +1,79 @@
+"""How large a run is, told before it is made; and that one which cannot fit is refused."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from physim.errors import RecordError
+from physim.parts.controller import Decision
+from physim.simulation.run import simulate
+from physim.simulation.size import LARGE_BYTES, check_room, size_of
+from physim.world.layout.scene_builder import build_scene
+from tests.facts import facts
+from tests.roads import road
+from tests.says import THREE, Says
+
+
+def scene_of(**changes: Any) -> Any:
+    """Three robots on a road."""
+    time = {"step": 0.01, "duration": 30.0, "record_every": 1, **changes}
+    world = road(THREE)
+    return build_scene(world.changed(time=type(world.time)(**time)))
+
+
+@pytest.mark.parametrize("every", [1, 7])
+def test_samples_take_what_is_told_of_them(tmp_path: Path, every: int) -> None:
+    scene = scene_of(record_every=every)
+    size = size_of(scene, every)
+    file = tmp_path / "r.h5"
+    standing = Says(lambda o: Decision(0.0, 0.0, hold=1.0))
+    with simulate(scene.world, controller=standing, path=file) as record:
+        held = sum(
+            record.read(f"/steps/{name}").nbytes
+            for name in ("step", "pose", "clearance", "boundary_clearance")
+        )
+    assert held <= size.samples <= 1.05 * held
+    assert size.samples < os.path.getsize(file)
+
+
+def test_size_grows_with_robots_and_duration_and_shrinks_with_coarser_samples() -> None:
+    one, long = size_of(scene_of(), 1), size_of(scene_of(duration=60.0), 1)
+    assert long.samples == pytest.approx(2 * one.samples, rel=0.01)
+    assert long.decisions == 2 * one.decisions
+    assert long.seconds == 2 * one.seconds
+    assert size_of(scene_of(), 10).samples == pytest.approx(one.samples / 10, rel=0.02)
+    assert size_of(scene_of(), 10).decisions == one.decisions
+    assert size_of(scene_of(), 1, tables=("contacts",)).decisions == 0
+    assert not one.is_large
+    huge = scene_of(duration=3e5)
+    assert size_of(huge, 1).record > LARGE_BYTES
+    assert size_of(huge, 1).is_large
+    assert re.search(facts("3", "30,000,000", "GB"), size_of(huge, 1).line())
+
+
+def test_a_record_that_does_not_fit_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = scene_of()
+    size, file = size_of(scene, 1), tmp_path / "not" / "there" / "r.h5"
+    free = size.samples
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
+    check_room(size, file)  # just
+    free = size.samples - 1
+    told = facts("384 kB", str(tmp_path), "3", "time.duration", "30", "time.record_every", "1")
+    with pytest.raises(RecordError, match=told):
+        check_room(size, file)
+    with pytest.raises(RecordError, match=told):
+        simulate(scene.world, path=tmp_path / "r.h5")
+    assert list(tmp_path.iterdir()) == []
+    check_room(size, None)  # in memory it fits
+    monkeypatch.setattr("physim.simulation.size.memory", lambda: float(free))
+    with pytest.raises(RecordError, match=facts("memory", "time.record_every")):
+        simulate(scene.world)

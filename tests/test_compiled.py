@@ -19,7 +19,7 @@ from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheL
 
 import physim
 from physim import compiled as compiled_module
-from physim.compiled import compiled, is_cached
+from physim.compiled import borrowing, compiled, is_cached
 from physim.geometry.shapes import FloatArray
 
 
@@ -108,6 +108,37 @@ from physim.compiled import links_kernels
 from tests.test_compiled import short_run
 print(links_kernels(), short_run())
 """
+
+
+@compiled
+def owning(values: FloatArray) -> FloatArray:
+    return np.zeros(len(values))
+
+
+@borrowing
+def calls_owning(values: FloatArray) -> float:
+    return owning(values)[0]
+
+
+@borrowing
+def returns_what_it_borrows(values: FloatArray) -> FloatArray:
+    return values
+
+
+@compiled
+def calls_both(values: FloatArray) -> float:
+    return calls_owning(values)
+
+
+@compiled
+def returns_the_same(values: FloatArray) -> float:
+    return returns_what_it_borrows(values)[0]
+
+
+def test_a_borrowing_kernel_makes_no_arrays() -> None:
+    for kernel, word in ((calls_both, "owning"), (returns_the_same, "returns an array")):
+        with pytest.raises(Exception, match=word):
+            kernel(np.ones(3))
 
 
 def short_run() -> str:

@@ -51,4 +51,13 @@ EDITS = (
         "kernels compute by the standard: no liberties with NaN and infinity",
         "tests/test_compiled.py::test_kernels_know_what_is_no_number_and_what_is_infinite",
     ),
+    Edit(
+        "basics",
+        "physim/compiled.py",
+        "_refuse_arrays_of_its_own",
+        "if owning:",
+        "if False:",
+        "a kernel that counts no references calls none that makes arrays",
+        "tests/test_compiled.py::test_a_borrowing_kernel_makes_no_arrays",
+    ),
 )

@@ -128,7 +128,7 @@ def _refuse_arrays_of_its_own(function: Callable[..., Any]) -> None:
     """
     code = function.__code__
     called = (function.__globals__.get(name) for name in code.co_names)
-    owning = [k.__name__ for k in called if isinstance(k, Kernel) and not k.borrows]
+    owning = [k.py_func.__name__ for k in called if isinstance(k, Kernel) and not k.borrows]
     if owning:
         raise TypeError(f"{function.__name__} borrows, but calls {owning[0]}, which does not")
     if "Array" in str(function.__annotations__.get("return")):

@@ -293,37 +293,6 @@ def part_gap(
 
 
 @compiled
-def face_normal(
-    P: FloatArray,
-    p0: int,
-    p1: int,
-    Q: FloatArray,
-    q0: int,
-    q1: int,
-    c: float,
-    s: float,
-    of_q: bool,
-    edge: int,
-) -> tuple[float, float]:
-    """Return the unit normal of the edge that `part_feature` found, from P to Q, in P's frame."""
-    if edge < 0:
-        return 1.0, 0.0
-    if of_q:
-        k = edge - 1 if edge > q0 else q1 - 1
-        ex = Q[edge, 0] - Q[k, 0]
-        ey = Q[edge, 1] - Q[k, 1]
-        size = math.sqrt(ex * ex + ey * ey)
-        nx = -ey / size
-        ny = ex / size
-        return c * nx - s * ny, s * nx + c * ny
-    k = edge - 1 if edge > p0 else p1 - 1
-    ex = P[edge, 0] - P[k, 0]
-    ey = P[edge, 1] - P[k, 1]
-    size = math.sqrt(ex * ex + ey * ey)
-    return ey / size, -ex / size
-
-
-@compiled
 def support_gap(
     P: FloatArray,
     p0: int,

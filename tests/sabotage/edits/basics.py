@@ -51,4 +51,13 @@ EDITS = (
         "kernels compute by the standard: no liberties with NaN and infinity",
         "tests/test_compiled.py::test_kernels_know_what_is_no_number_and_what_is_infinite",
     ),
+    Edit(
+        "basics",
+        "physim/linking.py",
+        "only_borrows",
+        "return not is_counted(state.return_type) and all(map(counts_nothing, statements))",
+        "return False",
+        "a kernel that only looks at arrays counts no references",
+        "tests/test_compiled.py::test_references_are_counted_where_arrays_are_made_and_only_there",
+    ),
 )

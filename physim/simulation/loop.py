@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import PhysimError, WorldError
-from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
     BatchCapable,
     BatchController,

@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/path.py",
+        "physim/geometry/tracking.py",
         "Tracking",
         "np.maximum(SHORTEST_WINDOW, 2.0 * radius)",
         "np.full(n, 1e-6)",
@@ -61,10 +61,10 @@ EDITS = (
     ),
     Edit(
         "geometry",
-        "physim/geometry/path.py",
+        "physim/geometry/tracking.py",
         "track_all",
-        "track(ways, robots, x, y,",
-        "track(ways, i, x, y,",
+        "row, start[robots], start[robots + 1] - 1,",
+        "row, start[i], start[i + 1] - 1,",
         "the station along s* is that of the reference path",
         "tests/geometry/test_tracking.py::test_stations_follow_the_robots",
     ),

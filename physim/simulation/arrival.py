@@ -45,8 +45,7 @@ class Arrivals:
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
-        stations = np.empty_like(tracking.stations)
-        arrived = np.empty(len(pose), dtype=np.bool_)
+        stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
         self.all = follow_and_judge(
             *tracking.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
             step, self.least, self.trail, arrived,

@@ -171,7 +171,7 @@ class Simulation:
         if commands is None:
             decided = self._decide(sensed)
         else:
-            decided = Decided(outside(self.scene, self.time, commands))
+            decided = Decided(outside(self.scene, truth.step, commands))
         filtered, filters = self._filter(sensed, decided.nominal)
         applied, disturbances = self._disturb(truth, filtered)
         self.physics.step(applied)
@@ -238,7 +238,8 @@ class Simulation:
         self._take(step, pose, nominal)
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
-        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
+        along = self._tracking.stations
+        self.now = Snapshot(step, pose, nominal, along[0], along[1], along[2])
         self._sensed = None
 
     # State

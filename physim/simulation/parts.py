@@ -172,7 +172,7 @@ def ask_filter(
         found, state = two(part, "filter", answer, "commands")
         commands = _commands(scene, part, "filter", found)
     try:
-        check_commands(scene, time, np.arange(scene.robots), commands)
+        check_commands(scene, time, None, commands)
     except ControllerError as error:
         raise ControllerError(f"filter {type(part).__name__}: {error}") from None
     return commands, state

@@ -62,6 +62,14 @@ def compiled(function: F) -> F:
     return cast(F, Kernel(function))
 
 
+def direct(kernel: F) -> F:
+    """Return the compiled function of a kernel itself: a call costs a third of a microsecond less.
+
+    For what is called at every step; it is made here and now.
+    """
+    return cast(F, cast(Kernel, kernel).whole)
+
+
 class Kernel:
     """A function compiled without fast-math: results are bit-equal on one machine.
 

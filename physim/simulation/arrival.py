@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled
+from physim.compiled import compiled, direct
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.geometry.tracking import Tracking, track_all
 
@@ -42,11 +42,12 @@ class Arrivals:
         """(N,) who has arrived at the present sample"""
         self.all = False
         """whether all have"""
+        self._follow_and_judge = direct(follow_and_judge)
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
-        self.all = follow_and_judge(
+        self.all = self._follow_and_judge(
             *tracking.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
             step, self.least, self.trail, arrived,
         )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.compiled import direct
 from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
@@ -122,6 +123,7 @@ class Physics:
         self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
+        self._chord_velocities = direct(chord_velocities)
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
         self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
@@ -149,7 +151,7 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         arrays = self._arrays
-        chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
+        self._chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
         pushes = self._no_pairs
         self.false_contacts = self._no_false
         if len(self._pairs.key):

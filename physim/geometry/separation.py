@@ -210,6 +210,8 @@ def body_separation(
     # Where the origin of a is for b.
     ox, oy = -(c * tx + s * ty), s * tx - c * ty
     near = nearly_nearest(shapes_a.radius[i], shapes_b, j, ox, oy)
+    parts_a = shapes_a.body_start[i + 1] - shapes_a.body_start[i]
+    only = parts_a == 1 and shapes_b.body_start[j + 1] - shapes_b.body_start[j] == 1
     best = np.inf
     found = (np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
@@ -222,10 +224,9 @@ def body_separation(
             Q = shapes_b.vertices
             if q1 - q0 == 2 and point_gap(Q, q0, q1, ox, oy) > near:
                 continue
-            gap = part_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, best)
-            if gap < best:
-                best = gap
+            if only or part_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, best) < best:
                 found = part_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
+                best = found[0]
     ca = math.cos(pose_a[2])
     sa = math.sin(pose_a[2])
     d, nx, ny, ax, ay, bx, by = found

@@ -102,14 +102,15 @@ class Tracking:
 @compiled
 def track_leg(
     row: FloatArray, first: int, end: int, near: int, x: float, y: float, low: float, high: float
-) -> tuple[float, float, int]:
-    """`project` of (x, y) on the polyline of the rows ``first`` to ``end``: station, deviation.
+) -> tuple[float, float, float, bool, int]:
+    """`project` of (x, y) on the polyline of the rows ``first`` to ``end``, in parts.
 
-    The search for the segment that holds ``low`` begins at row ``near``; the third value is it.
+    Station, the two coordinates of the way from there to (x, y), whether that is to the left, and
+    the segment that holds ``low``, the search for which begins at row ``near``.
     """
     length = row[end, 4]
     low, high = min(max(low, 0.0), length), min(max(high, 0.0), length)
-    best, reach, station, deviation = np.inf, np.inf, low, 0.0
+    best, station, bx, by, left = np.inf, low, np.inf, 0.0, True
     a = near
     while a < end - 1 and row[a + 1, 4] <= low:
         a += 1
@@ -123,14 +124,14 @@ def track_leg(
         dx, dy = x - row[a, 0], y - row[a, 1]
         along = min(max(dx * tx + dy * ty, max(low - s0, 0.0)), min(high - s0, row[a, 5]))
         ox, oy = dx - along * tx, dy - along * ty
-        if ox * ox + oy * oy <= reach:
-            gap = hypot(ox, oy)
-            if gap < best:
-                best, reach = gap, gap * gap * MORE + TINY
-                station = min(max(s0 + along, low), high)
-                deviation = gap if tx * dy - ty * dx >= 0.0 else -gap
+        square = ox * ox + oy * oy
+        if square * MORE + TINY < best or (
+            square <= best * MORE + TINY and hypot(ox, oy) < hypot(bx, by)
+        ):
+            best, bx, by, left = square, ox, oy, tx * dy - ty * dx >= 0.0
+            station = min(max(s0 + along, low), high)
         a += 1
-    return station, deviation, near
+    return station, bx, by, left, near
 
 
 @compiled
@@ -151,11 +152,13 @@ def track_all(
     robots = len(pose)
     for i in range(robots):
         x, y, window = pose[i, 0], pose[i, 1], windows[i]
-        after[0, i], after[1, i], last[0, i] = track_leg(
+        after[0, i], ox, oy, left, last[0, i] = track_leg(
             row, start[i], start[i + 1] - 1, last[0, i],
             x, y, before[0, i] - window, before[0, i] + window,
         )  # fmt: skip
-        after[2, i], _, last[1, i] = track_leg(
+        gap = hypot(ox, oy)
+        after[1, i] = gap if left else -gap
+        after[2, i], _, _, _, last[1, i] = track_leg(
             row, start[robots], start[robots + 1] - 1, last[1, i],
             x, y, before[2, i] - window, before[2, i] + window,
         )  # fmt: skip

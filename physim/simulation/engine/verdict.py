@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
+from physim.geometry.convex import part_gap
 from physim.geometry.separation import relative_frame
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
 from physim.geometry.witness import part_witness
@@ -147,11 +148,16 @@ def classify(
 
     Returns APART, ACTS, LEFT or SIDE and, for SIDE, the unit normal to take from q to p.
     """
+    v, start = shapes.vertices, shapes.part_start
+    if start[q + 1] - start[q] != 2:
+        c, s, tx, ty = relative_frame(pose_p, pose_q)
+        distance = part_gap(
+            v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0, np.inf
+        )
+        return (APART if distance > CONTACT else ACTS), 0.0, 0.0
     distance, nx, ny = touch(shapes, p, pose_p, q, pose_q)
     if distance > CONTACT:
         return APART, nx, ny
-    if shapes.part_start[q + 1] - shapes.part_start[q] != 2:
-        return ACTS, nx, ny
     other, end = leans_on(shapes, links, q, nx, ny)
     if other < 0:
         return ACTS, nx, ny

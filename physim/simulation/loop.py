@@ -37,7 +37,8 @@ from physim.parts.stages import (
 )
 from physim.parts.world_checks import listed
 from physim.simulation.arrival import Arrivals
-from physim.simulation.decisions import Decided, PerRobotAdapter, decide, outside
+from physim.simulation.decision_checks import outside
+from physim.simulation.decisions import Decided, PerRobotAdapter, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
 from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
@@ -179,9 +180,9 @@ class Simulation:
         self._stages = (sensing, filters, disturbances)
         self._told = truth, self._sensed, decided, filtered, applied
         self._arrive(truth.step + 1, nominal)
-        last = self.last if self.observers else None
-        for observer in self.observers if last else ():
-            observer.after_step(last)
+        if self.observers and (last := self.last):
+            for observer in self.observers:
+                observer.after_step(last)
 
     @property
     def last(self) -> Step | None:
@@ -301,14 +302,9 @@ class Simulation:
         """Put the robots into the engine."""
         scene = self.scene
         self.physics = Physics(
-            scene.shapes,
-            scene.walls,
-            scene.start,
-            scene.mass,
-            scene.dt,
-            friction=scene.world.physics.friction,
-            elasticity=scene.world.physics.elasticity,
-        )
+            scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
+            friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,
+        )  # fmt: skip
 
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""

@@ -35,7 +35,7 @@ from physim.parts.world_checks import (
     two,
     world_faults,
 )
-from physim.simulation.decisions import check_applied, check_commands
+from physim.simulation.decision_checks import check_applied, check_commands
 from physim.world import World
 from physim.world.scene import Scene
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from pymunk._chipmunk_cffi import ffi, lib
 from pymunk.batch import ArbiterFields, BodyFields
 
+from physim.c_calls import array_at, call, pointer
 from physim.compiled import callback, compiled
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.simulation.engine.c_calls import array_at, call, pointer
 from physim.simulation.engine.guard import NOTHING, Touches
 from physim.simulation.engine.space import Hosted
 from physim.simulation.engine.verdict import (

@@ -138,8 +138,5 @@ def hold_back(key: IntArray, bodies: int, allowed: FloatArray, wanted: FloatArra
     for one in key:
         for i in (one // bodies, one % bodies):
             if i < len(wanted):
-                wanted[i, 0], wanted[i, 1], wanted[i, 2] = (
-                    allowed[i, 0],
-                    allowed[i, 1],
-                    allowed[i, 2],
-                )
+                for k in range(3):
+                    wanted[i, k] = allowed[i, k]

@@ -165,6 +165,8 @@ class WholeLowering(NativeLowering):
         state.library = WholeLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()
         done = bool(super().run_pass(state))
+        if state.flags.no_compile:  # a callback, which raises nothing, and is finished later
+            return done
         for variable in state.library._final_module.global_variables:
             if variable.name.startswith("_ZN08NumbaEnv"):
                 environment = lookup_environment(variable.name)

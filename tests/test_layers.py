@@ -27,6 +27,7 @@ LAYERS = {
     "physim.errors": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.linking": (0, 0),
+    "physim.c_calls": (0, 0),
     "physim.compiled": (0, 1),
     "physim.kept": (0, 2),
     "physim._version": (0, 0),
@@ -211,7 +212,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         "matplotlib": ("physim.drawing.plots", "physim.drawing.preview", "physim.reproduction"),
         "imageio": ("physim.drawing.video",),
         "rich": ("physim.cli",),
-        "numba": ("physim.compiled", "physim.linking", "physim.kept"),
+        "numba": ("physim.compiled", "physim.linking", "physim.kept", "physim.c_calls"),
         "click": ("physim.cli",),
     }
     for line, name in imports(module):

@@ -189,6 +189,22 @@ def wall_distance(
 
 
 @compiled
+def nearly_nearest(radius: float, shapes: Shapes, j: int, x: float, y: float) -> float:
+    """Distance [m] from (x, y), of j's frame, beyond which no segment of body j is the nearest.
+
+    The nearest is wanted to a body of a ``radius`` about that point. inf for a single part.
+    """
+    if shapes.body_start[j + 1] - shapes.body_start[j] == 1:
+        return np.inf
+    near = np.inf
+    for q in range(shapes.body_start[j], shapes.body_start[j + 1]):
+        q0, q1 = shapes.part_start[q], shapes.part_start[q + 1]
+        if q1 - q0 == 2:
+            near = min(near, point_gap(shapes.vertices, q0, q1, x, y))
+    return near + 2.0 * radius + BOUND_MARGIN
+
+
+@compiled
 def body_separation(
     shapes_a: Shapes, i: int, pose_a: FloatArray, shapes_b: Shapes, j: int, pose_b: FloatArray
 ) -> Witness:
@@ -197,6 +213,11 @@ def body_separation(
     Returned as (distance, nx, ny, ax, ay, bx, by).
     """
     c, s, tx, ty = relative_frame(pose_a, pose_b)
+    # Where the origin of a is for b.
+    ox, oy = -(c * tx + s * ty), s * tx - c * ty
+    near = nearly_nearest(shapes_a.radius[i], shapes_b, j, ox, oy)
+    parts_a = shapes_a.body_start[i + 1] - shapes_a.body_start[i]
+    only = parts_a == 1 and shapes_b.body_start[j + 1] - shapes_b.body_start[j] == 1
     best = np.inf
     found = (np.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for p in range(shapes_a.body_start[i], shapes_a.body_start[i + 1]):
@@ -207,10 +228,11 @@ def body_separation(
             q1 = shapes_b.part_start[q + 1]
             P = shapes_a.vertices
             Q = shapes_b.vertices
-            gap = part_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, best)
-            if gap < best:
-                best = gap
+            if q1 - q0 == 2 and point_gap(Q, q0, q1, ox, oy) > near:
+                continue
+            if only or part_gap(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0, best) < best:
                 found = part_witness(P, p0, p1, Q, q0, q1, c, s, tx, ty, 0.0, 0.0)
+                best = found[0]
     ca = math.cos(pose_a[2])
     sa = math.sin(pose_a[2])
     d, nx, ny, ax, ay, bx, by = found

@@ -18,7 +18,7 @@ IntArray = NDArray[np.int64]
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
     """Return the array itself, so marked that writing to it is an error."""
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled
-from physim.geometry.path import Tracking, track_all
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, read_only
+from physim.compiled import compiled, direct
+from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.tracking import Tracking, track_all
 
 STILL_TIME = 0.5
 """[s]"""
@@ -42,14 +42,14 @@ class Arrivals:
         """(N,) who has arrived at the present sample"""
         self.all = False
         """whether all have"""
+        self._follow_and_judge = direct(follow_and_judge)
 
     def follow(self, tracking: Tracking, step: int, pose: FloatArray) -> None:
         """Judge the sample after the last one, to which ``tracking`` follows."""
-        stations = np.empty_like(tracking.stations)
-        arrived = np.empty(len(pose), dtype=np.bool_)
-        self.all = follow_and_judge(
-            *tracking.ways, pose, tracking.windows, tracking.stations, stations, step, self.least,
-            self.trail, arrived,
+        stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
+        self.all = self._follow_and_judge(
+            *tracking.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
+            step, self.least, self.trail, arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
 
@@ -61,9 +61,9 @@ class Arrivals:
 
 @compiled
 def follow_and_judge(
-    points: FloatArray,
     start: IntArray,
-    station: FloatArray,
+    row: FloatArray,
+    last: IntArray,
     pose: FloatArray,
     windows: FloatArray,
     before: FloatArray,
@@ -75,10 +75,10 @@ def follow_and_judge(
 ) -> bool:
     """`track_all` and `note_arrivals` in one call, since every step makes both.
 
-    ``points``, ``start``, ``station`` are those of the ways: one by one they are handed over in a
-    third of the time.
+    ``start`` and ``row`` are those of the legs: one by one they are handed over in a third of the
+    time.
     """
-    track_all(Polylines(points, start, station), pose, windows, before, after)
+    track_all(start, row, last, pose, windows, before, after)
     return note_arrivals(step, pose, after[0], least, trail, arrived)
 
 

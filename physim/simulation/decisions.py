@@ -11,12 +11,11 @@ from operator import index
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from physim.errors import ControllerError, PhysimError, nearest
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
-    LONGEST_HOLD,
     BatchController,
     Controller,
     Decision,
@@ -25,8 +24,8 @@ from physim.parts.controller import (
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
 from physim.parts.user_code import asked, broken_by
+from physim.simulation.decision_checks import checked, plainly_fine
 from physim.simulation.observation import Sight, Views
-from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
 _NO_NUMBER = (TypeError, ValueError, OverflowError)
@@ -140,8 +139,6 @@ def broken(error: BaseException, where: str) -> ControllerError:
     return ControllerError(f"{where}: {broken_by(error)}")
 
 
-COMMAND = (("v", "m/s"), ("omega", "rad/s"))
-"""Quantity and unit of either part of a command."""
 NOBODY = read_only(np.zeros(0, dtype=np.int64))
 
 
@@ -166,15 +163,14 @@ def decide(
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
-    time = sensed.step * scene.dt
     decisions = batch.decide_due(sensed, due, memory)
-    try:
-        check_commands(scene, time, due, decisions.command)
-        check_decisions(scene, time, decisions, declared)
-        next_step = sensed.step + hold_steps(scene, time, due, decisions.hold)
-    except ControllerError as error:
-        name = type(getattr(batch, "controller", batch)).__name__
-        raise ControllerError(f"controller {name}: {error}") from None
+    next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
+    if next_step is None:
+        try:
+            next_step = checked(scene, sensed.step, due, decisions, declared)
+        except ControllerError as error:
+            name = type(getattr(batch, "controller", batch)).__name__
+            raise ControllerError(f"controller {name}: {error}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
     return Decided(read_only(nominal), decisions, next_step)
@@ -233,98 +229,3 @@ class PerRobotAdapter:
         except (Exception, SystemExit) as error:
             raise broken(error, where) from error
         return decision, decision_row(decision, where, self.declared, self.scene.robots)
-
-
-def outside(scene: Scene, time: float, given: ArrayLike) -> FloatArray:
-    """Commands (N, 2) from outside, a copy; ControllerError where robots cannot take them."""
-    try:
-        nominal = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ControllerError(
-            f"commands at {time:g} s are not an array of numbers (N, 2)"
-        ) from None
-    check_commands(scene, time, np.arange(scene.robots), nominal)
-    return read_only(nominal)
-
-
-def check_commands(scene: Scene, time: float, robots: IntArray, command: FloatArray) -> None:
-    """Refuse commands (M, 2) that are not finite or beyond the robots' limits."""
-    if command.shape != (len(robots), 2):
-        raise ControllerError(
-            f"commands at {time:g} s have the shape {command.shape}; it must be ({len(robots)}, 2)"
-        )
-    allowed = scene.limits[robots] * (1.0 + SHARE)
-    fine = np.abs(command) <= allowed  # False for NaN
-    if fine.all():
-        return
-    row, column = np.argwhere(~fine)[0]
-    quantity, unit = COMMAND[column]
-    raise ControllerError(
-        f"{scene.names[robots[row]]} at {time:g} s: command {quantity} = "
-        f"{command[row, column]:g} {unit}; it must be finite and within "
-        f"{scene.limits[robots[row], column]:g} {unit} in either direction"
-    )
-
-
-def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:
-    """Refuse applied commands that are no finite (N, 2)."""
-    name, shape = type(part).__name__, (scene.robots, 2)
-    if np.shape(applied) != shape:
-        raise ControllerError(
-            f"disturbance {name}: commands at {time:g} s have the shape {np.shape(applied)}; it "
-            f"must be {shape}"
-        )
-    if not np.isfinite(applied).all():
-        row, column = np.argwhere(~np.isfinite(applied))[0]
-        quantity, unit = COMMAND[column]
-        raise ControllerError(
-            f"disturbance {name}: {scene.names[row]} at {time:g} s: command {quantity} = "
-            f"{applied[row, column]:g} {unit}; it must be finite"
-        )
-
-
-def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: Declared) -> None:
-    """Refuse numbers of modes, rules and robots, and shapes, that no record may hold."""
-    d, robots = decisions, decisions.robot
-    many = len(robots)
-    start = d.considered_start
-    shapes = (
-        ("hold", d.hold.shape, (many,)),
-        ("mode", d.mode.shape, (many,)),
-        ("rule", d.rule.shape, (many,)),
-        ("report", d.report.shape, (many, len(declared.columns))),
-        ("considered_start", start.shape, (many + 1,)),
-    )
-    for name, found, wanted in shapes:
-        if found != wanted:
-            raise ControllerError(
-                f"decisions at {time:g} s: {name} has the shape {found}; it must be {wanted}"
-            )
-    for name, values, most in (
-        ("mode", d.mode, len(declared.modes)),
-        ("rule", d.rule, len(declared.rules)),
-    ):
-        if values.min() < NO_NUMBER or values.max() >= most:
-            row = int(np.argmax((values < NO_NUMBER) | (values >= most)))
-            raise ControllerError(
-                f"{scene.names[robots[row]]} at {time:g} s: {name} = {values[row]}; allowed: "
-                f"{NO_NUMBER} to {most - 1}"
-            )
-    if len(d.considered) and (d.considered.min() < 0 or d.considered.max() >= scene.robots):
-        raise ControllerError(
-            f"decisions at {time:g} s: considered robots {d.considered.min()} to "
-            f"{d.considered.max()}; allowed: 0 to {scene.robots - 1}"
-        )
-
-
-def hold_steps(scene: Scene, time: float, robots: IntArray, hold: FloatArray) -> IntArray:
-    """Steps (M,) that decisions hold: ``hold`` [s] rounded down, one at least (14)."""
-    fine = hold >= 0.0
-    if not fine.all():
-        row = int(np.argmin(fine))
-        raise ControllerError(
-            f"{scene.names[robots[row]]} at {time:g} s: hold = {hold[row]:g} s; it must be a "
-            "time of at least 0 s"
-        )
-    steps = np.floor(hold / scene.dt + SHARE)
-    return np.minimum(np.maximum(steps, 1.0), LONGEST_HOLD).astype(np.int64)

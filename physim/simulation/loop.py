@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import PhysimError, WorldError
-from physim.geometry.path import Tracking
 from physim.geometry.shapes import FloatArray, read_only
+from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
     BatchCapable,
     BatchController,
@@ -37,7 +37,8 @@ from physim.parts.stages import (
 )
 from physim.parts.world_checks import listed
 from physim.simulation.arrival import Arrivals
-from physim.simulation.decisions import Decided, PerRobotAdapter, decide, outside
+from physim.simulation.decision_checks import outside
+from physim.simulation.decisions import Decided, PerRobotAdapter, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
 from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
@@ -61,11 +62,11 @@ class Simulation:
     now: Snapshot
     mode: NDArray[np.int64]
     next_decision: NDArray[np.int64]
-    last: Step | None
     memory: dict[str, NDArray[Any]]
     _next_due: int
     _sensed: tuple[Sensed, tuple[Any, ...]] | None
     _stages: tuple[tuple[Any, ...], ...]
+    _told: tuple[Snapshot, Any, Decided, FloatArray, FloatArray] | None
 
     def __init__(
         self,
@@ -166,41 +167,50 @@ class Simulation:
         With ``commands`` (N, 2) every robot holds those and no controller is asked. Raises
         ControllerError for a command that is not finite or beyond a robot's limits.
         """
-        truth = self.now
-        sensed, sensing = self._sense()
+        truth, parts = self.now, self.parts
+        sensing = self._sense()[1] if parts.sensing else ()
         if commands is None:
-            decided = self._decide(sensed)
+            decided = self._decide()
         else:
-            decided = Decided(outside(self.scene, self.time, commands))
-        filtered, filters = self._filter(sensed, decided.nominal)
-        applied, disturbances = self._disturb(truth, filtered)
+            decided = Decided(outside(self.scene, truth.step, commands))
+        nominal = decided.nominal
+        filtered, filters = self._filter(nominal) if parts.filters else (nominal, ())
+        applied, disturbances = self._disturb(filtered) if parts.disturbances else (filtered, ())
         self.physics.step(applied)
         self._stages = (sensing, filters, disturbances)
-        self._arrive(truth.step + 1, decided.nominal)
-        self.last = Step(
-            truth, sensed, decided.decisions, decided.next_step, decided.nominal, filtered,
-            applied, self.now.pose, self.physics.contacts, self.physics.false_contacts,
-            self._arrivals.arrived,
+        self._told = truth, self._sensed, decided, filtered, applied
+        self._arrive(truth.step + 1, nominal)
+        if self.observers and (last := self.last):
+            for observer in self.observers:
+                observer.after_step(last)
+
+    @property
+    def last(self) -> Step | None:
+        """What happened in the last step; None where no step was made."""
+        if self._told is None:
+            return None
+        truth, known, decided, filtered, applied = self._told
+        return Step(
+            truth, known[0] if known else everybody(truth, self._shared), decided.decisions,
+            decided.next_step, decided.nominal, filtered, applied, self.now.pose,
+            self.physics.contacts, self.physics.false_contacts, self._arrivals.arrived,
         )  # fmt: skip
-        for observer in self.observers:
-            observer.after_step(self.last)
 
     def _sense(self) -> tuple[Sensed, tuple[Any, ...]]:
         """What robots know at this sample, and the states of the stages for the next."""
         if self._sensed is None:
             sensed, states = everybody(self.now, self._shared), []
-            if not self.parts.sensing:
-                return sensed, ()
             for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
                 sensed, state = ask_sense(part, self.scene, self.now, sensed, state)
                 states.append(state)
             self._sensed = sensed, tuple(states)
         return self._sensed
 
-    def _decide(self, sensed: Sensed) -> Decided:
+    def _decide(self) -> Decided:
         """Nominal commands of all robots from now on; those that are due are asked."""
-        if sensed.step < self._next_due:
+        if self.now.step < self._next_due:
             return Decided(self.now.command)
+        sensed = self._sense()[0]
         due = (self.next_decision <= sensed.step).nonzero()[0]
         decided = decide(
             self._batch, self.scene, self.declared, sensed, due, self.now.command, self.memory
@@ -208,26 +218,22 @@ class Simulation:
         if decided.decisions is not None:
             self.mode = replaced(self.mode, due, decided.decisions.mode)
         self.next_decision = replaced(self.next_decision, due, decided.next_step)
-        self._next_due = int(self.next_decision.min())
+        self._next_due = int(np.minimum.reduce(self.next_decision))
         return decided
 
-    def _filter(self, sensed: Sensed, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+    def _filter(self, nominal: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Filtered commands (N, 2): the nominal ones through every filter in turn."""
-        if not self.parts.filters:
-            return nominal, ()
-        filtered, states = nominal, []
+        sensed, filtered, states = self._sense()[0], nominal, []
         for part, state in zip(self.parts.filters, self._stages[1], strict=True):
             filtered, state = ask_filter(part, self.scene, sensed, filtered, state)
             states.append(state)
         return filtered, tuple(states)
 
-    def _disturb(self, truth: Snapshot, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
+    def _disturb(self, filtered: FloatArray) -> tuple[FloatArray, tuple[Any, ...]]:
         """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
-        if not self.parts.disturbances:
-            return filtered, ()
         applied, states = filtered, []
         for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
-            applied, state = ask_disturbance(part, self.scene, truth, applied, state)
+            applied, state = ask_disturbance(part, self.scene, self.now, applied, state)
             states.append(state)
         return applied, tuple(states)
 
@@ -238,7 +244,8 @@ class Simulation:
         self._take(step, pose, nominal)
 
     def _take(self, step: int, pose: FloatArray, nominal: FloatArray) -> None:
-        self.now = Snapshot(step, pose, nominal, *self._tracking.stations)
+        along = self._tracking.stations
+        self.now = Snapshot(step, pose, nominal, along[0], along[1], along[2])
         self._sensed = None
 
     # State
@@ -281,7 +288,7 @@ class Simulation:
         self.memory = {name: array.copy() for name, array in state.memory.items()}
         self._stages = state.stages
         self._arrivals.restore(state.trail, state.arrived)
-        self._sensed, self.last = None, None
+        self._sensed, self._told = None, None
 
     def reset(self, seed: int | None = None) -> None:
         """Go back to sample 0, with another seed or the same. Observers are let go."""
@@ -295,14 +302,9 @@ class Simulation:
         """Put the robots into the engine."""
         scene = self.scene
         self.physics = Physics(
-            scene.shapes,
-            scene.walls,
-            scene.start,
-            scene.mass,
-            scene.dt,
-            friction=scene.world.physics.friction,
-            elasticity=scene.world.physics.elasticity,
-        )
+            scene.shapes, scene.walls, scene.start, scene.mass, scene.dt,
+            friction=scene.world.physics.friction, elasticity=scene.world.physics.elasticity,
+        )  # fmt: skip
 
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""
@@ -322,7 +324,7 @@ class Simulation:
         self._arrivals = Arrivals(least, scene.dt, pose)
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
-        self._next_due, self.last = 0, None
+        self._next_due, self._told = 0, None
         self._take(0, pose, read_only(np.zeros((robots, 2))))
 
     def __getstate__(self) -> dict[str, Any]:

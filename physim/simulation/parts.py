@@ -35,7 +35,7 @@ from physim.parts.world_checks import (
     two,
     world_faults,
 )
-from physim.simulation.decisions import check_applied, check_commands
+from physim.simulation.decision_checks import check_applied, check_commands
 from physim.world import World
 from physim.world.scene import Scene
 
@@ -172,7 +172,7 @@ def ask_filter(
         found, state = two(part, "filter", answer, "commands")
         commands = _commands(scene, part, "filter", found)
     try:
-        check_commands(scene, time, np.arange(scene.robots), commands)
+        check_commands(scene, time, None, commands)
     except ControllerError as error:
         raise ControllerError(f"filter {type(part).__name__}: {error}") from None
     return commands, state

@@ -16,7 +16,8 @@ from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray
 from physim.parts.controller import BatchCapable, BatchController, Controller
 from physim.parts.declarations import Declared
-from physim.simulation.decisions import broken, check_decisions
+from physim.simulation.decision_checks import check_decisions
+from physim.simulation.decisions import broken
 from physim.testing.contents import (
     Contents,
     Difference,

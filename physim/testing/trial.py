@@ -18,7 +18,8 @@ from physim.errors import ControllerError, PhysimError
 from physim.geometry.shapes import IntArray, read_only
 from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
 from physim.parts.declarations import Declared
-from physim.simulation.decisions import Row, broken, check_commands, decision_row, hold_steps
+from physim.simulation.decision_checks import check_commands, hold_steps
+from physim.simulation.decisions import Row, broken, decision_row
 from physim.simulation.loop import Simulation
 from physim.testing.contents import NAN, Contents, Difference, Label, contents, difference
 from physim.world.scene import Scene

@@ -14,8 +14,8 @@ from physim.controllers.path_following import (
     target_energy,
     target_on_path,
 )
-from physim.geometry.path import Tracking
 from physim.geometry.shapes import pack_polylines
+from physim.geometry.tracking import Tracking
 from physim.world.scene import Scene
 from tests.controllers.random_scenes import offset_line
 from tests.controllers.scenes import scene_of, single_robot

@@ -318,3 +318,30 @@ def test_engine_intersections():
     for case in published("engine_unit_tests.json")["polygon_intersection"]:
         d = signed_distance(case["a"], case["b"])
         assert (d <= 1e-9) == case["intersects"], case["id"]
+
+
+def test_a_wall_of_many_segments_is_its_nearest_segment():
+    """Bit for bit, as if each segment were a wall by itself."""
+    rng = np.random.default_rng(5)
+    ell = [
+        [(-0.5, -0.3), (0.5, -0.3), (0.5, 0.0), (-0.5, 0.0)],
+        [(-0.5, 0.0), (-0.2, 0.0), (-0.2, 0.5), (-0.5, 0.5)],
+    ]
+    away = [[(2.0 + x, 1.0 + y) for x, y in part] for part in ell]  # not about its origin
+    robots, still = pack_shapes([ell, away]), np.zeros(3)
+    for _ in range(200):
+        points = rng.uniform(-4.0, 4.0, (30, 2)).round(rng.integers(0, 3))
+        parts = [
+            points[k : k + 2].tolist() for k in range(29) if (points[k] != points[k + 1]).any()
+        ]
+        parts.insert(rng.integers(len(parts)), [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
+        whole, alone = pack_shapes([parts]), pack_shapes([[part] for part in parts])
+        for i in (0, 1):
+            pose = np.array([*rng.uniform(-4, 4, 2), rng.uniform(-4, 4)])
+            each = [
+                kernels.body_separation(robots, i, pose, alone, j, still) for j in range(len(parts))
+            ]
+            nearest = min(one[0] for one in each)
+            found = kernels.body_separation(robots, i, pose, whole, 0, still)
+            assert found in [one for one in each if one[0] == nearest]
+            assert found[0] == nearest

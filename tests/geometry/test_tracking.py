@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.geometry.path import Tracking
+from physim.geometry.path import SHORTEST_WINDOW, track
 from physim.geometry.shapes import pack_polylines
+from physim.geometry.tracking import Tracking
 
 OWN = [[[0.0, 2.0], [60.0, 2.0]], [[10.0, -3.0], [10.0, 40.0]]]
 REFERENCE = [[-5.0, 0.0], [60.0, 0.0]]
@@ -46,3 +47,58 @@ def test_a_path_that_passes_near_itself_does_not_attract() -> None:
         tracking.follow(np.array([[x, 0.5, 0.0]]))
     assert tracking.station == pytest.approx([24.9])
     assert tracking.reference_station == pytest.approx([24.9])
+
+
+def plain(paths, reference, radius, poses):
+    """Stations (K, 3, N) by `track`, one robot after the other."""
+    windows = np.maximum(SHORTEST_WINDOW, 2.0 * radius)
+    found = np.zeros((len(poses) + 1, 3, len(radius)))
+    for i in range(len(radius)):
+        for k, (x, y, _) in enumerate(poses[:, i]):
+            window = windows[i] if k else np.inf
+            found[k + 1, :2, i] = track(paths, i, x, y, found[k, 0, i], window)
+            found[k + 1, 2, i] = track(reference, 0, x, y, found[k, 2, i], window)[0]
+    return found[1:]
+
+
+def winding(rng, points):
+    """A polyline that turns back on itself now and then, on a raster so that gaps tie."""
+    turns = rng.choice([0.0, 0.0, 0.5, -0.5, 1.0, 0.25], points - 1) * np.pi
+    length = rng.choice([0.05, 0.25, 0.5, 1.0, 3.0], points - 1)
+    heading = np.cumsum(turns)
+    steps = np.stack((length * np.cos(heading), length * np.sin(heading)), 1)
+    return np.concatenate((np.zeros((1, 2)), np.cumsum(steps, axis=0))).round(rng.integers(2, 16))
+
+
+def test_the_fast_form_is_the_plain_one_bit_for_bit() -> None:
+    """Robots that wander, jump, and stand on corners and far beyond either end."""
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        robots = 4
+        lines = [winding(rng, rng.integers(2, 40)) for _ in range(robots + 1)]
+        paths, reference = pack_polylines(lines[:robots]), pack_polylines(lines[robots:])
+        radius = rng.choice([0.2, 0.5, 1.5], robots)
+        walk = rng.normal(0.0, rng.choice([0.05, 0.4]), (200, robots, 2)).cumsum(axis=0)
+        at = (np.linspace(0.0, 1.2, 200)[:, None] * [len(line) for line in lines[:-1]]).astype(int)
+        along = [line[np.minimum(at[:, i], len(line) - 1)] for i, line in enumerate(lines[:robots])]
+        poses = np.zeros((200, robots, 3))
+        poses[..., :2] = np.stack(along, axis=1) + walk * rng.choice([0.0, 0.1, 1.0])
+        poses[rng.random((200, robots)) < 0.05, :2] = 0.0  # on the first point, all of a sudden
+        tracking = Tracking(paths, reference, radius, poses[0])
+        found = [tracking.stations]
+        for pose in poses[1:]:
+            tracking.follow(pose)
+            found.append(tracking.stations)
+        assert np.array(found).tobytes() == plain(paths, reference, radius, poses).tobytes()
+
+
+def test_where_a_search_begins_changes_nothing() -> None:
+    rng = np.random.default_rng(0)
+    paths, reference = pack_polylines([winding(rng, 30)]), pack_polylines([winding(rng, 20)])
+    poses = np.concatenate((rng.normal(0.0, 4.0, (100, 1, 2)), np.zeros((100, 1, 1))), axis=2)
+    one, other = (Tracking(paths, reference, np.array([0.5]), poses[0]) for _ in range(2))
+    for pose in poses:
+        other.last[:, 0] = rng.integers(0, 29), 30 + rng.integers(0, 19)
+        one.follow(pose)
+        other.follow(pose)
+        assert one.stations.tobytes() == other.stations.tobytes()

@@ -70,6 +70,7 @@ def test_pressed_side_by_side_they_stay_in_step():
 
 
 def test_what_goes_wrong_in_a_callback_is_raised_after_the_step(monkeypatch):
+    monkeypatch.setattr("physim.simulation.engine.choice.judges_natively", lambda: False)
     physics = host([[0.0, 0.0, 0.0], [1.2, 0.0, np.pi]])
 
     def fails(*arguments):

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+import sys
+
 import numpy as np
 import pymunk
 import pytest
+from crowds import crowd, run
 from hosts import ELL, box
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -63,3 +67,11 @@ def test_a_wall_of_kilometres_drawn_diagonally_fills_no_more_cells_than_allowed(
     assert MOST_WALL_CELLS / 8 < (2e6 / side) ** 2 <= MOST_WALL_CELLS
     along = cell_side(robots, pack_shapes([[[(-1e5, 0.0), (1e5, 0.0)]]]))
     assert along == pytest.approx(3.0)
+
+
+def test_without_the_members_behind_pymunks_own_functions_robots_move_alike(monkeypatch):
+    quick = run("jam", 3, 150)
+    monkeypatch.setitem(sys.modules, "pymunk._chipmunk_cffi", None)
+    physics = crowd("jam", 3).physics()
+    assert isinstance(physics._arrays.write_pose, functools.partial)
+    assert run("jam", 3, 150).samples == quick.samples

@@ -36,6 +36,7 @@ ROOMS = MappingProxyType(
         "physics": ("tests/physics",),
         "controllers": ("tests/controllers", "tests/test_controllers_contract.py"),
         "loop": (
+            "tests/test_decision_checks.py",
             "tests/test_simulation.py",
             "tests/test_arrival.py",
             "tests/test_state.py",

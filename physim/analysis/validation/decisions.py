@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pose_blocks
-from physim.geometry.path import Tracking, path_length, project, track
+from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import FloatArray, IntArray, read_only
+from physim.geometry.tracking import Tracking
 from physim.record import Record
 
 WINDOW = 2.0

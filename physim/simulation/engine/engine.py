@@ -1,140 +1,18 @@
-"""The engine with its robots, and the guard that keeps its false contacts out.
-
-pymunk now and then reports a contact more than a metre deep between polygons that are apart and
-have edges on one line. So each contact it reports is judged by the exact separation of the parts
-(`physim.simulation.engine.verdict`): what is apart is not processed, not noted, only counted.
-"""
+"""The engine with its robots."""
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
-import pymunk
-
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
-from physim.simulation.engine.space import BodyArrays, Hosted, parking
+from physim.simulation.engine.guard import Guard, Touches
+from physim.simulation.engine.space import BodyArrays, Hosted, parking, stepper
 from physim.simulation.engine.state import ContactMemory, Impulses, no_impulses
-from physim.simulation.engine.verdict import (
-    ACTS,
-    APART,
-    LEFT,
-    SIDE,
-    classify,
-    deepest,
-    segment_links,
-)
-
-
-class Touches(NamedTuple):
-    """True contacts of parts in one solve, in the order in which the engine met them."""
-
-    part: IntArray
-    """(M, 2) part numbers"""
-    impulse: FloatArray
-    """(M,) [N s] magnitude"""
-
-
-NOTHING = Touches(np.zeros((0, 2), dtype=np.int64), np.zeros(0))
-
-
-class ContactGuard:
-    """Judges every contact in callbacks of the engine's step."""
-
-    def __init__(self, hosted: Hosted, shapes: Shapes, *, checks: bool = True) -> None:
-        """Attach to the space; ``shapes`` has the parts of robots and walls in one numbering."""
-        self.rejected = 0
-        """false contacts of parts met so far"""
-        self.reported = 0
-        """contacts of parts, true and false, that the engine reported between the last two calls
-        of `take`: as many as it remembers, if that was one solve"""
-        self._reported = 0
-        self._number = {shape: part for part, shape in enumerate(hosted.parts)}
-        self._shapes = shapes
-        self._links = segment_links(shapes)
-        self._checks = checks
-        self._found: list[tuple[int, int, float]] = []
-        self._rejected: list[tuple[int, int]] = []
-        self._failure: Exception | None = None
-        hosted.space.on_collision(
-            None, None, pre_solve=self._pre_solve, post_solve=self._post_solve
-        )
-
-    def take(self) -> Touches:
-        """Return the true contacts since the last call; raise what went wrong in a callback."""
-        self.reported, self._reported = self._reported, 0
-        found, self._found = self._found, []
-        failure, self._failure = self._failure, None
-        if failure is not None:
-            raise failure
-        if not found:
-            return NOTHING
-        return Touches(
-            np.array([(p, q) for p, q, _ in found], dtype=np.int64),
-            np.array([impulse for _, _, impulse in found], dtype=np.float64),
-        )
-
-    def take_rejected(self) -> IntArray:
-        """Return the parts (M, 2) of the false contacts since the last call."""
-        if not self._rejected:
-            return NOTHING.part
-        parts, self._rejected = np.array(self._rejected, dtype=np.int64), []
-        return parts
-
-    def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        # An exception would be printed and swallowed by the engine: keep it for take().
-        self._reported += 1
-        try:
-            verdict = self._classify(arbiter) if self._checks else ACTS
-            arbiter.process_collision = verdict not in (APART, LEFT)
-            if verdict == APART:
-                first, second = arbiter.shapes
-                self.rejected += 1
-                self._rejected.append((self._number[first], self._number[second]))
-        except Exception as failure:
-            self._failure = self._failure or failure
-
-    def _post_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        try:
-            first, second = arbiter.shapes
-            numbers = self._number[first], self._number[second]
-            self._found.append((*numbers, arbiter.total_impulse.length))
-        except Exception as failure:
-            self._failure = self._failure or failure
-
-    def _classify(self, arbiter: pymunk.Arbiter) -> int:
-        # In the order of part numbers, as distances of bodies are worked out everywhere.
-        shapes = arbiter.shapes
-        first, second = sorted(shapes, key=self._number.__getitem__)
-        p, q = self._number[first], self._number[second]
-        verdict, nx, ny = classify(self._shapes, self._links, p, _pose(first), q, _pose(second))
-        if verdict == SIDE:
-            sign = 1.0 if shapes[0] is second else -1.0
-            points = arbiter.contact_point_set
-            points.normal = pymunk.Vec2d(sign * nx, sign * ny)
-            # The engine's points are those of its own normal: turned to the segment's they would
-            # show an overlap of millimetres where the part is half a metre beyond.
-            beyond = deepest(self._shapes, self._links, p, _pose(first), q, nx, ny)
-            for k, point in enumerate(points.points if beyond else ()):
-                corner, foot = (pymunk.Vec2d(*one) for one in beyond[k % len(beyond)])
-                point.point_a, point.point_b = (foot, corner) if sign > 0.0 else (corner, foot)
-            arbiter.contact_point_set = points
-        return verdict
-
-
-def _pose(shape: pymunk.Shape) -> FloatArray:
-    body = shape.body
-    if body is None:
-        raise RuntimeError("the engine reported a shape without a body")
-    x, y = body.position
-    return np.array((x, y, body.angle))
 
 
 class Engine:
     """A space that holds N robots, of which ``arrays`` reads and writes poses and velocities."""
 
     def __init__(
-        self, hosted: Hosted, shapes: Shapes, walls: Shapes, guard: ContactGuard, dt: float
+        self, hosted: Hosted, shapes: Shapes, walls: Shapes, guard: Guard, dt: float
     ) -> None:
         """Take a space in which the robots stand at rest; steps are of ``dt`` [s]."""
         self.arrays = BodyArrays(hosted.space, len(hosted.bodies))
@@ -142,7 +20,7 @@ class Engine:
         self._space = hosted.space
         self._memory = ContactMemory(hosted)
         self._parking = parking(shapes, walls)
-        self._dt = dt
+        self._step = stepper(hosted.space, dt)
 
     @property
     def remembers(self) -> bool:
@@ -151,7 +29,7 @@ class Engine:
 
     def step(self) -> Touches:
         """Move all bodies, find the contacts at their new poses and solve them; the true ones."""
-        self._space.step(self._dt)
+        self._step()
         return self.guard.take()
 
     def rejected(self) -> IntArray:

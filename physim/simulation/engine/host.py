@@ -5,21 +5,24 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.compiled import direct
+from physim.contacts import CONTACT_ROW
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
 from physim.geometry.separation import describe_pairs
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, joined_shapes, part_bodies
-from physim.simulation.engine.engine import ContactGuard, Engine, Touches
+from physim.simulation.engine.choice import guard_of
+from physim.simulation.engine.engine import Engine
+from physim.simulation.engine.guard import Touches
 from physim.simulation.engine.pairs import (
     Pairs,
     contact_rows,
     false_rows,
     gather,
-    impulse_of,
+    hold_back,
     no_contacts,
     no_false_contacts,
     no_pairs,
-    phases,
     split,
 )
 from physim.simulation.engine.space import body_parts, build_space, moment
@@ -115,11 +118,12 @@ class Physics:
         self._shapes = joined_shapes(shapes, walls)
         self._body_of_part = part_bodies(self._shapes)
         self._bodies = len(self._shapes.body_start) - 1
-        self._guard = ContactGuard(hosted, self._shapes, checks=_guarded)
+        self._guard = guard_of(hosted, self._shapes, checks=_guarded)
         self._engine = Engine(hosted, shapes, walls, self._guard, dt)
         self._arrays = self._engine.arrays
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
+        self._chord_velocities = direct(chord_velocities)
         self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
         self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
@@ -147,7 +151,7 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         arrays = self._arrays
-        chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
+        self._chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
         pushes = self._no_pairs
         self.false_contacts = self._no_false
         if len(self._pairs.key):
@@ -262,31 +266,26 @@ class Physics:
         pushes = self._gather(self._engine.step())
         self._arrays.read_velocity()
         self._engine.rejected()  # the same as those met when the bodies came here
-        held = np.unique(split(pushes.key, self._bodies))
-        held = held[held < self._robots]
-        self._wanted[held] = self._arrays.velocity[held]
+        hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 
     def _move(self, pushes: Pairs) -> None:
         """Move all bodies, find the contacts at their new poses, and set ``contacts``."""
         touches = self._engine.step()
         self._arrays.read_pose()
-        self._note_false(self._engine.rejected())
+        if self._engine.remembers:
+            self._note_false(self._engine.rejected())
         before = self._pairs
         if not len(before.key) and not len(touches.part):
             self.contacts = self._no_contacts
             return
         self._pairs = now = self._gather(touches)
-        key = np.union1d(before.key, now.key)
-        pairs = split(key, self._bodies)
         self._placed[: self._robots] = self._arrays.pose
-        self.contacts = contact_rows(
-            self.step_number,
-            pairs,
-            phases(key, before.key, now.key),
-            describe_pairs(self._shapes, self._placed, pairs),
-            impulse_of(key, pushes, now),
+        rows = np.empty(len(before.key) + len(now.key), CONTACT_ROW)
+        count = contact_rows(
+            self.step_number, before.key, *now, *pushes, self._shapes, self._placed, rows
         )
+        self.contacts = rows[:count].copy()
 
     def _note_false(self, parts: IntArray) -> None:
         """Set ``false_contacts``: pairs that the engine reported at this sample, yet are apart."""
@@ -299,4 +298,6 @@ class Physics:
         self.false_contacts = false_rows(self.step_number, pairs, found[:, 4])
 
     def _gather(self, touches: Touches) -> Pairs:
-        return gather(self._body_of_part[touches.part], touches.impulse, self._bodies)
+        if not len(touches.part):
+            return self._no_pairs
+        return Pairs(*gather(*touches, self._body_of_part, self._bodies))

@@ -11,9 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.compiled import compiled
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Kind, Phase
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.geometry.separation import describe_pair
+from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.tolerances import CONTACT
+
+BEGAN, STAYS, ENDED, PHYSICAL = map(int, (*Phase, Kind.PHYSICAL))
 
 
 class Pairs(NamedTuple):
@@ -53,54 +57,86 @@ def false_rows(step: int, pairs: IntArray, distance: FloatArray) -> NDArray[np.v
     return rows
 
 
-def gather(body: IntArray, impulse: FloatArray, bodies: int) -> Pairs:
-    """Gather contacts of parts, ``body`` (M, 2) in any order, into pairs: impulses are added."""
-    key = body.min(axis=1) * bodies + body.max(axis=1)
-    unique, place = np.unique(key, return_inverse=True)
-    total = np.zeros(len(unique))
-    np.add.at(total, place, impulse)
-    return Pairs(unique, total)
-
-
 def split(key: IntArray, bodies: int) -> IntArray:
     """Return body ids (K, 2), the smaller first, of pairs."""
     return np.stack(np.divmod(key, bodies), axis=1)
 
 
-def phases(key: IntArray, before: IntArray, now: IntArray) -> NDArray[np.int8]:
-    """Return the `Phase` of each pair, given the sets that touched before and touch now."""
-    touched = np.isin(key, before)
-    touches = np.isin(key, now)
-    return np.where(touches, np.where(touched, Phase.STAYS, Phase.BEGAN), Phase.ENDED).astype("i1")
+@compiled
+def gather(
+    part: IntArray, impulse: FloatArray, body_of_part: IntArray, bodies: int
+) -> tuple[IntArray, FloatArray]:
+    """Gather contacts of parts (M, 2), in any order, into `Pairs`: impulses (M,) are added."""
+    count = len(part)
+    # One number for pair and place: those of a pair stay in their order, in which they are added.
+    places = np.empty(count, np.int64)
+    for m in range(count):
+        a, b = body_of_part[part[m, 0]], body_of_part[part[m, 1]]
+        places[m] = (min(a, b) * bodies + max(a, b)) * count + m
+    places.sort()
+    key, total = np.empty(count, np.int64), np.empty(count)
+    pairs = 0
+    for place in places:
+        if pairs == 0 or key[pairs - 1] != place // count:
+            key[pairs], total[pairs] = place // count, 0.0
+            pairs += 1
+        total[pairs - 1] += impulse[place % count]
+    return key[:pairs], total[:pairs]
 
 
+@compiled
 def contact_rows(
     step: int,
-    pairs: IntArray,
-    phase: NDArray[np.int8],
-    found: FloatArray,
-    impulse: FloatArray,
-) -> NDArray[np.void]:
-    """Return contact rows of a sample from columns: ``pairs`` (K, 2), ``found`` (K, 5).
+    before: IntArray,
+    now: IntArray,
+    impact: FloatArray,
+    pushed: IntArray,
+    push: FloatArray,
+    shapes: Shapes,
+    pose: FloatArray,
+    rows: NDArray[np.void],
+) -> int:
+    """Write the contact rows of a sample into ``rows``, sorted by pair; returns how many.
 
-    ``found`` holds x, y, nx, ny and signed distance [m]. Of a pair that has ended the depth is
+    The keys of the pairs that touched ``before`` and touch ``now`` are sorted, and so are those
+    that were ``pushed`` on the way; ``impact`` and ``push`` [N s] belong to the latter two.
+    ``shapes`` are those of all bodies, at ``pose`` (B, 3). Of a pair that has ended the depth is
     minus the distance; a pair that touches, by its tolerance, has no depth below 0.
     """
-    rows = np.zeros(len(pairs), CONTACT_ROW)
-    rows["step"] = step
-    rows["a"], rows["b"] = pairs.T
-    rows["phase"] = phase
-    rows["kind"] = Kind.PHYSICAL
-    rows["x"], rows["y"], rows["nx"], rows["ny"] = found[:, :4].T
-    rows["depth"] = np.where(phase == Phase.ENDED, -found[:, 4], np.maximum(-found[:, 4], 0.0))
-    rows["impulse"] = impulse
-    return rows
+    bodies = len(pose)
+    found = np.empty(5)
+    i, j, k, count = 0, 0, 0, 0
+    while i < len(before) or j < len(now):
+        if j == len(now) or (i < len(before) and before[i] < now[j]):
+            key = before[i]
+        else:
+            key = now[j]
+        touched, touches = i < len(before) and before[i] == key, j < len(now) and now[j] == key
+        while k < len(pushed) and pushed[k] < key:
+            k += 1
+        impulse = push[k] if k < len(pushed) and pushed[k] == key else 0.0
+        if touches:
+            impulse += impact[j]
+        a, b = key // bodies, key % bodies
+        describe_pair(shapes, a, pose[a], shapes, b, pose[b], found)
+        row = rows[count]
+        row.step, row.a, row.b, row.kind = step, a, b, PHYSICAL
+        row.x, row.y, row.nx, row.ny = found[0], found[1], found[2], found[3]
+        row.phase = (STAYS if touched else BEGAN) if touches else ENDED
+        row.depth = -found[4] if found[4] < 0.0 or not touches else 0.0  # and not -0.0
+        row.impulse = impulse
+        i, j, count = i + touched, j + touches, count + 1
+    return count
 
 
-def impulse_of(key: IntArray, *exchanged: Pairs) -> FloatArray:
-    """Return the impulse [N s] of each pair, added over several sets; 0 where none has it."""
-    total = np.zeros(len(key))
-    for pairs in exchanged:
-        known = np.isin(pairs.key, key)
-        total[np.searchsorted(key, pairs.key[known])] += pairs.impulse[known]
-    return total
+@compiled
+def hold_back(key: IntArray, bodies: int, allowed: FloatArray, wanted: FloatArray) -> None:
+    """Give every robot of the pairs ``key`` its velocity of ``allowed`` (N, 3) as the wanted one.
+
+    Bodies from N on are walls.
+    """
+    for one in key:
+        for i in (one // bodies, one % bodies):
+            if i < len(wanted):
+                for k in range(3):
+                    wanted[i, k] = allowed[i, k]

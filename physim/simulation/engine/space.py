@@ -1,12 +1,14 @@
 """The pymunk space, with robots as dynamic bodies and walls as shapes of the static body.
 
 `BodyArrays` reads and writes poses and velocities of all robots as arrays: the one user of
-`pymunk.batch`, which pymunk marks experimental. Bodies are listed in the order in which they were
-added, dynamic ones first; the space's static body closes the list.
+`pymunk.batch`, which pymunk marks experimental, and of the members behind it. Bodies are listed in
+the order in which they were added, dynamic ones first; the space's static body closes the list.
 """
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -165,39 +167,26 @@ class BodyArrays:
 
     def __init__(self, space: pymunk.Space, robots: int) -> None:
         """Attach to a space that has ``robots`` dynamic bodies."""
-        self._space = space
         rows = robots + 1  # the static body is listed too
-        pose, self._pose_buffer = _shared(rows, 3)
-        velocity, self._velocity_buffer = _shared(rows, 3)
-        drive, self._drive_buffer = _shared(rows, 6)
+        pose, pose_buffer = _shared(rows, 3)
+        velocity, velocity_buffer = _shared(rows, 3)
+        drive, drive_buffer = _shared(rows, 6)
         self.pose: FloatArray = pose[:robots]
         """(N, 3) x, y [m], heading [rad, unwrapped], as last read or to be written"""
         self.velocity: FloatArray = velocity[:robots]
         """(N, 3) vx, vy [m/s], omega [rad/s], as last read or to be written"""
         self.drive: FloatArray = drive[:robots]
         """(N, 6) vx, vy, omega, fx, fy [N], torque [N m], to be written"""
-
-    def read_pose(self) -> None:
+        self.read_pose = reader(space, _POSE, pose_buffer)
         """Fill ``pose``."""
-        self._pose_buffer.clear()
-        get_space_bodies(self._space, _POSE, self._pose_buffer)
-
-    def read_velocity(self) -> None:
-        """Fill ``velocity``."""
-        self._velocity_buffer.clear()
-        get_space_bodies(self._space, _VELOCITY, self._velocity_buffer)
-
-    def write_pose(self) -> None:
+        self.write_pose = writer(space, _POSE, pose_buffer)
         """Put every robot at its row of ``pose``."""
-        set_space_bodies(self._space, _POSE, self._pose_buffer)
-
-    def write_velocity(self) -> None:
+        self.read_velocity = reader(space, _VELOCITY, velocity_buffer)
+        """Fill ``velocity``."""
+        self.write_velocity = writer(space, _VELOCITY, velocity_buffer)
         """Give every robot its row of ``velocity``."""
-        set_space_bodies(self._space, _VELOCITY, self._velocity_buffer)
-
-    def write_drive(self) -> None:
+        self.write_drive = writer(space, _DRIVE, drive_buffer)
         """Give every robot its row of ``drive``; the engine forgets forces after a step."""
-        set_space_bodies(self._space, _DRIVE, self._drive_buffer)
 
 
 def _shared(rows: int, columns: int) -> tuple[FloatArray, Buffer]:
@@ -206,3 +195,56 @@ def _shared(rows: int, columns: int) -> tuple[FloatArray, Buffer]:
     buffer = Buffer()
     buffer.set_float_buf(array)
     return array, buffer
+
+
+def reader(space: pymunk.Space, fields: BodyFields, buffer: Buffer) -> Callable[[], None]:
+    """Return what fills a buffer from all bodies."""
+    quick = _each_body(space, fields, buffer, "pmSpaceBodyGetIteratorFuncBatched")
+    if quick is not None:
+        return quick
+
+    def read() -> None:
+        buffer.clear()
+        get_space_bodies(space, fields, buffer)
+
+    return read
+
+
+def writer(space: pymunk.Space, fields: BodyFields, buffer: Buffer) -> Callable[[], None]:
+    """Return what gives all bodies what is in a buffer."""
+    quick = _each_body(space, fields, buffer, "pmSpaceBodySetIteratorFuncBatched")
+    return quick or functools.partial(set_space_bodies, space, fields, buffer)
+
+
+def _each_body(
+    space: pymunk.Space, fields: BodyFields, buffer: Buffer, name: str
+) -> Callable[[], None] | None:
+    """What pymunk.batch does at each call, made ready once; None where its members are others."""
+    try:
+        from pymunk._chipmunk_cffi import ffi, lib
+
+        numbers = buffer._float_arr
+        data = ffi.new("pmBatchedData *")
+        data.fields, data.floatArray, data.intArray = fields.value, numbers, buffer._int_arr
+        each, handle, function = lib.cpSpaceEachBody, space._space, ffi.addressof(lib, name)
+    except Exception:  # whatever a missing or changed private member brings about
+        return None
+
+    def call() -> None:
+        numbers.num = 0  # where the engine reads or writes next
+        each(handle, function, data)
+
+    return call
+
+
+def stepper(space: pymunk.Space, dt: float) -> Callable[[], None]:
+    """Return what makes a step of the engine.
+
+    Past pymunk's own bookkeeping, which serves callbacks that add and remove bodies.
+    """
+    try:
+        from pymunk._chipmunk_cffi import lib
+
+        return functools.partial(lib.cpSpaceStep, space._space, dt)
+    except (ImportError, AttributeError):
+        return functools.partial(space.step, dt)

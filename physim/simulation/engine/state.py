@@ -1,7 +1,7 @@
 """The state of the physics as a value, with what the engine remembers of contacts.
 
-The one module that looks into the engine's private memory, through the structures that pymunk
-itself pickles; their layout is that of its compiler, nothing is read at offsets of our own.
+Looks into the engine's private memory through the structures that pymunk itself pickles; their
+layout is that of its compiler, nothing is read at offsets of our own.
 
 A step of the engine depends on its bodies (pose, velocity, force, and the pseudo-velocities that
 ease overlaps) and on its cached contacts. Of that, at a sample of `Physics`,

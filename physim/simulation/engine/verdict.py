@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
+from physim.geometry.convex import part_gap
 from physim.geometry.separation import relative_frame
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies
 from physim.geometry.witness import part_witness
@@ -147,11 +148,16 @@ def classify(
 
     Returns APART, ACTS, LEFT or SIDE and, for SIDE, the unit normal to take from q to p.
     """
+    v, start = shapes.vertices, shapes.part_start
+    if start[q + 1] - start[q] != 2:
+        c, s, tx, ty = relative_frame(pose_p, pose_q)
+        distance = part_gap(
+            v, start[p], start[p + 1], v, start[q], start[q + 1], c, s, tx, ty, 0.0, 0.0, np.inf
+        )
+        return (APART if distance > CONTACT else ACTS), 0.0, 0.0
     distance, nx, ny = touch(shapes, p, pose_p, q, pose_q)
     if distance > CONTACT:
         return APART, nx, ny
-    if shapes.part_start[q + 1] - shapes.part_start[q] != 2:
-        return ACTS, nx, ny
     other, end = leans_on(shapes, links, q, nx, ny)
     if other < 0:
         return ACTS, nx, ny
@@ -203,6 +209,58 @@ def deepest(
         foot = (float(v[k, 0] + along * ex), float(v[k, 1] + along * ey))
         found.append(((foot[0] + height * nx, foot[1] + height * ny), foot))
     return found
+
+
+@compiled
+def deepest_point(
+    shapes: Shapes, links: Links, p: int, pose_p: FloatArray, segment: int, nx: float, ny: float
+) -> tuple[bool, float, float, float, float]:
+    """First of the points of `deepest`: (is there one?, x, y, x, y of its foot on the line)."""
+    v, k = shapes.vertices, shapes.part_start[segment]
+    length = np.hypot(v[k + 1, 0] - v[k, 0], v[k + 1, 1] - v[k, 1])
+    ex, ey = (v[k + 1, 0] - v[k, 0]) / length, (v[k + 1, 1] - v[k, 1]) / length
+    c, s = np.cos(pose_p[2]), np.sin(pose_p[2])
+    first, last = shapes.part_start[p], shapes.part_start[p + 1]
+    count = last - first
+    part, rest = np.empty((count + 4, 2)), np.empty((count + 4, 2))
+    for m in range(count):
+        px, py = v[first + m, 0], v[first + m, 1]
+        x = pose_p[0] - v[k, 0] + c * px - s * py
+        y = pose_p[1] - v[k, 1] + s * px + c * py
+        part[m, 0], part[m, 1] = ex * x + ey * y, nx * x + ny * y
+    for end in range(2):
+        if links.part[segment, end] >= 0:
+            ox, oy = onward(shapes, links, segment, end)
+            if nx * ox + ny * oy > 0.0:
+                continue
+        count = cut_off(part, count, 0.0 if end == 0 else length, 1.0 - 2.0 * end, rest)
+        part, rest = rest, part
+    if count == 0:
+        return False, 0.0, 0.0, 0.0, 0.0
+    at = 0
+    for m in range(1, count):
+        if part[m, 1] < part[at, 1]:
+            at = m
+    fx, fy = v[k, 0] + part[at, 0] * ex, v[k, 1] + part[at, 0] * ey
+    return True, fx + part[at, 1] * nx, fy + part[at, 1] * ny, fx, fy
+
+
+@compiled
+def cut_off(part: FloatArray, count: int, at: float, sign: float, out: FloatArray) -> int:
+    """`_cut` of the first ``count`` rows into ``out``; how many it has."""
+    kept = 0
+    for k in range(count):
+        before = k - 1 if k > 0 else count - 1
+        inside = sign * (part[k, 0] - at) >= 0.0
+        if inside != (sign * (part[before, 0] - at) >= 0.0):
+            share = (at - part[before, 0]) / (part[k, 0] - part[before, 0])
+            out[kept, 0] = at
+            out[kept, 1] = part[before, 1] + share * (part[k, 1] - part[before, 1])
+            kept += 1
+        if inside:
+            out[kept, 0], out[kept, 1] = part[k, 0], part[k, 1]
+            kept += 1
+    return kept
 
 
 def _cut(part: FloatArray, at: float, sign: float) -> FloatArray:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.compiled import compiled
+from physim.compiled import compiled, direct
 from physim.geometry.motion import facings
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, Shapes
 from physim.geometry.wall_tree import Sight, WallTree, build_wall_tree
@@ -64,8 +64,11 @@ class Cluster(NamedTuple):
 class Decided(NamedTuple):
     """What `decide_all` answers, one row a robot that was due."""
 
-    rows: FloatArray
-    """(M, 5) v, omega, hold, mode, rule"""
+    command: FloatArray
+    """(M, 2)"""
+    hold: FloatArray
+    mode: IntArray
+    rule: IntArray
     report: FloatArray
     """(M, 6)"""
     considered: IntArray
@@ -97,12 +100,18 @@ def longer(values: IntArray, length: int) -> IntArray:
 def decide_all(
     due: IntArray,
     unchanging: list[tuple[Cluster, Rules, Ranking, IntArray, Room]],
-    sensed: Sensed,
+    robot: IntArray,
+    pose: FloatArray,
+    command: FloatArray,
+    reference_station: FloatArray,
+    first: IntArray,
+    end: IntArray,
+    own_station: FloatArray,
     mode: IntArray,
     plan: FloatArray,
     dwell: IntArray,
 ) -> Decided:
-    """Decide for every robot of ``due``.
+    """Decide for every robot of ``due`` from what is sensed, the fields of `Sensed`.
 
     ``unchanging`` is kept (`physim.kept`); its ranking, nearest walls and room only save time.
     Writes the robots' memories ``mode`` (N,), ``plan`` (N, m, 2), ``dwell`` (N,). All decide from
@@ -110,18 +119,20 @@ def decide_all(
     """
     cluster, rules, ranking, nearest, room = unchanging[0]
     ranked_from, ranked_to = -1, -1
-    rows = np.empty((len(due), 5))
-    reports = np.empty((len(due), 6))
-    start = np.zeros(len(due) + 1, dtype=np.int64)
-    listed = np.empty(8 * len(due) + 8, dtype=np.int64)
-    facing = facings(sensed.pose)
+    many = len(due)
+    out = Decided(
+        np.empty((many, 2)), np.empty(many), np.empty(many, np.int64), np.empty(many, np.int64),
+        np.empty((many, 6)), np.empty(8 * many + 8, np.int64), np.zeros(many + 1, np.int64),
+    )  # fmt: skip
+    start, listed = out.considered_start, out.considered
+    facing = facings(pose)
     for k in range(len(due)):
         i = due[k]
-        a, b = sensed.first[i], sensed.end[i]
-        number = sensed.robot[a:b]
+        a, b = first[i], end[i]
+        number = robot[a:b]
         bodies = Bodies(
-            cluster.shapes, number, number, sensed.pose[a:b], sensed.command[a:b],
-            sensed.reference_station[a:b], facing[a:b],
+            cluster.shapes, number, number, pose[a:b], command[a:b], reference_station[a:b],
+            facing[a:b],
         )  # fmt: skip
         if a != ranked_from or b != ranked_to:  # once, where all share their rows
             if b - a != len(ranking.order):
@@ -143,7 +154,7 @@ def decide_all(
         own = EgoState(
             me,
             i,
-            sensed.station[i],
+            own_station[i],
             cluster.stop_station[i],
             cluster.outside[cluster.outside_start[i] : cluster.outside_start[i + 1]],
             nu,
@@ -154,16 +165,19 @@ def decide_all(
         )
         memory = Memory(mode[i], plan[i], dwell[i])
         v, omega, hold, new_mode, rule, new_dwell, looked_at = decide_one(
-            bodies, near, own, cluster.paths, rules, memory, room, reports[k]
+            bodies, near, own, cluster.paths, rules, memory, room, out.report[k]
         )
         mode[i], dwell[i] = new_mode, new_dwell
-        rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4] = v, omega, hold, new_mode, rule
+        out.command[k, 0], out.command[k, 1] = v, omega
+        out.hold[k], out.mode[k], out.rule[k] = hold, new_mode, rule
         start[k + 1] = start[k] + looked_at
         if start[k + 1] > len(listed):
             listed = longer(listed, start[k + 1])
         for m in range(looked_at):
             listed[start[k] + m] = number[near[m]]
-    return Decided(rows, reports, listed[: start[-1]], start)
+    return Decided(
+        out.command, out.hold, out.mode, out.rule, out.report, listed[: start[-1]], start
+    )
 
 
 class ModeSwitchingBatch:
@@ -196,6 +210,7 @@ class ModeSwitchingBatch:
         pairs = np.diff(self.cluster.speeds.start) * np.diff(self.cluster.omegas.start)
         room = room_for(scene.robots, int(pairs.max()), len(self.rules.dwell))
         ranking = ranking_of(scene.stop_station)
+        self._decide = direct(decide_all)
         self._kept = kept((self.cluster, self.rules, ranking, nearest, room))
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -211,11 +226,12 @@ class ModeSwitchingBatch:
         self, sensed: Sensed, due: IntArray, memory: dict[str, NDArray[Any]]
     ) -> Decisions:
         """Decide for robots ``due`` from what each of them senses."""
-        rows, report, considered, start = decide_all(
-            due, self._kept, sensed, memory["mode"], memory["plan"], memory["dwell"]
-        )
-        mode, rule = rows[:, 3].astype(np.int64), rows[:, 4].astype(np.int64)
-        return Decisions(due, rows[:, :2], rows[:, 2], mode, rule, report, considered, start)
+        s = sensed
+        decided = self._decide(
+            due, self._kept, s.robot, s.pose, s.command, s.reference_station, s.first, s.end,
+            s.station, memory["mode"], memory["plan"], memory["dwell"],
+        )  # fmt: skip
+        return Decisions(due, *decided)
 
 
 def _starts(items: Sequence[FloatArray]) -> IntArray:

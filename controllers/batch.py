@@ -61,6 +61,14 @@ class Cluster(NamedTuple):
     reach: float
 
 
+class Memories(NamedTuple):
+    """What all N robots remember: the fields of `Memory`, a row for each."""
+
+    mode: IntArray
+    plan: FloatArray
+    dwell: IntArray
+
+
 class Decided(NamedTuple):
     """What `decide_all` answers, one row a robot that was due."""
 
@@ -94,6 +102,69 @@ def longer(values: IntArray, length: int) -> IntArray:
     out = np.empty(max(2 * len(values), length), dtype=np.int64)
     out[: len(values)] = values
     return out
+
+
+@compiled
+def own_speed(cluster: Cluster, ranking: Ranking, bodies: Bodies, me: int) -> float:
+    """Forward speed of row ``me`` [m/s] by (7)."""
+    number, station = bodies.number, bodies.station
+    top_speed = cluster.top_speed[number[me]]
+    if cluster.adjacency.shape[0] > 0:
+        return speed_as_listed(cluster, bodies, me)
+    rows = ranking.rows[: within_by_rank(me, ranking, cluster.formation_range)]
+    return forward_speed(cluster.speed_rule, top_speed, me, number, rows, station, cluster.lead)
+
+
+@compiled
+def speed_as_listed(cluster: Cluster, bodies: Bodies, me: int) -> float:
+    """`own_speed` where the world lists who is whose neighbour."""
+    number, station = bodies.number, bodies.station
+    top_speed = cluster.top_speed[number[me]]
+    rows = formation_neighbours(me, number, station, cluster.adjacency, cluster.formation_range)
+    return forward_speed(cluster.speed_rule, top_speed, me, number, rows, station, cluster.lead)
+
+
+@compiled
+def decide_row(
+    k: int,
+    i: int,
+    bodies: Bodies,
+    own_station: float,
+    cluster: Cluster,
+    rules: Rules,
+    ranking: Ranking,
+    nearest: IntArray,
+    room: Room,
+    memories: Memories,
+    out: Decided,
+) -> int:
+    """Decide for Robot i into row k of ``out``.
+
+    Returns how many it considered; their rows of ``bodies`` stand in ``ranking.rows``.
+    """
+    me, pose, reach = row_of(bodies.number, i), bodies.pose, cluster.reach
+    nu = own_speed(cluster, ranking, bodies, me)
+    near = ranking.rows[: considered_by_rank(me, ranking, pose, reach)]
+    own = EgoState(
+        me,
+        i,
+        own_station,
+        cluster.stop_station[i],
+        cluster.outside[cluster.outside_start[i] : cluster.outside_start[i + 1]],
+        nu,
+        cluster.forward_only,
+        cluster.speeds.values[cluster.speeds.start[i] : cluster.speeds.start[i + 1]],
+        cluster.omegas.values[cluster.omegas.start[i] : cluster.omegas.start[i + 1]],
+        Sight(cluster.walls, pose[me, 0], pose[me, 1], reach, nearest),
+    )
+    memory = Memory(memories.mode[i], memories.plan[i], memories.dwell[i])
+    v, omega, hold, mode, rule, dwell, looked_at = decide_one(
+        bodies, near, own, cluster.paths, rules, memory, room, out.report[k]
+    )
+    memories.mode[i], memories.dwell[i] = mode, dwell
+    out.command[k, 0], out.command[k, 1] = v, omega
+    out.hold[k], out.mode[k], out.rule[k] = hold, mode, rule
+    return looked_at
 
 
 @compiled
@@ -139,42 +210,15 @@ def decide_all(
                 ranking = ranking_of(bodies.station)
             rank(ranking, bodies.station, number)
             ranked_from, ranked_to = a, b
-        me = row_of(number, i)
-        station = bodies.station
-        if cluster.adjacency.shape[0] > 0:
-            neighbours = formation_neighbours(
-                me, number, station, cluster.adjacency, cluster.formation_range
-            )
-        else:
-            neighbours = within_by_rank(me, ranking, station, cluster.formation_range)
-        nu = forward_speed(
-            cluster.speed_rule, cluster.top_speed[i], me, number, neighbours, station, cluster.lead
-        )
-        near = considered_by_rank(me, ranking, bodies.pose, station, cluster.reach)
-        own = EgoState(
-            me,
-            i,
-            own_station[i],
-            cluster.stop_station[i],
-            cluster.outside[cluster.outside_start[i] : cluster.outside_start[i + 1]],
-            nu,
-            cluster.forward_only,
-            cluster.speeds.values[cluster.speeds.start[i] : cluster.speeds.start[i + 1]],
-            cluster.omegas.values[cluster.omegas.start[i] : cluster.omegas.start[i + 1]],
-            Sight(cluster.walls, bodies.pose[me, 0], bodies.pose[me, 1], cluster.reach, nearest),
-        )
-        memory = Memory(mode[i], plan[i], dwell[i])
-        v, omega, hold, new_mode, rule, new_dwell, looked_at = decide_one(
-            bodies, near, own, cluster.paths, rules, memory, room, out.report[k]
-        )
-        mode[i], dwell[i] = new_mode, new_dwell
-        out.command[k, 0], out.command[k, 1] = v, omega
-        out.hold[k], out.mode[k], out.rule[k] = hold, new_mode, rule
+        looked_at = decide_row(
+            k, i, bodies, own_station[i], cluster, rules, ranking, nearest, room,
+            Memories(mode, plan, dwell), out,
+        )  # fmt: skip
         start[k + 1] = start[k] + looked_at
         if start[k + 1] > len(listed):
             listed = longer(listed, start[k + 1])
         for m in range(looked_at):
-            listed[start[k] + m] = number[near[m]]
+            listed[start[k] + m] = number[ranking.rows[m]]
     return Decided(
         out.command, out.hold, out.mode, out.rule, out.report, listed[: start[-1]], start
     )

@@ -77,18 +77,34 @@ class Ranking(NamedTuple):
     """(n,) rows, by increasing station; of equal ones the lower index last: priority rises"""
     place: IntArray
     """(n,) where each row stands in ``order``"""
+    along: FloatArray
+    """(n,) [m] stations, in ``order``"""
+    lowest: IntArray
+    """lowest row of each BLOCK of places"""
+    highest: IntArray
     marks: NDArray[np.uint64]
     """a bit for each row, all 0 between two questions"""
     rows: IntArray
-    """(n,) room for an answer"""
+    """(n,) the last answer"""
+
+
+BLOCK = 16
+"""Places of which the lowest and highest row are known."""
+
+BITS = 64
+ONE = np.uint64(1)
 
 
 @compiled
 def ranking_of(station: FloatArray) -> Ranking:
     """Ranking of rows at stations (n,), but for equal ones, which are left to `rank`."""
     order = np.argsort(station, kind="mergesort")
-    marks = np.zeros(len(station) // 64 + 1, dtype=np.uint64)
-    return Ranking(order, np.zeros_like(order), marks, np.zeros_like(order))
+    blocks = np.zeros(len(station) // BLOCK + 1, dtype=np.int64)
+    marks = np.zeros(len(station) // BITS + 1, dtype=np.uint64)
+    return Ranking(
+        order, np.zeros_like(order), station.copy(), blocks, blocks.copy(), marks,
+        np.zeros_like(order),
+    )  # fmt: skip
 
 
 @compiled
@@ -97,7 +113,7 @@ def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
 
     Insertion: little has changed since the moment before.
     """
-    order, place = ranking.order, ranking.place
+    order = ranking.order
     for p in range(1, len(order)):
         row, q = order[p], p
         while q > 0 and has_priority(
@@ -107,82 +123,97 @@ def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
             q -= 1
         order[q] = row
     for p in range(len(order)):
-        place[order[p]] = p
-
-
-BIT = np.uint64(1)
-BITS = 64
-
-
-@compiled
-def mark(ranking: Ranking, row: int) -> None:
-    """Put a row into the answer."""
-    ranking.marks[row >> 6] |= BIT << np.uint64(row & 63)
+        row, block = order[p], p // BLOCK
+        ranking.place[row], ranking.along[p] = p, station[row]
+        if p % BLOCK == 0:
+            ranking.lowest[block], ranking.highest[block] = row, row
+        ranking.lowest[block] = min(ranking.lowest[block], row)
+        ranking.highest[block] = max(ranking.highest[block], row)
 
 
 @compiled
-def marked(ranking: Ranking, low: int, high: int) -> IntArray:
-    """The rows of the answer, increasing, all within low to high; the next answer is empty.
+def first_within(along: FloatArray, place: int, reach: float) -> int:
+    """First place with a station within ``reach`` [m] of that at ``place``."""
+    low, high = 0, place
+    while low < high:
+        middle = (low + high) // 2
+        if along[place] - along[middle] <= reach:
+            high = middle
+        else:
+            low = middle + 1
+    return low
 
-    They stand in ``ranking.rows`` until the next one.
+
+@compiled
+def end_within(along: FloatArray, place: int, reach: float) -> int:
+    """One past the last place with a station within ``reach`` [m] of that at ``place``."""
+    low, high = place + 1, len(along)
+    while low < high:
+        middle = (low + high) // 2
+        if along[middle] - along[place] <= reach:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def pick(ranking: Ranking, first: int, end: int) -> int:
+    """Put the rows at places ``first`` to ``end - 1``, increasing, into ``ranking.rows``: how many.
+
+    Robots that are near each other often have numbers that are: then all rows between the lowest
+    and the highest are looked at. Otherwise each sets its bit, and the bits are read in order.
     """
+    place, rows = ranking.place, ranking.rows
+    low, high = len(place), -1
+    for block in range(first // BLOCK, (end - 1) // BLOCK + 1 if end > first else 0):
+        low, high = min(low, ranking.lowest[block]), max(high, ranking.highest[block])
     count = 0
-    for word in range(low >> 6, (high >> 6) + 1):
-        bits = ranking.marks[word]
-        ranking.marks[word] = 0
-        row = word * BITS
-        while bits:
-            if not bits & np.uint64(0xFFFF):
-                bits >>= np.uint64(16)
-                row += 16
-                continue
-            if bits & BIT:
-                ranking.rows[count] = row
+    if high - low <= 4 * (end - first + BLOCK):
+        for row in range(low, high + 1):
+            if first <= place[row] < end:
+                rows[count] = row
                 count += 1
-            bits >>= BIT
+        return count
+    for p in range(first, end):
+        row = ranking.order[p]
+        ranking.marks[row // BITS] |= ONE << np.uint64(row % BITS)
+    for word in range(low // BITS, high // BITS + 1):
+        bits, row = ranking.marks[word], word * BITS
+        ranking.marks[word] = 0
+        while bits:
+            if bits & ONE:
+                rows[count] = row
+                count += 1
+            bits >>= ONE
             row += 1
-    return ranking.rows[:count]
+    return count
 
 
 @compiled
-def considered_by_rank(
-    me: int, ranking: Ranking, pose: FloatArray, station: FloatArray, reach: float
-) -> IntArray:
-    """`considered`, by a ranking: only rows ahead and within range are looked at."""
-    order, low, high = ranking.order, len(ranking.order), -1
-    for p in range(ranking.place[me] + 1, len(order)):
-        j = order[p]
-        if station[j] - station[me] > reach:
-            break
-        dx, dy = pose[j, 0] - pose[me, 0], pose[j, 1] - pose[me, 1]
-        if dx * dx + dy * dy > reach * reach:
-            continue
-        mark(ranking, j)
-        low, high = min(low, j), max(high, j)
-    return marked(ranking, low, high)
-
-
-@compiled
-def within_by_rank(me: int, ranking: Ranking, station: FloatArray, reach: float) -> IntArray:
-    """Rows but ``me`` with a station within ``reach`` of its own, increasing."""
-    order, here = ranking.order, station[me]
-    low, high, count = me, me, 1
-    for direction in (-1, 1):
-        p = ranking.place[me] + direction
-        while 0 <= p < len(order) and abs(station[order[p]] - here) <= reach:
-            low, high = min(low, order[p]), max(high, order[p])
+def considered_by_rank(me: int, ranking: Ranking, pose: FloatArray, reach: float) -> int:
+    """Put `considered` into ``ranking.rows``, by looking only ahead and within range: how many."""
+    rows, here = ranking.rows, ranking.place[me]
+    x, y, count = pose[me, 0], pose[me, 1], 0
+    for k in range(pick(ranking, here + 1, end_within(ranking.along, here, reach))):
+        j = rows[k]
+        dx, dy = pose[j, 0] - x, pose[j, 1] - y
+        if dx * dx + dy * dy <= reach * reach:
+            rows[count] = j
             count += 1
-            p += direction
-    if high - low <= 2 * count:  # most rows between the lowest and the highest: look at each
-        found = 0
-        for j in range(low, high + 1):
-            if j != me and abs(station[j] - here) <= reach:
-                ranking.rows[found] = j
-                found += 1
-        return ranking.rows[:found]
-    for direction in (-1, 1):
-        p = ranking.place[me] + direction
-        while 0 <= p < len(order) and abs(station[order[p]] - here) <= reach:
-            mark(ranking, order[p])
-            p += direction
-    return marked(ranking, low, high)
+    return count
+
+
+@compiled
+def within_by_rank(me: int, ranking: Ranking, reach: float) -> int:
+    """Put the rows within ``reach`` [m] of row ``me`` along s* into ``ranking.rows``: how many.
+
+    Increasing; ``me`` is none of them.
+    """
+    rows, here, count = ranking.rows, ranking.place[me], 0
+    first = first_within(ranking.along, here, reach)
+    for k in range(pick(ranking, first, end_within(ranking.along, here, reach))):
+        if rows[k] != me:
+            rows[count] = rows[k]
+            count += 1
+    return count

@@ -71,8 +71,12 @@ class WholeLibrary(JITCodeLibrary):
     def finalize(self) -> None:
         """Link the pieces, optimise everything once, make machine code."""
         pieces, self._linking_libraries = gathered(self._linking_libraries)
+        own = {function.name for function in self._final_module.functions}
         for library in pieces:
             self._final_module.link_in(library._final_module, preserve=True)
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.name not in own:
+                function.linkage = "internal"
         super().finalize()
 
 

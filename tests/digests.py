@@ -86,6 +86,9 @@ def compare(against: str, worlds: list[str], seeds: int) -> int:
         here, there = Path(folder, "here"), Path(folder, "there")
         copy_commit(against, there)
         copy_checkout(ROOT, here)
+        if new := [world for world in worlds if not (there / f"worlds/{world}.yaml").exists()]:
+            print(f"not in {against}: {', '.join(new)}")
+        worlds = [world for world in worlds if world not in new]
         with ThreadPoolExecutor() as pool:
             both = [
                 pool.submit(runs, copy, Path(folder, f"{copy.name}-tmp"), worlds, seeds)

@@ -64,7 +64,7 @@ def test_a_record_that_does_not_fit_is_refused(
     scene = scene_of()
     size, file = size_of(scene, 1), tmp_path / "not" / "there" / "r.h5"
     free = size.samples
-    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=free, total=1e15))
     check_room(size, file)  # just
     free = size.samples - 1
     told = facts("384 kB", str(tmp_path), "3", "time.duration", "30", "time.record_every", "1")

@@ -23,8 +23,8 @@ DECISION_SECONDS = 0.1
 """[s] from one decision of a robot to the next, roughly"""
 CONSIDERED = 20
 """Robots that are considered in a decision, roughly; no more than there are others."""
-SPEED = 3e5
-"""[1/s] robot-steps in a second of computing, roughly"""
+STEP_SECONDS, ROBOT_SECONDS = 5e-5, 3e-6
+"""[s] of computing that a step takes, and each robot in it, roughly"""
 LONG_SECONDS, LARGE_BYTES = 60.0, 1e9
 """A run of which more is expected is told of before it starts."""
 
@@ -52,7 +52,7 @@ class Size:
     @property
     def seconds(self) -> float:
         """[s] of computing, roughly."""
-        return self.robots * self.steps / SPEED
+        return self.steps * (STEP_SECONDS + self.robots * ROBOT_SECONDS)
 
     @property
     def is_large(self) -> bool:
@@ -99,7 +99,8 @@ def check_room(size: Size, path: str | os.PathLike[str] | None) -> None:
         folder = Path(path).absolute().parent
         while not folder.exists():
             folder = folder.parent
-        room, where = shutil.disk_usage(folder).free, str(folder)
+        disk, where = shutil.disk_usage(folder), str(folder)
+        room = disk.free if disk.total else float("inf")  # no disk: /proc and the like
     if size.samples > room:
         raise RecordError(
             f"{where}: no room for the record: there are {_bytes(room)}, and its samples alone "

@@ -79,8 +79,9 @@ def test_an_interrupted_run_is_closed_properly(
     process.send_signal(number)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert err.startswith("interrupted at ")
-    assert err.count("\n") == 1
+    *size, last = err.splitlines()
+    assert last.startswith("interrupted at ")
+    assert len(size) <= 1  # how large the run is
     assert "interrupted after" in out
     check_record(here / "out/record.h5")
     assert {file.name for file in (here / "out").iterdir()} == {"record.h5", "summary.json"}

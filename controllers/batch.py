@@ -100,7 +100,8 @@ def row_of(number: IntArray, i: int) -> int:
 def longer(values: IntArray, length: int) -> IntArray:
     """Array of at least twice the length that begins with ``values``."""
     out = np.empty(max(2 * len(values), length), dtype=np.int64)
-    out[: len(values)] = values
+    for k in range(len(values)):  # to assign a slice would take long to compile
+        out[k] = values[k]
     return out
 
 

@@ -7,7 +7,7 @@ do not depend on the samples before it.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from physim.geometry.nearest_robots import (
 )
 from physim.geometry.nearest_wall import WallLists, empty_lists, nearest_parts
 from physim.geometry.robot_frames import bounding_discs, set_frames
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, part_bodies, read_only
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, part_bodies
 from physim.geometry.wall_grid import WallGrid
 
 
@@ -59,9 +59,9 @@ class ClearanceFinder:
         robots = len(shapes.body_start) - 1
         # Read-only, whoever asks: for arrays that may be written to, kernels are compiled anew.
         self._world = (
-            Shapes(*map(locked, shapes)),
-            Shapes(*map(locked, walls)),
-            WallGrid(*map(locked, wall_grid)),
+            locked(shapes),
+            locked(walls),
+            locked(wall_grid),
             locked(part_bodies(walls)),
         )
         self._known: Known | None = None
@@ -89,11 +89,6 @@ class ClearanceFinder:
         self._pairs, measured = fill(poses, *self._world, self._known, self._pairs, out)
         self.measured += measured
         return out
-
-
-def locked(value: Any) -> Any:
-    """A read-only view of an array; anything else as it is."""
-    return read_only(value.view()) if isinstance(value, np.ndarray) else value
 
 
 def clearances(poses: FloatArray, shapes: Shapes, walls: Shapes, wall_grid: WallGrid) -> Clearances:

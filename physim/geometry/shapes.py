@@ -22,6 +22,16 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
+def locked(value: Any) -> Any:
+    """A read-only view of an array, or of all arrays of a named tuple; anything else as it is.
+
+    Kernels are compiled anew for arrays that may be written to.
+    """
+    if isinstance(value, tuple):
+        return type(value)(*map(locked, value))
+    return read_only(value.view()) if isinstance(value, np.ndarray) else value
+
+
 class Shapes(NamedTuple):
     """Convex parts of several bodies, each in its own frame (robots) or the world's (walls).
 

@@ -140,7 +140,8 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
                 ):
                     if count == len(found):
                         more = np.empty(2 * count, dtype=np.int64)
-                        more[:count] = found
+                        for m in range(count):  # a slice would take long to compile
+                            more[m] = found[m]
                         found = more
                     found[count] = part[k]
                     count += 1

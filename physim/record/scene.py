@@ -19,7 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import ControllerError, RecordError
-from physim.geometry.shapes import FloatArray, Polylines, Shapes, pack_polylines, pack_shapes
+from physim.geometry.shapes import (
+    FloatArray,
+    Polylines,
+    Shapes,
+    locked,
+    pack_polylines,
+    pack_shapes,
+)
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.record import layout
 from physim.record.checks import damaged
@@ -173,7 +180,8 @@ class RecordedScene(RecordFile):
     @cached_property
     def shapes(self) -> Shapes:
         """Footprints of the N robots, packed, in their frames."""
-        return pack_shapes(self.footprints)
+        packed: Shapes = locked(pack_shapes(self.footprints))
+        return packed
 
     @cached_property
     def walls(self) -> Shapes:

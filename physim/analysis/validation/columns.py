@@ -19,7 +19,7 @@ from physim.analysis.validation.mismatch import SLACKS, Mismatches, differs
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
 from physim.geometry.separation import body_distance, wall_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked
 from physim.geometry.wall_grid import WallGrid, parts_in_range, parts_near
 from physim.record import Record
 from physim.tolerances import LENGTH, TIME
@@ -82,6 +82,7 @@ class StandardColumns:
         self, record: Record, scene: Scene, meaning: Meaning, considered: Considered
     ) -> None:
         self.scene, self.meaning, self.considered = scene, meaning, considered
+        self.world = locked(scene.shapes), locked(scene.walls), locked(scene.wall_grid)
         names = record.updates.dtype.names or ()
         self.columns = [name for name in COLUMNS if name in names]
 
@@ -117,8 +118,7 @@ class StandardColumns:
         standard_columns(
             block.at, rows["robot"].astype(np.int64), command, self.considered.other,
             self.considered.start[mine], self.considered.end[mine], block.pose, block.held,
-            scene.shapes, scene.walls, scene.wall_grid, scene.sensing_range, self.meaning.horizon,
-            keep, out,
+            *self.world, scene.sensing_range, self.meaning.horizon, keep, out,
         )  # fmt: skip
         return dict(zip(COLUMNS, out.T, strict=True))
 

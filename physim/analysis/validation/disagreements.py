@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import IntArray, read_only
 from physim.record import Record
 
 TOLERANCE = "within tolerance"
@@ -69,7 +69,7 @@ def distance_at(record: Record, a: int, b: int, step: int) -> float:
     shapes, pose = record.shapes, record.read("/steps/pose", step, step + 1)[0]
     if b < record.robots:
         return float(body_distance(shapes, a, pose[a], shapes, b, pose[b]))
-    still = np.zeros(3)
+    still = read_only(np.zeros(3))
     return float(body_distance(shapes, a, pose[a], record.walls, b - record.robots, still))
 
 

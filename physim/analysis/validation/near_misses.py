@@ -27,7 +27,7 @@ from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.recorded_distances import SMALLEST, Exact
 from physim.compiled import compiled
 from physim.geometry.collision import collision_time_pair, collision_time_walls
-from physim.geometry.shapes import FloatArray, IntArray, Shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, read_only
 from physim.record import Record
 from physim.tolerances import CONTACT
 
@@ -166,7 +166,8 @@ def _times(record: Record) -> tuple[NearMiss, ...]:
     for poses, start in pose_blocks(record):
         end = start + len(poses) - 1
         first, last = np.searchsorted(decided["step"], [start, end])
-        rows, command = decided[first:last], record.commands_over("applied", start, end)
+        rows = decided[first:last]
+        command = read_only(record.commands_over("applied", start, end))
         scan = partial(decision_times, rows, poses, start, command, shapes, walls, LOOK)
         some, times = room.filled(scan, 1)
         who.append(some)

@@ -166,9 +166,9 @@ def test_a_recorded_step_takes_no_call_for_every_robot(
     tmp_path: Path,
 ) -> None:
     """What is written of each robot once, at the start and the end, is not counted."""
-    record_run(Simulation(corridor(10, steps=2)), path=tmp_path / "first.h5")
     counts = []
     for robots in (10, 1000):
+        record_run(Simulation(corridor(robots, steps=40)), path=tmp_path / f"{robots}.h5")
         both = []
         for number in (10, 40):
             simulation = Simulation(corridor(robots, steps=number))

@@ -53,6 +53,7 @@ ROOMS = MappingProxyType(
             "tests/test_size.py",
             "tests/test_grazes.py",
         ),
+        "work": ("tests/test_work.py",),
         "record": ("tests/record",),
         "metrics": ("tests/metrics",),
         "summary": ("tests/test_summary.py",),

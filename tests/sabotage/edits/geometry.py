@@ -370,6 +370,15 @@ EDITS = (
     Edit(
         "geometry",
         "physim/geometry/wall_tree.py",
+        "MARGIN",
+        "MARGIN = 1e-6",
+        "MARGIN = -1e-2",
+        "bounds leave out walls only where they lie farther by more than rounding",
+        "tests/geometry/test_wall_tree.py::test_distance_is_that_of_a_look_at_every_part_in_sight",
+    ),
+    Edit(
+        "geometry",
+        "physim/geometry/wall_tree.py",
         "beyond",
         "room = distance + MARGIN",
         "room = 0.9 * distance",

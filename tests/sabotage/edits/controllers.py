@@ -1528,7 +1528,7 @@ EDITS = (
         "if a != ranked_from or b != ranked_to:",
         "if ranked_from < 0:",
         "batch form: only the rows of the first robot are ranked",
-        "tests/test_controllers_contract.py::test_batch_decides_as_the_plain_form",
+        "tests/test_controllers_contract.py::test_batch_decides_as_the_plain_form_in_a_crowd",
     ),
     Edit(
         "controllers",
@@ -1537,7 +1537,7 @@ EDITS = (
         "out[: len(values)] = values",
         "pass",
         "batch form: what was listed is lost when the list grows",
-        "tests/test_controllers_contract.py::test_batch_decides_as_the_plain_form",
+        "tests/test_controllers_contract.py::test_batch_decides_as_the_plain_form_in_a_crowd",
     ),
     Edit(
         "controllers",

@@ -147,11 +147,19 @@ def picked(values: FloatArray, rows: IntArray) -> float:
 
 
 @compiled
+def reversed_last(values: FloatArray) -> float:
+    own = np.empty(len(values))
+    for k in range(len(values)):
+        own[k] = values[len(values) - 1 - k]
+    return float(own[0])
+
+
+@compiled
 def arrays_made_and_dropped(values: FloatArray, rows: IntArray, times: int) -> float:
     total = 0.0
     for _ in range(times):
         kept = rest_of(doubled(values))
-        total += leaf(kept, 0.5) + picked(values, rows)
+        total += leaf(kept, 0.5) + picked(values, rows) + reversed_last(values)
     return total
 
 
@@ -170,20 +178,21 @@ def test_references_are_counted_where_arrays_are_made_and_only_there(
         return found[state.func_id.func_name]
 
     monkeypatch.setattr(linking, "only_borrows", noted)
-    fresh = [compiled(one.py_func) for one in (leaf, rest_of, doubled, picked)]  # type: ignore[attr-defined]
-    names = ("leaf", "rest_of", "doubled", "picked")
+    kernels = (leaf, rest_of, doubled, picked, reversed_last)
+    fresh = [compiled(one.py_func) for one in kernels]  # type: ignore[attr-defined]
+    names = ("leaf", "rest_of", "doubled", "picked", "reversed_last")
     body = {**arrays_made_and_dropped.py_func.__globals__, **dict(zip(names, fresh, strict=True))}  # type: ignore[attr-defined]
     plain = FunctionType(arrays_made_and_dropped.py_func.__code__, body)  # type: ignore[attr-defined]
     made = numba.njit(plain)
-    expected = 1000 * (VALUES[1:].sum() + VALUES[[3, 0]].sum())
+    expected = 1000 * (VALUES[1:].sum() + VALUES[[3, 0]].sum() + VALUES[-1])
     made(VALUES, np.array([3, 0]), 1)
     _nrt_python.memsys_enable_stats()
     before = rtsys.get_allocation_stats()
     assert made(VALUES, np.array([3, 0]), 1000) == pytest.approx(expected)
     after = rtsys.get_allocation_stats()
     _nrt_python.memsys_disable_stats()
-    assert after.alloc - before.alloc == after.free - before.free >= 2000
-    assert found == {"leaf": True, "rest_of": False, "doubled": False, "picked": False}
+    assert after.alloc - before.alloc == after.free - before.free >= 3000
+    assert found == {name: name == "leaf" for name in names}
 
 
 def test_a_cache_of_sources_that_have_gone_is_none(

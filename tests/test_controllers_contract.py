@@ -23,6 +23,7 @@ from physim.parts.controller import (
     Decision,
     Decisions,
     Observation,
+    Sensed,
     Snapshot,
 )
 from physim.parts.declarations import Declared
@@ -376,6 +377,65 @@ def test_batch_decides_as_the_plain_form_where_it_is_dangerous(world_name: str) 
     assert 3 in modes  # at its stop station
     if alarms[worst[0]][0] > 0:
         assert modes & {1, 2}
+
+
+CROWD = """\
+name: crowd
+seed: 1
+time: {step: 0.025, duration: 5.0}
+corridor: {centreline: [[0, 0], [60, 0]], width: 12.0}
+start: {region: [[1, -5], [20, -5], [20, 5], [1, 5]], heading: along, abreast: 6}
+robots:
+  - count: 32
+    footprint: {length: 0.5, width: 0.3}
+    paths: [{offset: -3.0}, {offset: -1.0}, {offset: 1.0}, {offset: 3.0}]
+    limits: {v: 1.5, omega: 1.6}
+formation: {gain: 0.02, speed: 0.8, spacing: initial, range: 12.0}
+controller: {type: mode_switching, look_ahead: 1.0, safe_distance: 0.3, avoidance: time_first,
+  time_low: 2.0, time_high: 3.0, distance_low: 0.3, distance_high: 0.5, boundary_low: 0.05}
+"""
+
+
+def each_with_rows_of_its_own(sensed: Sensed, rng: np.random.Generator) -> Sensed:
+    """Everyone knows some of the others, in an order of its own and not quite where they are."""
+    robots = len(sensed.first)
+    rows = [
+        rng.permutation([i, *(j for j in range(robots) if j != i and rng.random() < 0.9)])
+        for i in range(robots)
+    ]
+    taken, ends = np.concatenate(rows), np.cumsum([len(one) for one in rows])
+    return sensed._replace(
+        robot=sensed.robot[taken],
+        pose=sensed.pose[taken] + rng.normal(0.0, 0.1, (len(taken), 3)),
+        command=sensed.command[taken],
+        reference_station=sensed.reference_station[taken] + rng.normal(0.0, 2.0, len(taken)),
+        age=sensed.age[taken],
+        first=ends - [len(one) for one in rows],
+        end=ends,
+    )
+
+
+@pytest.mark.parametrize("own", [False, True], ids=["the same rows", "rows of their own"])
+def test_batch_decides_as_the_plain_form_in_a_crowd(own: bool) -> None:
+    """Whether all know the same of each other or not; each considers many."""
+    scene = build_scene(parse_world(CROWD))
+    simulation, rng = later(scene, 2.0), np.random.default_rng(6)
+    controller = made("mode_switching", scene.world)
+    assert isinstance(controller, BatchCapable)
+    forms = controller.batch(scene), PerRobotAdapter(controller, scene, Declared.of(controller))
+    memories = [form.memory() for form in forms]
+    modes: set[int] = set()
+    for _ in range(3):
+        sensed = everybody(simulation.now, shared(scene.robots))
+        if own:
+            sensed = each_with_rows_of_its_own(sensed, rng)
+        due = np.flatnonzero(rng.random(scene.robots) < 0.9)
+        both = [f.decide_due(sensed, due, m) for f, m in zip(forms, memories, strict=True)]
+        assert same(*both)
+        assert len(both[0].considered) > 9 * len(due)
+        modes |= set(both[0].mode.tolist())
+        simulation.step()
+    assert {0, 2} <= modes
 
 
 def test_the_shipped_controller_has_a_batch_form() -> None:

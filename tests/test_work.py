@@ -34,13 +34,17 @@ PAPER = {
     "boundary_low": 0.05,
 }  # fmt: skip
 DANGER = {**PAPER, "distance_low": 1e3, "distance_high": 2e3, "boundary_low": 1e3}
+IN_TIME = {**DANGER, "avoidance": "time"}
 
 
 def corridor(robots: int, controller: dict[str, Any] = PAPER, steps: int = 1000) -> World:
-    """Eight lanes of boxes, 1.2 m apart and behind each other, in a corridor of 10 m."""
+    """Eight lanes of boxes, 1.2 m apart and behind each other, in a corridor of 10 m.
+
+    A little off their places, by a pattern that is there again after 30 m.
+    """
     columns = (robots - 1) // 8 + 1
     rng = np.random.default_rng(0)
-    off = rng.normal(0.0, 0.05, (robots, 3))
+    off = np.resize(rng.normal(0.0, 0.05, (200, 3)), (robots, 3))
     lane = [(i % 8 - 3.5) * 1.2 for i in range(robots)]
     return World(
         name="corridor",
@@ -151,7 +155,9 @@ def test_a_step_takes_as_many_calls_for_a_thousand_robots_as_for_ten() -> None:
         for robots in (10, 100, 1000):
             simulation = started(robots)
             commands = np.tile([0.8, 0.0], (robots, 1)) if is_driven else None
-            counts.append(python_calls(steps(simulation, commands)))
+            some = steps(simulation, commands)
+            some()  # what is made at the first call is made
+            counts.append(python_calls(some))
         assert counts[0] > 0
         assert max(counts) <= 1.2 * min(counts)
 
@@ -160,9 +166,9 @@ def test_a_recorded_step_takes_no_call_for_every_robot(
     tmp_path: Path,
 ) -> None:
     """What is written of each robot once, at the start and the end, is not counted."""
-    record_run(Simulation(corridor(10, steps=2)), path=tmp_path / "first.h5")
     counts = []
     for robots in (10, 1000):
+        record_run(Simulation(corridor(robots, steps=40)), path=tmp_path / f"{robots}.h5")
         both = []
         for number in (10, 40):
             simulation = Simulation(corridor(robots, steps=number))
@@ -291,14 +297,13 @@ def lines_of_a_decision(robots: int, settings: dict[str, Any]) -> tuple[float, d
     return sum(each.values()), each
 
 
-@pytest.mark.xfail(strict=True, reason="everybody is looked at for who is a neighbour, and ahead")
-@pytest.mark.parametrize("settings", [PAPER, DANGER], ids=["free", "danger"])
+@pytest.mark.parametrize("settings", [PAPER, DANGER, IN_TIME], ids=["free", "danger", "in time"])
 def test_a_decision_takes_as_many_lines_among_many_as_among_few(settings: dict[str, Any]) -> None:
-    """Everybody in the middle has the same about them, 30 m to either end or 120 m."""
+    """Those in the middle have the same about them, 30 m to either end or 120 m."""
     few, by_few = lines_of_a_decision(400, settings)
     many, by_many = lines_of_a_decision(1600, settings)
     grown = {name: (by_few.get(name, 0.0), lines) for name, lines in by_many.items()
-             if lines > 1.5 * by_few.get(name, 0.0) + 50.0}  # fmt: skip
+             if lines > 1.1 * by_few.get(name, 0.0) + 40.0}  # fmt: skip
     assert few > 100.0
     assert not grown
-    assert many <= 1.15 * few
+    assert many <= 1.05 * few

@@ -23,6 +23,7 @@ from tests.sabotage.edits import (
     templates,
     validation,
     video,
+    work,
     world,
     world_file,
 )
@@ -30,7 +31,7 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, world, world_file, scene, checking, physics, controllers, loop, record,
+        basics, geometry, world, world_file, scene, checking, physics, controllers, loop, work, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
         reproduction, cli,
     )

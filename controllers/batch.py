@@ -208,7 +208,7 @@ def decide_all(
         )  # fmt: skip
         if a != ranked_from or b != ranked_to:  # once, where all share their rows
             if b - a != len(ranking.order):
-                ranking = ranking_of(bodies.station)
+                ranking = ranking_of(b - a)
             rank(ranking, bodies.station, number)
             ranked_from, ranked_to = a, b
         looked_at = decide_row(
@@ -254,7 +254,7 @@ class ModeSwitchingBatch:
         nearest = np.full(scene.robots, -1)
         pairs = np.diff(self.cluster.speeds.start) * np.diff(self.cluster.omegas.start)
         room = room_for(scene.robots, int(pairs.max()), len(self.rules.dwell))
-        ranking = ranking_of(scene.stop_station)
+        ranking = ranking_of(scene.robots)
         self._decide = direct(decide_all)
         self._kept = kept((self.cluster, self.rules, ranking, nearest, room))
 

@@ -96,14 +96,13 @@ ONE = np.uint64(1)
 
 
 @compiled
-def ranking_of(station: FloatArray) -> Ranking:
-    """Ranking of rows at stations (n,), but for equal ones, which are left to `rank`."""
-    order = np.argsort(station, kind="mergesort")
-    blocks = np.zeros(len(station) // BLOCK + 1, dtype=np.int64)
-    marks = np.zeros(len(station) // BITS + 1, dtype=np.uint64)
+def ranking_of(rows: int) -> Ranking:
+    """Ranking of ``rows`` rows, not ranked yet."""
+    order = np.arange(rows)
+    blocks = np.zeros(rows // BLOCK + 1, dtype=np.int64)
+    marks = np.zeros(rows // BITS + 1, dtype=np.uint64)
     return Ranking(
-        order, np.zeros_like(order), station.copy(), blocks, blocks.copy(), marks,
-        np.zeros_like(order),
+        order, order.copy(), np.zeros(rows), blocks, blocks.copy(), marks, order.copy()
     )  # fmt: skip
 
 
@@ -111,7 +110,7 @@ def ranking_of(station: FloatArray) -> Ranking:
 def rank(ranking: Ranking, station: FloatArray, index: IntArray) -> None:
     """Sort the rows by stations (n,) and robot indices (n,).
 
-    Insertion: little has changed since the moment before.
+    By insertion: little has changed since the moment before.
     """
     order = ranking.order
     for p in range(1, len(order)):

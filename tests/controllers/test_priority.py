@@ -74,7 +74,7 @@ def test_a_ranking_finds_what_a_look_at_all_rows_finds() -> None:
         along = np.round(rng.uniform(0.0, 30.0, n), int(rng.integers(0, 3)))
         if k % 2:  # numbers in the order of the places, or any
             along = np.sort(along)
-        ranking = ranking_of(along)
+        ranking = ranking_of(n)
         for _ in range(4):
             before = ranking.order.copy()
             rank(ranking, along, index)

@@ -31,7 +31,11 @@ ROOMS = MappingProxyType(
         "geometry": ("tests/geometry",),
         "world": ("tests/world", "tests/test_world_schema.py"),
         "world_file": ("tests/world_file",),
-        "scene": ("tests/test_start_poses.py", "tests/test_scene_builder.py"),
+        "scene": (
+            "tests/test_start_poses.py",
+            "tests/test_scene_builder.py",
+            "tests/world/test_group.py",
+        ),
         "checking": ("tests/checking",),
         "physics": ("tests/physics",),
         "controllers": ("tests/controllers", "tests/test_controllers_contract.py"),

@@ -20,13 +20,16 @@ from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Scene
 
 NAMES = tuple(shipped_worlds())
+MANY = 100
+"""Robots up to which a record is validated here: of a thousand that takes a minute"""
 every_world = pytest.mark.parametrize("name", NAMES)
 
 
-def short(name: str, seconds: float = 5.0) -> Any:
-    """A shipped world cut down to its first seconds."""
+def short(name: str, robot_seconds: float = 500.0, most: float = 5.0) -> Any:
+    """A shipped world cut down to its first seconds, fewer where many robots make them long."""
     world = load_world(find_world(name))
     step = world.time.step
+    seconds = min(most, robot_seconds / len(world.robots))
     time = type(world.time)(step=step, duration=round(seconds / step) * step)
     return world.changed(time=time)
 
@@ -62,8 +65,9 @@ def test_file_explains_itself(name: str) -> None:
     assert world.description.strip()
     assert world.name.replace(" ", "_") == name == path.stem
     assert world.expect is not None
-    assert world.expect.contacts == 0
-    assert world.expect.finished is True
+    assert world.expect.finished is not None
+    bounds = (world.expect.min_distance, world.expect.min_boundary_distance)
+    assert world.expect.contacts == 0 or None not in bounds, "touching is bounded or ruled out"
     comments = [line.partition("#")[2] for line in text.splitlines()]
     posed = any(robot.pose is not None for robot in world.robots)
     for unit in ("[m]", "[s]", *(["[m, m, rad]"] if posed else [])):
@@ -134,7 +138,7 @@ def test_run_is_finite_and_repeats_bit_for_bit(name: str) -> None:
     world = short(name)
     first, second = simulate(world), simulate(world)
     assert first.digest() == second.digest()
-    k = round(5.0 / first.dt) + 1
+    k = round(world.time.duration / first.dt) + 1
     assert first.pose.shape == (k, len(world.robots), 3)
     assert np.isfinite(first.pose).all()
     assert np.isfinite(first.boundary_clearance).all()
@@ -146,14 +150,22 @@ def test_run_is_finite_and_repeats_bit_for_bit(name: str) -> None:
 
 @every_world
 def test_shipped_seed_holds_every_expectation(name: str) -> None:
-    """The whole run: all arrive, none touches, as the world's author promises."""
+    """The whole run, as the world's author promises: who arrives, and what touches how deeply."""
     world = load_world(find_world(name))
+    assert world.expect is not None
     with simulate(world) as record:
         assert [one for one in summarise(record).expectations if not one.held] == []
-        assert record.ended == "finished"
-        assert finished(record)
-        last = {int(row["robot"]): int(row["mode"]) for row in record.updates}
-        assert {record.modes[mode].name for mode in last.values()} == {"arrived"}
-        assert len(last) == record.robots
-        judged = validate(record)
-        assert (judged.verdict, judged.comparison.disagreements) == ("contact-free", ())
+        assert finished(record) == (record.ended == "finished") == world.expect.finished
+        if world.expect.finished:
+            robots, last = np.unique(record.updates["robot"][::-1], return_index=True)
+            modes = np.unique(record.updates["mode"][::-1][last])
+            assert {record.modes[mode].name for mode in modes} == {"arrived"}
+            assert len(robots) == record.robots
+        if world.expect.contacts == 0 and record.robots <= MANY:
+            judged = validate(record)
+            assert (judged.verdict, judged.comparison.disagreements) == ("contact-free", ())
+        elif world.expect.contacts != 0:  # pressed against walls, and never beyond one
+            area = build_scene(world).area.polygon
+            assert len(record.contacts)
+            assert shapely.contains_xy(area, *np.moveaxis(record.pose[::100, :, :2], 2, 0)).all()
+            assert shapely.contains_xy(area, *record.pose[-1, :, :2].T).all()

@@ -105,6 +105,8 @@ WorldLike = World | str | os.PathLike[str]
 """A world, its file, or the name of a shipped one."""
 SECONDS = 2.0
 """[s] of each world, unless asked otherwise"""
+MOST_ROBOTS = 100
+"""Robots of the largest world tried unasked: each is asked seven times for every decision"""
 
 HEAD = "{{name: situation, time: {{step: 0.02, duration: 60.0}}, {}}}"
 
@@ -208,7 +210,8 @@ def check_controller(
     memory, about seven times in all. Its batch form, where it has one, has to agree.
 
     ``controller`` is a class, an object (it is copied, never asked itself), a registered name or
-    ``module:Class``. ``worlds`` are worlds, files or names, without it all shipped ones.
+    ``module:Class``. ``worlds`` are worlds, files or names, without it all shipped ones
+    of at most `MOST_ROBOTS` robots.
     ``settings`` are checked as those in a world file; without them a world's own count where the
     controller is its own.
 
@@ -229,9 +232,9 @@ def check_controller(
 
 
 def worlds_to_try(worlds: Sequence[WorldLike] | None) -> list[WorldLike]:
-    """Worlds to be tried: those given, else all shipped."""
+    """Worlds to be tried: those given, else all shipped of at most `MOST_ROBOTS` robots."""
     if worlds is None:
-        return list(shipped_worlds())
+        return [one for one in shipped_worlds() if len(load_world(one).robots) <= MOST_ROBOTS]
     return [worlds] if isinstance(worlds, World | str | os.PathLike) else list(worlds)
 
 

@@ -262,13 +262,14 @@ def beyond(
     reference = snapshot.reference_station.copy()
     reach = scene.sensing_range
     far = np.hypot(*(pose[:, :2] - pose[i, :2]).T) > reach
+    broadcast = max(reach, scene.formation.range)
     for j in np.flatnonzero(far):
         bearing = rng.uniform(-np.pi, np.pi)
         away = (reach + rng.uniform(0.1, 50.0)) * np.array([np.cos(bearing), np.sin(bearing)])
         pose[j] = [*(pose[i, :2] + away), rng.uniform(-3.0, 3.0)]
         command[j] = rng.uniform(-1.0, 1.0, 2)
-        if abs(reference[j] - reference[i]) > reach and not len(scene.formation.adjacency):
-            reference[j] = reference[i] + reach + rng.uniform(0.1, 50.0)
+        if abs(reference[j] - reference[i]) > broadcast and not len(scene.formation.adjacency):
+            reference[j] = reference[i] + broadcast + rng.uniform(0.1, 50.0)
     station = rng.uniform(0.0, 50.0, scene.robots)  # others' progress on their own paths
     station[i] = snapshot.station[i]
     return snapshot._replace(

@@ -33,8 +33,8 @@ COMPILING = 25
     "worlds",
     multiple=True,
     metavar="WORLD",
-    help="a world file, or the name of a shipped world, instead of all shipped worlds (may be "
-    "repeated)",
+    help="a world file, or the name of a shipped world, instead of all shipped ones of up to 100 "
+    "robots (may be repeated)",
 )
 @option(
     "--seconds",

@@ -12,11 +12,11 @@ import shutil
 import sys
 from pathlib import Path
 
-from benchmarks import first, headon, report, scaling, speed, trial
+from benchmarks import first, headon, report, scaling, speed, targets, trial
 from benchmarks.environments import PEERS, Environment, environment
 from benchmarks.measuring import FAILED, HERE, ROOT, Job, Progress, Store, in_turn, run
 
-SUBJECTS = ("speed", "headon", "first", "scaling", "trial")
+SUBJECTS = ("speed", "headon", "first", "scaling", "trial", "targets")
 
 
 def main() -> int:
@@ -101,6 +101,8 @@ def _measure(
         groups += [([job], 3) for job in commands]
     if "scaling" in wanted:
         groups += [(group, 1) for group in scaling.groups(quick)]
+    if "targets" in wanted:
+        groups += [(group, rounds) for group in targets.groups(quick)]
     if "trial" in wanted and options.trial is not None:
         theirs = trial.groups(options.trial.resolve(), work, quick)
         if failed := trial.warm_up(work):

@@ -38,18 +38,25 @@ from physim import Decision, Mode, Simulation, World
 SHORT = {"look_ahead": 1.0, "horizon": 10.0, "longest_interval": PERIOD}
 NEAR = {"distance_low": 0.15, "distance_high": 0.25, "boundary_low": 0.05, "safe_distance": 0.3}
 SOON = {"time_low": 0.5, "time_high": 1.0}
-ALWAYS = {"distance_low": 1e3, "distance_high": 2e3, "boundary_low": 1e3}
-"""Thresholds under which no robot is ever safe."""
+ALWAYS = {"distance_low": 0.5, "distance_high": 0.8, "boundary_low": 6.0, "avoidance": "time"}
+"""Thresholds under which no robot is ever safe: no place of the corridor is 6 m from its walls. All
+decide by (13), the dearer rule."""
 SEGMENTS = 200
+SEGMENTS_OF_DEAD_END = 50
+FAR = 200.0
+"""[m] from the corridor to walls that nobody sees"""
+FAR_LENGTH = 64.0
 
 
 def corridor(
     robots: int, settings: dict[str, Any] | None = None, jam: bool = False, noise: float = 0.05,
     duration: float = 2000.0, speed: float = SPEED, segments: int = SEGMENTS,
+    spacing: float | None = None, far: int = 0,
 ) -> World:  # fmt: skip
-    """World of the corridor; without settings nobody decides."""
+    """World of the corridor; without settings nobody decides. ``far`` segments are out of sight."""
     rng = np.random.default_rng(0)
-    length = road_length(robots, jam) + 0.5
+    spacing = spacing or (PACKED if jam else SPACING)
+    length = road_length(robots, jam, spacing) + 0.5
     margin = 0.5 if jam else 3.0
     points = np.linspace(0.0, length - margin, max(2, segments // 2 - 1))
     robot = {
@@ -60,23 +67,39 @@ def corridor(
         {**robot, "name": f"a{i}", "path": {"offset": lane(i)},
          "pose": [x + rng.normal(0.0, noise), y + rng.normal(0.0, noise),
                   rng.normal(0.0, 2.0 * noise)]}
-        for i, (x, y) in enumerate(places(robots, PACKED if jam else SPACING))
+        for i, (x, y) in enumerate(places(robots, spacing))
     ]  # fmt: skip
     paper = {"type": "mode_switching", **(settings or {})}
     formation = {
         "gain": 0.005, "speed": speed, "limits": [0.8 * speed, max(1.0, speed)],
         "spacing": "initial", "range": 10.0,
     }  # fmt: skip
+    road = {
+        "corridor": {"centreline": [[float(x), 0.0] for x in points], "width": WIDTH,
+                     "end_margin": margin},
+    }  # fmt: skip
+    if far:
+        road = _with_far_walls(points, far)
     return World(
         name="corridor",
         seed=0,
         time={"step": STEP, "duration": duration},
-        corridor={"centreline": [[float(x), 0.0] for x in points], "width": WIDTH,
-                  "end_margin": margin},
         robots=standing,
         formation=formation,
         controller={"type": "constant"} if settings is None else paper,
-    )  # fmt: skip
+        **road,
+    )
+
+
+def _with_far_walls(points: np.ndarray, far: int) -> dict[str, Any]:
+    """The corridor as walls that are drawn, and a line of ``far`` segments that nobody sees."""
+    xs, half = [-1.0, *points.tolist(), float(points[-1]) + 3.0], WIDTH / 2
+    round_it = [*([x, -half] for x in xs), *([x, half] for x in xs[::-1]), [xs[0], -half]]
+    line = [[float(x), FAR] for x in np.linspace(0.0, FAR_LENGTH, far + 1)]
+    return {
+        "boundaries": [round_it, line],
+        "reference_path": [[float(x), 0.0] for x in points],
+    }
 
 
 class Cautious:
@@ -104,36 +127,60 @@ PAPER = {
     "danger": {**SHORT, **NEAR, **SOON, **ALWAYS},
     "default": {"longest_interval": PERIOD},
     "short": {"longest_interval": PERIOD, "safe_distance": 0.3},
+    "long": {**SHORT, **NEAR, **SOON, "safe_distance": 1.0},
 }
-"""Settings of the paper's controller by what is measured; ``short`` is the default but for L."""
+"""Settings of the paper's controller by what is measured; ``short`` is the default but for L,
+``long`` is ``free`` but for L."""
+FORWARD = ("drive", "jam", "dead_end")
+"""What is driven straight on, from outside."""
 
 
-def simulation(kind: str, robots: int) -> Simulation:
-    """Set up what is to be measured."""
+def simulation(kind: str, robots: int, **walls: int) -> Simulation:
+    """Set up what is to be measured; ``walls`` are numbers of segments."""
     if kind in PAPER:
-        return Simulation(corridor(robots, PAPER[kind]))
+        return Simulation(corridor(robots, PAPER[kind], **walls))
     if kind == "plain":
         return Simulation(corridor(robots), controller=Cautious())
+    if kind == "dead_end":  # which they have a way to
+        return Simulation(
+            corridor(robots, jam=True, spacing=SPACING, segments=SEGMENTS_OF_DEAD_END)
+        )
     return Simulation(corridor(robots, jam=kind == "jam", noise=0.01 if kind == "jam" else 0.0))
 
 
 def speed(asked: dict[str, Any]) -> dict[str, Any]:
-    """Rate of the corridor, and the share of robots that are in danger mode."""
+    """Rate of the corridor, and the share of decisions in danger mode."""
     kind, robots = asked["kind"], asked["robots"]
     began = time.process_time()
-    running = simulation(kind, robots)
+    running = simulation(kind, robots, **asked.get("walls", {}))
     ready = time.process_time() - began
-    forward = np.tile([SPEED, 0.0], (robots, 1)) if kind in ("drive", "jam") else None
+    forward = np.tile([SPEED, 0.0], (robots, 1)) if kind in FORWARD else None
     start = running.state
     found = rate(
         lambda: running.step(forward), robots, asked["seconds"], asked["most"],
-        lambda: running.restore(start),
+        lambda: running.restore(start), asked.get("whole", False),
     )  # fmt: skip
+    found["contacts"] = len(running.contacts)
+    if forward is None:
+        running.restore(start)
+        found.update(_decisions(running, min(found["steps"], asked["most"])))
+        if kind == "danger" and found["danger"] < 1.0:
+            raise SystemExit(f"only {found['danger']:.3f} of the decisions are in danger mode")
+    return {**found, "ready": ready}
+
+
+def _decisions(running: Simulation, steps: int) -> dict[str, float]:
+    """Share of decisions in danger mode, and decisions a robot and step: the way once more."""
     is_danger = np.array([*(mode.danger for mode in running.declared.modes), False])
-    return {
-        **found, "danger": float(is_danger[running.mode].mean()), "ready": ready,
-        "contacts": len(running.contacts),
-    }  # fmt: skip
+    made = danger = 0
+    for _ in range(steps):
+        running.step()
+        decisions = running.last.decisions if running.last else None
+        if decisions is not None:
+            made += len(decisions.mode)
+            danger += int(is_danger[decisions.mode].sum())
+    robots = running.scene.robots
+    return {"danger": danger / max(made, 1), "decisions": made / (steps * robots)}
 
 
 def record(asked: dict[str, Any]) -> dict[str, Any]:
@@ -142,7 +189,7 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
 
     robots, seconds = asked["robots"], asked["steps"] * STEP
     running = Simulation(corridor(robots, PAPER["free"], duration=seconds))
-    start, spent = running.state, {True: 0.0, False: 0.0}
+    start, spent = running.state, {True: [], False: []}
     with tempfile.TemporaryDirectory() as folder:
         for repeat in range(3):
             for is_recorded in (True, False):
@@ -154,10 +201,11 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
                     for _ in range(asked["steps"]):
                         running.step()
                 if repeat:  # the first time kernels are compiled
-                    spent[is_recorded] += time.process_time() - began
+                    spent[is_recorded].append(time.process_time() - began)
         size = (Path(folder) / "1.h5").stat().st_size / 1e6
-    rates = {yes: 2 * robots * asked["steps"] / spent[yes] for yes in spent}
-    return {"rate": rates[True], "without": rates[False], "size": size}
+    rates = {yes: 2 * robots * asked["steps"] / sum(times) for yes, times in spent.items()}
+    spans = [robots * asked["steps"] / one for one in spent[True]]
+    return {"rate": rates[True], "without": rates[False], "spans": spans, "size": size}
 
 
 def head_on(asked: dict[str, Any]) -> dict[str, Any]:
@@ -218,6 +266,38 @@ def video(asked: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def world(asked: dict[str, Any]) -> dict[str, Any]:
+    """Processor time to read, check and build a world file: as `physim check`, and as a run."""
+    from physim.world.checks import check_world
+
+    with tempfile.TemporaryDirectory() as folder:
+        spent = {}
+        for robots in (10, asked["robots"]):  # the first loads the kernels
+            made = corridor(robots, PAPER["free"], segments=asked["segments"])
+            file = Path(folder) / f"{robots}.yaml"
+            file.write_text(made.to_yaml(), encoding="utf-8")
+            began = time.process_time()
+            running = Simulation(physim.load_world(file))
+            spent["built"] = time.process_time() - began
+            began = time.process_time()
+            found = check_world(file)
+            spent["checked"] = time.process_time() - began
+            if found.errors:
+                raise SystemExit(str(found.errors[0]))
+    return {**spent, "walls": len(running.scene.walls.part_start) - 1}
+
+
+def whole_run(asked: dict[str, Any]) -> dict[str, Any]:
+    """Processor time of a shipped world from its file to its end, with a record on disk."""
+    times = []
+    with tempfile.TemporaryDirectory() as folder:
+        for repeat in range(3):
+            began = time.process_time()
+            physim.simulate(physim.load_world(asked["world"]), path=Path(folder) / f"{repeat}.h5")
+            times.append(time.process_time() - began)
+    return {"cpu": min(times[1:]), "first": times[0]}
+
+
 def parts(asked: dict[str, Any]) -> dict[str, Any]:
     """Processor time of a simulated second, by part, with a record on disk."""
     from physim.simulation.run import record_run
@@ -266,6 +346,7 @@ def _timed(call: Callable[..., Any], name: str, spent: dict[str, float]) -> Call
 
 KINDS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
     "speed": speed, "record": record, "head_on": head_on, "video": video, "parts": parts,
+    "world": world, "run": whole_run,
 }  # fmt: skip
 
 

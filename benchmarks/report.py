@@ -42,8 +42,8 @@ HEADER = """\
 # Results
 
 Written by `python -m benchmarks`; [README.md](README.md) says how it measures. Ratios hold on
-other machines, figures do not. A † stands behind a rate for every process of which two spans, even measured again,
-differ more than twice: something else was in one of them.
+other machines, figures do not. A † stands behind a rate for every process of which
+two spans differ more than twice, even measured again: something else was in one of them.
 
 """
 

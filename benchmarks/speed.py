@@ -16,6 +16,7 @@ CONTESTS = {
     "drive": ("no controller, commands from outside", "drive", (
         ("navground", "Dummy", "navground, discs"),
         ("irsim", "contact", "IR-SIM, rectangles with contact"),
+        ("vmas", "contact", "VMAS, rectangles with contact"),
     )),
     "controller": ("each with its controller", "free", (
         ("navground", "HL", "navground HL, discs"),
@@ -26,6 +27,7 @@ CONTESTS = {
     "jam": ("all driven into a dead end, packed", "jam", (
         ("navground", "Dummy", "navground, discs"),
         ("irsim", "contact", "IR-SIM, rectangles with contact"),
+        ("vmas", "contact", "VMAS, rectangles with contact"),
     )),
 }  # fmt: skip
 """What is compared: in words, physim's kind, and who does it how."""
@@ -82,8 +84,9 @@ def text(store: Store, peers: Mapping[str, Environment]) -> str:
         rows[0] += [cell(store, SUBJECT, "physim", f"{contest}-{n}") for n in columns]
         behind = []
         for name, how, label in rivals:
-            who = f"{name}-{how}"
-            failed = peers[name].failed if name in peers else "not asked for"
+            if name not in peers:
+                continue
+            who, failed = f"{name}-{how}", peers[name].failed
             rates = [failed or cell(store, SUBJECT, who, f"{contest}-{n}") for n in columns]
             ratios = [_ratio(store, who, f"{contest}-{n}") for n in columns]
             rows += [[label, *rates], [f"physim : {label}", *map(_shown, ratios)]]

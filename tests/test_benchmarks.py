@@ -208,13 +208,13 @@ def test_the_picture_and_the_table_of_the_cost_are_written(tmp_path: Path) -> No
     store = Store(tmp_path / "measured")
     parts = {"decide": 0.02, "physics": 0.01, "record": 0.0, "rest": 0.01}
     for robots in (10, 1000):
-        result = {"parts": parts, "build": 1.0, "memory": 100.0}
+        result = {"parts": parts, "build": 1.0, "once": 0.05, "memory": 100.0}
         store.put(Job("scaling", "physim", f"parts-{robots}", ()), 0, result)
     store.put(Job("scaling", "physim", "parts-20000", ()), 0, {FAILED: "not done in 240 s"})
     scaling.draw(store, tmp_path)
     assert (tmp_path / scaling.PICTURE).stat().st_size > 5000
     text = scaling.text(store)
-    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 100 MB |" in text
+    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 0.05 s | 100 MB |" in text
     assert "| 20,000 | not done in 240 s |" in text
 
 

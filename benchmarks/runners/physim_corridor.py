@@ -135,4 +135,4 @@ def simulation(kind: str, robots: int, **walls: int) -> Simulation:
         return Simulation(
             corridor(robots, jam=True, spacing=SPACING, segments=SEGMENTS_OF_DEAD_END)
         )
-    return Simulation(corridor(robots, jam=kind == "jam", noise=0.01 if kind == "jam" else 0.0))
+    return Simulation(corridor(robots, jam=kind == "jam", noise=0.004 if kind == "jam" else 0.0))

@@ -103,6 +103,7 @@ def _measure(
         groups += [(group, 1) for group in scaling.groups(quick)]
     if "targets" in wanted:
         groups += [(group, rounds) for group in targets.groups(quick)]
+        groups += [([job], 1) for job in targets.long_ones(quick)]
     if "trial" in wanted and options.trial is not None:
         theirs = trial.groups(options.trial.resolve(), work, quick)
         if failed := trial.warm_up(work):

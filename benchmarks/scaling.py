@@ -50,7 +50,8 @@ def text(store: Store) -> str:
         whole = sum(one["parts"].values())
         each = [f"{one['parts'][name] / robots * 1e6:.1f}" for name in PARTS]
         rows.append([f"{robots:,}", *each, f"**{whole / robots * 1e6:.1f}**",
-                     f"{one['build']:.1f} s", f"{one['once']:.2f} s", f"{one['memory']:.0f} MB"])  # fmt: skip
+                     f"{one['build']:.1f} s", f"{one['once']:.2f} s",
+                     f"{one['memory']:.0f} MB"])  # fmt: skip
     head = [
         "N",
         *(words for words, _ in PARTS.values()),

@@ -16,6 +16,10 @@ SUBJECT = "targets"
 RECORDED = {10: 1200, 100: 1200, 1000: 300, 5000: 60}
 """Steps with a record on disk."""
 SIZES = (10, 100, 1000)
+RECORDS = {
+    "rate": "with a record on disk : without",
+    "lasting": "the same but for beginning and ending the record",
+}
 LEAST_WITH_RECORD, MOST_BY_DISTANCE, MOST_BY_WALLS = 0.6, 1.3, 1.3
 PLAIN = {10: 60e3, 100: 40e3, 1000: 40e3}
 """Robot-steps/s of a plain controller, on the day and machine of the targets."""
@@ -39,14 +43,18 @@ def groups(quick: bool) -> list[list[Job]]:
     found = [[one(kind, n, kind) for kind in ("default", "short")] for n in sizes]
     found += [[one(kind, n, kind) for kind in ("long", "free")] for n in sizes]
     found += [[one("plain", n, "plain")] for n in sizes]
-    found.append([one(f"far_{far}", 100, "free", far=far) for far in FAR])
-    if not quick:
-        found.append([one("jam", 1000, "jam")])
-    for robots in sizes if quick else RECORDED:
+    return [*found, [one(f"far_{far}", 100, "free", far=far) for far in FAR]]
+
+
+def long_ones(quick: bool) -> list[Job]:
+    """What takes long, and is done more than once within its process."""
+    sizes = SIZES[:2] if quick else RECORDED
+    found = [] if quick else [own(SUBJECT, "jam", 1000, "jam", 0.35)]
+    for robots in sizes:
         steps = RECORDED[robots] // (4 if quick else 1)
-        found.append([_physim(f"record-{robots}", what="record", robots=robots, steps=steps)])
-    found.append([_physim("world", what="world", robots=WORLD[0], segments=WORLD[1])])
-    found.append([_physim("run", what="run", world="ten_robots")])
+        found.append(_physim(f"record-{robots}", what="record", robots=robots, steps=steps))
+    found.append(_physim("world", what="world", robots=WORLD[0], segments=WORLD[1]))
+    found.append(_physim("run", what="run", world="ten_robots"))
     return found
 
 
@@ -86,10 +94,10 @@ def _ratios(store: Store) -> Iterator[Row]:
     """What is held against physim itself."""
     for n in RECORDED:
         if store.results(SUBJECT, "physim", f"record-{n}"):
-            pair = [store.values(SUBJECT, "physim", f"record-{n}", key)
-                    for key in ("rate", "without")]  # fmt: skip
-            yield _beside("with a record on disk : without", n, pair, LEAST_WITH_RECORD, store,
-                          f"record-{n}")  # fmt: skip
+            for key, words in RECORDS.items():
+                pair = [store.values(SUBJECT, "physim", f"record-{n}", one)
+                        for one in (key, "without")]  # fmt: skip
+                yield _beside(words, n, pair, LEAST_WITH_RECORD, store, f"record-{n}")
     distances = (
         ("default", "short", "default settings, L 1 m : 0.3 m"),
         ("long", "free", "thresholds of the free flow, L 1 m : 0.3 m"),

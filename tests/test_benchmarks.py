@@ -138,7 +138,7 @@ def test_targets_of_its_own_are_met_or_short_or_not_measured(tmp_path: Path) -> 
     def put(subject: str, what: str, who: str = "physim", **result: Any) -> None:
         store.put(Job(subject, who, what, ()), 0, result)
 
-    put("targets", "record-100", rate=50.0, without=100.0)
+    put("targets", "record-100", rate=50.0, without=100.0, lasting=65.0)
     put("targets", "plain-10", rate=70e3)
     put("targets", "plain-100", **{FAILED: "gone"})
     put("targets", "default-10", rate=90.0, danger=0.25)
@@ -150,6 +150,7 @@ def test_targets_of_its_own_are_met_or_short_or_not_measured(tmp_path: Path) -> 
     rows = [line.split(" | ") for line in targets.text(store).splitlines() if " | " in line][2:]
     assert [(row[1], row[3], row[4]) for row in rows] == [
         ("100", "≥ 0.6", "short |"),
+        ("100", "≥ 0.6", "met |"),
         ("10", "≥ 0.769", "met |"),
         ("10", "≥ 60 k", "met |"),
         ("100", "≥ 40 k", "not measured |"),
@@ -158,8 +159,8 @@ def test_targets_of_its_own_are_met_or_short_or_not_measured(tmp_path: Path) -> 
         ("10", "≥ 250", "met |"),
         ("10", "≥ 1", "short |"),
     ]
-    assert "(25 and 50 % of the decisions in danger mode)" in rows[1][0]
-    assert rows[3][2] == "gone"
+    assert "(25 and 50 % of the decisions in danger mode)" in rows[2][0]
+    assert rows[4][2] == "gone"
 
 
 def test_uneven_spans_are_measured_again_and_said(tmp_path: Path) -> None:

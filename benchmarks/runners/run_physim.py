@@ -71,10 +71,18 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
                         running.step()
                 if repeat:  # the first time kernels are compiled
                     spent[is_recorded].append(time.process_time() - began)
+        running.restore(start)
+        began = time.process_time()
+        record_run(running, path=Path(folder) / "once.h5", stop=lambda: True)
+        once = time.process_time() - began
         size = (Path(folder) / "1.h5").stat().st_size / 1e6
     rates = {yes: 2 * robots * asked["steps"] / sum(times) for yes, times in spent.items()}
     spans = [robots * asked["steps"] / one for one in spent[True]]
-    return {"rate": rates[True], "without": rates[False], "spans": spans, "size": size}
+    lasting = 2 * robots * asked["steps"] / max(sum(spent[True]) - 2 * once, 1e-9)
+    return {
+        "rate": rates[True], "without": rates[False], "lasting": lasting, "once": once,
+        "spans": spans, "size": size,
+    }  # fmt: skip
 
 
 def head_on(asked: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from benchmarks.measuring import FAILED, ROOT, Job, Store, runner, table
 SUBJECT = "first"
 MODULES = {"physim": "physim", "navground": "navground.sim", "irsim": "irsim", "pyrvo": "pyrvo"}
 NAMES = {"physim": "physim", "navground": "navground", "irsim": "IR-SIM", "pyrvo": "pyrvo"}
-SECONDS = 60.0
+SECONDS = 30.0
 """[s] of the video"""
 RUN = "import sys; from physim.cli import main; sys.exit(main())"
 COMMANDS = {

@@ -90,7 +90,7 @@ def _measure(
     wanted: set[str],
 ) -> None:  # fmt: skip
     quick, groups = options.quick, []
-    rounds = options.rounds or (1 if quick else 3)
+    rounds, commands = options.rounds or (1 if quick else 3), []
     if "speed" in wanted:
         groups += [(group, rounds) for group in speed.groups(peers, quick)]
     if "headon" in wanted:
@@ -113,6 +113,8 @@ def _measure(
     try:
         progress.tell("kernels")
         for job in speed.warm_up():
+            run(job)
+        for job in commands:
             run(job)
         if "first" in wanted and not quick:
             progress.tell("first: installation of physim")

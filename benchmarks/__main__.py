@@ -12,11 +12,11 @@ import shutil
 import sys
 from pathlib import Path
 
-from benchmarks import first, headon, report, scaling, speed, trial
+from benchmarks import first, headon, report, scaling, speed, targets, trial
 from benchmarks.environments import PEERS, Environment, environment
 from benchmarks.measuring import FAILED, HERE, ROOT, Job, Progress, Store, in_turn, run
 
-SUBJECTS = ("speed", "headon", "first", "scaling", "trial")
+SUBJECTS = ("speed", "headon", "first", "scaling", "trial", "targets")
 
 
 def main() -> int:
@@ -90,7 +90,7 @@ def _measure(
     wanted: set[str],
 ) -> None:  # fmt: skip
     quick, groups = options.quick, []
-    rounds = options.rounds or (1 if quick else 3)
+    rounds, commands = options.rounds or (1 if quick else 3), []
     if "speed" in wanted:
         groups += [(group, rounds) for group in speed.groups(peers, quick)]
     if "headon" in wanted:
@@ -101,6 +101,9 @@ def _measure(
         groups += [([job], 3) for job in commands]
     if "scaling" in wanted:
         groups += [(group, 1) for group in scaling.groups(quick)]
+    if "targets" in wanted:
+        groups += [(group, rounds) for group in targets.groups(quick)]
+        groups += [([job], 1) for job in targets.long_ones(quick)]
     if "trial" in wanted and options.trial is not None:
         theirs = trial.groups(options.trial.resolve(), work, quick)
         if failed := trial.warm_up(work):
@@ -110,6 +113,8 @@ def _measure(
     try:
         progress.tell("kernels")
         for job in speed.warm_up():
+            run(job)
+        for job in commands:
             run(job)
         if "first" in wanted and not quick:
             progress.tell("first: installation of physim")

@@ -138,10 +138,18 @@ def in_turn(
                         continue
                     progress.tell(f"{job.subject}: {job.who} {job.what}")
                     known = run(job)
+                    if is_uneven(known):  # once more: something else was in one of its spans
+                        known = {**run(job), "again": True}
                     store.put(job, number, known)
                     if FAILED in known:
                         given_up.add(job_key(job))
                 progress.step()
+
+
+def is_uneven(found: Result) -> bool:
+    """Whether the spans of one measurement differ more than twice."""
+    spans = found.get("spans") or [found.get("least", 1.0), found.get("most", 1.0)]
+    return bool(max(spans) > 2.0 * min(spans))
 
 
 def job_key(job: Job) -> tuple[str, str, str]:
@@ -200,6 +208,17 @@ def spread(values: Sequence[float]) -> str:
     if len(values) == 1:
         return middle
     return f"{middle} ({amount(min(values))}–{amount(max(values))})"
+
+
+def cell(store: Store, subject: str, who: str, what: str) -> str:
+    """Rates of a measurement in a table, or why there are none."""
+    failed = store.why_not(subject, who, what)
+    mark = "".join(UNEVEN for one in store.results(subject, who, what) if is_uneven(one))
+    return failed or spread(store.values(subject, who, what)) + mark
+
+
+UNEVEN = "†"
+"""Stands behind a rate for every process whose spans differ more than twice, twice over."""
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

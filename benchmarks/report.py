@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks import first, headon, scaling, speed, trial
+from benchmarks import first, headon, scaling, speed, targets, trial
 from benchmarks.environments import PEERS, Environment
 from benchmarks.measuring import FAILED, ROOT, Store, table
 
@@ -32,6 +32,8 @@ def write(store: Store, peers: Mapping[str, Environment], file: Path, quick: boo
         parts.append(scaling.text(store))
     if (store.folder / trial.SUBJECT).exists():
         parts.append(trial.text(store))
+    if (store.folder / targets.SUBJECT).exists():
+        parts.append(targets.text(store))
     parts.append(_peers(store, peers))
     file.write_text("".join(parts).rstrip() + "\n", encoding="utf-8")
 
@@ -39,8 +41,9 @@ def write(store: Store, peers: Mapping[str, Environment], file: Path, quick: boo
 HEADER = """\
 # Results
 
-Written by `python -m benchmarks`; [README.md](README.md) says how it measures. Ratios hold on other
-machines, figures do not.
+Written by `python -m benchmarks`; [README.md](README.md) says how it measures. Ratios hold on
+other machines, figures do not. A † stands behind a rate for every process of which
+two spans differ more than twice, even measured again: something else was in one of them.
 
 """
 

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from benchmarks.environments import Environment
-from benchmarks.measuring import Job, Store, ratio, runner, spread, table
+from benchmarks.measuring import Job, Store, cell, ratio, runner, table
 
 SUBJECT = "speed"
 MOST = 1000
@@ -16,6 +16,7 @@ CONTESTS = {
     "drive": ("no controller, commands from outside", "drive", (
         ("navground", "Dummy", "navground, discs"),
         ("irsim", "contact", "IR-SIM, rectangles with contact"),
+        ("vmas", "contact", "VMAS, rectangles with contact"),
     )),
     "controller": ("each with its controller", "free", (
         ("navground", "HL", "navground HL, discs"),
@@ -26,6 +27,7 @@ CONTESTS = {
     "jam": ("all driven into a dead end, packed", "jam", (
         ("navground", "Dummy", "navground, discs"),
         ("irsim", "contact", "IR-SIM, rectangles with contact"),
+        ("vmas", "contact", "VMAS, rectangles with contact"),
     )),
 }  # fmt: skip
 """What is compared: in words, physim's kind, and who does it how."""
@@ -37,7 +39,7 @@ def groups(peers: Mapping[str, Environment], quick: bool) -> list[list[Job]]:
     for contest, (_, kind, rivals) in CONTESTS.items():
         for robots in sizes(contest, quick):
             asked = {
-                "what": "speed", "robots": robots, "seconds": 0.2 if quick else 0.7,
+                "what": "speed", "robots": robots, "seconds": 0.1 if quick else 0.35,
                 "most": 200 if contest == "jam" else MOST, "jam": contest == "jam",
             }  # fmt: skip
             what = f"{contest}-{robots}"
@@ -54,7 +56,7 @@ def groups(peers: Mapping[str, Environment], quick: bool) -> list[list[Job]]:
 
 def warm_up() -> list[Job]:
     """Runs that compile the kernels; they are no measurements."""
-    kinds = ("drive", "free", "danger", "default", "plain", "jam")
+    kinds = ("drive", "free", "danger", "default", "plain", "jam", "dead_end")
     tasks = [{"what": "speed", "kind": kind, "robots": 10, "seconds": 0.1, "most": 200}
              for kind in kinds]  # fmt: skip
     tasks.append({"what": "record", "robots": 10, "steps": 40})
@@ -79,12 +81,13 @@ def text(store: Store, peers: Mapping[str, Environment]) -> str:
             n for n in (1, 10, 100, 1000) if store.results(SUBJECT, "physim", f"{contest}-{n}")
         ]
         rows = [["physim, rectangles with contact"]]
-        rows[0] += [_cell(store, "physim", f"{contest}-{n}") for n in columns]
+        rows[0] += [cell(store, SUBJECT, "physim", f"{contest}-{n}") for n in columns]
         behind = []
         for name, how, label in rivals:
-            who = f"{name}-{how}"
-            failed = peers[name].failed if name in peers else "not asked for"
-            rates = [failed or _cell(store, who, f"{contest}-{n}") for n in columns]
+            if name not in peers:
+                continue
+            who, failed = f"{name}-{how}", peers[name].failed
+            rates = [failed or cell(store, SUBJECT, who, f"{contest}-{n}") for n in columns]
             ratios = [_ratio(store, who, f"{contest}-{n}") for n in columns]
             rows += [[label, *rates], [f"physim : {label}", *map(_shown, ratios)]]
             slower = [
@@ -106,10 +109,6 @@ discs have a radius of 0.29 m. Controllers decide every 0.1 s and, of the peers,
 one kind of rule and another are no measure of what the rules are worth.
 
 """
-
-
-def _cell(store: Store, who: str, what: str) -> str:
-    return store.why_not(SUBJECT, who, what) or spread(store.values(SUBJECT, who, what))
 
 
 def _ratio(store: Store, who: str, what: str) -> float | None:

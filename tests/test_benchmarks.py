@@ -9,10 +9,22 @@ from typing import Any
 
 import pytest
 
-from benchmarks import environments, headon, report, scaling, speed, trial
+from benchmarks import environments, headon, report, scaling, speed, targets, trial
 from benchmarks.__main__ import main
 from benchmarks.environments import PEERS, Environment, Peer, environment
-from benchmarks.measuring import FAILED, Job, Progress, Store, in_turn, ratio, run, runner, spread
+from benchmarks.measuring import (
+    FAILED,
+    Job,
+    Progress,
+    Store,
+    cell,
+    in_turn,
+    ratio,
+    run,
+    runner,
+    spread,
+)
+from benchmarks.runners import common
 
 HERE = {peer.name: Environment(peer, sys.executable) for peer in PEERS if not peer.optional}
 
@@ -110,14 +122,74 @@ def test_targets_are_held_against_ratios(tmp_path: Path) -> None:
     for who, rate in (("physim", 75.0), ("trial", 100.0)):
         for robots in (10, 1000):
             store.put(Job("trial", who, f"free-{robots}", ()), 0, {"rate": rate})
-    store.put(Job("trial", "physim", "plain-10", ()), 0, {FAILED: "not done in 300 s"})
+    store.put(Job("trial", "physim", "jam-10", ()), 0, {FAILED: "not done in 300 s"})
     rows = [line for line in trial.text(store).splitlines() if line.startswith("| ")]
     ends = {tuple(row.split(" | ")[1:2] + row.split(" | ")[-3:]) for row in rows[2:]}
     assert ends == {
         ("10", "**0.75**", "≥ 0.50", "met |"),
         ("1,000", "**0.75**", "≥ 0.80", "short |"),
-        ("10", "–", "≥ 1.00", "not measured |"),
+        ("10", "–", "≥ 0.40", "not measured |"),
     }
+
+
+def test_targets_of_its_own_are_met_or_short_or_not_measured(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+
+    def put(subject: str, what: str, who: str = "physim", **result: Any) -> None:
+        store.put(Job(subject, who, what, ()), 0, result)
+
+    put("targets", "record-100", rate=50.0, without=100.0, lasting=65.0)
+    put("targets", "plain-10", rate=70e3)
+    put("targets", "plain-100", **{FAILED: "gone"})
+    put("targets", "default-10", rate=90.0, danger=0.25)
+    put("targets", "short-10", rate=100.0, danger=0.5)
+    put("targets", "world", built=2.5, checked=1.5)
+    put("first", "video", rate=300.0)
+    put("speed", "drive-10", rate=100.0)
+    put("speed", "drive-10", "irsim-contact", rate=200.0)
+    rows = [line.split(" | ") for line in targets.text(store).splitlines() if " | " in line][2:]
+    assert [(row[1], row[3], row[4]) for row in rows] == [
+        ("100", "≥ 0.6", "short |"),
+        ("100", "≥ 0.6", "met |"),
+        ("10", "≥ 0.769", "met |"),
+        ("10", "≥ 60 k", "met |"),
+        ("100", "≥ 40 k", "not measured |"),
+        ("1,000", "≤ 2 s", "short |"),
+        ("1,000", "≤ 2 s", "met |"),
+        ("10", "≥ 250", "met |"),
+        ("10", "≥ 1", "short |"),
+    ]
+    assert "(25 and 50 % of the decisions in danger mode)" in rows[2][0]
+    assert rows[4][2] == "gone"
+
+
+def test_uneven_spans_are_measured_again_and_said(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    code = f"open({str(log)!r}, 'a').write('x'); print('{{\"rate\": 9.0, \"spans\": [4.0, %s]}}')"
+    store = Store(tmp_path / "measured")
+    in_turn([[prints(code % 9.0), prints(code % 7.0, "b")]], 1, store, False, Progress(2))
+    assert log.read_text() == "xxx"
+    assert cell(store, "speed", "a", "it") == "9†"
+    assert cell(store, "speed", "b", "it") == "9"
+
+
+def test_a_rate_leaves_out_what_comes_once(monkeypatch: Any) -> None:
+    """Compilation, and the way back to the start, are in no span."""
+    now, first = [0.0], [True]
+    monkeypatch.setattr(common.time, "process_time", lambda: now[0])
+
+    def step() -> None:
+        now[0] += 100.0 if first[0] else 0.01
+        first[0] = False
+
+    def again() -> None:
+        now[0] += 5.0
+
+    found = common.rate(step, 10, 0.2, 7, again)
+    assert found["rate"] == pytest.approx(1000.0)
+    assert found["spans"] == pytest.approx([1000.0, 1000.0])
+    whole = common.rate(step, 10, 0.2, 50, again, whole=True)
+    assert whole["steps"] == 100
 
 
 def test_head_on_counts_who_passed_and_who_was_never_told_of(tmp_path: Path) -> None:
@@ -137,13 +209,13 @@ def test_the_picture_and_the_table_of_the_cost_are_written(tmp_path: Path) -> No
     store = Store(tmp_path / "measured")
     parts = {"decide": 0.02, "physics": 0.01, "record": 0.0, "rest": 0.01}
     for robots in (10, 1000):
-        result = {"parts": parts, "build": 1.0, "memory": 100.0}
+        result = {"parts": parts, "build": 1.0, "once": 0.05, "memory": 100.0}
         store.put(Job("scaling", "physim", f"parts-{robots}", ()), 0, result)
     store.put(Job("scaling", "physim", "parts-20000", ()), 0, {FAILED: "not done in 240 s"})
     scaling.draw(store, tmp_path)
     assert (tmp_path / scaling.PICTURE).stat().st_size > 5000
     text = scaling.text(store)
-    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 100 MB |" in text
+    assert "| 1,000 | 20.0 | 10.0 | 0.0 | 10.0 | **40.0** | 1.0 s | 0.05 s | 100 MB |" in text
     assert "| 20,000 | not done in 240 s |" in text
 
 

@@ -24,6 +24,8 @@ LENGTH_OF_ROBOT, WIDTH_OF_ROBOT = 0.5, 0.3
 """[m] of the rectangles"""
 RADIUS = 0.29
 """[m] of the discs: about the circumscribed circle of the rectangles"""
+SETTLING = 3
+"""Steps from the start that do not count."""
 PACKED = 0.55
 """[m] between robots in a lane that are to run into a dead end at once"""
 
@@ -39,33 +41,52 @@ def lane(i: int) -> float:
     return (i % LANES - (LANES - 1) / 2) * SPACING
 
 
-def road_length(robots: int, dead_end: bool = False) -> float:
-    """Length of the corridor [m]; that of a dead end leaves 1 m before the first row."""
+def road_length(robots: int, dead_end: bool = False, spacing: float = PACKED) -> float:
+    """Length of the corridor [m]; that of a dead end leaves 1 m before the first row.
+
+    ``spacing`` is that of the robots in a dead end.
+    """
     columns = (robots - 1) // LANES + 1
     if dead_end:
-        return FIRST_X + (columns - 1) * PACKED + 1.25
+        return FIRST_X + (columns - 1) * spacing + 1.25
     return FIRST_X + columns * SPACING + AHEAD
 
 
 def rate(
-    step: Callable[[], Any], robots: int, seconds: float, most: int, again: Callable[[], Any]
-) -> dict[str, float]:
-    """Robot-steps per second of processor time, over at least ``seconds`` of it.
+    step: Callable[[], Any], robots: int, seconds: float, most: int, again: Callable[[], Any],
+    whole: bool = False,
+) -> dict[str, Any]:  # fmt: skip
+    """Robot-steps per second of processor time, and those of the two spans that it is made of.
 
-    After ``most`` steps the robots are taken back to the start by ``again``, which does not count.
+    A span lasts ``seconds`` at least; one before them warms up. After ``most`` steps the robots are
+    taken back to the start by ``again``, which does not count; where what they do changes on their
+    way, spans are ``whole`` ways. Two spans that disagree had something else in them.
     """
+    spans = [_span(step, seconds, most, again, whole) for _ in range(3)][1:]
+    steps, spent = (sum(each) for each in zip(*spans, strict=True))
+    return {
+        "rate": robots * steps / spent, "steps": steps,
+        "spans": [robots * steps / spent for steps, spent in spans],
+    }  # fmt: skip
+
+
+def _span(
+    step: Callable[[], Any], seconds: float, most: int, again: Callable[[], Any], whole: bool
+) -> tuple[int, float]:
+    """Steps of a span, and the processor time that it took [s]."""
     spent, steps = 0.0, 0
     while spent < seconds:
         again()
-        for _ in range(3):
+        for _ in range(SETTLING):
             step()
-        began, count = time.process_time(), 0
-        while count < most and spent + time.process_time() - began < seconds:
+        began, count, passed = time.process_time(), 0, 0.0
+        while count < most and (whole or spent + passed < seconds):
             step()
             count += 1
-        spent += time.process_time() - began
+            passed = time.process_time() - began
+        spent += passed
         steps += count
-    return {"rate": robots * steps / spent, "steps": steps}
+    return steps, spent
 
 
 def task() -> dict[str, Any]:

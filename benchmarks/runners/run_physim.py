@@ -1,7 +1,4 @@
-"""physim: polygons with contacts in the corridor; what is asked for is a function of `KINDS`.
-
-The walls are 200 segments. The paper's controller decides every 0.1 s, as those of the peers do.
-"""
+"""physim: polygons with contacts in the corridor; what is asked for is a function of `KINDS`."""
 
 from __future__ import annotations
 
@@ -9,131 +6,50 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from math import atan2, hypot, pi
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from common import (
-    FIRST_X,
-    LENGTH_OF_ROBOT,
-    PACKED,
-    PERIOD,
-    SPACING,
-    SPEED,
-    STEP,
-    WIDTH,
-    WIDTH_OF_ROBOT,
-    lane,
-    places,
-    rate,
-    report,
-    road_length,
-    task,
-)  # fmt: skip
+from common import FIRST_X, LENGTH_OF_ROBOT, SPEED, STEP, WIDTH_OF_ROBOT, rate, report, task
+from physim_corridor import FORWARD, PAPER, corridor, simulation
 
 import physim
-from physim import Decision, Mode, Simulation, World
-
-SHORT = {"look_ahead": 1.0, "horizon": 10.0, "longest_interval": PERIOD}
-NEAR = {"distance_low": 0.15, "distance_high": 0.25, "boundary_low": 0.05, "safe_distance": 0.3}
-SOON = {"time_low": 0.5, "time_high": 1.0}
-ALWAYS = {"distance_low": 1e3, "distance_high": 2e3, "boundary_low": 1e3}
-"""Thresholds under which no robot is ever safe."""
-SEGMENTS = 200
-
-
-def corridor(
-    robots: int, settings: dict[str, Any] | None = None, jam: bool = False, noise: float = 0.05,
-    duration: float = 2000.0, speed: float = SPEED, segments: int = SEGMENTS,
-) -> World:  # fmt: skip
-    """World of the corridor; without settings nobody decides."""
-    rng = np.random.default_rng(0)
-    length = road_length(robots, jam) + 0.5
-    margin = 0.5 if jam else 3.0
-    points = np.linspace(0.0, length - margin, max(2, segments // 2 - 1))
-    robot = {
-        "footprint": {"length": LENGTH_OF_ROBOT, "width": WIDTH_OF_ROBOT},
-        "limits": {"v": max(1.0, speed), "omega": 1.6},
-    }
-    standing = [
-        {**robot, "name": f"a{i}", "path": {"offset": lane(i)},
-         "pose": [x + rng.normal(0.0, noise), y + rng.normal(0.0, noise),
-                  rng.normal(0.0, 2.0 * noise)]}
-        for i, (x, y) in enumerate(places(robots, PACKED if jam else SPACING))
-    ]  # fmt: skip
-    paper = {"type": "mode_switching", **(settings or {})}
-    formation = {
-        "gain": 0.005, "speed": speed, "limits": [0.8 * speed, max(1.0, speed)],
-        "spacing": "initial", "range": 10.0,
-    }  # fmt: skip
-    return World(
-        name="corridor",
-        seed=0,
-        time={"step": STEP, "duration": duration},
-        corridor={"centreline": [[float(x), 0.0] for x in points], "width": WIDTH,
-                  "end_margin": margin},
-        robots=standing,
-        formation=formation,
-        controller={"type": "constant"} if settings is None else paper,
-    )  # fmt: skip
-
-
-class Cautious:
-    """The controller of one's own in README.md."""
-
-    modes = (Mode("going", "#0072b2"), Mode("waiting", "#e69f00", "waits", danger=True))
-
-    def decide(self, observation: Any, memory: Any) -> Decision:
-        """Steer to a point 2 m ahead; wait while a robot further along is near."""
-        o = observation
-        if o.station >= o.stop_station - 0.05:
-            return Decision(v=0.0, omega=0.0, hold=PERIOD, mode="going")
-        x, y, heading = o.pose
-        tx, ty = o.path.target(o.station, 2.0)
-        error = (atan2(ty - y, tx - x) - heading + pi) % (2 * pi) - pi
-        omega = max(-o.limits[1], min(o.limits[1], 2.0 * error))
-        ahead = [s for s in o.others if s.station > o.reference_station]
-        if any(hypot(s.pose[0] - x, s.pose[1] - y) < 1.1 for s in ahead):
-            return Decision(v=0.0, omega=omega, hold=PERIOD, mode="waiting")
-        return Decision(v=min(SPEED, o.limits[0]), omega=omega, hold=PERIOD, mode="going")
-
-
-PAPER = {
-    "free": {**SHORT, **NEAR, **SOON},
-    "danger": {**SHORT, **NEAR, **SOON, **ALWAYS},
-    "default": {"longest_interval": PERIOD},
-    "short": {"longest_interval": PERIOD, "safe_distance": 0.3},
-}
-"""Settings of the paper's controller by what is measured; ``short`` is the default but for L."""
-
-
-def simulation(kind: str, robots: int) -> Simulation:
-    """Set up what is to be measured."""
-    if kind in PAPER:
-        return Simulation(corridor(robots, PAPER[kind]))
-    if kind == "plain":
-        return Simulation(corridor(robots), controller=Cautious())
-    return Simulation(corridor(robots, jam=kind == "jam", noise=0.01 if kind == "jam" else 0.0))
+from physim import Simulation, World
 
 
 def speed(asked: dict[str, Any]) -> dict[str, Any]:
-    """Rate of the corridor, and the share of robots that are in danger mode."""
+    """Rate of the corridor, and the share of decisions in danger mode."""
     kind, robots = asked["kind"], asked["robots"]
     began = time.process_time()
-    running = simulation(kind, robots)
+    running = simulation(kind, robots, **asked.get("walls", {}))
     ready = time.process_time() - began
-    forward = np.tile([SPEED, 0.0], (robots, 1)) if kind in ("drive", "jam") else None
+    forward = np.tile([SPEED, 0.0], (robots, 1)) if kind in FORWARD else None
     start = running.state
     found = rate(
         lambda: running.step(forward), robots, asked["seconds"], asked["most"],
-        lambda: running.restore(start),
+        lambda: running.restore(start), asked.get("whole", False),
     )  # fmt: skip
+    found["contacts"] = len(running.contacts)
+    if forward is None:
+        running.restore(start)
+        found.update(_decisions(running, min(found["steps"], asked["most"])))
+        if kind == "danger" and found["danger"] < 1.0:
+            raise SystemExit(f"only {found['danger']:.3f} of the decisions are in danger mode")
+    return {**found, "ready": ready}
+
+
+def _decisions(running: Simulation, steps: int) -> dict[str, float]:
+    """Share of decisions in danger mode, and decisions a robot and step: the way once more."""
     is_danger = np.array([*(mode.danger for mode in running.declared.modes), False])
-    return {
-        **found, "danger": float(is_danger[running.mode].mean()), "ready": ready,
-        "contacts": len(running.contacts),
-    }  # fmt: skip
+    made = danger = 0
+    for _ in range(steps):
+        running.step()
+        decisions = running.last.decisions if running.last else None
+        if decisions is not None:
+            made += len(decisions.mode)
+            danger += int(is_danger[decisions.mode].sum())
+    robots = running.scene.robots
+    return {"danger": danger / max(made, 1), "decisions": made / (steps * robots)}
 
 
 def record(asked: dict[str, Any]) -> dict[str, Any]:
@@ -142,7 +58,7 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
 
     robots, seconds = asked["robots"], asked["steps"] * STEP
     running = Simulation(corridor(robots, PAPER["free"], duration=seconds))
-    start, spent = running.state, {True: 0.0, False: 0.0}
+    start, spent = running.state, {True: [], False: []}
     with tempfile.TemporaryDirectory() as folder:
         for repeat in range(3):
             for is_recorded in (True, False):
@@ -154,10 +70,19 @@ def record(asked: dict[str, Any]) -> dict[str, Any]:
                     for _ in range(asked["steps"]):
                         running.step()
                 if repeat:  # the first time kernels are compiled
-                    spent[is_recorded] += time.process_time() - began
+                    spent[is_recorded].append(time.process_time() - began)
+        running.restore(start)
+        began = time.process_time()
+        record_run(running, path=Path(folder) / "once.h5", stop=lambda: True)
+        once = time.process_time() - began
         size = (Path(folder) / "1.h5").stat().st_size / 1e6
-    rates = {yes: 2 * robots * asked["steps"] / spent[yes] for yes in spent}
-    return {"rate": rates[True], "without": rates[False], "size": size}
+    rates = {yes: 2 * robots * asked["steps"] / sum(times) for yes, times in spent.items()}
+    spans = [robots * asked["steps"] / one for one in spent[True]]
+    lasting = 2 * robots * asked["steps"] / max(sum(spent[True]) - 2 * once, 1e-9)
+    return {
+        "rate": rates[True], "without": rates[False], "lasting": lasting, "once": once,
+        "spans": spans, "size": size,
+    }  # fmt: skip
 
 
 def head_on(asked: dict[str, Any]) -> dict[str, Any]:
@@ -218,6 +143,38 @@ def video(asked: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def world(asked: dict[str, Any]) -> dict[str, Any]:
+    """Processor time to read, check and build a world file: as `physim check`, and as a run."""
+    from physim.world.checks import check_world
+
+    with tempfile.TemporaryDirectory() as folder:
+        spent = {}
+        for robots in (10, asked["robots"]):  # the first loads the kernels
+            made = corridor(robots, PAPER["free"], segments=asked["segments"])
+            file = Path(folder) / f"{robots}.yaml"
+            file.write_text(made.to_yaml(), encoding="utf-8")
+            began = time.process_time()
+            running = Simulation(physim.load_world(file))
+            spent["built"] = time.process_time() - began
+            began = time.process_time()
+            found = check_world(file)
+            spent["checked"] = time.process_time() - began
+            if found.errors:
+                raise SystemExit(str(found.errors[0]))
+    return {**spent, "walls": len(running.scene.walls.part_start) - 1}
+
+
+def whole_run(asked: dict[str, Any]) -> dict[str, Any]:
+    """Processor time of a shipped world from its file to its end, with a record on disk."""
+    times = []
+    with tempfile.TemporaryDirectory() as folder:
+        for repeat in range(3):
+            began = time.process_time()
+            physim.simulate(physim.load_world(asked["world"]), path=Path(folder) / f"{repeat}.h5")
+            times.append(time.process_time() - began)
+    return {"cpu": min(times[1:]), "first": times[0]}
+
+
 def parts(asked: dict[str, Any]) -> dict[str, Any]:
     """Processor time of a simulated second, by part, with a record on disk."""
     from physim.simulation.run import record_run
@@ -232,8 +189,11 @@ def parts(asked: dict[str, Any]) -> dict[str, Any]:
     for name, (owner, method) in names.items():
         setattr(owner, method, _timed(getattr(owner, method), name, spent))
     with tempfile.TemporaryDirectory() as folder:
-        record_run(running, path=Path(folder) / "0.h5")  # kernels
-        running.restore(start)
+        for repeat in ("kernels", "once"):
+            began = time.process_time()
+            record_run(running, path=Path(folder) / f"{repeat}.h5", stop=lambda: True)
+            once = time.process_time() - began
+            running.restore(start)
         for name in names:
             spent[name] = 0.0
         plain = time.process_time()
@@ -245,11 +205,11 @@ def parts(asked: dict[str, Any]) -> dict[str, Any]:
         whole = time.process_time()
         record_run(running, path=Path(folder) / "1.h5")
         whole = time.process_time() - whole
-    found["record"] = max(whole - plain, 0.0)
+    found["record"] = max(whole - plain - once, 0.0)
     found["rest"] = plain - found["decide"] - found["physics"]
     return {
         "parts": {name: value / (steps * STEP) for name, value in found.items()},
-        "build": spent["build"],
+        "build": spent["build"], "once": once,
     }  # fmt: skip
 
 
@@ -266,6 +226,7 @@ def _timed(call: Callable[..., Any], name: str, spent: dict[str, float]) -> Call
 
 KINDS: dict[str, Callable[[dict[str, Any]], dict[str, Any]]] = {
     "speed": speed, "record": record, "head_on": head_on, "video": video, "parts": parts,
+    "world": world, "run": whole_run,
 }  # fmt: skip
 
 

@@ -22,6 +22,9 @@ from physim.geometry.shapes import FloatArray
 from physim.geometry.wall_tree import Sight, all_seen, comes_near, parts_seen
 from physim.tolerances import LENGTH
 
+NEAR = 1.5
+"""[-] The nearest walls, as multiples of L."""
+
 
 @compiled
 def is_outside(stretches: FloatArray, station: float) -> bool:
@@ -67,12 +70,20 @@ def moved_target(
 ) -> tuple[float, float]:
     """Safe point that replaces a target [m]; arguments of `safe_target`."""
     eye = position if outside else target
-    reach = 2.0 * look_ahead
-    walls, away = sight.tree.walls, hypot(eye[0] - target[0], eye[1] - target[1])
-    parts = parts_seen(sight, target[0], target[1], max(reach + 2.0 * safe_distance, away))
-    found, x, y = nearest_safe_point(
-        walls, parts, target, ahead, eye, safe_distance, reach, look_ahead / 2.0
-    )
+    reach, back = 2.0 * look_ahead, look_ahead / 2.0
+    tx, ty = target
+    walls = sight.tree.walls
+    if not outside:
+        # Seldom more than the nearest walls count: what lies nearer than these is exact.
+        near = NEAR * safe_distance
+        found, x, y = nearest_safe_point(
+            walls, parts_seen(sight, tx, ty, near), target, ahead, eye, safe_distance, reach, back
+        )
+        if found and hypot(x - tx, y - ty) + safe_distance < near:
+            return x, y
+    wide = max(reach + 2.0 * safe_distance, hypot(eye[0] - tx, eye[1] - ty))
+    parts = parts_seen(sight, tx, ty, wide)
+    found, x, y = nearest_safe_point(walls, parts, target, ahead, eye, safe_distance, reach, back)
     if found:
         return x, y
     return roomiest_point(walls, all_seen(sight), target, ahead, eye, reach)

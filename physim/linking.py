@@ -76,7 +76,7 @@ class WholeLibrary(JITCodeLibrary):
             self._final_module.link_in(library._final_module, preserve=True)
         for function in self._final_module.functions:
             if not function.is_declaration and function.name not in own:
-                function.linkage = "internal"
+                function.linkage = "private"
         super().finalize()
 
 

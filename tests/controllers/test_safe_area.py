@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from physim.controllers.safe_area import is_outside, safe_target
+from physim.geometry.safe_point import nearest_safe_point
 from physim.geometry.shapes import pack_shapes
 from physim.geometry.wall_tree import Sight, build_wall_tree
 from tests.controllers.random_scenes import random_road, random_walls, stretches_outside
@@ -102,3 +103,22 @@ def test_what_stands_between_robot_and_a_far_target_is_a_wall() -> None:
     )
     assert moved(where, where.eye).tolist() == [20.0, 0.0]
     assert abs(moved(where, np.array([1.0, 0.0])) - [19.8, 0.0]).max() <= ROUNDING
+
+
+def test_the_nearest_walls_decide_as_all_of_them() -> None:
+    """To the last bit: first only the walls near the target are looked at."""
+    short = 0
+    for k in range(400):
+        where, robot = random_place(np.random.default_rng([82, k]))
+        if where.outside or where.clearances(where.target[None])[0] >= where.safe_distance:
+            continue
+        walls = pack_shapes([[part] for part in where.walls])
+        found, x, y = nearest_safe_point(
+            walls, np.arange(len(where.walls)), tuple(where.target), tuple(where.ahead),
+            tuple(where.target), where.safe_distance, 2.0 * where.look_ahead,
+            0.5 * where.look_ahead,
+        )  # fmt: skip
+        if found:
+            assert moved(where, robot).tolist() == [x, y]
+            short += math.dist((x, y), where.target) < 0.5 * where.safe_distance
+    assert short >= 50

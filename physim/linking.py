@@ -66,7 +66,7 @@ class PieceLibrary(JITCodeLibrary):
 
 
 class WholeLibrary(JITCodeLibrary):
-    """Machine code of one function with all its pieces."""
+    """Machine code of one function with all its pieces, which are inlined where called once."""
 
     def finalize(self) -> None:
         """Link the pieces, optimise everything once, make machine code."""
@@ -76,6 +76,8 @@ class WholeLibrary(JITCodeLibrary):
             self._final_module.link_in(library._final_module, preserve=True)
         for function in self._final_module.functions:
             if not function.is_declaration and function.name not in own:
+                # Its arguments may change, so nobody may find it by its name: not even machine
+                # code of the same function that was compiled as a whole, or in another process.
                 function.linkage = "private"
         super().finalize()
 

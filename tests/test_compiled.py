@@ -195,6 +195,39 @@ def test_references_are_counted_where_arrays_are_made_and_only_there(
     assert found == {name: name == "leaf" for name in names}
 
 
+CALLED_AFTER_ITS_CALLER = """
+import sys
+import numpy as np
+from physim.controllers.safe_area import safe_target
+from physim.geometry.safe_point import nearest_safe_point
+from physim.geometry.shapes import pack_shapes
+from physim.geometry.wall_tree import Sight, build_wall_tree
+
+walls = pack_shapes([[np.array([[0.0, 0.0], [9.0, 0.0]])]])
+sight = Sight(build_wall_tree(walls), 1.0, 1.0, 9.0, np.array([-1]))
+target, ahead = (4.0, 0.5), (1.0, 0.0)
+moved = lambda: safe_target(sight, target, ahead, False, (1.0, 1.0), 2.0, 1.0)
+nearest = lambda: nearest_safe_point(walls, np.arange(1), target, ahead, target, 1.0, 4.0, 1.0)
+for one in (moved, nearest) if sys.argv[1] == "outer" else (nearest, moved):
+    print(one())
+"""
+
+
+@pytest.mark.parametrize("first", ["outer", "inner"])
+def test_a_kernel_may_be_called_before_and_after_another_that_contains_it(first: str) -> None:
+    """Compiled code of both is loaded, from disk, into one process: neither is taken for the other.
+
+    Inside the outer kernel the inner one has arguments of its own making.
+    """
+    for _ in range(2):  # compiled, or from disk; then from disk
+        found = subprocess.run(
+            [sys.executable, "-c", CALLED_AFTER_ITS_CALLER, first], cwd=Path(__file__).parents[1],
+            capture_output=True, text=True,
+        )  # fmt: skip
+        assert found.returncode == 0, found.stderr
+        assert sorted(found.stdout.splitlines()) == ["(4.0, 1.0)", "(True, 4.0, 1.0)"]
+
+
 def test_a_cache_of_sources_that_have_gone_is_none(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -54,6 +54,15 @@ EDITS = (
     Edit(
         "basics",
         "physim/linking.py",
+        "WholeLibrary.finalize",
+        'function.linkage = "private"',
+        'function.linkage = "internal"',
+        "a piece is not taken for the whole of the same name",
+        "tests/test_compiled.py::test_a_kernel_may_be_called_before_and_after_another_that_contains_it",
+    ),
+    Edit(
+        "basics",
+        "physim/linking.py",
         "only_borrows",
         "return not is_counted(state.return_type) and all(map(counts_nothing, statements))",
         "return False",

@@ -70,9 +70,9 @@ def moved_target(
 ) -> tuple[float, float]:
     """Safe point that replaces a target [m]; arguments of `safe_target`."""
     eye = position if outside else target
-    reach, back = 2.0 * look_ahead, look_ahead / 2.0
-    tx, ty = target
-    walls = sight.tree.walls
+    reach = 2.0 * look_ahead
+    back = look_ahead / 2.0
+    (tx, ty), walls = target, sight.tree.walls
     if not outside:
         # Seldom more than the nearest walls count: what lies nearer than these is exact.
         near = NEAR * safe_distance

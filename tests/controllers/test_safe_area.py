@@ -108,7 +108,7 @@ def test_what_stands_between_robot_and_a_far_target_is_a_wall() -> None:
 def test_the_nearest_walls_decide_as_all_of_them() -> None:
     """To the last bit: first only the walls near the target are looked at."""
     short = 0
-    for k in range(400):
+    for k in range(600):
         where, robot = random_place(np.random.default_rng([82, k]))
         if where.outside or where.clearances(where.target[None])[0] >= where.safe_distance:
             continue

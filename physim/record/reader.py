@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Mapping
-from functools import cached_property
+from collections.abc import Callable, Mapping
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -25,6 +25,11 @@ from physim.record.scene import RecordedScene, read_declared
 
 if TYPE_CHECKING:
     from physim.world import World
+
+POSE_BLOCK = 1 << 14
+"""Poses read at once where single samples are asked for"""
+POSE_BLOCKS = 32
+"""of such blocks, how many are kept: 12 MB"""
 
 
 class Record(RecordedScene):
@@ -161,8 +166,19 @@ class Record(RecordedScene):
         if row == self.samples or self.steps[row] != step:
             nearest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
             raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {nearest}")
-        pose: FloatArray = self.read("/steps/pose", row, row + 1)[0]
+        block, place = divmod(row, self._block_rows)
+        pose: FloatArray = self._pose_block(block)[place]
         return pose
+
+    @property
+    def _block_rows(self) -> int:
+        return max(1, POSE_BLOCK // self.robots)
+
+    @cached_property
+    def _pose_block(self) -> Callable[[int], FloatArray]:
+        """Reads a block of the poses by its number; the last few are kept."""
+        rows = self._block_rows
+        return lru_cache(POSE_BLOCKS)(lambda k: self.read("/steps/pose", k * rows, (k + 1) * rows))
 
     # Tables
 
@@ -234,6 +250,14 @@ class Record(RecordedScene):
         Those at samples and, of kind *swept*, those between two samples.
         """
         return self.read("/contacts")
+
+    def contacts_over(self, first: int, last: int) -> NDArray[np.void]:
+        """Those rows of `contacts` of steps ``first`` to ``last - 1``."""
+        return self.contacts[slice(*np.searchsorted(self._contact_steps, (first, last)))]
+
+    @cached_property
+    def _contact_steps(self) -> IntArray:
+        return np.ascontiguousarray(self.contacts["step"])
 
     @cached_property
     def false_contacts(self) -> NDArray[np.void]:

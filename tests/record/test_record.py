@@ -8,6 +8,7 @@ import tracemalloc
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import h5py
 import numpy as np
@@ -243,6 +244,33 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
     few, many = peak(10), peak(200)
     assert (tmp_path / "200.h5").stat().st_size > 90e6
     assert many < few + 1e6
+
+
+def test_single_samples_are_those_of_the_whole_and_read_in_few_pieces(
+    made: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("physim.record.reader.POSE_BLOCK", 192)  # 64 samples of three robots
+    with Record.load(made) as record:
+        pieces: list[str] = []
+        read = Record.read
+
+        def counted(self: Record, path: str, *rows: Any, **options: Any) -> Any:
+            pieces.append(path)
+            return read(self, path, *rows, **options)
+
+        monkeypatch.setattr(Record, "read", counted)
+        single = [record.pose_at(step) for step in reversed(range(401))]
+        assert pieces.count("/steps/pose") == 7
+        np.testing.assert_array_equal(single, record.pose[::-1])
+
+
+def test_contacts_over_steps(made: Path) -> None:
+    with Record.load(made) as record:
+        rows = record.contacts
+        assert len(rows)
+        for first, last in ((0, 401), (-5, 1000), (100, 250), (200, 200)):
+            within = rows[(rows["step"] >= first) & (rows["step"] < last)]
+            np.testing.assert_array_equal(record.contacts_over(first, last), within)
 
 
 # Bad input

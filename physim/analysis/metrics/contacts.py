@@ -170,7 +170,7 @@ def point_velocity(record: Record, body: int, step: int, point: tuple[float, flo
     """
     if body >= record.robots or step == 0:
         return np.zeros(2)
-    before, now = record.read("/steps/pose", step - 1, step + 1)[:, body]
+    before, now = record.pose_at(step - 1)[body], record.pose_at(step)[body]
     vx, vy, omega = (now - before) / record.dt
     x, y = point[0] - now[0], point[1] - now[1]
     return np.array((vx - omega * y, vy + omega * x))
@@ -178,9 +178,7 @@ def point_velocity(record: Record, body: int, step: int, point: tuple[float, flo
 
 def first_row(record: Record, episode: Episode) -> np.void:
     """Row of the contact table at the first sample of an episode."""
-    rows = record.contacts
-    low, high = np.searchsorted(rows["step"], (episode.step, episode.step + 1))
-    rows = touching(rows[low:high])
+    rows = touching(record.contacts_over(episode.step, episode.step + 1))
     found: np.void = rows[(rows["a"] == episode.a) & (rows["b"] == episode.b)][0]
     return found
 

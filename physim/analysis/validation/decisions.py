@@ -6,7 +6,8 @@ followed along their paths once, and memory stays flat.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,11 @@ from physim.record import Record
 
 WINDOW = 2.0
 """[m] least stretch of the reference path in which a robot is looked for after its last decision"""
+
+BLOCK = 1 << 14
+"""Commands worked out at once where single ones are asked for"""
+BLOCKS = 32
+"""of such blocks, how many are kept: 8 MB"""
 
 
 class RowsByRobot:
@@ -79,14 +85,19 @@ class DecisionTable:
 
         That is the applied one; 0 before its first decision.
         """
-        row = int(self.commands.at(robot, step))
-        if row >= 0:
-            command = self.record.commands[row]
-            return float(command["applied_v"]), float(command["applied_omega"])
-        last = self.last(robot, step)
-        if last is None:
-            return 0.0, 0.0
-        return float(last["nominal_v"]), float(last["nominal_omega"])
+        block, place = divmod(step, self._block_steps)
+        v, omega = self._held_block(block)[place, robot].tolist()
+        return v, omega
+
+    @property
+    def _block_steps(self) -> int:
+        return max(1, BLOCK // self.record.robots)
+
+    @cached_property
+    def _held_block(self) -> Callable[[int], FloatArray]:
+        """Makes a block of the applied commands by its number; the last few are kept."""
+        steps, over = self._block_steps, self.record.commands_over
+        return lru_cache(BLOCKS)(lambda k: over("applied", k * steps, (k + 1) * steps))
 
     def reference_station(self, robot: int, step: int) -> float:
         """Projection [m] of a robot on the reference path s* at a recorded step.
@@ -94,7 +105,7 @@ class DecisionTable:
         Followed from its last decision, so that a path that passes near itself does not mislead.
         """
         record, row = self.record, self.last(robot, step)
-        x, y, _ = record.read("/steps/pose", step, step + 1)[0, robot]
+        x, y, _ = record.pose_at(step)[robot].tolist()
         lines = record.reference
         if row is None or not np.isfinite(row["reference_station"]):
             return float(project(lines, 0, x, y, 0.0, path_length(lines, 0))[0])

@@ -66,7 +66,7 @@ MOST_SAMPLES = 1000
 
 def distance_at(record: Record, a: int, b: int, step: int) -> float:
     """Signed distance [m] of bodies a < b at a sample, from the record's poses."""
-    shapes, pose = record.shapes, record.read("/steps/pose", step, step + 1)[0]
+    shapes, pose = record.shapes, record.pose_at(step)
     if b < record.robots:
         return float(body_distance(shapes, a, pose[a], shapes, b, pose[b]))
     still = read_only(np.zeros(3))

@@ -146,7 +146,7 @@ def _pushed(
     """
     if not touched[step - 1].any():
         return False
-    before, after = record.read("/steps/pose", step - 1, step + 1)
+    before, after = record.pose_at(step - 1), record.pose_at(step)
     for j in np.flatnonzero(touched[step - 1]).tolist():
         x, y, turn = np.abs(after[j] - before[j]).tolist()
         v, omega = table.held(j, step - 1)

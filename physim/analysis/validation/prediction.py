@@ -106,11 +106,6 @@ class Predictor:
         self.table = table
         self.shapes = record.shapes
 
-    def poses(self, step: int) -> FloatArray:
-        """(N, 3) at a sample."""
-        pose: FloatArray = self.record.read("/steps/pose", step, step + 1)[0]
-        return pose
-
     def due(self, a: int, b: int, step: int, until: float = HORIZON) -> float:
         """Collision time [s] from a step on, under the commands held from then on.
 
@@ -119,7 +114,7 @@ class Predictor:
         """
         other = self.table.held(b, step) if b < self.record.robots else (0.0, 0.0)
         held = {a: self.table.held(a, step), b: other}
-        start = self.poses(step)
+        start = self.record.pose_at(step)
         for k in range(max(1, math.ceil(until / HORIZON))):
             later = k * HORIZON
             pose = start.copy()
@@ -160,8 +155,9 @@ class Predictor:
 
     def _as_commanded(self, robot: int, start: int, end: int) -> bool:
         v, omega = self.table.held(robot, start)
-        goal = arc(tuple(self.poses(start)[robot]), v, omega, (end - start) * self.record.dt)
-        return bool(np.abs(np.array(goal) - self.poses(end)[robot]).max() <= AS_COMMANDED)
+        before, now = (self.record.pose_at(step)[robot] for step in (start, end))
+        goal = arc(tuple(before), v, omega, (end - start) * self.record.dt)
+        return bool(np.abs(np.array(goal) - now).max() <= AS_COMMANDED)
 
     def _touches_then(self, a: int, b: int, step: int, predicted: float, gap: float) -> bool:
         """Whether the two are within ``gap`` at the predicted time: closing is slow, a graze."""
@@ -169,7 +165,7 @@ class Predictor:
         if not step - 2 <= place <= step + 1 or b >= self.record.robots:
             return False
         before = max(0, min(math.floor(place), self.record.samples - 2))
-        start, end = self.poses(before), self.poses(before + 1)
+        start, end = self.record.pose_at(before), self.record.pose_at(before + 1)
         now = start + (place - before) * (end - start)
         return abs(body_distance(self.shapes, a, now[a], self.shapes, b, now[b])) <= 2.0 * gap
 

@@ -111,7 +111,7 @@ def _one_sided(least: float) -> str:
 def _least(record: Record, a: int, b: int, step: int) -> float:
     """Least signed distance [m] of two bodies within the step that ends at a sample."""
     shapes = record.shapes
-    old, new = record.read("/steps/pose", step - 1, step + 1)
+    old, new = record.pose_at(step - 1), record.pose_at(step)
     if b < record.robots:
         return float(least_gap_pair(shapes, a, old[a], new[a], b, old[b], new[b], record.dt)[0])
     walls = record.walls

@@ -109,7 +109,7 @@ def _pusher(
 def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: Touch) -> bool:
     """Whether a robot closed on the other body by more than its command says."""
     step = touch.step
-    before, now = record.read("/steps/pose", step - 1, step + 1)[:, robot]
+    before, now = record.pose_at(step - 1)[robot], record.pose_at(step)[robot]
     command = np.array([table.held(robot, step - 1)])
     x, y, turn = (now - arcs(before[None], command, record.dt)[0]) / record.dt
     across, along = touch.point[0] - now[0], touch.point[1] - now[1]
@@ -119,8 +119,7 @@ def _exceeds_command(record: Record, table: DecisionTable, robot: int, touch: To
 
 def _contacts(record: Record, robot: int, step: int) -> list[Touch]:
     """Contacts of a robot in the step that led to a sample, the hardest first."""
-    rows = record.contacts
-    rows = touching(rows[(rows["step"] == step) | (rows["step"] == step - 1)])
+    rows = touching(record.contacts_over(step - 1, step + 1))
     rows = rows[(rows["a"] == robot) | (rows["b"] == robot)]
     rows = rows[np.argsort(-rows["impulse"], kind="stable")]
     return [
@@ -218,7 +217,7 @@ def _side(
     responsible: bool,
 ) -> RobotInContact:
     step, point = touch.step, touch.point
-    pose = record.read("/steps/pose", step, step + 1)[0, i]
+    pose = record.pose_at(step)[i]
     vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
     row = table.last(i, step - 1)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)

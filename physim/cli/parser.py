@@ -8,6 +8,7 @@ within its functions, so that help comes at once.
 from __future__ import annotations
 
 import inspect
+import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from types import SimpleNamespace
@@ -104,7 +105,12 @@ class Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Do what the command is for; returns the exit code."""
-        return self.callback(Options(**ctx.params)) if self.callback is not None else 0
+        try:
+            return self.callback(Options(**ctx.params)) if self.callback is not None else 0
+        except PhysimError as error:
+            if ctx.params.get("traceback") and error.__cause__ is not None:
+                traceback.print_exception(error.__cause__)
+            raise
 
     def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the first paragraph of the docstring."""
@@ -235,6 +241,8 @@ def changes(each: str = "the world", controller: bool = True) -> Callable[[Actio
             "formation=null (may be repeated)",
         )(action)  # fmt: skip
         if controller:
+            text = "show where code of your own failed, with all calls that led there"
+            action = flag("--traceback", text)(action)
             text = "a registered controller (physim list) or your own as module:Class"
             action = option("--controller", metavar="NAME", help=text)(action)
         text = "seed, instead of the world's own"

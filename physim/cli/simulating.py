@@ -16,7 +16,7 @@ from physim.simulation.loop import Simulation
 from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
-from physim.world.file import located, read_world
+from physim.world.file import located, read_world, warning_lines
 from physim.world.file.loading import world_of
 from physim.world.file.nodes import Document
 from physim.world.file.reading import read_document
@@ -38,8 +38,11 @@ def ready(
     """Simulation of a world that was read, with the kernels loaded or compiled.
 
     A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
-    anything is compiled; where one is long or its record large, that is told.
+    anything is compiled; where one is long or its record large, that is told. So is what is to be
+    noted about the document, even to those who want quiet: the run may not be the one they expect.
     """
+    for line in warning_lines(document):
+        print(f"WARNING  {line}", file=sys.stderr, flush=True)
     try:
         scene = build_scene(world, seed)
     except WorldError as error:

@@ -11,6 +11,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -216,7 +217,11 @@ def checked_settings(
 
     model = settings_model(part)
     allowed = [] if model is None else list(model.model_fields)
-    faults = [unknown_key((*where, key), allowed) for key in settings if key not in allowed]
+    faults: list[Fault] = []
+    for key in (key for key in settings if key not in allowed):
+        fault = unknown_key((*where, key), allowed)
+        text = fault.message if allowed else f"{fault.message}; {part.__name__} takes no settings"
+        faults.append(replace(fault, message=text))
     if model is None:
         return None, faults
     known = {key: thawed(value) for key, value in settings.items() if key in allowed}

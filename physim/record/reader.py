@@ -130,6 +130,12 @@ class Record(RecordedScene):
         size = f"{self.robots} robots, {self.samples} samples"
         return f'<Record "{self.name}" seed {self.seed}: {size}, ended "{self.ended}">'
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle or copy: the file is opened again. Raises TypeError for a record in memory."""
+        if self.path is None:
+            raise TypeError("a record in memory cannot be pickled or copied; save() it to a file")
+        return Record.load, (self.path.absolute(),)
+
     # Samples
 
     @cached_property

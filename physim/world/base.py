@@ -50,6 +50,15 @@ class Model(BaseModel, metaclass=_Meta):
         defer_build=True,  # of parts of a world on their own; the whole one holds theirs
     )
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse, with AttributeError: a world and its parts are made anew instead."""
+        if name in type(self).model_fields:
+            raise AttributeError(
+                f"{type(self).__name__}.{name} is read-only; World.changed(KEY=VALUE) gives a "
+                "world with other values"
+            )
+        super().__setattr__(name, value)
+
     @classmethod
     def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
         """Faults between several values of ``data``, valid or not; nothing by default."""

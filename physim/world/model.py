@@ -25,6 +25,7 @@ from pydantic import (
 
 from physim.errors import Fault, Location
 from physim.world.base import Model
+from physim.world.faults import describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
 from physim.world.kinds import (
     MOST_ROBOTS,
@@ -144,6 +145,12 @@ class World(Model):
         self._entries = self.robots
         robots, self._where = each_robot(self.robots, self.seed or 0)
         self.__dict__["robots"] = robots
+
+    def __repr__(self) -> str:
+        """Name, seed and size; `to_yaml` gives all of it."""
+        seed = "" if self.seed is None else f" seed {self.seed}"
+        size = f"{len(self.robots)} robot{'' if len(self.robots) == 1 else 's'}"
+        return f"<World {describe(self.name)}{seed}: {size}, {self.time.duration:g} s>"
 
     @property
     def entries(self) -> tuple[Robot | RobotGroup, ...]:

@@ -185,6 +185,48 @@ def test_a_registered_controller_in_place_of_the_worlds(
         assert (record.updates["considered"] == 0).all()
 
 
+def test_settings_that_the_other_controller_does_not_get_are_told(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = SMALL + "controller: {type: mode_switching, look_ahead: 1.5, beta: 0.3}\n"
+    (here / "small.yaml").write_text(text)
+    for quiet in ([], ["--quiet"]):
+        done = physim(
+            "run", "small.yaml", "--controller", "path_following", "--force", "--no-video",
+            "--set", "time.duration=0.1", *quiet, capture=capsys,
+        )  # fmt: skip
+        assert done.code == 0
+        told = facts("small.yaml:16:", "look_ahead, beta", "mode_switching", "path_following")
+        assert re.search(told, done.err)
+
+
+BROKEN = """\
+class Broken:
+    def __init__(self):
+        self.build()
+
+    def build(self):
+        return {}["gain"]
+
+    def decide(self, observation, memory):
+        return None
+"""
+
+
+@pytest.mark.parametrize("asked", [False, True])
+def test_traceback_shows_the_calls_that_led_to_an_error_of_ones_own(
+    here: Path, asked: bool
+) -> None:
+    (here / "broken.py").write_text(BROKEN)
+    option = ["--traceback"] if asked else []
+    done = shell("run", "small.yaml", "--controller", "broken:Broken", *option, folder=here)
+    assert done.code == 2
+    *calls, said = done.err.splitlines()
+    assert re.search(facts("broken:Broken", "KeyError", "gain", "broken.py:6"), said)
+    assert bool(calls) is asked
+    assert any("self.build()" in line for line in calls) is asked
+
+
 def test_force_removes_its_own_files_and_no_others(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

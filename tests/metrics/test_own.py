@@ -109,8 +109,8 @@ def test_they_are_measured_like_physim_s_own(
     assert set(found) - set(DEFINITIONS) == {"still", "latest"}
     assert found["still"].value == int((record.updates["applied_v"] == 0.0).sum())
     assert type(found["still"].value) is int
-    assert (found["still"].unit, found["still"].definition.source) == ("-", "-")
-    assert found["still"].definition.meaning.startswith("Decisions to stand still")
+    assert (found["still"].unit, definition("still").source) == ("-", "-")
+    assert definition("still").meaning.startswith("Decisions to stand still")
     assert found["latest"].bodies == (int(record.updates["robot"][-1]),)
     assert list(measure(record, ["latest", "decisions"])) == ["latest", "decisions"]
     assert definition("latest").source == "(14)"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import shutil
 import tracemalloc
 from itertools import pairwise
@@ -271,6 +272,13 @@ def test_contacts_over_steps(made: Path) -> None:
         for first, last in ((0, 401), (-5, 1000), (100, 250), (200, 200)):
             within = rows[(rows["step"] >= first) & (rows["step"] < last)]
             np.testing.assert_array_equal(record.contacts_over(first, last), within)
+
+
+def test_a_record_is_pickled_by_its_file(made: Path) -> None:
+    with Record.load(made) as record, pickle.loads(pickle.dumps(record)) as again:
+        assert (again.path, again.digest()) == (made.absolute(), record.digest())
+    with make_record(seconds=0.1) as record, pytest.raises(TypeError, match="save"):
+        pickle.dumps(record)
 
 
 # Bad input

@@ -132,6 +132,22 @@ def test_the_command_line_may_name_another_controller():
     assert "--controller: no controller" in message(STRAIGHT, controller="no")
 
 
+def test_settings_are_not_carried_to_another_controller_in_silence(tmp_path):
+    path = tmp_path / "w.yaml"
+    path.write_text(STRAIGHT)
+    with pytest.warns(UserWarning, match=facts("w.yaml:16:", "look_ahead", "mode_switching")):
+        world = load_world(path, controller="plain")
+    assert world.controller.settings == {}
+
+
+def test_settings_without_a_type_are_for_whatever_runs():
+    text = changed("type: mode_switching, ", "")
+    name = "tests.world_file.parts_for_tests:Switching"
+    world = parse_world(text, controller=name)
+    assert (world.controller.type, world.controller.settings) == (name, {"look_ahead": 2.0})
+    check_error(f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain")
+
+
 def test_later_faults_find_their_place(tmp_path):
     path = tmp_path / "w.yaml"
     path.write_text(STRAIGHT)

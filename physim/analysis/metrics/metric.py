@@ -88,7 +88,10 @@ class Definition:
 class Metric:
     """A metric of one run."""
 
-    definition: Definition
+    name: str
+    """in the registry"""
+    unit: str
+    """of the value"""
     value: bool | int | float
     time: float | None = None
     """[s] when the value was taken, where it was at a moment"""
@@ -105,21 +108,12 @@ class Metric:
         found = definition.find(run)
         if found is None:
             return None
+        name, unit = definition.name, definition.unit
         if isinstance(found, Moment):
             bodies = (found.a,) if found.b is None else (found.a, found.b)
-            return cls(definition, found.value, time=found.time, bodies=bodies)
+            return cls(name, unit, found.value, time=found.time, bodies=bodies)
         if isinstance(found, Place):
-            return cls(definition, found.value, station=found.station, bodies=(found.robot,))
+            return cls(name, unit, found.value, station=found.station, bodies=(found.robot,))
         if isinstance(found, Each):
-            return cls(definition, found.value, robots=found.robots)
-        return cls(definition, found)
-
-    @property
-    def name(self) -> str:
-        """Name in the registry."""
-        return self.definition.name
-
-    @property
-    def unit(self) -> str:
-        """Unit of the value."""
-        return self.definition.unit
+            return cls(name, unit, found.value, robots=found.robots)
+        return cls(name, unit, found)

@@ -24,6 +24,7 @@ from physim.analysis.metrics import (
     measured,
 )
 from physim.record import Record
+from physim.world.faults import describe
 
 EXTREMES = (
     ("shortest_distance_m", "shortest_distance"),
@@ -52,7 +53,7 @@ class Contacts:
     """every one, in the order of their beginning"""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Summary:
     """Figures of a run; see `physim.metrics` for their definitions. None = has no meaning here.
 
@@ -88,6 +89,14 @@ class Summary:
     expectations: tuple[Held, ...]
     wall_clock: dict[str, float]
     """all else is the same in every run of the same world and seed"""
+
+    def __repr__(self) -> str:
+        """Whose, what came of it, and whether that was expected; `table` shows all of it."""
+        found = self.contacts
+        contacts = "contacts not recorded" if found is None else f"contacts: {found.count}"
+        end = f"ended {describe(self.ended)} after {self.value('simulated_time'):g} s"
+        kept = "as expected" if self.held else "not as expected"
+        return f"<Summary of {describe(self.name)} seed {self.seed}: {end}, {contacts}, {kept}>"
 
     @property
     def held(self) -> bool:

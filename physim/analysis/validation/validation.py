@@ -34,6 +34,7 @@ from physim.analysis.validation.rerun import Rerun, compare_runs
 from physim.errors import RecordError, plural
 from physim.record import Record
 from physim.record.layout import OPTIONAL
+from physim.world.faults import describe
 from physim.world.scene import Body
 
 FREE, CONTACTS, DISAGREE = 0, 1, 3
@@ -64,7 +65,7 @@ class Run:
     """parts that came from Python in place of or beside what the world names: kind and name"""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Validation:
     """Everything that `validate` finds out about one run."""
 
@@ -87,6 +88,10 @@ class Validation:
     """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
     rerun: Rerun | None = None
     """the run simulated again, where it was"""
+
+    def __repr__(self) -> str:
+        """Whose, and the verdict; `report` says all of it."""
+        return f"<Validation of {describe(self.run.name)} seed {self.run.seed}: {self.verdict}>"
 
     @property
     def names(self) -> list[str]:

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
+from warnings import warn
 
 from physim.errors import ControllerError, Fault, Location, Position, WorldError
 from physim.parts.registry import (
@@ -22,7 +23,7 @@ from physim.parts.registry import (
 )
 from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_faults
 from physim.world import ControllerChoice, Robot, RobotGroup, World
-from physim.world.faults import KeyFault
+from physim.world.faults import KeyFault, describe
 from physim.world.file.files import file_text, find_world
 from physim.world.file.nodes import Document, Member, Node, holds_unreadable
 from physim.world.file.overrides import apply_overrides
@@ -115,9 +116,13 @@ def load_world(
 
     ``overrides`` (``["time.step=0.02"]``) and ``controller`` are as the command line gives them.
 
-    Raises `WorldError` with every fault found, each with its line and column.
+    Raises `WorldError` with every fault found, each with its line and column. What is to be noted
+    about the text, such as settings that ``controller`` leaves out, is a Python warning.
     """
-    return read_world(path, overrides=overrides, controller=controller)[0]
+    world, document = read_world(path, overrides=overrides, controller=controller)
+    for line in warning_lines(document):
+        warn(line, stacklevel=2)
+    return world
 
 
 def read_world(
@@ -161,7 +166,8 @@ def world_of(
     """World of a document, and the document with the overrides in it.
 
     A ``controller`` given here replaces the one of the document and may be ``module:Class``; the
-    document's settings are kept only if they belong to that controller.
+    document's settings are left out, with a warning in the document returned, where they are
+    those of another ``type``.
     """
     checked = validate(
         document, overrides=overrides, controller=controller, check_controller=check_controller
@@ -245,6 +251,11 @@ def located(faults: Iterable[Fault], document: Document | None) -> WorldError:
     return WorldError(kept, [position for _, position in found][: len(kept)])
 
 
+def warning_lines(document: Document) -> list[str]:
+    """What is to be noted about the text of a world, one line each, with its place."""
+    return [f"{place}: {fault}" for fault, place in in_order(placed(document.warnings, document))]
+
+
 def placed(faults: Iterable[Fault], document: Document) -> list[tuple[Fault, Position]]:
     """Each fault with its place, but for those of values that could not even be read."""
     return [
@@ -270,18 +281,31 @@ def _capped(faults: list[Fault]) -> list[Fault]:
 
 
 def _with_controller(document: Document, name: str) -> Document:
-    """Put the controller of the command line in the place of the world's."""
+    """Put the controller of the command line in the place of the world's.
+
+    Settings belong to the ``type`` beside them, and are left out, with a warning, where that is
+    another one; without a ``type`` they are for whatever runs.
+    """
     root = document.root
     members = dict(root.members or {})
     old = members.get("controller")
     settings = old.node.members if old is not None and old.node.members is not None else {}
-    chosen = settings["type"].node.value if "type" in settings else "mode_switching"
-    kept = dict(settings) if chosen == name else {}
+    chosen = settings["type"].node.value if "type" in settings else name
+    left = [] if chosen == name else [str(key) for key in settings if key != "type"]
+    warnings = document.warnings
+    if left:
+        many = "settings" if len(left) > 1 else "setting"
+        text = (
+            f"{many} {', '.join(left)} of {describe(chosen)}: not used by {describe(name)} "
+            "(--set controller.KEY=VALUE gives it its own)"
+        )
+        warnings = (*warnings, Fault(("controller",), text))
+    kept = {key: member for key, member in settings.items() if key not in left}
     kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))
     line, column = (old.line, old.column) if old is not None else (root.line, root.column)
     members["controller"] = Member(line, column, Node(line, column, members=kept))
     chosen_root = Node(root.line, root.column, members=members, size=root.size, height=root.height)
-    return replace(document, root=chosen_root)
+    return replace(document, root=chosen_root, warnings=warnings)
 
 
 def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from physim.analysis.expectations import Held, expectations
 from physim.analysis.summary import summarise, table, table_rows
@@ -16,6 +17,7 @@ from physim.contacts import Kind
 from physim.errors import RecordError
 from physim.parts.declarations import Declared, Mode
 from physim.record import Record
+from physim.record.setup import setup_of
 from tests.facts import facts
 from tests.metrics.histories import history
 from tests.records import make_record
@@ -69,6 +71,37 @@ def test_what_has_no_meaning_is_null() -> None:
         assert found[key] is None
     assert found["wall_clock"] == {"factor": None}
     assert found["contacts"]["first_s"] is None
+
+
+WORLD = """\
+controller: {type: path_following, look_ahead: 3.5}
+sensing: {range: 5.0, stages: [{type: delay, seconds: 0.2}]}
+filters: [{type: half_gap}, {type: slow, share: 0.5}]
+"""
+
+
+def test_it_names_what_the_run_was_made_with() -> None:
+    setup = setup_of(yaml.safe_load(WORLD), (("observer", "mine:Watch"),), {"physim": "1.2"})
+    assert setup.lines() == [
+        ("controller", "path_following (look_ahead 3.5)"),
+        ("sensing", "delay (seconds 0.2)"),
+        ("filters", "half_gap, slow (share 0.5)"),
+        ("from Python", "observer mine:Watch"),
+    ]
+    assert setup.controller.to_dict() == {"type": "path_following", "settings": {"look_ahead": 3.5}}
+    given = setup_of(yaml.safe_load(WORLD), (("controller", "mine:Own"),), {})
+    assert given.lines()[0] == ("controller", "mine:Own")
+    assert setup_of({}, (), {}).lines() == [("controller", "mode_switching")]
+    with make_record() as record:
+        told, rows = json.loads(summarise(record).to_json()), dict(table_rows(summarise(record)))
+        assert told["versions"] == record.versions
+    assert rows["controller"] == told["controller"]["type"]
+    assert "physim" in rows["made with"]
+
+
+@pytest.mark.parametrize("world", [{"controller": "x", "filters": 3}, {"filters": ["x", None]}])
+def test_a_world_that_is_none_has_a_setup_all_the_same(world: dict[str, object]) -> None:
+    assert dict(setup_of(world, (), {}).lines())["controller"]
 
 
 def test_table() -> None:

@@ -22,6 +22,7 @@ from physim.record.checks import check_layout, open_record
 from physim.record.layout import digest
 from physim.record.rows import NO_END, Bounds, frozen
 from physim.record.scene import RecordedScene, read_declared
+from physim.record.setup import Setup, setup_of
 
 if TYPE_CHECKING:
     from physim.world import World
@@ -193,6 +194,11 @@ class Record(RecordedScene):
         """What decided, ``module:Class`` of an object given from Python; empty where it was the
         world's own controller."""
         return dict(self.given).get("controller", "")
+
+    @cached_property
+    def setup(self) -> Setup:
+        """Controller, stages and versions of the run. RecordError where its world is no YAML."""
+        return setup_of(self.world_settings, self.given, self.versions)
 
     @property
     def modes(self) -> tuple[Mode, ...]:

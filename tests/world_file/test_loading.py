@@ -145,7 +145,9 @@ def test_settings_without_a_type_are_for_whatever_runs():
     name = "tests.world_file.parts_for_tests:Switching"
     world = parse_world(text, controller=name)
     assert (world.controller.type, world.controller.settings) == (name, {"look_ahead": 2.0})
-    check_error(f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain")
+    check_error(
+        f"{message(text, controller='plain')}\n", "w.yaml:16:", "controller.look_ahead", "Plain"
+    )
 
 
 def test_later_faults_find_their_place(tmp_path):

@@ -24,6 +24,7 @@ from physim.analysis.metrics import (
     measured,
 )
 from physim.record import Record
+from physim.record.setup import Setup
 from physim.world.faults import describe
 
 EXTREMES = (
@@ -68,6 +69,8 @@ class Summary:
     bodies: tuple[str, ...]
     """names by id: robots, then boundaries, then obstacles"""
     ended: str
+    setup: Setup
+    """controller, stages and versions"""
     metrics: dict[str, Metric]
     """every named metric that has a meaning here"""
     metric_faults: tuple[str, ...]
@@ -124,6 +127,13 @@ class Summary:
             "seed": self.seed,
             "robots": self.robots,
             "ended": self.ended,
+            "controller": self.setup.controller.to_dict(),
+            **{
+                word: [part.to_dict() for part in parts]
+                for word, parts in self.setup.stages.items()
+            },
+            "from_python": self.setup.others,
+            "versions": self.setup.versions,
             "simulated_s": self.value("simulated_time"),
             "finished": self.value("finished"),
             "time_to_finish_s": self.value("time_to_finish"),
@@ -224,6 +234,7 @@ def summarise(record: Record) -> Summary:
         robots=record.robots,
         bodies=tuple(body.name for body in record.bodies),
         ended=record.ended,
+        setup=record.setup,
         metrics=found,
         metric_faults=faults,
         not_arrived=absent(record),

@@ -39,6 +39,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
     robots = "1 robot" if s.robots == 1 else f"{s.robots} robots"
     return [
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
+        *s.setup.lines(),
         ("contacts", _contacts_text(s.contacts)),
         *(("WARNING", one.sentence(s.bodies)) for one in s.deep_contacts),
         *_contact_rows(s),
@@ -57,6 +58,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         *_own_rows(s),
         *((f"expected {one.key}", f"{one}{_with(one, s)}") for one in s.expectations),
         ("real-time factor", "n/a" if factor is None else f"{factor:.1f}"),
+        ("made with", s.setup.made_with or "not known"),
     ]
 
 

@@ -1,0 +1,99 @@
+"""What a run was made with: controller, stages between it and the robots, versions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+from physim.world.run import ControllerChoice
+
+STAGES = MappingProxyType(
+    {
+        "sensing": ("sensing", "stages"),
+        "filters": ("filters",),
+        "disturbances": ("disturbances",),
+    }
+)
+"""What the stages are called, and where the world names them."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a run by name, with the settings that the world gives it; others had defaults."""
+
+    name: str
+    settings: dict[str, Any]
+
+    def __str__(self) -> str:
+        """``mode_switching (time_low 1.5, horizon 4.5)``."""
+        given = ", ".join(f"{key} {_short(value)}" for key, value in self.settings.items())
+        return f"{self.name} ({given})" if given else self.name
+
+    def to_dict(self) -> dict[str, Any]:
+        """Name and settings, for JSON."""
+        return {"type": self.name, "settings": self.settings}
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a run was made with."""
+
+    controller: Part
+    """the name ``module:Class`` and no settings where it came from Python as an object"""
+    stages: dict[str, tuple[Part, ...]]
+    """by the words of `STAGES`, in the order in which they act"""
+    others: tuple[str, ...]
+    """parts that came from Python, such as ``filter my_module:Slow``"""
+    versions: dict[str, str]
+    """of physim and its libraries; empty where the record does not say"""
+
+    def lines(self) -> list[tuple[str, str]]:
+        """Label and text of controller and stages; none for a stage that there is not."""
+        stages = [(word, ", ".join(map(str, parts))) for word, parts in self.stages.items()]
+        found = [("controller", str(self.controller)), *stages, ("from Python", self.from_python)]
+        return [(word, text) for word, text in found if text]
+
+    @property
+    def from_python(self) -> str:
+        """Other parts than the controller that came from Python, in words."""
+        return ", ".join(self.others)
+
+    @property
+    def made_with(self) -> str:
+        """Versions, in words."""
+        return ", ".join(f"{name} {version}" for name, version in self.versions.items())
+
+
+def setup_of(
+    world: Mapping[str, Any], given: tuple[tuple[str, str], ...], versions: Mapping[str, str]
+) -> Setup:
+    """Setup by the world as plain values, the parts from Python, and the versions."""
+    own = dict(given).get("controller")
+    choice = _part(world.get("controller"), ControllerChoice().type)
+    return Setup(
+        controller=choice if own is None else Part(own, {}),
+        stages={word: _parts(world, where) for word, where in STAGES.items()},
+        others=tuple(f"{kind} {name}" for kind, name in given if kind != "controller"),
+        versions=dict(versions),
+    )
+
+
+def _parts(world: Mapping[str, Any], where: tuple[str, ...]) -> tuple[Part, ...]:
+    found: Any = world
+    for key in where:
+        found = found.get(key) if isinstance(found, Mapping) else None
+    return tuple(_part(one, "?") for one in found) if isinstance(found, list) else ()
+
+
+def _part(choice: Any, usual: str) -> Part:
+    """A part as the world names it; of a world that is none, what can be told."""
+    if not isinstance(choice, Mapping):
+        return Part(usual, {})
+    settings = {str(key): value for key, value in choice.items() if key != "type"}
+    return Part(str(choice.get("type", usual)), settings)
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

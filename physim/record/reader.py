@@ -20,7 +20,7 @@ from physim.parts.declarations import Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
 from physim.record.layout import digest
-from physim.record.rows import NO_END, Bounds, frozen
+from physim.record.rows import NO_END, Bounds, Source, considered_rows, frozen
 from physim.record.scene import RecordedScene, read_declared
 
 if TYPE_CHECKING:
@@ -91,10 +91,11 @@ class Record(RecordedScene):
             raise
 
     @classmethod
-    def _just_made(cls, file: h5py.File) -> Record:
-        """A file that `RecordWriter` made in this process: its layout needs no check."""
+    def _just_made(cls, file: h5py.File, path: Path | None) -> Record:
+        """A file that `RecordWriter` made in this process: what it wrote is checked when it is
+        first read, and the layout needs no check."""
         record = cls.__new__(cls)
-        record._begin(file, None)
+        record._begin(file, path)
         return record
 
     def check_values(self) -> None:
@@ -225,6 +226,12 @@ class Record(RecordedScene):
     @cached_property
     def considered(self) -> NDArray[np.void]:
         """Robots considered in decisions, rows of `layout.CONSIDERED` in the order of steps."""
+        source, others = Source(self.where, layout.OTHERS), self.read(layout.OTHERS)
+        return frozen(considered_rows(source, self.considering, others, self.robots))
+
+    @cached_property
+    def considering(self) -> NDArray[np.void]:
+        """How many robots each decision considered, rows of `layout.CONSIDERING`."""
         return self.read("/considered")
 
     @cached_property

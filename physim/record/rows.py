@@ -6,7 +6,7 @@ once. What is refused is one line: file, table, row, what was given and what is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -33,7 +33,7 @@ FINITE: dict[str, tuple[str, ...]] = {
 ONCE = {
     "/updates": ("robot",),
     "/commands": ("robot",),
-    "/considered": ("robot", "other"),
+    "/considered": ("robot",),
     "/contacts": ("a", "b", "kind"),
     "/false_contacts": ("a", "b"),
 }
@@ -118,6 +118,8 @@ def _check_once(source: Source, rows: NDArray[np.void]) -> None:
     """Raise RecordError for a second row of the same step and bodies."""
     names = ONCE[source.path]
     columns = [rows["step"], *(rows[name] for name in names)]
+    if _ascending(columns):
+        return
     order = np.lexsort(columns[::-1])
     again = np.zeros(len(rows), dtype=np.bool_)
     again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
@@ -127,6 +129,56 @@ def _check_once(source: Source, rows: NDArray[np.void]) -> None:
         return f"step {rows['step'][k]}, {who} again; it may be there once"
 
     source.refuse(again, fault)
+
+
+def _ascending(columns: Sequence[NDArray[Any]]) -> bool:
+    """Whether each row is greater than the one before, the first columns counting first.
+
+    So a run writes most tables; to see it takes a tenth of the time that sorting them takes.
+    """
+    greater = np.zeros(max(0, len(columns[0]) - 1), dtype=np.bool_)
+    for column in reversed(columns):
+        greater = (column[1:] > column[:-1]) | ((column[1:] == column[:-1]) & greater)
+    return bool(greater.all())
+
+
+def considered_rows(
+    source: Source, decisions: NDArray[np.void], others: NDArray[Any], robots: int
+) -> NDArray[np.void]:
+    """Rows of `layout.CONSIDERED` of packed ones; ``source`` names ``others``.
+
+    Raises RecordError where there are more or fewer robots than the decisions have, for one that is
+    not there, and for one that is considered twice in a decision.
+    """
+    count = decisions["count"]
+    if len(others) != int(count.sum(dtype=np.int64)):
+        raise RecordError(
+            f"{source.where}: {source.path} has {len(others)} rows, /considered counts "
+            f"{int(count.sum(dtype=np.int64))}; make the record again"
+        )
+    source.within("it", others, 0, robots - 1)
+    rows = np.empty(len(others), dtype=layout.CONSIDERED)
+    rows["step"], rows["robot"] = (np.repeat(decisions[name], count) for name in ("step", "robot"))
+    rows["other"] = others
+    _check_each_once(source, np.repeat(np.arange(len(decisions)), count), rows)
+    return rows
+
+
+def _check_each_once(source: Source, decision: NDArray[np.int64], rows: NDArray[np.void]) -> None:
+    """Raise RecordError for a robot that was considered twice in one decision."""
+    columns = [decision, rows["other"]]
+    if _ascending(columns):
+        return
+    order = np.lexsort(columns[::-1])
+    again = np.zeros(len(rows), dtype=np.bool_)
+    again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
+    source.refuse(
+        again,
+        lambda k: (
+            f"robot {rows['robot'][k]} considers {rows['other'][k]} at step {rows['step'][k]} "
+            "again; it may be there once"
+        ),
+    )
 
 
 def check_steps(source: Source, rows: NDArray[Any]) -> None:
@@ -237,7 +289,7 @@ def _ranges(path: str, rows: NDArray[np.void], bounds: Bounds) -> list[Range]:
     if path == "/commands":
         return [step, robot]
     if path == "/considered":
-        return [step, robot, ("other", 0, robots - 1)]
+        return [step, robot, ("count", 0, robots - 1)]
     found = [step, ("a", 0, robots - 1), ("b", rows["a"] + 1, bodies - 1)]
     if path == "/contacts":
         found += [("phase", min(Phase), max(Phase)), ("kind", min(Kind), max(Kind))]
@@ -283,11 +335,20 @@ class RecordFile:
             rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             raise damaged(self.where, path, error) from error
-        if path in layout.TABLES and self._killed_at is not None:
-            rows = rows[rows["step"] <= self._killed_at]
+        if self._killed_at is not None:
+            rows = self._cut(path, first, rows)
         if check:
             self._check(Source(self.where, path, first), rows)
         return frozen(rows)
+
+    def _cut(self, path: str, first: int, rows: NDArray[Any]) -> NDArray[Any]:
+        """Rows, from row ``first`` on, up to the last sample of a run that was killed."""
+        if path in layout.TABLES:
+            return rows[rows["step"] <= self._killed_at]
+        if path == layout.OTHERS:
+            counted = self.read("/considered", check=False)["count"].sum(dtype=np.int64)
+            return rows[: max(0, counted - first)]
+        return rows
 
     def _check(self, source: Source, rows: NDArray[Any]) -> None:
         """Check that rows have values such as a run writes."""
@@ -319,10 +380,6 @@ class RecordFile:
         points = self._points(f"{group}/points")
         start = self._starts(f"{group}/start", len(points), empty=runs is None, runs=runs)
         return [points[first:last] for first, last in pairwise(start)]
-
-    def _parts(self, group: str) -> tuple[FloatArray, ...]:
-        """Polygons of a group, one dataset each, by number."""
-        return tuple(self._points(f"{group}/{part}") for part in sorted(self._file[group], key=int))
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -23,9 +23,7 @@ from physim.geometry.shapes import (
     FloatArray,
     Polylines,
     Shapes,
-    locked,
     pack_polylines,
-    pack_shapes,
 )
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.record import layout
@@ -79,13 +77,11 @@ def write_scene(
     for column in ("kind", "name"):
         values = [getattr(body, column) for body in scene.bodies]
         file.create_dataset(f"/bodies/{column}", data=values, dtype=text)
-    for i, parts in enumerate(unpack(scene.shapes)[: len(scene.start)]):
-        for p, part in enumerate(parts):
-            file[f"{layout.FOOTPRINTS.format(i)}/{p:02d}"] = part
     file["/robots/stop_station"] = np.asarray(scene.stop_station, dtype=np.float64)
     file["/robots/lead"] = np.asarray(scene.formation.lead, dtype=np.float64)
-    for field in ("vertices", "part_start", "body_start"):
-        file[f"/walls/{field}"] = getattr(scene.walls, field)
+    for group, shapes in (("/footprints", scene.shapes), ("/walls", scene.walls)):
+        for field in ("vertices", "part_start", "body_start"):
+            file[f"{group}/{field}"] = getattr(shapes, field)
     for group, lines in (("/paths", scene.paths), ("/reference", scene.reference)):
         file[f"{group}/points"] = lines.points
         file[f"{group}/start"] = lines.start
@@ -175,27 +171,28 @@ class RecordedScene(RecordFile):
     @cached_property
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
-        return tuple(self._parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots))
+        return unpack(self.shapes)
 
     @cached_property
     def shapes(self) -> Shapes:
         """Footprints of the N robots, packed, in their frames."""
-        packed: Shapes = locked(pack_shapes(self.footprints))
-        return packed
+        return self._shapes("/footprints", self.robots)
 
     @cached_property
     def walls(self) -> Shapes:
         """Boundaries and obstacles, world frame; body k of them has id N + k."""
-        vertices = self._points("/walls/vertices")
-        part_start = self._starts("/walls/part_start", len(vertices), empty=False)
+        return self._shapes("/walls", self._bounds.bodies - self.robots)
+
+    def _shapes(self, group: str, bodies: int) -> Shapes:
+        """Convex parts of so many bodies, packed."""
+        vertices = self._points(f"{group}/vertices")
+        part_start = self._starts(f"{group}/part_start", len(vertices), empty=False)
         body_start = self._starts(
-            "/walls/body_start", len(part_start) - 1, empty=False,
-            runs=self._bounds.bodies - self.robots,
-        )  # fmt: skip
+            f"{group}/body_start", len(part_start) - 1, empty=False, runs=bodies
+        )
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
-        runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
-        radius = [float(lengths[first:last].max()) for first, last in runs]
-        return Shapes(vertices, part_start, body_start, frozen(np.array(radius, dtype=float)))
+        radius = np.maximum.reduceat(lengths, part_start[body_start[:-1]]) if bodies else lengths
+        return Shapes(vertices, part_start, body_start, frozen(radius))
 
     @cached_property
     def paths(self) -> Polylines:

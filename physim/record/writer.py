@@ -22,6 +22,7 @@ from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
 from physim.record import layout
+from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
 from physim.record.reader import Record
 from physim.record.scene import write_attributes, write_declared, write_scene
@@ -173,6 +174,9 @@ class RecordWriter:
                 path: self._growing(path, (), row, samples * self.robots)
                 for path, row in self.types.items()
             }
+            self._others = self._growing(
+                layout.OTHERS, (), layout.other_type(self.robots), most=samples * self.robots
+            )
             self._steps = {
                 path: self._growing(path, shape, row, samples)
                 for path, (shape, row) in layout.steps_rows(self.robots).items()
@@ -211,6 +215,15 @@ class RecordWriter:
         with self._writing():
             self._tables[path].append(rows)
 
+    def append_considered(self, decisions: NDArray[np.void], others: ArrayLike) -> None:
+        """Append rows of `layout.CONSIDERING` and the robots that they count, in their order.
+
+        Raises RecordError for rows of another type.
+        """
+        self.append("considered", decisions)
+        with self._writing():
+            self._others.append(others)
+
     def note_arrived(self, since: NDArray[np.int64]) -> None:
         """Set the samples (N,) from which on robots have arrived; -1 where they have not."""
         self.arrived[:] = since
@@ -222,7 +235,7 @@ class RecordWriter:
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
         with self._writing():
-            for buffer in (*self._tables.values(), *self._steps.values()):
+            for buffer in (*self._tables.values(), self._others, *self._steps.values()):
                 buffer.flush()
             self._file[layout.EXTREMES][:] = self.extremes.rows
             self._file[layout.EXTREMES_FARTHEST][()] = self.extremes.farthest
@@ -256,7 +269,8 @@ class RecordWriter:
 
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
-        return Record._just_made(self._file) if self.path is None else Record.load(self.path)
+        file = self._file if self.path is None else open_record(self.path)
+        return Record._just_made(file, self.path)
 
     def _open(self) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""

@@ -14,13 +14,16 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.drafts import draft_of
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
+from physim.record.considered import considered_rows
 from physim.record.layout import digest
-from physim.record.rows import NO_END, Bounds, Source, considered_rows, frozen
+from physim.record.lock import WriteLock
+from physim.record.rows import NO_END, Bounds, Source, frozen
 from physim.record.scene import RecordedScene, read_declared
 
 if TYPE_CHECKING:
@@ -309,10 +312,14 @@ class Record(RecordedScene):
         return digest(self, self._file)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a copy of the whole record to a file. Raises RecordError when that fails."""
+        """Write a copy of the whole record to a file.
+
+        Raises RecordError when that fails, and where a run is writing the file.
+        """
         target = Path(path)
-        draft = target.with_name(target.name + ".part")
+        draft, lock = draft_of(target), None
         try:
+            lock = WriteLock(target)
             if self.path is not None:
                 shutil.copyfile(self.path, draft)
             else:
@@ -322,6 +329,9 @@ class Record(RecordedScene):
         except OSError as error:
             draft.unlink(missing_ok=True)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
+        finally:
+            if lock is not None:
+                lock.release()
 
 
 def _named(file: h5py.File, path: Path | None) -> str:

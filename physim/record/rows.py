@@ -6,7 +6,7 @@ once. What is refused is one line: file, table, row, what was given and what is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ from physim.parts.controller import LONGEST_HOLD
 from physim.parts.declarations import NO_NUMBER
 from physim.record import layout
 from physim.record.checks import damaged
+from physim.record.repeats import repeated
 
 FINITE: dict[str, tuple[str, ...]] = {
     "/updates": ("nominal_v", "nominal_omega", "applied_v", "applied_omega"),
@@ -117,68 +118,12 @@ def _check_finite(source: Source, column: str, values: NDArray[Any]) -> None:
 def _check_once(source: Source, rows: NDArray[np.void]) -> None:
     """Raise RecordError for a second row of the same step and bodies."""
     names = ONCE[source.path]
-    columns = [rows["step"], *(rows[name] for name in names)]
-    if _ascending(columns):
-        return
-    order = np.lexsort(columns[::-1])
-    again = np.zeros(len(rows), dtype=np.bool_)
-    again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
 
     def fault(k: int) -> str:
         who = ", ".join(f"{name} {rows[name][k]}" for name in names)
         return f"step {rows['step'][k]}, {who} again; it may be there once"
 
-    source.refuse(again, fault)
-
-
-def _ascending(columns: Sequence[NDArray[Any]]) -> bool:
-    """Whether each row is greater than the one before, the first columns counting first.
-
-    So a run writes most tables; to see it takes a tenth of the time that sorting them takes.
-    """
-    greater = np.zeros(max(0, len(columns[0]) - 1), dtype=np.bool_)
-    for column in reversed(columns):
-        greater = (column[1:] > column[:-1]) | ((column[1:] == column[:-1]) & greater)
-    return bool(greater.all())
-
-
-def considered_rows(
-    source: Source, decisions: NDArray[np.void], others: NDArray[Any], robots: int
-) -> NDArray[np.void]:
-    """Rows of `layout.CONSIDERED` of packed ones; ``source`` names ``others``.
-
-    Raises RecordError where there are more or fewer robots than the decisions have, for one that is
-    not there, and for one that is considered twice in a decision.
-    """
-    count = decisions["count"]
-    if len(others) != int(count.sum(dtype=np.int64)):
-        raise RecordError(
-            f"{source.where}: {source.path} has {len(others)} rows, /considered counts "
-            f"{int(count.sum(dtype=np.int64))}; make the record again"
-        )
-    source.within("it", others, 0, robots - 1)
-    rows = np.empty(len(others), dtype=layout.CONSIDERED)
-    rows["step"], rows["robot"] = (np.repeat(decisions[name], count) for name in ("step", "robot"))
-    rows["other"] = others
-    _check_each_once(source, np.repeat(np.arange(len(decisions)), count), rows)
-    return rows
-
-
-def _check_each_once(source: Source, decision: NDArray[np.int64], rows: NDArray[np.void]) -> None:
-    """Raise RecordError for a robot that was considered twice in one decision."""
-    columns = [decision, rows["other"]]
-    if _ascending(columns):
-        return
-    order = np.lexsort(columns[::-1])
-    again = np.zeros(len(rows), dtype=np.bool_)
-    again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
-    source.refuse(
-        again,
-        lambda k: (
-            f"robot {rows['robot'][k]} considers {rows['other'][k]} at step {rows['step'][k]} "
-            "again; it may be there once"
-        ),
-    )
+    source.refuse(repeated([rows["step"], *(rows[name] for name in names)]), fault)
 
 
 def check_steps(source: Source, rows: NDArray[Any]) -> None:

@@ -137,6 +137,7 @@ class RecordWriter:
         tables: Sequence[str] = layout.OPTIONAL,
         given: Sequence[tuple[str, str]] = (),
         flush_every_s: float = 0.5,
+        overwrite: bool = True,
     ) -> None:
         """Begin the record of ``scene``; with ``path`` None it stays in memory.
 
@@ -144,7 +145,8 @@ class RecordWriter:
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python. Raises RecordError where the file cannot be written.
+        Python. Raises RecordError where the file cannot be written, where another run is
+        writing it, and, without ``overwrite``, where it exists.
         """
         world = getattr(scene, "world", None)
         name = name if name is not None else str(world.name) if world else ""
@@ -154,7 +156,7 @@ class RecordWriter:
         self._flush_every_s = flush_every_s
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
-        self._file = self._open()
+        self._file = self._open(overwrite)
         try:
             write_attributes(
                 self._file, scene, name=name, world_text=world_text,
@@ -272,7 +274,7 @@ class RecordWriter:
         file = self._file if self.path is None else open_record(self.path)
         return Record._just_made(file, self.path)
 
-    def _open(self) -> h5py.File:
+    def _open(self, overwrite: bool) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""
         settings: dict[str, Any] = {"libver": "earliest", "rdcc_nbytes": 0}
         if self.path is None:
@@ -282,6 +284,9 @@ class RecordWriter:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
             raise self._failed(error) from error
+        if not overwrite and os.path.lexists(self.path):
+            self._disk.close()
+            raise RecordError(f"{self.path}: exists; give another path, or overwrite=True")
         self._disk.holding = True
         settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
         file = h5py.File(self._disk, "w", **settings)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from physim.drafts import draft_of
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.parts.declarations import Mode
+from physim.parts.declarations import Declared, Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
 from physim.record.considered import considered_rows
@@ -46,8 +46,11 @@ class Record(RecordedScene):
         check_layout(file, _named(file, path))
         self._begin(file, path)
 
-    def _begin(self, file: h5py.File, path: Path | None) -> None:
-        """Take what is needed at once from a file that has the layout of a record."""
+    def _begin(self, file: h5py.File, path: Path | None, declared: Declared | None = None) -> None:
+        """Take what is needed at once from a file that has the layout of a record.
+
+        ``declared`` is what the controller declared, where that need not be read.
+        """
         self.path = path
         attributes, where = file.attrs, _named(file, path)
         self.name = str(attributes["name"])
@@ -69,7 +72,7 @@ class Record(RecordedScene):
         """the optional tables (`layout.OPTIONAL`) that the run recorded; others are empty"""
         self.given = tuple((str(kind), str(name)) for kind, name in json.loads(attributes["given"]))
         """parts that came from Python beside or in place of what the world names: kind and name"""
-        self.declared = read_declared(file, where)
+        self.declared = read_declared(file, where) if declared is None else declared
         """modes, rules and columns of the controller"""
         killed = self.ended == "running"
         bounds = Bounds(
@@ -94,11 +97,11 @@ class Record(RecordedScene):
             raise
 
     @classmethod
-    def _just_made(cls, file: h5py.File, path: Path | None) -> Record:
+    def _just_made(cls, file: h5py.File, path: Path | None, declared: Declared) -> Record:
         """A file that `RecordWriter` made in this process: what it wrote is checked when it is
         first read, and the layout needs no check."""
         record = cls.__new__(cls)
-        record._begin(file, path)
+        record._begin(file, path, declared)
         return record
 
     def check_values(self) -> None:

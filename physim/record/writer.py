@@ -16,6 +16,7 @@ from uuid import uuid4
 
 import h5py
 import numpy as np
+from h5py import h5d
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import RecordError
@@ -24,6 +25,7 @@ from physim.parts.declarations import Declared
 from physim.record import layout
 from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
+from physim.record.datasets import add_rows, fill, growing, put
 from physim.record.reader import Record
 from physim.record.scene import write_attributes, write_declared, write_scene
 from physim.world.scene import Scene
@@ -35,10 +37,10 @@ if TYPE_CHECKING:
 class RowBuffer:
     """Gathers rows of one growing dataset; `flush` appends them all at once."""
 
-    def __init__(self, dataset: h5py.Dataset, rows: int) -> None:
-        """Keep up to ``rows`` rows (at least one) in memory."""
-        self.dataset = dataset
-        self._rows: NDArray[Any] = np.empty((max(1, rows), *dataset.shape[1:]), dataset.dtype)
+    def __init__(self, name: str, dataset: h5d.DatasetID, rows: NDArray[Any]) -> None:
+        """Keep rows in memory in ``rows``, as many as it has (at least one)."""
+        self._name, self._dataset = name, dataset
+        self._rows = rows
         self._count = 0
         self._written = 0
 
@@ -50,7 +52,7 @@ class RowBuffer:
         given = np.asarray(rows, dtype=self._rows.dtype)
         if given.shape[1:] != self._rows.shape[1:]:
             wanted = self._rows.shape[1:]
-            raise ValueError(f"{self.dataset.name}: rows {given.shape[1:]}; {wanted} expected")
+            raise ValueError(f"{self._name}: rows {given.shape[1:]}; {wanted} expected")
         if len(given) >= len(self._rows):  # as they are, without a copy
             self.flush()
             self._write(given)
@@ -71,10 +73,8 @@ class RowBuffer:
             self._count = 0
 
     def _write(self, rows: NDArray[Any]) -> None:
-        total = self._written + len(rows)
-        self.dataset.resize(total, axis=0)
-        self.dataset[self._written : total] = rows
-        self._written = total
+        add_rows(self._dataset, self._written, rows)
+        self._written += len(rows)
 
 
 class Extremes:
@@ -154,6 +154,7 @@ class RecordWriter:
         self.path = None if path is None else Path(path)
         self.robots = len(scene.start)
         self._flush_every_s = flush_every_s
+        self._declared = declared
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
         self._file = self._open(overwrite)
@@ -166,10 +167,15 @@ class RecordWriter:
             write_declared(self._file, declared)
             self._file.create_group(layout.WALL_CLOCK)
             self.extremes = Extremes(self.robots)
-            self._file[layout.EXTREMES] = self.extremes.rows
-            self._file[layout.EXTREMES_FARTHEST] = self.extremes.farthest
             self.arrived = np.full(self.robots, -1, dtype=np.int64)
-            self._file[layout.ARRIVED] = self.arrived
+            self._rewritten = [
+                (put(self._file, path, values), values)
+                for path, values in (
+                    (layout.EXTREMES, self.extremes.rows),
+                    (layout.EXTREMES_FARTHEST, self.extremes.farthest),
+                    (layout.ARRIVED, self.arrived),
+                )
+            ]
             samples = scene.steps // every + 2
             self.types = layout.table_types([column.name for column in declared.columns])
             self._tables = {
@@ -239,9 +245,8 @@ class RecordWriter:
         with self._writing():
             for buffer in (*self._tables.values(), self._others, *self._steps.values()):
                 buffer.flush()
-            self._file[layout.EXTREMES][:] = self.extremes.rows
-            self._file[layout.EXTREMES_FARTHEST][()] = self.extremes.farthest
-            self._file[layout.ARRIVED][:] = self.arrived
+            for dataset, values in self._rewritten:
+                fill(dataset, values)
             if self._disk is not None:
                 self._disk.holding = True
             self._file.flush()
@@ -272,7 +277,7 @@ class RecordWriter:
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
         file = self._file if self.path is None else open_record(self.path)
-        return Record._just_made(file, self.path)
+        return Record._just_made(file, self.path, self._declared)
 
     def _open(self, overwrite: bool) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""
@@ -300,10 +305,9 @@ class RecordWriter:
         """Create a dataset that grows by rows, with chunks no larger than ``most`` rows."""
         size = np.dtype(row).itemsize * int(np.prod(shape, dtype=int))
         rows = max(1, min(CHUNK_BYTES // size, most))
-        dataset = self._file.create_dataset(
-            path, (0, *shape), row, maxshape=(None, *shape), chunks=(rows, *shape)
-        )
-        return RowBuffer(dataset, min(BUFFER_BYTES // size, 8 * rows))
+        buffered = max(1, min(BUFFER_BYTES // size, 8 * rows))
+        dataset = growing(self._file, path, row, shape, rows)
+        return RowBuffer(path, dataset, np.empty((buffered, *shape), row))
 
     def _close_disk(self, disk: CrashSafeFile) -> None:
         with self._writing():

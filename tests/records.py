@@ -15,7 +15,7 @@ from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Phase
 from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.record import Record, RecordWriter
-from physim.record.layout import CONSIDERED, update_type
+from physim.record.layout import CONSIDERED, CONSIDERING, update_type
 from physim.world.scene import Body
 
 CENTRELINE = np.array([[0.0, 0.0], [15.0, 0.0], [27.0, 9.0], [60.0, 9.0]])
@@ -92,8 +92,13 @@ def make_record(
         writer.note_extremes(step, part)
         writer.append_steps(step, pose[step], part.clearance, part.boundary_clearance)
         tables = {"updates": decided, "considered": others, "contacts": touching}
-        for table, rows in tables.items():
-            writer.append(table, rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])])
+        now = {
+            table: rows[(rows["step"] >= step[0]) & (rows["step"] <= step[-1])]
+            for table, rows in tables.items()
+        }
+        for table in ("updates", "contacts"):
+            writer.append(table, now[table])
+        writer.append_considered(considering_rows(now["updates"]), now["considered"]["other"])
     if len(touching):
         reported = np.array([(5, 0, 1, 0.2)], dtype=FALSE_CONTACT_ROW)
         writer.append("false_contacts", reported)
@@ -156,6 +161,14 @@ def update_rows(scene: SimpleNamespace, pose: FloatArray) -> NDArray[np.void]:
     rows["evaluations"] = 15 * (rows["mode"] > 0)
     rows["next_step"] = rows["step"] + hold
     return rows.ravel()
+
+
+def considering_rows(decided: NDArray[np.void]) -> NDArray[np.void]:
+    """How many robots each decision considers."""
+    rows = np.zeros(len(decided), dtype=CONSIDERING)
+    for name, column in (("step", "step"), ("robot", "robot"), ("count", "considered")):
+        rows[name] = decided[column]
+    return rows
 
 
 def considered_rows(decided: NDArray[np.void]) -> NDArray[np.void]:

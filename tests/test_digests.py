@@ -10,12 +10,12 @@ import pytest
 
 from tests.digests import CheckoutError, Run, compared, copy_commit
 
-ONE = Run("straight", 0, 100, "a", "m")
+ONE = Run("straight", 0, 100, "a", "v", "m")
 
 
 OTHERS = [
-    (ONE._replace(digest="b"), "alike"),
-    (Run("straight", 0, 90, "b", "n"), "otherwise"),
+    (ONE._replace(digest="b", values="w"), "alike"),
+    (Run("straight", 0, 90, "b", "w", "n"), "otherwise"),
 ]
 
 
@@ -24,7 +24,7 @@ def test_a_difference_is_told(other: Run, word: str) -> None:
     verdict = compared(ONE, other)
     assert "DIFFERENT" in verdict
     assert word in verdict
-    assert compared(ONE, ONE) == ""
+    assert compared(ONE, ONE) == compared(ONE, ONE._replace(digest="b")) == ""
 
 
 def test_a_commit_that_is_not_there(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ LONGEST_FILE = 350
 LAYERS = {
     "physim.errors": (0, 0),
     "physim.tolerances": (0, 0),
+    "physim.drafts": (0, 0),
     "physim.linking": (0, 0),
     "physim.c_calls": (0, 0),
     "physim.compiled": (0, 1),

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
+from physim.drafts import draft_of
 from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
@@ -47,12 +48,15 @@ def remove_earlier(
 ) -> None:
     """Remove from a folder the files of an earlier command, or nothing.
 
-    Raises PhysimError where there are any and ``force`` is not set, where one is no regular file
-    or one of ``inputs``, and where it is no folder.
+    Raises PhysimError where there are any and ``force`` is not set, where one is no regular file,
+    one of ``inputs`` or a record that a run is writing, and where it is no folder.
     """
+    from physim.record.lock import check_unwritten
+
     a_folder(folder)
     for file in earlier:
         new_file(file, True, *inputs)
+        check_unwritten(file)
     if earlier and not force:
         raise PhysimError(
             f"{folder}: holds {what} ({earlier[0].name}); "
@@ -165,7 +169,7 @@ def text_stream(json: Path | None) -> TextIO:
 def write_text(path: Path, text: str) -> None:
     """Write a text file, whole or not at all. Raises PhysimError when it cannot be written."""
     regular(path)
-    part = path.with_name(f".{path.name}.part")
+    part = draft_of(path)
     with writing(path):
         try:
             part.write_text(text, encoding="utf-8")

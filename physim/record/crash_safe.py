@@ -13,17 +13,22 @@ and the disk and orders the writes, so that at every moment the file is a comple
    split. One that crosses pages is written last page first: trees and headers only ever gain
    entries, and what counts the entries stands before them.
 
-The file appears under its name with its first commit. Against loss of power nothing is done.
+The file appears under its name with its first commit, and nobody else may write it until it is
+closed (`WriteLock`). Against loss of power nothing is done.
 """
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from physim.drafts import draft_of
+from physim.record.lock import WriteLock, is_at
 
 PAGE = 4096
 """[bytes] What the system writes without a break; the library aligns larger blocks to it."""
@@ -35,17 +40,26 @@ class CrashSafeFile(io.RawIOBase):
     """File object for ``h5py.File(file, "w", libver="earliest")``; created anew, for writing.
 
     Set ``holding`` while the library flushes or closes, then call `commit`, which raises OSError
-    when anything since the last one could not be written; the file then stays as it was.
+    when anything since the last one could not be written; the file then stays as it was. So it does
+    where somebody has moved, removed or replaced the file meanwhile.
     """
 
     def __init__(self, path: Path) -> None:
-        """Begin a new file that takes the place of ``path`` at the first commit."""
+        """Begin a new file that takes the place of ``path`` at the first commit.
+
+        Raises RecordError where another writer is at it, OSError where it cannot be written.
+        """
         super().__init__()
         self.holding = False
         self._failure: OSError | None = None
         self._path = path
-        self._draft: Path | None = path.with_name(path.name + ".part")
-        self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
+        self._draft: Path | None = draft_of(path)
+        self._lock = WriteLock(path)
+        try:
+            self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)
+        except BaseException:
+            self._lock.release()
+            raise
         self._position = 0
         self._length = 0
         self._committed = 0
@@ -56,6 +70,8 @@ class CrashSafeFile(io.RawIOBase):
     def commit(self) -> None:
         """Make the last flush of the library what a reader finds."""
         self.holding = False
+        if self._draft is None and not is_at(self._fd, self._path):
+            self._failure = self._failure or OSError(errno.ESTALE, "it is no longer there")
         if self._failure is None:
             with self._noting_failure():
                 for address, block in sorted(self._held.items(), key=self._rank):
@@ -77,6 +93,7 @@ class CrashSafeFile(io.RawIOBase):
             os.close(self._fd)
             if self._draft is not None:
                 self._draft.unlink(missing_ok=True)
+            self._lock.release()
         super().close()
 
     # What h5py asks of a file object:

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 
 FORMAT = "physim-record"
-MAJOR, MINOR = 3, 0
+MAJOR, MINOR = 4, 0
 """The major number is raised with every change that an older reader would misread, the minor one
-where something is added that it may pass over. 3: modes, rules and columns as the controller
-declares them, commands of all stages, considered robots, arrival by the motion."""
+where something is added that it may pass over. 4: footprints and considered robots packed, a few
+datasets for all robots and all decisions."""
 VERSION = f"{MAJOR}.{MINOR}"
 
 UNITS = "m, rad, s, N s; world frame; headings counter-clockwise from the x axis, unwrapped"
@@ -79,9 +79,11 @@ at every step at which they differ, or at which the nominal one is not that of t
 decision. Where there is no row, all three are the nominal command of the last decision, and 0
 before the first."""
 
+CONSIDERING = np.dtype([("step", "<i8"), ("robot", "<i4"), ("count", "<i4")])
+"""How many robots were considered in a decision; `OTHERS` has them, decision after decision."""
+
 CONSIDERED = np.dtype([("step", "<i8"), ("robot", "<i4"), ("other", "<i4")])
-"""A robot that was considered in the decision of another: as many rows a decision as its column
-``considered`` says."""
+"""A robot that was considered in the decision of another, as `Record.considered` gives it."""
 
 EXTREME = np.dtype(
     [
@@ -106,6 +108,9 @@ NO_FARTHEST = np.array((-np.inf, -1, -1, -1), dtype=FARTHEST)
 TABLES = ("/updates", "/commands", "/considered", "/contacts", "/false_contacts")
 """Growing tables of rows."""
 
+OTHERS = "/considered_others"
+"""Growing dataset of the robots that were considered, packed, see `CONSIDERING`."""
+
 OPTIONAL = ("updates", "considered", "contacts", "false_contacts")
 """Tables that a run may leave out; the commands and the samples are always there."""
 
@@ -127,6 +132,9 @@ FIXED = (
     "/columns/name",
     "/columns/unit",
     "/columns/words",
+    "/footprints/vertices",
+    "/footprints/part_start",
+    "/footprints/body_start",
     "/walls/vertices",
     "/walls/part_start",
     "/walls/body_start",
@@ -147,8 +155,8 @@ EXTREMES_FARTHEST = "/extremes_farthest"
 ARRIVED = "/robots/arrived"
 """(N,) sample from which on each robot has arrived, to the end of the run; -1 where it has not."""
 
-DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, ARRIVED, *TABLES, *STEPS)
-"""Every dataset that a record must have, besides the footprints."""
+DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, ARRIVED, *TABLES, OTHERS, *STEPS)
+"""Every dataset that a record must have."""
 
 ATTRIBUTES = (
     "format",
@@ -174,9 +182,6 @@ from Python in place of or beside those that the world names, both JSON lists.""
 TEXTS = ("format", "version", "units", "name", "world", "tables", "given")
 """Attributes that are texts."""
 
-FOOTPRINTS = "/robots/{:03d}/footprint"
-"""Group of one robot's convex parts, named 00, 01, …; robots by index, never by name."""
-
 WALL_CLOCK = "/wall_clock"
 """Group whose attributes are figures of the wall clock: outside the digest."""
 
@@ -192,9 +197,14 @@ def steps_rows(robots: int) -> dict[str, tuple[tuple[int, ...], str]]:
     return shapes
 
 
+def other_type(robots: int) -> str:
+    """Type of the numbers in `OTHERS`: as small as N robots allow."""
+    return "<u2" if robots <= 1 << 16 else "<i4"
+
+
 def table_types(columns: Sequence[str]) -> dict[str, np.dtype[np.void]]:
     """Row type of each of `TABLES`."""
-    types = (update_type(columns), COMMAND, CONSIDERED, CONTACT_ROW, FALSE_CONTACT_ROW)
+    types = (update_type(columns), COMMAND, CONSIDERING, CONTACT_ROW, FALSE_CONTACT_ROW)
     return dict(zip(TABLES, types, strict=True))
 
 
@@ -212,12 +222,7 @@ def digest(record: Record, file: h5py.File) -> str:
     total = hashlib.sha256()
     for name in ATTRIBUTES:
         total.update(f"{name}={file.attrs[name]!r}\n".encode())
-    footprints = (
-        f"{group}/{part}"
-        for group in map(FOOTPRINTS.format, range(record.robots))
-        for part in sorted(file[group], key=int)
-    )
-    for path in (*DATASETS, *footprints):
+    for path in DATASETS:
         _add(total, record, file[path], path)
     return total.hexdigest()
 
@@ -227,7 +232,7 @@ def _add(total: hashlib._Hash, record: Record, dataset: h5py.Dataset, path: str)
     shape = dataset.shape
     if path in STEPS:
         shape = (record.samples, *shape[1:])
-    elif path in TABLES:
+    elif path in TABLES or path == OTHERS:
         shape = (len(record.read(path, check=False)),)
     total.update(f"{path} {dataset.dtype.descr} {shape}\n".encode())
     if not shape:

@@ -14,13 +14,16 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.drafts import draft_of
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.parts.declarations import Mode
+from physim.parts.declarations import Declared, Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
+from physim.record.considered import considered_rows
 from physim.record.layout import digest
-from physim.record.rows import NO_END, Bounds, frozen
+from physim.record.lock import WriteLock
+from physim.record.rows import NO_END, Bounds, Source, frozen
 from physim.record.scene import RecordedScene, read_declared
 from physim.record.setup import Setup, setup_of
 
@@ -49,8 +52,11 @@ class Record(RecordedScene):
         check_layout(file, _named(file, path))
         self._begin(file, path)
 
-    def _begin(self, file: h5py.File, path: Path | None) -> None:
-        """Take what is needed at once from a file that has the layout of a record."""
+    def _begin(self, file: h5py.File, path: Path | None, declared: Declared | None = None) -> None:
+        """Take what is needed at once from a file that has the layout of a record.
+
+        ``declared`` is what the controller declared, where that need not be read.
+        """
         self.path = path
         attributes, where = file.attrs, _named(file, path)
         self.name = str(attributes["name"])
@@ -72,7 +78,7 @@ class Record(RecordedScene):
         """the optional tables (`layout.OPTIONAL`) that the run recorded; others are empty"""
         self.given = tuple((str(kind), str(name)) for kind, name in json.loads(attributes["given"]))
         """parts that came from Python beside or in place of what the world names: kind and name"""
-        self.declared = read_declared(file, where)
+        self.declared = read_declared(file, where) if declared is None else declared
         """modes, rules and columns of the controller"""
         killed = self.ended == "running"
         bounds = Bounds(
@@ -97,10 +103,11 @@ class Record(RecordedScene):
             raise
 
     @classmethod
-    def _just_made(cls, file: h5py.File) -> Record:
-        """A file that `RecordWriter` made in this process: its layout needs no check."""
+    def _just_made(cls, file: h5py.File, path: Path | None, declared: Declared) -> Record:
+        """A file that `RecordWriter` made in this process: what it wrote is checked when it is
+        first read, and the layout needs no check."""
         record = cls.__new__(cls)
-        record._begin(file, None)
+        record._begin(file, path, declared)
         return record
 
     def check_values(self) -> None:
@@ -253,6 +260,12 @@ class Record(RecordedScene):
     @cached_property
     def considered(self) -> NDArray[np.void]:
         """Robots considered in decisions, rows of `layout.CONSIDERED` in the order of steps."""
+        source, others = Source(self.where, layout.OTHERS), self.read(layout.OTHERS)
+        return frozen(considered_rows(source, self.considering, others, self.robots))
+
+    @cached_property
+    def considering(self) -> NDArray[np.void]:
+        """How many robots each decision considered, rows of `layout.CONSIDERING`."""
         return self.read("/considered")
 
     @cached_property
@@ -338,10 +351,14 @@ class Record(RecordedScene):
         return digest(self, self._file)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write a copy of the whole record to a file. Raises RecordError when that fails."""
+        """Write a copy of the whole record to a file.
+
+        Raises RecordError when that fails, and where a run is writing the file.
+        """
         target = Path(path)
-        draft = target.with_name(target.name + ".part")
+        draft, lock = draft_of(target), None
         try:
+            lock = WriteLock(target)
             if self.path is not None:
                 shutil.copyfile(self.path, draft)
             else:
@@ -351,6 +368,9 @@ class Record(RecordedScene):
         except OSError as error:
             draft.unlink(missing_ok=True)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
+        finally:
+            if lock is not None:
+                lock.release()
 
 
 def _named(file: h5py.File, path: Path | None) -> str:

@@ -21,6 +21,7 @@ from physim.parts.controller import LONGEST_HOLD
 from physim.parts.declarations import NO_NUMBER
 from physim.record import layout
 from physim.record.checks import damaged
+from physim.record.repeats import repeated
 
 FINITE: dict[str, tuple[str, ...]] = {
     "/updates": ("nominal_v", "nominal_omega", "applied_v", "applied_omega"),
@@ -33,7 +34,7 @@ FINITE: dict[str, tuple[str, ...]] = {
 ONCE = {
     "/updates": ("robot",),
     "/commands": ("robot",),
-    "/considered": ("robot", "other"),
+    "/considered": ("robot",),
     "/contacts": ("a", "b", "kind"),
     "/false_contacts": ("a", "b"),
 }
@@ -117,16 +118,12 @@ def _check_finite(source: Source, column: str, values: NDArray[Any]) -> None:
 def _check_once(source: Source, rows: NDArray[np.void]) -> None:
     """Raise RecordError for a second row of the same step and bodies."""
     names = ONCE[source.path]
-    columns = [rows["step"], *(rows[name] for name in names)]
-    order = np.lexsort(columns[::-1])
-    again = np.zeros(len(rows), dtype=np.bool_)
-    again[order[1:]] = np.all([np.diff(column[order]) == 0 for column in columns], axis=0)
 
     def fault(k: int) -> str:
         who = ", ".join(f"{name} {rows[name][k]}" for name in names)
         return f"step {rows['step'][k]}, {who} again; it may be there once"
 
-    source.refuse(again, fault)
+    source.refuse(repeated([rows["step"], *(rows[name] for name in names)]), fault)
 
 
 def check_steps(source: Source, rows: NDArray[Any]) -> None:
@@ -237,7 +234,7 @@ def _ranges(path: str, rows: NDArray[np.void], bounds: Bounds) -> list[Range]:
     if path == "/commands":
         return [step, robot]
     if path == "/considered":
-        return [step, robot, ("other", 0, robots - 1)]
+        return [step, robot, ("count", 0, robots - 1)]
     found = [step, ("a", 0, robots - 1), ("b", rows["a"] + 1, bodies - 1)]
     if path == "/contacts":
         found += [("phase", min(Phase), max(Phase)), ("kind", min(Kind), max(Kind))]
@@ -283,11 +280,20 @@ class RecordFile:
             rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
         except (OSError, RuntimeError, KeyError, ValueError) as error:
             raise damaged(self.where, path, error) from error
-        if path in layout.TABLES and self._killed_at is not None:
-            rows = rows[rows["step"] <= self._killed_at]
+        if self._killed_at is not None:
+            rows = self._cut(path, first, rows)
         if check:
             self._check(Source(self.where, path, first), rows)
         return frozen(rows)
+
+    def _cut(self, path: str, first: int, rows: NDArray[Any]) -> NDArray[Any]:
+        """Rows, from row ``first`` on, up to the last sample of a run that was killed."""
+        if path in layout.TABLES:
+            return rows[rows["step"] <= self._killed_at]
+        if path == layout.OTHERS:
+            counted = self.read("/considered", check=False)["count"].sum(dtype=np.int64)
+            return rows[: max(0, counted - first)]
+        return rows
 
     def _check(self, source: Source, rows: NDArray[Any]) -> None:
         """Check that rows have values such as a run writes."""
@@ -319,10 +325,6 @@ class RecordFile:
         points = self._points(f"{group}/points")
         start = self._starts(f"{group}/start", len(points), empty=runs is None, runs=runs)
         return [points[first:last] for first, last in pairwise(start)]
-
-    def _parts(self, group: str) -> tuple[FloatArray, ...]:
-        """Polygons of a group, one dataset each, by number."""
-        return tuple(self._points(f"{group}/{part}") for part in sorted(self._file[group], key=int))
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:

@@ -23,13 +23,12 @@ from physim.geometry.shapes import (
     FloatArray,
     Polylines,
     Shapes,
-    locked,
     pack_polylines,
-    pack_shapes,
 )
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.record import layout
 from physim.record.checks import damaged
+from physim.record.datasets import put, put_texts
 from physim.record.rows import RecordFile, frozen
 from physim.world.scene import Body, Scene
 
@@ -74,40 +73,34 @@ def write_scene(
     file: h5py.File, scene: Scene, accessible: Sequence[ArrayLike], safe: Sequence[ArrayLike]
 ) -> None:
     """Write bodies, footprints, walls, paths and areas (rings (n, 2) [m], world frame)."""
-    text = h5py.string_dtype("utf-8")
-    file["/bodies/id"] = np.array([body.id for body in scene.bodies], dtype=np.int32)
+    put(file, "/bodies/id", np.array([body.id for body in scene.bodies], dtype=np.int32))
     for column in ("kind", "name"):
-        values = [getattr(body, column) for body in scene.bodies]
-        file.create_dataset(f"/bodies/{column}", data=values, dtype=text)
-    for i, parts in enumerate(unpack(scene.shapes)[: len(scene.start)]):
-        for p, part in enumerate(parts):
-            file[f"{layout.FOOTPRINTS.format(i)}/{p:02d}"] = part
-    file["/robots/stop_station"] = np.asarray(scene.stop_station, dtype=np.float64)
-    file["/robots/lead"] = np.asarray(scene.formation.lead, dtype=np.float64)
-    for field in ("vertices", "part_start", "body_start"):
-        file[f"/walls/{field}"] = getattr(scene.walls, field)
+        put_texts(file, f"/bodies/{column}", [getattr(body, column) for body in scene.bodies])
+    put(file, "/robots/stop_station", np.asarray(scene.stop_station, dtype=np.float64))
+    put(file, "/robots/lead", np.asarray(scene.formation.lead, dtype=np.float64))
+    for group, shapes in (("/footprints", scene.shapes), ("/walls", scene.walls)):
+        for field in ("vertices", "part_start", "body_start"):
+            put(file, f"{group}/{field}", getattr(shapes, field))
     for group, lines in (("/paths", scene.paths), ("/reference", scene.reference)):
-        file[f"{group}/points"] = lines.points
-        file[f"{group}/start"] = lines.start
+        put(file, f"{group}/points", lines.points)
+        put(file, f"{group}/start", lines.start)
     for group, rings in (("/areas/accessible", accessible), ("/areas/safe", safe)):
         arrays = [np.asarray(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
-        file[f"{group}/points"] = np.concatenate([np.zeros((0, 2)), *arrays])
+        put(file, f"{group}/points", np.concatenate([np.zeros((0, 2)), *arrays]))
         lengths = [0, *(len(ring) for ring in arrays)]
-        file[f"{group}/start"] = np.cumsum(lengths).astype(np.int64)
+        put(file, f"{group}/start", np.cumsum(lengths).astype(np.int64))
 
 
 def write_declared(file: h5py.File, declared: Declared) -> None:
     """Write modes, rules and columns of the controller, in the order of their numbers."""
-    text = h5py.string_dtype("utf-8")
     for group, rows, fields in (
         ("/modes", declared.modes, ("name", "words", "colour")),
         ("/rules", declared.rules, ("name", "words")),
         ("/columns", declared.columns, ("name", "unit", "words")),
     ):
         for field in fields:
-            values = np.array([getattr(row, field) for row in rows], dtype=object)
-            file.create_dataset(f"{group}/{field}", data=values, dtype=text)
-    file["/modes/danger"] = np.array([mode.danger for mode in declared.modes], dtype=np.int8)
+            put_texts(file, f"{group}/{field}", [getattr(row, field) for row in rows])
+    put(file, "/modes/danger", np.array([mode.danger for mode in declared.modes], dtype=np.int8))
 
 
 def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
@@ -175,27 +168,28 @@ class RecordedScene(RecordFile):
     @cached_property
     def footprints(self) -> tuple[tuple[FloatArray, ...], ...]:
         """Convex parts (n, 2) [m] of each robot, in its frame."""
-        return tuple(self._parts(layout.FOOTPRINTS.format(robot)) for robot in range(self.robots))
+        return unpack(self.shapes)
 
     @cached_property
     def shapes(self) -> Shapes:
         """Footprints of the N robots, packed, in their frames."""
-        packed: Shapes = locked(pack_shapes(self.footprints))
-        return packed
+        return self._shapes("/footprints", self.robots)
 
     @cached_property
     def walls(self) -> Shapes:
         """Boundaries and obstacles, world frame; body k of them has id N + k."""
-        vertices = self._points("/walls/vertices")
-        part_start = self._starts("/walls/part_start", len(vertices), empty=False)
+        return self._shapes("/walls", self._bounds.bodies - self.robots)
+
+    def _shapes(self, group: str, bodies: int) -> Shapes:
+        """Convex parts of so many bodies, packed."""
+        vertices = self._points(f"{group}/vertices")
+        part_start = self._starts(f"{group}/part_start", len(vertices), empty=False)
         body_start = self._starts(
-            "/walls/body_start", len(part_start) - 1, empty=False,
-            runs=self._bounds.bodies - self.robots,
-        )  # fmt: skip
+            f"{group}/body_start", len(part_start) - 1, empty=False, runs=bodies
+        )
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
-        runs = zip(part_start[body_start[:-1]], part_start[body_start[1:]], strict=True)
-        radius = [float(lengths[first:last].max()) for first, last in runs]
-        return Shapes(vertices, part_start, body_start, frozen(np.array(radius, dtype=float)))
+        radius = np.maximum.reduceat(lengths, part_start[body_start[:-1]]) if bodies else lengths
+        return Shapes(vertices, part_start, body_start, frozen(radius))
 
     @cached_property
     def paths(self) -> Polylines:

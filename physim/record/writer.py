@@ -16,13 +16,16 @@ from uuid import uuid4
 
 import h5py
 import numpy as np
+from h5py import h5d
 from numpy.typing import ArrayLike, NDArray
 
 from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
 from physim.record import layout
+from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
+from physim.record.datasets import add_rows, fill, growing, put
 from physim.record.reader import Record
 from physim.record.scene import write_attributes, write_declared, write_scene
 from physim.world.scene import Scene
@@ -34,10 +37,10 @@ if TYPE_CHECKING:
 class RowBuffer:
     """Gathers rows of one growing dataset; `flush` appends them all at once."""
 
-    def __init__(self, dataset: h5py.Dataset, rows: int) -> None:
-        """Keep up to ``rows`` rows (at least one) in memory."""
-        self.dataset = dataset
-        self._rows: NDArray[Any] = np.empty((max(1, rows), *dataset.shape[1:]), dataset.dtype)
+    def __init__(self, name: str, dataset: h5d.DatasetID, rows: NDArray[Any]) -> None:
+        """Keep rows in memory in ``rows``, as many as it has (at least one)."""
+        self._name, self._dataset = name, dataset
+        self._rows = rows
         self._count = 0
         self._written = 0
 
@@ -49,7 +52,7 @@ class RowBuffer:
         given = np.asarray(rows, dtype=self._rows.dtype)
         if given.shape[1:] != self._rows.shape[1:]:
             wanted = self._rows.shape[1:]
-            raise ValueError(f"{self.dataset.name}: rows {given.shape[1:]}; {wanted} expected")
+            raise ValueError(f"{self._name}: rows {given.shape[1:]}; {wanted} expected")
         if len(given) >= len(self._rows):  # as they are, without a copy
             self.flush()
             self._write(given)
@@ -70,10 +73,8 @@ class RowBuffer:
             self._count = 0
 
     def _write(self, rows: NDArray[Any]) -> None:
-        total = self._written + len(rows)
-        self.dataset.resize(total, axis=0)
-        self.dataset[self._written : total] = rows
-        self._written = total
+        add_rows(self._dataset, self._written, rows)
+        self._written += len(rows)
 
 
 class Extremes:
@@ -136,6 +137,7 @@ class RecordWriter:
         tables: Sequence[str] = layout.OPTIONAL,
         given: Sequence[tuple[str, str]] = (),
         flush_every_s: float = 0.5,
+        overwrite: bool = True,
     ) -> None:
         """Begin the record of ``scene``; with ``path`` None it stays in memory.
 
@@ -143,7 +145,8 @@ class RecordWriter:
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python. Raises RecordError where the file cannot be written.
+        Python. Raises RecordError where the file cannot be written, where another run is
+        writing it, and, without ``overwrite``, where it exists.
         """
         world = getattr(scene, "world", None)
         name = name if name is not None else str(world.name) if world else ""
@@ -151,9 +154,10 @@ class RecordWriter:
         self.path = None if path is None else Path(path)
         self.robots = len(scene.start)
         self._flush_every_s = flush_every_s
+        self._declared = declared
         self._disk: CrashSafeFile | None = None
         self._failure: RecordError | None = None
-        self._file = self._open()
+        self._file = self._open(overwrite)
         try:
             write_attributes(
                 self._file, scene, name=name, world_text=world_text,
@@ -163,16 +167,24 @@ class RecordWriter:
             write_declared(self._file, declared)
             self._file.create_group(layout.WALL_CLOCK)
             self.extremes = Extremes(self.robots)
-            self._file[layout.EXTREMES] = self.extremes.rows
-            self._file[layout.EXTREMES_FARTHEST] = self.extremes.farthest
             self.arrived = np.full(self.robots, -1, dtype=np.int64)
-            self._file[layout.ARRIVED] = self.arrived
+            self._rewritten = [
+                (put(self._file, path, values), values)
+                for path, values in (
+                    (layout.EXTREMES, self.extremes.rows),
+                    (layout.EXTREMES_FARTHEST, self.extremes.farthest),
+                    (layout.ARRIVED, self.arrived),
+                )
+            ]
             samples = scene.steps // every + 2
             self.types = layout.table_types([column.name for column in declared.columns])
             self._tables = {
                 path: self._growing(path, (), row, samples * self.robots)
                 for path, row in self.types.items()
             }
+            self._others = self._growing(
+                layout.OTHERS, (), layout.other_type(self.robots), most=samples * self.robots
+            )
             self._steps = {
                 path: self._growing(path, shape, row, samples)
                 for path, (shape, row) in layout.steps_rows(self.robots).items()
@@ -211,6 +223,15 @@ class RecordWriter:
         with self._writing():
             self._tables[path].append(rows)
 
+    def append_considered(self, decisions: NDArray[np.void], others: ArrayLike) -> None:
+        """Append rows of `layout.CONSIDERING` and the robots that they count, in their order.
+
+        Raises RecordError for rows of another type.
+        """
+        self.append("considered", decisions)
+        with self._writing():
+            self._others.append(others)
+
     def note_arrived(self, since: NDArray[np.int64]) -> None:
         """Set the samples (N,) from which on robots have arrived; -1 where they have not."""
         self.arrived[:] = since
@@ -222,11 +243,10 @@ class RecordWriter:
     def flush(self) -> None:
         """Make all that was appended so far readable. Raises RecordError when that fails."""
         with self._writing():
-            for buffer in (*self._tables.values(), *self._steps.values()):
+            for buffer in (*self._tables.values(), self._others, *self._steps.values()):
                 buffer.flush()
-            self._file[layout.EXTREMES][:] = self.extremes.rows
-            self._file[layout.EXTREMES_FARTHEST][()] = self.extremes.farthest
-            self._file[layout.ARRIVED][:] = self.arrived
+            for dataset, values in self._rewritten:
+                fill(dataset, values)
             if self._disk is not None:
                 self._disk.holding = True
             self._file.flush()
@@ -256,9 +276,10 @@ class RecordWriter:
 
     def record(self) -> Record:
         """Return what was written, to be read; the writer must be closed."""
-        return Record._just_made(self._file) if self.path is None else Record.load(self.path)
+        file = self._file if self.path is None else open_record(self.path)
+        return Record._just_made(file, self.path, self._declared)
 
-    def _open(self) -> h5py.File:
+    def _open(self, overwrite: bool) -> h5py.File:
         """Open the file, with an index that changes on disk at a flush only."""
         settings: dict[str, Any] = {"libver": "earliest", "rdcc_nbytes": 0}
         if self.path is None:
@@ -268,6 +289,9 @@ class RecordWriter:
             self._disk = CrashSafeFile(self.path)
         except OSError as error:
             raise self._failed(error) from error
+        if not overwrite and os.path.lexists(self.path):
+            self._disk.close()
+            raise RecordError(f"{self.path}: exists; give another path, or overwrite=True")
         self._disk.holding = True
         settings |= {"alignment_threshold": PAGE // 2, "alignment_interval": PAGE}
         file = h5py.File(self._disk, "w", **settings)
@@ -281,10 +305,9 @@ class RecordWriter:
         """Create a dataset that grows by rows, with chunks no larger than ``most`` rows."""
         size = np.dtype(row).itemsize * int(np.prod(shape, dtype=int))
         rows = max(1, min(CHUNK_BYTES // size, most))
-        dataset = self._file.create_dataset(
-            path, (0, *shape), row, maxshape=(None, *shape), chunks=(rows, *shape)
-        )
-        return RowBuffer(dataset, min(BUFFER_BYTES // size, 8 * rows))
+        buffered = max(1, min(BUFFER_BYTES // size, 8 * rows))
+        dataset = growing(self._file, path, row, shape, rows)
+        return RowBuffer(path, dataset, np.empty((buffered, *shape), row))
 
     def _close_disk(self, disk: CrashSafeFile) -> None:
         with self._writing():

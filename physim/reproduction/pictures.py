@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import HORIZON, pair_collision_times
+from physim.drafts import draft_of
 from physim.drawing.plots.frame import framed, mark, names_of, nothing, time_axis
 from physim.drawing.plots.style import CYCLE, INK, MARKERS, NARROW, QUIET, WIDTH, styled
 from physim.record import Record
@@ -36,7 +37,7 @@ def picture(path: Path) -> Iterator[Callable[[Any], None]]:
         drawn = io.BytesIO()
         figure.savefig(drawn, format="png", dpi=DPI)
         small = Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-        part = path.with_name(f".{path.name}.part")
+        part = draft_of(path)
         try:
             small.save(part, format="PNG", optimize=True)
             part.replace(path)

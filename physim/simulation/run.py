@@ -87,7 +87,7 @@ def record_run(
     every = save.every or simulation.scene.world.time.record_every
     columns = len(simulation.declared.columns)
     check_room(size_of(simulation.scene, every, columns, save.tables), path)
-    writer = _writer(simulation, path, every, save.tables)
+    writer = _writer(simulation, path, every, save.tables, overwrite)
     recorder = Recorder(writer, every, save.tables)
     looking_on: list[Observer] = []
     started = time.perf_counter()
@@ -202,6 +202,7 @@ def _writer(
     path: str | os.PathLike[str] | None,
     every: int,
     tables: Sequence[str],
+    overwrite: bool,
 ) -> RecordWriter:
     scene = simulation.scene
     area, distance = scene.area, kept_distance(simulation.parts.controller)
@@ -209,6 +210,7 @@ def _writer(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
         declared=simulation.declared, tables=tables, given=simulation.parts.given,
+        overwrite=overwrite,
     )  # fmt: skip
 
 

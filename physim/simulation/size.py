@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from physim.errors import RecordError
-from physim.record.layout import OPTIONAL, steps_rows, table_types
+from physim.record.layout import OPTIONAL, other_type, steps_rows, table_types
 from physim.world.scene import Scene
 
 DECISION_SECONDS = 0.1
@@ -81,7 +81,8 @@ def size_of(scene: Scene, every: int, columns: int = 0, tables: Sequence[str] = 
     types = table_types([f"column{k}" for k in range(columns)])
     decision = types["/updates"].itemsize * ("updates" in tables)
     if "considered" in tables:
-        decision += types["/considered"].itemsize * min(robots - 1, CONSIDERED)
+        other = np.dtype(other_type(robots)).itemsize
+        decision += types["/considered"].itemsize + other * min(robots - 1, CONSIDERED)
     duration = scene.steps * scene.dt
     decided = robots * min(scene.steps, round(duration / DECISION_SECONDS))
     samples = (scene.steps // every + 2) * row

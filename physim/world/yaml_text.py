@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import re
 import tempfile
@@ -66,11 +67,10 @@ def _mode(path: Path) -> int:
 def _block(model: BaseModel, indent: int) -> Iterator[str]:
     """Lines of a model as a block mapping."""
     space = " " * indent
-    for key, field in type(model).model_fields.items():
+    for key, unit in _keys(type(model)):
         value = model.written(key) if isinstance(model, World) else getattr(model, key)
         if value is None or (key in ABSENT and not value):
             continue
-        unit = _unit(field.description or "")
         if isinstance(value, Choice):
             yield f"{space}{key}:"
             yield from _choice(value, indent + 2)
@@ -100,6 +100,13 @@ def _choice(choice: Choice, indent: int) -> Iterator[str]:
     """Lines of a part by name: type and settings in one mapping."""
     for name, setting in {"type": choice.type, **thawed(choice.settings)}.items():
         yield from _entry(f"{' ' * indent}{scalar_text(name)}", setting, "")
+
+
+@functools.cache
+def _keys(kind: type[BaseModel]) -> tuple[tuple[str, str], ...]:
+    """Keys of a model and the comments with their units, looked up once a model."""
+    fields = kind.model_fields.items()
+    return tuple((key, _unit(field.description or "")) for key, field in fields)
 
 
 def _unit(description: str) -> str:
@@ -148,7 +155,7 @@ def _flow(value: Any) -> str:
     if isinstance(value, str):
         return scalar_text(value)
     if isinstance(value, BaseModel):
-        return _flow({key: getattr(value, key) for key in type(value).model_fields})
+        return _flow({key: getattr(value, key) for key, _ in _keys(type(value))})
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{scalar_text(k)}: {_flow(v)}" for k, v in value.items()) + "}"
     if isinstance(value, list | tuple):

@@ -15,6 +15,7 @@ from tests.forgeries.tools import (
     decided,
     dropped,
     replace_rows,
+    rows_of,
     together,
     world,
 )
@@ -42,7 +43,7 @@ def nothing_near(file) -> None:
     rows = file[UP][()]
     rows["collision_time"], rows["mode"], rows["considered"] = 9.0, 0, 0
     file[UP][...] = rows
-    file["/considered"].resize(0, axis=0)
+    replace_rows(file, "/considered", rows_of(file, "/considered")[:0])
 
 
 def extra_decision(file) -> None:
@@ -53,7 +54,7 @@ def extra_decision(file) -> None:
     more["step"] += 2
     rows = np.insert(rows, k + 1, more)
     replace_rows(file, UP, rows[np.argsort(rows["step"], kind="stable")])
-    others = file["/considered"][()]
+    others = rows_of(file, "/considered")
     mine = others[(others["step"] == rows["step"][k]) & (others["robot"] == 1)].copy()
     mine["step"] += 2
     others = np.concatenate((others, mine))
@@ -301,7 +302,7 @@ WORLD = [
     Forgery("a lead", "free", cells("/robots/lead", 1, -1.0), ("lead of robot 1 is -1",)),
     Forgery("a stop station", "free", cells("/robots/stop_station", 1, 5.0),
             ("stop station of robot 1 is 5 in the record",)),
-    Forgery("a smaller robot", "free", cells("/robots/000/footprint/00", (0, 0), lambda x: 0.9 * x),
+    Forgery("a smaller robot", "free", cells("/footprints/vertices", (0, 0), lambda x: 0.9 * x),
             ("footprints: vertex 0 is",)),
     Forgery("a wall", "free", cells("/walls/vertices", (0, 1), lambda y: y + 0.1),
             ("walls: vertex 0 is",)),

@@ -8,6 +8,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from physim.record.layout import CONSIDERED, CONSIDERING
+
 Change = Callable[[h5py.File], None]
 
 
@@ -44,8 +46,30 @@ def world(old: str, new: str) -> Change:
     return change
 
 
+def rows_of(file: h5py.File, path: str) -> np.ndarray:
+    """Rows of a table or of the samples; of considered robots a row each, with its decision."""
+    rows = file[path][()]
+    if path.strip("/") != "considered":
+        return rows
+    other = file["/considered_others"][()]
+    found = np.zeros(len(other), dtype=CONSIDERED)
+    for name in ("step", "robot"):
+        found[name] = np.repeat(rows[name], rows["count"])
+    found["other"] = other
+    return found
+
+
 def replace_rows(file: h5py.File, path: str, rows: np.ndarray) -> None:
     """Put other rows into a table or among the samples."""
+    if path.strip("/") == "considered":
+        first = np.ones(len(rows), dtype=np.bool_)
+        first[1:] = rows[["step", "robot"]][1:] != rows[["step", "robot"]][:-1]
+        decisions = np.zeros(int(first.sum()), dtype=CONSIDERING)
+        for name in ("step", "robot"):
+            decisions[name] = rows[name][first]
+        decisions["count"] = np.diff(np.flatnonzero(first), append=len(rows))
+        replace_rows(file, "/considered_others", rows["other"])
+        rows = decisions
     file[path].resize(len(rows), axis=0)
     file[path][...] = rows
 
@@ -65,13 +89,13 @@ def column(path: str, name: str, value: Any, pick: Any = None) -> Change:
     """Another value, or a function of the old ones, in a column of a table."""
 
     def change(file: h5py.File) -> None:
-        rows = file[path][()]
+        rows = rows_of(file, path)
         at = where(rows, pick)
         old = rows[name][at]
         new = value(old) if callable(value) else np.full(len(at), value, dtype=old.dtype)
         assert not np.array_equal(old, new, equal_nan=True), f"{path} {name}: nothing is changed"
         rows[name][at] = new
-        file[path][...] = rows
+        replace_rows(file, path, rows)
 
     return change
 
@@ -80,7 +104,7 @@ def dropped(path: str, pick: Any) -> Change:
     """Rows taken out of a table."""
 
     def change(file: h5py.File) -> None:
-        rows = file[path][()]
+        rows = rows_of(file, path)
         kept = np.ones(len(rows), dtype=np.bool_)
         kept[where(rows, pick)] = False
         replace_rows(file, path, rows[kept])
@@ -106,7 +130,7 @@ def cut(step: int, ended: str) -> Change:
         for name in ("step", "pose", "clearance", "boundary_clearance"):
             file[f"steps/{name}"].resize(step + 1, axis=0)
         for name in ("updates", "commands", "considered", "contacts", "false_contacts"):
-            rows = file[name][()]
+            rows = rows_of(file, name)
             last = step if name.endswith("contacts") else step - 1
             replace_rows(file, name, rows[rows["step"] <= last])
         extremes, farthest = file["/extremes"][()], file["/extremes_farthest"][()]

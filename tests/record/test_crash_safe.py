@@ -20,6 +20,7 @@ import pytest
 
 from physim.contacts import CONTACT_ROW
 from physim.record import Record, RecordWriter, crash_safe, writer
+from physim.record.layout import CONSIDERING, OTHERS
 from tests.records import DECLARED, UPDATE, make_scene
 
 ROOT = Path(__file__).parents[2]
@@ -34,6 +35,9 @@ def append(out: RecordWriter, first: int, last: int) -> None:
     updates["station"], contacts["x"] = 0.5 * step, 0.25 * step
     out.append("updates", updates)
     out.append("contacts", contacts)
+    decisions = np.zeros(len(step), CONSIDERING)
+    decisions["step"], decisions["count"] = step, 2
+    out.append_considered(decisions, np.tile([2, 1], len(step)))
     pose = np.broadcast_to(step[:, None, None] + 1.0, (len(step), 3, 3))
     out.append_steps(step, pose, pose[:, 0], pose[:, 1])
 
@@ -53,6 +57,9 @@ def check(record: Record, least: int) -> int:
     np.testing.assert_array_equal(record.updates["step"], step)
     np.testing.assert_array_equal(record.updates["station"], 0.5 * step)
     np.testing.assert_array_equal(record.contacts["x"], 0.25 * step)
+    np.testing.assert_array_equal(record.considered["step"], np.repeat(step, 2))
+    np.testing.assert_array_equal(record.considered["other"], np.tile([2, 1], k))
+    np.testing.assert_array_equal(record.read(OTHERS, 1, 4), np.tile([2, 1], k)[1:4])
     return k
 
 

@@ -60,7 +60,9 @@ def in_order(message: str, *parts: str) -> None:
         ("/updates", "rule", 2, "-1 to 1"),
         ("/updates", "considered", 55, "0 to 2"),
         ("/considered", "robot", 3, "0 to 2"),
-        ("/considered", "other", -1, "0 to 2"),
+        ("/considered", "count", -1, "0 to 2"),
+        ("/considered", "count", 3, "0 to 2"),
+        ("/considered_others", "", 3, "0 to 2"),
         ("/considered", "step", 401, "0 to 400"),
         ("/updates", "next_step", -5, "to"),
         ("/contacts", "step", 401, "0 to 400"),
@@ -83,6 +85,36 @@ def test_values_out_of_range(
         row = min(2, len(record.read(path)) - 1)
     bad = tampered(made, tmp_path, path, row, value, column)
     refused(bad, path, f"row {row}", column, str(value), allowed)
+
+
+@pytest.mark.parametrize("more", [-1, 1])
+def test_other_than_as_many_considered_as_are_counted(
+    made: Path, tmp_path: Path, more: int
+) -> None:
+    target = tmp_path / "tampered.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        others = file["/considered_others"]
+        counted = len(others)
+        others.resize(counted + more, axis=0)
+    refused(target, "/considered_others", f"{counted + more} rows", "/considered", str(counted))
+
+
+def test_a_robot_considered_twice_in_one_decision(made: Path, tmp_path: Path) -> None:
+    """Robot 2 considers 0 and 1, decision after decision; each of them is told once a decision."""
+    others = slice(3, 5)
+    with h5py.File(made) as file:
+        assert file["/considered_others"][others].tolist() == [0, 0], "of two decisions"
+    bad = tampered(made, tmp_path, "/considered_others", 2, 0)
+    refused(bad, "/considered_others", "row 2", "robot 2", "0", "step 0", "once")
+
+
+def test_considered_robots_of_any_order(made: Path, tmp_path: Path) -> None:
+    """Those of a decision need no order, and are given as they stand."""
+    swapped = tampered(made, tmp_path, "/considered_others", [1, 2], [1, 0])
+    with Record.load(swapped) as record:
+        assert record.considered["other"][:3].tolist() == [0, 1, 0]
+        assert record.considered["robot"][:3].tolist() == [1, 2, 2]
 
 
 @pytest.mark.parametrize("command", ["summary", "plot", "video", "validate"])
@@ -156,6 +188,7 @@ def test_a_command_that_is_no_number(made: Path, tmp_path: Path) -> None:
     ("path", "columns", "who"),
     [
         ("/updates", ("robot",), "robot"),
+        ("/considered", ("robot",), "robot"),
         ("/contacts", ("a", "b", "kind"), "a 0, b 1"),
     ],
 )

@@ -60,7 +60,7 @@ def shift(file):
 
 
 def larger(file):
-    file["/robots/000/footprint/00"][0, 0] -= 1e-6
+    file["/footprints/vertices"][0, 0] -= 1e-6
 
 
 def renamed(file):

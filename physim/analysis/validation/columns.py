@@ -64,15 +64,18 @@ class Considered:
     """The table of considered robots, by decision."""
 
     def __init__(self, record: Record) -> None:
-        table, updates = record.considered, record.updates
-        key, decided = (rows["step"] * record.robots + rows["robot"] for rows in (table, updates))
+        table = record.considered
+        key, decided, counted = (
+            rows["step"] * record.robots + rows["robot"]
+            for rows in (table, record.updates, record.considering)
+        )
         order = np.lexsort((table["other"], key))
         self.other = table["other"][order].astype(np.int64)
         self.start = np.searchsorted(key[order], decided).astype(np.int64)
         """(M,) first of each decision in ``other``, and one past its last:"""
         self.end = np.searchsorted(key[order], decided, side="right").astype(np.int64)
-        self.orphans = np.flatnonzero(~np.isin(key, decided))
-        """rows of the table that belong to no decision"""
+        self.orphans = np.flatnonzero(~np.isin(counted, decided))
+        """rows of `Record.considering` that belong to no decision"""
 
 
 class StandardColumns:
@@ -172,7 +175,7 @@ def standard_columns(
 
 def check_considered(record: Record, considered: Considered, found: Mismatches) -> None:
     """Hold the column ``considered`` against the table of that name."""
-    rows, table = record.updates, record.considered
+    rows, table = record.updates, record.considering
     count = considered.end - considered.start
     wrong = rows["considered"] != count
     found.add_rows("/updates", "considered", rows, 0, wrong, count, "by the table /considered")

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from physim.drafts import draft_of
 from physim.drawing import palette
 from physim.drawing.palette import hexed
 
@@ -83,7 +84,7 @@ def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any
     Raises OSError where it cannot be written.
     """
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    part = path.with_name(f".{path.name}.part")
+    part = draft_of(path)
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
         figure = make()

@@ -18,6 +18,7 @@ import av
 import cv2
 import numpy as np
 
+from physim.drafts import draft_of
 from physim.drawing.video.layout import HEIGHT, WIDTH, Image
 from physim.errors import RecordError
 
@@ -67,7 +68,7 @@ class VideoFile:
     def __init__(self, path: Path | str, fps: float) -> None:
         self.path = Path(path).absolute()
         check_path(self.path)
-        self._part = self.path.with_name(f".video-{os.getpid()}-{threading.get_ident()}.part")
+        self._part = draft_of(self.path)
         self._fps = fps
         self._frames: queue.Queue[Planes | str | None] = queue.Queue(WAITING)
         self._free: queue.SimpleQueue[Planes] = queue.SimpleQueue()

@@ -207,13 +207,22 @@ def _stamp_cache(kernel: Any) -> None:
     from numba.core.caching import IndexDataCacheFile
 
     class StampedCacheFile(IndexDataCacheFile):
-        """A cache file that other sources left is none: its types may be of modules now gone."""
+        """A cache file that cannot be read is none, and its kernel is compiled anew.
+
+        Its types may be of modules now gone, or it was cut short: then any error may come of it.
+        """
 
         def _load_index(self) -> Any:
             try:
                 return super()._load_index()  # type: ignore[no-untyped-call]
-            except (ImportError, AttributeError):
+            except Exception:
                 return {}
+
+        def load(self, key: Any) -> Any:
+            try:
+                return super().load(key)  # type: ignore[no-untyped-call]
+            except Exception:
+                return None
 
     cache = getattr(kernel, "_cache", None)
     implementation = getattr(cache, "_impl", None)
@@ -233,3 +242,8 @@ def is_cached(kernel: Callable[..., Any]) -> bool:
         return bool(cast(Kernel, kernel).whole._cache._cache_file._load_index())
     except (AttributeError, OSError):
         return False
+
+
+def is_kept(kernel: Callable[..., Any]) -> bool:
+    """Whether compiled code of a kernel is kept on disk."""
+    return hasattr(getattr(cast(Kernel, kernel).whole, "_cache", None), "_cache_file")

@@ -14,6 +14,9 @@ This leans on numba's internals, so it serves only the versions in `physim.compi
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from numba.core import ir, types
@@ -21,7 +24,10 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.environment import lookup_environment
+from numba.core.target_extension import cpu_target, jit_registry
 from numba.core.typed_passes import NativeLowering
+
+from physim.frontend import SteadyFlags, without_collector
 
 
 class PieceLibrary(JITCodeLibrary):
@@ -181,20 +187,64 @@ class WholeLowering(NativeLowering):
         return done
 
 
-class PieceCompiler(Compiler):
+@register_pass(mutates_CFG=True, analysis_only=False)
+class HelperLowering(NativeLowering):
+    """Lower a function of numba's own into a `PieceLibrary`; it counts references as it will."""
+
+    _name = "physim_helper_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        """Lower one function."""
+        state.library = PieceLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        return bool(super().run_pass(state))
+
+
+class LinkedCompiler(Compiler):
+    """numba's compiler with another last pass."""
+
+    lowering: type
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.state.flags = SteadyFlags(self.state.flags)
+
+    def define_pipelines(self) -> list[PassManager]:
+        """All passes."""
+        return [_with_lowering(passes, self.lowering) for passes in super().define_pipelines()]
+
+
+class PieceCompiler(LinkedCompiler):
     """numba's compiler with `PieceLowering`."""
 
-    def define_pipelines(self) -> list[PassManager]:
-        """All passes."""
-        return [_with_lowering(passes, PieceLowering) for passes in super().define_pipelines()]
+    lowering = PieceLowering
 
 
-class WholeCompiler(Compiler):
+class HelperCompiler(LinkedCompiler):
+    """numba's compiler with `HelperLowering`."""
+
+    lowering = HelperLowering
+
+
+class WholeCompiler(LinkedCompiler):
     """numba's compiler with `WholeLowering`."""
 
-    def define_pipelines(self) -> list[PassManager]:
-        """All passes."""
-        return [_with_lowering(passes, WholeLowering) for passes in super().define_pipelines()]
+    lowering = WholeLowering
+
+    def _compile_core(self) -> Any:
+        with without_collector(), helpers_as_pieces():
+            return super()._compile_core()
+
+
+@contextmanager
+def helpers_as_pieces() -> Iterator[None]:
+    """Let numba compile functions of its own as pieces, too."""
+    jit = jit_registry.pop(cpu_target)
+    jit_registry[cpu_target] = partial(jit, pipeline_class=HelperCompiler)
+    try:
+        yield
+    finally:
+        del jit_registry[cpu_target]
+        jit_registry[cpu_target] = jit
 
 
 def _with_lowering(passes: PassManager, lowering: type) -> PassManager:

@@ -242,6 +242,23 @@ def test_a_cache_of_sources_that_have_gone_is_none(
     assert not compiled_module.is_cached(leaf)
 
 
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_a_damaged_cache_is_compiled_anew(
+    ending: str, share: float, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    expected = leaf.py_func(VALUES, 2.0)  # type: ignore[attr-defined]
+    assert fresh()(VALUES, 2.0) == expected  # type: ignore[operator]
+    (file,) = tmp_path.rglob(f"*.{ending}")
+    whole = file.read_bytes()
+    file.write_bytes(whole[: int(share * len(whole))])
+    assert fresh()(VALUES, 2.0) == expected  # type: ignore[operator]
+    read = fresh()
+    assert read(VALUES, 2.0) == expected  # type: ignore[operator]
+    assert sum(read.whole.stats.cache_hits.values()) == 1  # type: ignore[attr-defined]
+
+
 def test_errors_come_out_of_inner_kernels() -> None:
     with pytest.raises(ValueError, match="cannot assign slice"):
         calls_misfit(VALUES.copy())

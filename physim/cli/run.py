@@ -63,6 +63,7 @@ def run(options: Options) -> int:
     """
     from physim.analysis.summary import summarise, table
     from physim.cli.simulating import ready
+    from physim.cli.warming import finish
     from physim.world.file import read_world
 
     world, document = read_world(
@@ -97,6 +98,8 @@ def run(options: Options) -> int:
     else:
         print(table(summary), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")
+    if not stopped:
+        finish(options.quiet)
     if late is not None:
         raise late
     return _code(summary, stopped)

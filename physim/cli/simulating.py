@@ -8,8 +8,10 @@ from pathlib import Path
 
 from physim.cli.parser import Options
 from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.warming import second_process
 from physim.errors import PhysimError, WorldError
 from physim.parts.controller import Controller
+from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, make_part
 from physim.record import Record
 from physim.simulation.loop import Simulation
@@ -53,22 +55,24 @@ def ready(
         made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=trusted)
         return made
 
-    simulation = Simulation(scene, controller=controller())
-    size = size_of(scene, world.time.record_every, len(simulation.declared.columns))
+    declared = Declared.of(controller())
+    size = size_of(scene, world.time.record_every, len(declared.columns))
     check_room(size, path)
     if path is not None and size.is_large and not options.quiet:
         print(size.line(), file=sys.stderr, flush=True)
     _prepare(scene, controller(), options)
-    return simulation
+    return Simulation(scene, controller=controller())
 
 
 def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
     """Compile the kernels where that is still to be done, and say so; load them otherwise."""
-    cold = not is_warm()
-    if cold:
-        announce_compiling("controller and distances", COMPILING, options.quiet)
-    seconds = warm_up(scene, controller)
-    if cold and not options.quiet:
+    if is_warm():
+        warm_up(scene, controller)
+        return
+    announce_compiling("controller and distances", COMPILING, options.quiet)
+    second = second_process(scene.world.controller.type)
+    seconds = warm_up(scene, controller, second.wait) if second else warm_up(scene, controller)
+    if not options.quiet:
         text = f"compiled in {seconds:.0f} s and kept for later runs"
         print(text, file=sys.stderr, flush=True)
 

@@ -194,7 +194,10 @@ def _run_and_validate(
 
 def _judged(record: Record, source: str, options: Options) -> Validation:
     from physim.analysis.validation import is_warm, validate
+    from physim.cli.warming import finish
 
+    if not is_warm():
+        finish(options.quiet)
     if not is_warm():
         announce_compiling("the checks of the validation", COMPILING, options.quiet)
     return validate(record, source=source)

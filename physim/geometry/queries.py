@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,7 @@ from physim.geometry.collision import bodies_time
 from physim.geometry.motion import Course, arc_course, straight_course
 from physim.geometry.polygon import convex_parts
 from physim.geometry.separation import body_distance, body_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_shapes
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
 
@@ -218,7 +218,7 @@ def shortest_distances(
     """
     count, (i, p, j, q) = _pairs(shapes_a, index_a, pose_a, shapes_b, index_b, pose_b)
     out = np.empty(count)
-    fill_distances(shapes_a, i, p, shapes_b, j, q, out)
+    fill_distances(locked(shapes_a), i, p, locked(shapes_b), j, q, out)
     return out
 
 
@@ -248,7 +248,7 @@ def collision_times(
     out = np.empty(count)
     u = _rows(twist_a, "twist_a", (2, 3), count)
     w = _rows(twist_b, "twist_b", (2, 3), count)
-    fill_times(shapes_a, i, p, u, shapes_b, j, q, w, until, out)
+    fill_times(locked(shapes_a), i, p, u, locked(shapes_b), j, q, w, until, out)
     return out
 
 
@@ -332,7 +332,7 @@ def _indices(values: Any, what: str, shapes: Shapes, count: int) -> IntArray:
     if index.size and not (index.min() >= 0 and index.max() < bodies):
         wrong = index.min() if index.min() < 0 else index.max()
         raise PhysimError(f"{what}: body {wrong} given; 0 to {bodies - 1} are there")
-    return np.ascontiguousarray(np.broadcast_to(index, (count,)), dtype=np.int64)
+    return cast(IntArray, locked(np.ascontiguousarray(np.broadcast_to(index, (count,)), np.int64)))
 
 
 def _rows(values: Any, what: str, widths: tuple[int, ...], count: int) -> FloatArray:
@@ -344,4 +344,4 @@ def _rows(values: Any, what: str, widths: tuple[int, ...], count: int) -> FloatA
         raise PhysimError(f"{what}: shape {rows.shape} given; {allowed} is needed")
     if not np.isfinite(rows).all():
         raise PhysimError(f"{what}: row {int(np.argmin(np.isfinite(rows).all(axis=1)))} not finite")
-    return np.ascontiguousarray(rows)
+    return cast(FloatArray, locked(np.ascontiguousarray(rows)))

@@ -270,7 +270,8 @@ def _near_curves(curves: FloatArray, place: _Place, reach: float) -> tuple[Float
     count = 0
     for c in range(len(curves)):
         if gaps[c] <= min(limit, reach) + CURVE_MARGIN:
-            near[count] = curves[c]
+            for k in range(near.shape[1]):  # to assign a row would take long to compile
+                near[count, k] = curves[c, k]
             count += 1
     return near[:count], limit
 

@@ -146,7 +146,24 @@ def parts_seen(sight: Sight, x: float, y: float, within: float) -> IntArray:
                     found[count] = part[k]
                     count += 1
             node = onward(node)
-    return np.sort(found[:count])
+    put_in_order(found[:count])
+    return found[:count]
+
+
+@compiled
+def put_in_order(values: IntArray) -> None:
+    """Sort in place, by ever smaller steps: numba's own sort would take long to compile."""
+    step = 1
+    while step < len(values) // 3:
+        step = 3 * step + 1
+    while step > 0:
+        for k in range(step, len(values)):
+            value, at = values[k], k
+            while at >= step and values[at - step] > value:
+                values[at] = values[at - step]
+                at -= step
+            values[at] = value
+        step //= 3
 
 
 @compiled

@@ -9,10 +9,15 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
 
 from physim.compiled import is_cached
 from physim.errors import ControllerError, PhysimError, RecordError
-from physim.geometry.clearance import clearances, fill
+from physim.geometry.clearance import clearances
+from physim.geometry.swept_contacts import find_swept_contacts
 from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.registry import OBSERVER, check_part
@@ -217,9 +222,9 @@ def _writer(
 def is_warm() -> bool:
     """Whether the kernels of a run lie compiled on disk.
 
-    `warm_up` compiles the clearances last: when they are there, so is the rest.
+    `warm_up` compiles the swept contacts last: when they are there, so is the rest.
     """
-    return is_cached(fill)
+    return is_cached(find_swept_contacts)
 
 
 def touch_a_wall(scene: Scene) -> None:
@@ -229,15 +234,42 @@ def touch_a_wall(scene: Scene) -> None:
     Physics(scene.shapes, scene.walls, start, scene.mass, scene.dt)
 
 
-def warm_up(scene: Scene, controller: Controller | None = None) -> float:
-    """Take one step of a simulation that is thrown away; returns the seconds it took.
+class Unmoved(Simulation):
+    """A simulation without an engine, which has to be compiled before it can be made."""
 
-    ``controller`` should be one of its own, since it is asked once.
-    """
-    started = time.perf_counter()
+    def _host(self) -> None:
+        self.physics = cast(Physics, SimpleNamespace(pose=self.scene.start.copy()))
+
+
+def warm_up_decisions(scene: Scene, controller: Controller | None = None) -> None:
+    """Compile or load what a decision needs; the controller is asked once."""
+    Unmoved(scene, controller=controller)._decide()
+
+
+def warm_up_motion(scene: Scene, controller: Controller | None = None) -> None:
+    """Compile or load what a run needs beside its decisions and swept contacts."""
     simulation = Simulation(scene, controller=controller)
-    simulation.step()
+    simulation.step(np.zeros((scene.robots, 2)))
     touch_a_wall(scene)
-    warm_up_swept_contacts(scene)
     clearances(simulation.pose[None], scene.shapes, scene.walls, scene.wall_grid)
+
+
+def warm_up(
+    scene: Scene,
+    controller: Controller | None = None,
+    wait: Callable[[], None] = lambda: None,
+) -> float:
+    """Compile or load all that a run needs; returns the seconds it took.
+
+    ``controller`` should be one of its own, since it is asked once. ``wait`` is called when what it
+    needs is there: another process may compile the rest meanwhile.
+    """
+    from physim.frontend import without_collector
+
+    started = time.perf_counter()
+    with without_collector():
+        warm_up_decisions(scene, controller)
+        wait()
+        warm_up_motion(scene, controller)
+        warm_up_swept_contacts(scene)
     return time.perf_counter() - started

@@ -14,8 +14,9 @@ from physim.geometry import (
     pack_shapes,
     shortest_distances,
 )
-from physim.geometry.queries import parts_of
+from physim.geometry.queries import fill_distances, fill_times, parts_of
 from physim.geometry.separation import body_distance
+from physim.geometry.shapes import locked
 from tests.geometry.cases import BOX, published, random_scene
 from tests.geometry.test_collision_time import OMEGAS
 from tests.geometry.test_separation import shape_of
@@ -81,6 +82,24 @@ def test_one_serves_for_all_and_twists_may_differ_in_kind():
     assert gaps == pytest.approx([3.2, 0.0, math.hypot(3.2, 2.0)], abs=1e-12)
     assert shortest_distances(shapes, 0, (0, 0, 0), shapes, 0, (3, 0, 0)).shape == (1,)
     assert shortest_distances(shapes, [], np.zeros((0, 3)), shapes, [], (0, 0, 0)).shape == (0,)
+
+
+def test_kernels_are_compiled_once_whatever_arrays_are_given():
+    """One pair or many, arrays that may be written to or not, lists, slices."""
+    shapes, poses = pack_shapes([[BOX]]), np.zeros((6, 3))
+    poses[:, 0] = 3.0
+    one = (shapes, 0, (0, 0, 0), (1, 0), shapes, 0, (3, 0, 0), (0, 0))
+    kernels = fill_distances.whole, fill_times.whole
+    collision_times(*one)
+    shortest_distances(shapes, 0, (0, 0, 0), shapes, 0, (3, 0, 0))
+    before = [len(kernel.signatures) for kernel in kernels]
+    for given in (shapes, locked(shapes)):
+        for rows in (poses[:1], poses, locked(poses), poses[::2], poses.tolist()):
+            index = np.zeros(len(rows), dtype=np.int64)
+            for body in (0, index, locked(index), index.astype(np.int32)):
+                collision_times(given, 0, (0, 0, 0), (1, 0), given, body, rows, (0, 0))
+                shortest_distances(given, body, rows, given, body, rows)
+    assert [len(kernel.signatures) for kernel in kernels] == before
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from physim.geometry.wall_tree import (
     build_wall_tree,
     comes_near,
     parts_seen,
+    put_in_order,
     seen_distance,
     seen_time,
 )
@@ -102,6 +103,15 @@ def test_parts_in_sight_are_all_of_them_in_order() -> None:
         assert np.isin(near, parts_in_range(walls, seen, x, y, within + 1e-5)).all()
         clearance = point_clearance(walls, seen, x, y)
         assert comes_near(sight, x, y, within) == (clearance < within)
+
+
+def test_numbers_are_put_in_order() -> None:
+    rng = np.random.default_rng(74)
+    for count in (0, 1, 2, 3, 7, 40, 41, 1000, 5000):
+        for values in (rng.permutation(count), np.arange(count)[::-1], rng.integers(0, 9, count)):
+            found = values.copy()
+            put_in_order(found)
+            assert np.array_equal(found, np.sort(values))
 
 
 @pytest.mark.parametrize("count", [0, 1, 4, 5, 9])

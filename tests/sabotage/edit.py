@@ -27,7 +27,12 @@ class Edit(NamedTuple):
 
 ROOMS = MappingProxyType(
     {
-        "basics": ("tests/test_compiled.py", "tests/test_errors.py", "tests/test_randomness.py"),
+        "basics": (
+            "tests/test_compiled.py",
+            "tests/test_errors.py",
+            "tests/test_frontend.py",
+            "tests/test_randomness.py",
+        ),
         "geometry": ("tests/geometry",),
         "world": ("tests/world", "tests/test_world_schema.py"),
         "world_file": ("tests/world_file",),

@@ -18,7 +18,7 @@ from tests.sabotage.anchors import definition_of
 
 STAMP = "source_stamp"
 """Function of physim that stamps compiled code."""
-COMPILER = ("physim/compiled.py", "physim/linking.py")
+COMPILER = ("physim/compiled.py", "physim/frontend.py", "physim/linking.py")
 """Files after whose edit nothing compiled is kept."""
 
 

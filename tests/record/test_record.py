@@ -250,7 +250,7 @@ def test_memory_stays_flat(tmp_path: Path) -> None:
 def test_single_samples_are_those_of_the_whole_and_read_in_few_pieces(
     made: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("physim.record.reader.POSE_BLOCK", 192)  # 64 samples of three robots
+    monkeypatch.setattr("physim.record.history.POSE_BLOCK", 192)  # 64 samples of three robots
     with Record.load(made) as record:
         pieces: list[str] = []
         read = Record.read

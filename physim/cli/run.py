@@ -52,6 +52,10 @@ def run(options: Options) -> int:
       130  interrupted (Ctrl-C): the record so far is whole, and so is its video; a second Ctrl-C
            cuts the video short, which is then kept as video.cut_short.mp4
 
+    settings under controller: belong to the type beside them, and are left out with a warning where
+    --controller names another; without a type, or by --set controller.KEY=VALUE, they are for
+    whatever runs
+
     keys for --set: worlds/README.md lists them all; physim new writes a world with each explained
 
     examples:

@@ -25,6 +25,7 @@ LONGEST_FILE = 350
 
 LAYERS = {
     "physim.errors": (0, 0),
+    "physim.escaping": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.linking": (0, 0),
     "physim.c_calls": (0, 0),

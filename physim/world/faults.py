@@ -15,6 +15,7 @@ from pydantic import BaseModel, Tag, ValidationError
 from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
+from physim.escaping import escaped
 
 TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>"})
 """Parts of a location that distinguish alternatives of a value and that no author wrote."""
@@ -117,8 +118,7 @@ def describe(value: Any) -> str:
 
 
 def _one_line(text: str) -> str:
-    start = text[: LONGEST_VALUE + 1]
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in start)
+    return escaped(text[: LONGEST_VALUE + 1])
 
 
 def _short(text: str) -> str:

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 import shapely
 
 from physim.errors import Fault, Position, WorldError
+from physim.escaping import escaped
 from physim.world.checks.boundaries import check_boundaries
-from physim.world.checks.findings import Diagnostics, Finding, Findings, printable
+from physim.world.checks.findings import Diagnostics, Finding, Findings
 from physim.world.checks.formation import check_formation, check_formation_speed
 from physim.world.checks.paths import (
     check_passage,
@@ -71,7 +72,7 @@ def check_world(
     found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
     profiles = _check_geometry(checked, found)
     return Findings(
-        file=printable(document.source),
+        file=escaped(document.source),
         errors=_located(found.errors, document, document.faults),
         warnings=_located(found.warnings, document),
         clearance=profiles,
@@ -83,7 +84,7 @@ def _refused(error: WorldError, file: str) -> Findings:
     """Findings of a file that could not be read at all."""
     positions = error.positions or (None,) * len(error.faults)
     return Findings(
-        file=printable(file),
+        file=escaped(file),
         errors=tuple(
             Finding.of(fault, position, str(position.file) if position is not None else file)
             for fault, position in zip(error.faults, positions, strict=True)

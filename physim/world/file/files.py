@@ -14,6 +14,7 @@ from pathlib import Path
 import yaml
 
 from physim.errors import Fault, WorldError, nearest
+from physim.escaping import escaped
 from physim.world.file.reading import MOST_BYTES, refused
 
 SUFFIXES = (".yaml", ".yml")
@@ -84,8 +85,7 @@ def file_text(path: Path) -> str:
 
 
 def _unreadable(source: str, message: str) -> WorldError:
-    printable = "".join(c if c.isprintable() else "�" for c in source)
-    return WorldError([Fault((), f"{printable}: {message}")])
+    return WorldError([Fault((), f"{escaped(source)}: {message}")])
 
 
 def _too_large(size: int) -> str:

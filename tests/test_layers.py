@@ -25,6 +25,7 @@ LONGEST_FILE = 350
 
 LAYERS = {
     "physim.errors": (0, 0),
+    "physim.escaping": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.drafts": (0, 0),
     "physim.frontend": (0, 0),

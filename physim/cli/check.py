@@ -12,7 +12,8 @@ import click
 
 from physim.cli.output import inputs, new_file
 from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import INTERRUPTED, interrupts, watch
+from physim.cli.progress import interrupts, watch
+from physim.cli.signals import INTERRUPTED
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from physim.cli.output import new_json, remove_earlier, text_stream, write_json
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.signals import INTERRUPTED
 from physim.cli.values import WHOLE, whole_from
 
 if TYPE_CHECKING:

@@ -13,6 +13,7 @@ from physim.cli.output import empty_folder, new_file, regular, write_text, writi
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.values import WHOLE, OneOf
 from physim.errors import PhysimError
+from physim.escaping import escaped
 
 
 def check_schema(world: Path, force: bool) -> None:
@@ -165,10 +166,10 @@ def _named(given: str) -> tuple[str, str]:
     name = given
     for suffix in SUFFIXES:
         name = name.removesuffix(suffix)
-    printable = "".join(c if c.isprintable() else "�" for c in given[:MOST_NAME])
+    shown = escaped(given[:MOST_NAME])
     if len(name) > MOST_NAME:
         raise PhysimError(
-            f'"{printable[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'
+            f'"{shown[:20]}…": a name has at most {MOST_NAME} characters; given {len(name)}'
         )
     if (
         not re.search(r"\w", name)
@@ -177,10 +178,10 @@ def _named(given: str) -> tuple[str, str]:
         or name != name.strip()
     ):
         raise PhysimError(
-            f'"{printable}": cannot name a world; use letters and digits, as in my_corridor'
+            f'"{shown}": cannot name a world; use letters and digits, as in my_corridor'
         )
     if "/" in name or "\\" in name:
-        raise PhysimError(f'"{printable}": is a path, not a name; -o takes a path')
+        raise PhysimError(f'"{shown}": is a path, not a name; -o takes a path')
     stem = re.sub(r"[^\w-]+", "_", name).strip("_")
     return name, stem or "world"
 

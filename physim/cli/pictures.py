@@ -13,7 +13,8 @@ import click
 
 from physim.cli.output import CUT_SHORT, a_folder, new_file, regular
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import INTERRUPTED, Bar, interrupts
+from physim.cli.progress import Bar, interrupts
+from physim.cli.signals import INTERRUPTED
 from physim.cli.values import POSITIVE, OneOf, not_among, number_from, whole_from
 from physim.errors import PhysimError, plural
 

@@ -15,13 +15,15 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from physim.cli.signals import INTERRUPTED, heard
+from physim.cli.streams import unescaped
+from physim.escaping import escaped
+
 if TYPE_CHECKING:
     from physim.simulation.loop import Simulation
 
 
 REFRESH_SECONDS = 0.1
-INTERRUPTED = 130
-"""Exit code of a command that Ctrl-C or SIGTERM ended."""
 
 
 class Bar:
@@ -37,16 +39,16 @@ class Bar:
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
         self.progress = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(),
             TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"),
-            TextColumn("{task.fields[note]}"),
+            TextColumn("{task.fields[note]}", markup=False),
             TimeRemainingColumn(),
-            console=Console(stderr=True),
+            console=Console(file=unescaped(sys.stderr)),
             transient=True,
         )
         self.progress.start()
-        self.task = self.progress.add_task(title, total=total, note="")
+        self.task = self.progress.add_task(escaped(title), total=total, note="")
 
     def count(self, done: int, total: int, note: str = "") -> None:
         """Show how much is done of what there is in all."""
@@ -79,7 +81,7 @@ class Bar:
 
 
 class Interrupt:
-    """Counts Ctrl-C (SIGINT) and SIGTERM instead of breaking off in the middle of a file."""
+    """Counts Ctrl-C, SIGTERM and SIGHUP instead of breaking off in the middle of a file."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -94,14 +96,13 @@ class Interrupt:
 
 @contextmanager
 def interrupts() -> Iterator[Interrupt]:
-    """Catch Ctrl-C and SIGTERM while a block runs; the block polls the returned object."""
+    """Catch the signals while a block runs; the block polls the returned object."""
     interrupt = Interrupt()
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, interrupt._note) for number in signals]
+    before = {number: signal.signal(number, interrupt._note) for number in heard()}
     try:
         yield interrupt
     finally:
-        for number, handler in zip(signals, before, strict=True):
+        for number, handler in before.items():
             signal.signal(number, handler)
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from physim.cli.output import empty_folder, write_text, writing
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import INTERRUPTED, Bar, announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.cli.signals import INTERRUPTED
 from physim.cli.values import whole_from
 from physim.errors import PhysimError, plural
 

@@ -12,7 +12,8 @@ import click
 from physim.cli.output import FILES, inputs, output_folder, write_text
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.pictures import write_video
-from physim.cli.progress import INTERRUPTED, Bar, Interrupt, interrupts
+from physim.cli.progress import Bar, Interrupt, interrupts
+from physim.cli.signals import INTERRUPTED
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:

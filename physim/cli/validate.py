@@ -11,7 +11,8 @@ import click
 
 from physim.cli.output import inputs, new_json, text_stream, write_json
 from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import INTERRUPTED, announce_compiling, interrupts
+from physim.cli.progress import announce_compiling, interrupts
+from physim.cli.signals import INTERRUPTED
 from physim.cli.values import Value, seed_range
 from physim.errors import PhysimError
 

@@ -10,6 +10,8 @@ from typing import Any
 
 import click
 
+from physim.escaping import escaped
+
 LONGEST_QUOTE = 60
 """Characters of what was given that an error repeats."""
 LARGEST_NUMBER = 10**15
@@ -17,7 +19,7 @@ LARGEST_NUMBER = 10**15
 
 def quoted(text: str) -> str:
     """What was given, in quotes where it would not be seen as one word."""
-    text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    text = escaped(text[: LONGEST_QUOTE + 1])
     text = text if len(text) <= LONGEST_QUOTE else text[: LONGEST_QUOTE - 1] + "…"
     return text if text and re.fullmatch(r"[^\s\"']+", text) else f'"{text}"'
 

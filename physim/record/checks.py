@@ -16,8 +16,19 @@ import h5py
 import numpy as np
 
 from physim.errors import RecordError
+from physim.escaping import escaped
 from physim.record import layout
 
+MOST_PACKED = 1100
+"""[-] A dataset may be packed up to this, the most that deflate does; records are not packed."""
+RANGES = {"dt": (1.0e-9, 10.0), "safe_distance": (0.0, 1.0e6)}
+"""[s], [m] least and largest value of an attribute"""
+MOST_EVERY = 1_000_000
+"""[steps] between two samples"""
+LONGEST = 120
+"""Characters of a value that a message repeats."""
+LITTLE = 1_000_000
+"""[bytes] What a dataset may claim beyond what it holds: zeros that nobody wrote."""
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -51,7 +62,8 @@ def check_layout(file: h5py.File, where: str) -> None:
     Raises RecordError that names the first part that is missing or not as it should be.
     """
     try:
-        fault = next(chain(_attribute_faults(file.attrs), _dataset_faults(file)), None)
+        parts = (_link_faults(file), _attribute_faults(file.attrs), _dataset_faults(file))
+        fault = next(chain.from_iterable(parts), None)
     except Exception as error:  # the library raises many kinds for damaged files
         raise RecordError(f"{where}: damaged record: {_one_line(error)}") from error
     if fault is not None:
@@ -61,6 +73,29 @@ def check_layout(file: h5py.File, where: str) -> None:
 def damaged(where: str, part: str, error: Exception) -> RecordError:
     """Error for a part of a record that cannot be read."""
     return RecordError(f"{where}: {part} cannot be read, the file is damaged: {_one_line(error)}")
+
+
+def _link_faults(file: h5py.File) -> Iterator[str]:
+    """What leads out of the file, or claims more than is there; looked at before any value is.
+
+    A record has datasets with all their rows in the file itself.
+    """
+    links: list[tuple[str, Any]] = []
+    file.visititems_links(lambda name, link: links.append((name, link)))
+    for name, link in links:
+        if not isinstance(link, h5py.HardLink):
+            yield f"/{escaped(name)} is a link to another place; a record has none"
+    # by the library itself: a record of many robots has thousands of datasets
+    for name, _ in links:
+        found = h5py.h5o.open(file.id, name.encode("utf-8", "surrogateescape"))
+        if not isinstance(found, h5py.h5d.DatasetID):
+            continue
+        plan = found.get_create_plist()
+        if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
+            yield f"/{escaped(name)} lies in another file; a record is one file"
+        rows, there = found.get_space().get_simple_extent_npoints(), found.get_storage_size()
+        if rows * found.get_type().get_size() > max(LITTLE, MOST_PACKED * there):
+            yield f"/{escaped(name)} claims {rows} values and holds {there} bytes; it is damaged"
 
 
 def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:
@@ -88,13 +123,14 @@ def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:
                 "attribute ended is a text of variable length; it must be of fixed length, "
                 f"S{layout.ENDED_BYTES}"
             )
-        if name == "units" and value != layout.UNITS:
-            yield f"attribute units is {value!r}; it must be {layout.UNITS!r}"
+        if name == "units" and not (isinstance(value, str) and value == layout.UNITS):
+            yield f"attribute units is {_shown(value)}; it must be {layout.UNITS!r}"
         if not _is_sound(name, value):
-            yield f"attribute {name} is {value!r}, which no record has"
+            yield f"attribute {name} is {_shown(value)}, which no record has"
     versions = attributes.get("versions", "{}")
-    if not isinstance(_from_json(versions), dict):
-        yield f"attribute versions is {versions!r}; it must be a JSON object"
+    found = _from_json(versions)
+    if not isinstance(found, dict) or not all(map(_is_line, chain.from_iterable(found.items()))):
+        yield f"attribute versions is {_shown(versions)}; it must be a JSON object of texts"
 
 
 def _is_sound(name: str, value: Any) -> bool:
@@ -102,18 +138,36 @@ def _is_sound(name: str, value: Any) -> bool:
     if name == "tables":
         found = _from_json(value)
         return isinstance(found, list) and all(table in layout.OPTIONAL for table in found)
+    if name == "name":
+        return _is_line(value)
     if name == "given":
         found = _from_json(value)
         return isinstance(found, list) and all(
-            isinstance(one, list) and len(one) == 2 and all(isinstance(t, str) for t in one)
-            for one in found
+            isinstance(one, list) and len(one) == 2 and all(map(_is_line, one)) for one in found
         )
     if name in layout.TEXTS:
         return isinstance(value, str)
     if name == "ended":
         return isinstance(value, bytes) and value.decode() in layout.ENDED
-    is_number = np.ndim(value) == 0 and np.issubdtype(np.asarray(value).dtype, np.number)
-    return bool(is_number and (name != "dt" or value > 0))
+    if np.ndim(value) != 0:
+        return False
+    if name in RANGES:
+        least, most = RANGES[name]
+        return bool(np.issubdtype(np.asarray(value).dtype, np.floating) and least <= value <= most)
+    is_whole = np.issubdtype(np.asarray(value).dtype, np.integer)
+    least, most = (1, MOST_EVERY) if name == "record_every" else (0, 2**63)
+    return bool(is_whole and least <= value <= most)
+
+
+def _is_line(value: Any) -> bool:
+    """Whether a value is one line of text that can be printed."""
+    return isinstance(value, str) and value.isprintable()
+
+
+def _shown(value: Any) -> str:
+    """A value briefly, on one line."""
+    text = escaped(_one_line_of(repr(value)))
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 
 def _from_json(text: Any) -> Any:
@@ -137,6 +191,12 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
                 f"dataset {path} has {file[path].size} rows, /bodies/id {bodies}, for {robots} "
                 "robots"
             )
+    for path in ("/bodies/kind", "/bodies/name"):
+        if file[path].dtype.kind != "O" or file[path].ndim != 1:
+            yield f"dataset {path} holds no texts"
+        for k, text in enumerate(file[path][:]):
+            if not _is_line(text.decode("utf-8", "surrogateescape")):
+                yield f"{path}, row {k}: {_shown(text)} is no line of text; make the record again"
     columns = [name.decode() for name in file["/columns/name"][:]]
     wanted: dict[str, tuple[tuple[int, ...], Any]] = {
         **{path: ((), row) for path, row in layout.table_types(columns).items()},
@@ -156,7 +216,14 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
     for path in ("/robots/lead", layout.ARRIVED):
         if file[path].shape != (robots,):
             yield f"dataset {path} has rows {file[path].shape}"
+    for key, value in getattr(file.get(layout.WALL_CLOCK), "attrs", {}).items():
+        if np.ndim(value) != 0 or not np.issubdtype(np.asarray(value).dtype, np.number):
+            yield f"attribute {escaped(key)} of {layout.WALL_CLOCK} is no number"
 
 
 def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
+    return _one_line_of(str(error)) or type(error).__name__
+
+
+def _one_line_of(text: str) -> str:
+    return " ".join(text.split())

@@ -107,6 +107,12 @@ class Record(RecordedHistory):
 
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
+        last = max(self.steps_run, int(self.steps[-1]) if self.samples else 0)
+        if last > self.samples * self.record_every:
+            raise RecordError(
+                f"{self.where}: truncated: {self.samples} samples, one every {self.record_every} "
+                f"steps, for {last} steps; make the record again"
+            )
         for path in layout.TABLES:
             getattr(self, path[1:])
         for name in ("steps", "arrived", "lead", "extremes", "farthest", "bodies", "footprints",

@@ -31,6 +31,8 @@ FINITE: dict[str, tuple[str, ...]] = {
     "/false_contacts": ("distance",),
 }
 """Columns of the tables that are finite in every row."""
+FARTHEST_POINT = 1.0e8
+"""[m] no point of a scene lies beyond; a world's coordinates end at 10^6"""
 ONCE = {
     "/updates": ("robot",),
     "/commands": ("robot",),
@@ -208,11 +210,12 @@ def check_points(source: Source, points: NDArray[Any]) -> None:
     """Check points (n, 2) [m]. Raises RecordError for another shape, and for what is not finite."""
     if points.ndim != 2 or points.shape[1] != 2 or points.dtype != np.float64:
         raise RecordError(f"{source.where}: dataset {source.path} holds no points (n, 2)")
-    wrong = ~np.isfinite(points)
+    wrong = ~(np.abs(points) <= FARTHEST_POINT)
 
     def fault(k: int) -> str:
         column = int(np.argmax(wrong[k]))
-        return f"{'xy'[column]} is {points[k, column]}; it must be finite"
+        must = f"finite, at most {FARTHEST_POINT:g}"
+        return f"{'xy'[column]} is {points[k, column]}; it must be {must}"
 
     source.refuse(wrong.any(axis=1), fault)
 
@@ -278,7 +281,7 @@ class RecordFile:
             if path in layout.STEPS:
                 last = self.samples if last is None else min(last, self.samples)
             rows = np.asarray(dataset[first:last] if dataset.ndim else dataset[()], dataset.dtype)
-        except (OSError, RuntimeError, KeyError, ValueError) as error:
+        except (OSError, RuntimeError, KeyError, ValueError, MemoryError) as error:
             raise damaged(self.where, path, error) from error
         if self._killed_at is not None:
             rows = self._cut(path, first, rows)

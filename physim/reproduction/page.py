@@ -20,6 +20,7 @@ from markdown_it.token import Token
 from markdown_it.utils import EnvType, OptionsDict
 
 from physim.errors import plural
+from physim.escaping import escaped
 from physim.reproduction.report import Report, Section
 from physim.reproduction.study import Outcome, Verdict
 
@@ -136,7 +137,7 @@ def _claim(row: Verdict) -> str:
 
 
 def _one_line(text: str) -> str:
-    return re.sub(r"[\r\n]", " ", text)
+    return escaped(re.sub(r"[\r\n]", " ", text))
 
 
 def _plain(text: str) -> str:
@@ -146,7 +147,7 @@ def _plain(text: str) -> str:
 
 def _code(text: str) -> str:
     """Words to be typed or named exactly."""
-    text = " ".join(text.split())
+    text = escaped(" ".join(text.split()))
     room = " " if text.startswith("`") or text.endswith("`") else ""
     ticks = _fence(text, 1)
     return f"{ticks}{room}{text}{room}{ticks}"
@@ -214,7 +215,7 @@ def html(text: str, title: str, folder: Path) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<link rel="icon" href="data:,">\n<title>{escapeHtml(title)}</title>\n'
+        f'<link rel="icon" href="data:,">\n<title>{escapeHtml(escaped(title))}</title>\n'
         f"<style>\n{STYLE}</style>\n</head>\n<body>\n"
         f"{parser.renderer.render(tokens, parser.options, {})}</body>\n</html>\n"
     )

@@ -9,12 +9,15 @@ import re
 import types
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
 from typing import Annotated, Any, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
 from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
+from physim.escaping import escaped
 
 TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>"})
 """Parts of a location that distinguish alternatives of a value and that no author wrote."""
@@ -117,8 +120,7 @@ def describe(value: Any) -> str:
 
 
 def _one_line(text: str) -> str:
-    start = text[: LONGEST_VALUE + 1]
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in start)
+    return escaped(text[: LONGEST_VALUE + 1])
 
 
 def _short(text: str) -> str:
@@ -145,7 +147,8 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         else:
             choice = _choice(model, raw)
             what = message(cast(Mapping[str, Any], details), choice)
-            faults.append(Fault(location, what + _in_millimetres(model, raw, details)))
+            more = _other_units(model, raw, details) or _what_is_missing(model, raw, details)
+            faults.append(Fault(location, what + more))
     return faults + [fault for fault in missing if fault.location not in corrected]
 
 
@@ -188,14 +191,55 @@ def _misspelt_type(details: Mapping[str, Any]) -> str:
     return f'; {describe(near[0])} given; did you mean "type"?' if near else ""
 
 
-def _in_millimetres(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
-    """Hint where a length is too large, as it would be in millimetres."""
-    while location and isinstance(location[-1], int):
+WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECASE)
+"""Number and unit in one text, as in "6 m"."""
+SCALES = MappingProxyType(
+    {
+        "[m]": {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+        "[s]": {"s": 1.0, "sec": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
+        "[m/s]": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "km/h": 1.0 / 3.6},
+        "[rad]": {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0},
+        "[rad/s]": {"rad/s": 1.0, "deg/s": pi / 180.0, "°/s": pi / 180.0},
+        "[kg]": {"kg": 1.0, "g": 0.001, "t": 1000.0},
+    }
+)
+"""What a number with another unit is worth in that of a key, as its description begins."""
+
+
+def _other_units(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
+    """What to write for a number with a unit, and for a length that is too large for metres."""
+    given = details.get("input")
+    while location and (isinstance(location[-1], int) or location[-1] in TAGS):
         location = location[:-1]
-    field = field_at(model, location) if details["type"] == "less_than_equal" else None
-    if field is None or not (field.description or "").startswith("[m]"):
+    field = field_at(model, location)
+    unit = ((field.description if field is not None else "") or "").partition(" ")[0]
+    if details["type"] == "less_than_equal":
+        return f"; {in_metres(given)}" if unit == "[m]" and given is not None else ""
+    found = WITH_UNIT.fullmatch(given) if isinstance(given, str) else None
+    if found is None:
         return ""
-    return f"; in millimetres? Then write {details['input'] / 1000.0:.6g}"
+    scale = SCALES.get(unit, {}).get(found[2].lower())
+    if scale is None:
+        return "; units are not written, each key has its own"
+    return f"; units are not written: {float(found[1]) * scale:.6g} is meant"
+
+
+def in_metres(length: float) -> str:
+    """What to write where a length is likely none in metres."""
+    return (
+        f"lengths are in metres: if centimetres are meant, write {length / 100.0:.6g}, if "
+        f"millimetres, {length / 1000.0:.6g}"
+    )
+
+
+def _what_is_missing(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
+    """What a list of fixed length holds, where an entry of it is missing."""
+    if details["type"] != "missing":
+        return ""
+    while location and (isinstance(location[-1], int) or location[-1] in TAGS):
+        location = location[:-1]
+    field = field_at(model, location)
+    return f": {field.description}" if field is not None and field.description else ""
 
 
 def _choice(model: type[BaseModel], location: Location) -> str:

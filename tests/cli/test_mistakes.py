@@ -64,7 +64,7 @@ FOUND_LATER = {
     ("reproduce", "--figure", "1", "--study", "alpha"): ("--study", "--figure"),
     ("summary",): ("physim summary", "RECORD is missing", "--definitions"),
     ("new",): ("physim new", "NAME is missing"),
-    ("run", "a\nb\x1b[0m"): ("a�b�[0m", "no such file"),
+    ("run", "a\nb\x1b[0m"): (r"a\u000ab\u001b[0m", "no such file"),
 }
 """The same where the command itself finds it."""
 

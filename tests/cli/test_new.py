@@ -79,7 +79,7 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["  "], ("cannot name",)),
         ([".."], ('"..":', "cannot name")),
         ([".hidden"], ('".hidden":', "cannot name")),
-        (["a\nb"], ('"a�b":', "cannot name")),
+        (["a\nb"], (r'"a\u000ab":', "cannot name")),
         (["a/b"], ('"a/b":', "is a path", "-o")),
         (["../b"], ('"../b":', "cannot name")),
         (["a\\b"], ("is a path",)),

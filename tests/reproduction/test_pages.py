@@ -70,6 +70,15 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+def test_no_sign_in_a_name_acts(folder: Path) -> None:
+    """Neither control signs nor those that turn the direction of writing get into a page."""
+    name = "r1\x1b[31m\x9b2J\u202eevil\u2066\u200b\u2028z\x85"
+    text = markdown(report(name))
+    for page in (text, html(text, name, folder)):
+        assert page.replace("\n", "").isprintable()
+    assert r"\u202eevil" in Reader(html(text, "t", folder)).words
+
+
 @pytest.mark.parametrize(
     "name",
     [

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 from physim.errors import PhysimError
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 DIGITS = 3
@@ -98,13 +99,8 @@ class Options:
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:
     """Error at a source, or at a line of it (from 1)."""
-    place = printable(str(source)) if line is None else f"{printable(str(source))}:{line}"
+    place = escaped(str(source)) if line is None else f"{escaped(str(source))}:{line}"
     return ImportSourceError(f"{place}: {message}")
-
-
-def printable(text: str) -> str:
-    """One line of a text: what cannot be printed is replaced, and quotes stay what they are."""
-    return "".join(c if c.isprintable() else "�" for c in text)
 
 
 def listed(entries: Sequence[Any], describe: Callable[[Any], str] = str) -> list[str]:

@@ -19,7 +19,6 @@ from physim.authoring.importing.drawing import (
     Options,
     number,
     place,
-    printable,
     refused,
 )
 from physim.authoring.importing.enclosure import LARGEST_PLACE, check_size, check_sound, enclose
@@ -28,6 +27,7 @@ from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
 from physim.errors import WorldError, plural
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file import parse_world
@@ -84,7 +84,7 @@ def _heading(source: str, drawing: Drawing) -> Iterator[str]:
 def _comment(text: str) -> Iterator[str]:
     indent = "#   " if text.startswith("- ") else "# "
     yield from textwrap.wrap(
-        printable(text), LINE, initial_indent="# ", subsequent_indent=indent, break_long_words=True
+        escaped(text), LINE, initial_indent="# ", subsequent_indent=indent, break_long_words=True
     )
 
 
@@ -196,7 +196,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
         found, robots = fill_in(source, drawing, found, options)
     drawing.facts += _about(drawing, found, robots, options)
     drawing.facts += stop_warnings(found.reference, robots, found.size)
-    text = world_text(options.name or _name(source), printable(source.name), drawing, found, robots)
+    text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
     return Imported(
         text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
     )
@@ -253,7 +253,7 @@ def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options)
 
 
 def _name(source: Path) -> str:
-    return (printable(source.stem).strip() or "imported")[:100]
+    return (escaped(source.stem).strip() or "imported")[:100]
 
 
 def _checked(source: Path, text: str) -> World:

@@ -25,13 +25,13 @@ from physim.authoring.importing.drawing import (
     Options,
     listed,
     place,
-    printable,
     refused,
     rounded,
 )
 from physim.authoring.importing.enclosure import chosen_area, join_ends
 from physim.authoring.importing.source import read_text
 from physim.errors import nearest
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 MOST_GEOMETRIES = 10_000
@@ -82,7 +82,7 @@ def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
         with np.errstate(invalid="ignore"):
             shape = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
-        reason = printable(str(error).split(": ", 1)[-1].strip())[:100]
+        reason = escaped(str(error).split(": ", 1)[-1].strip())[:100]
         raise refused(path, f"not valid WKT: {reason}{_missing(text)}", line) from None
     return [Part(one, line=line) for one in flat(shape)]
 
@@ -96,7 +96,7 @@ def _missing(text: str) -> str:
     for point in re.split(r"[(),]", text):
         numbers = point.split()
         if len(numbers) > 3 and not re.search(r"[A-DF-Za-df-z]", point):
-            return f'; a comma is missing: "{printable(point.strip())[:40]}" is more than one point'
+            return f'; a comma is missing: "{escaped(point.strip())[:40]}" is more than one point'
     return ""
 
 
@@ -240,7 +240,7 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     except RecursionError:
         raise refused(path, "nested too deeply") from None
     except ValueError as error:
-        raise refused(path, printable(str(error))[:100]) from None
+        raise refused(path, escaped(str(error))[:100]) from None
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
     crs = json.dumps(value.get("crs") or "").lower()
@@ -273,7 +273,7 @@ def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
         about = value.get("properties")
         about = about if isinstance(about, dict) else {}
         own = _role(path, about)
-        label = printable(str(about.get("name", value.get("id", "")) or ""))[:80]
+        label = escaped(str(about.get("name", value.get("id", "")) or ""))[:80]
         if value.get("geometry") is not None:
             yield from _features(path, value["geometry"], own, label, depth + 1)
     else:
@@ -293,7 +293,7 @@ def _role(path: Path, about: dict[str, Any]) -> str:
     near = nearest(own, list(ROLES))
     if own and own not in ROLES and (given is not None or near):
         key = "role" if given is not None else "layer"
-        raise refused(path, f'{key}: "{printable(own)[:40]}" is none of {", ".join(ROLES)}{near}')
+        raise refused(path, f'{key}: "{escaped(own)[:40]}" is none of {", ".join(ROLES)}{near}')
     return own if own in ROLES else ""
 
 
@@ -308,10 +308,10 @@ def _check_role(path: Path, shape: Any, role: str) -> None:
 
 def _shape(path: Path, value: dict[str, Any]) -> Any:
     """Geometry with coordinates as a shapely one."""
-    kind = printable(str(value.get("type")))[:40]
+    kind = escaped(str(value.get("type")))[:40]
     bad = _no_number(value.get("coordinates"), 0)
     if bad is not None:
-        quoted = printable(json.dumps(bad))[:40]
+        quoted = escaped(json.dumps(bad))[:40]
         raise refused(
             path, f'geometry "{kind}": {quoted} is not a number; coordinates are lists of [x, y]'
         )

@@ -28,12 +28,12 @@ from physim.authoring.importing.drawing import (
     Options,
     listed,
     place,
-    printable,
     refused,
 )
 from physim.authoring.importing.enclosure import check_size
 from physim.authoring.importing.source import read_image, read_text
 from physim.errors import Location, nearest
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world.file import Document, located, read_document
 
@@ -234,14 +234,14 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
     text = read_text(path)
     if not text.strip():
         raise refused(path, f"the file is empty; a map has {', '.join(KEYS)}", 1)
-    found = _Yaml(path, read_document(text, printable(str(path)))).read()
+    found = _Yaml(path, read_document(text, escaped(str(path)))).read()
     brightness, clear = read_image(found.image)
     free = _free(found, brightness, clear)
     drawing = Drawing(kind="ROS map")
     rows, columns = free.shape
     cell = found.resolution * options.unit
     drawing.facts.append(
-        f"{columns} x {rows} cells of {cell:g} m from {printable(found.image.name)}, "
+        f"{columns} x {rows} cells of {cell:g} m from {escaped(found.image.name)}, "
         f"{columns * cell:.1f} x {rows * cell:.1f} m, {100.0 * free.mean():.0f} % free; "
         "what is unknown counts as occupied"
     )
@@ -288,7 +288,7 @@ class _Yaml:
             raise self._fault(("resolution",), f"{resolution:g} m per cell; must be greater than 0")
         negate = values.get("negate", 0)
         if negate not in (0, 1):
-            raise self._fault(("negate",), f'must be 0 or 1; given "{printable(str(negate)[:40])}"')
+            raise self._fault(("negate",), f'must be 0 or 1; given "{escaped(str(negate)[:40])}"')
         mode = values.get("mode", "trinary")
         if mode not in MODES:
             raise self._fault(("mode",), f'must be {", ".join(MODES)}; given "{mode}"'[:200])
@@ -298,7 +298,7 @@ class _Yaml:
             raise self._fault(("free_thresh",), f"{free:g} is above occupied_thresh, {occupied:g}")
         changes = []
         if unknown:
-            changes.append(f"keys left out: {', '.join(printable(str(key)) for key in unknown)}")
+            changes.append(f"keys left out: {', '.join(escaped(str(key)) for key in unknown)}")
         return RosMap(
             self._image(values["image"]), resolution, (pose[0], pose[1], pose[2]),
             bool(negate), occupied, free, str(mode), tuple(changes),
@@ -318,7 +318,7 @@ class _Yaml:
 
     def _number(self, location: Location, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._fault(location, f'"{printable(str(value)[:40])}" is not a number')
+            raise self._fault(location, f'"{escaped(str(value)[:40])}" is not a number')
         if not math.isfinite(value) or abs(value) > 1e6:
             raise self._fault(location, f"{value!r} is out of range, at most 1e6")
         return float(value)
@@ -338,7 +338,7 @@ class _Yaml:
             image = (folder / value).resolve()
         except (OSError, RuntimeError, ValueError):
             raise self._fault(("image",), "is not the name of a file") from None
-        given = printable(value[:100])
+        given = escaped(value[:100])
         if not image.is_relative_to(folder):
             raise self._fault(
                 ("image",), f'"{given}" lies outside the folder of the map; put the image beside it'

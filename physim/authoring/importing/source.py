@@ -16,7 +16,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from physim.authoring.importing.drawing import printable, refused
+from physim.authoring.importing.drawing import refused
+from physim.escaping import escaped
 
 MOST_TEXT = 20_000_000
 """Bytes of a text that is read."""
@@ -156,7 +157,7 @@ def _check_pgm(path: Path, data: bytes) -> float:
     for name in ("width", "height", "brightest value"):
         found = _TOKEN.match(data, at, at + 10_000)
         if found is None or not found[1].isdigit() or len(found[1]) > 9:
-            given = printable(found[1][:20].decode("ascii", "replace")) if found else "nothing"
+            given = escaped(found[1][:20].decode("ascii", "replace")) if found else "nothing"
             raise refused(path, f'PGM header: {name} is "{given}"; a whole number is needed')
         numbers.append(int(found[1]))
         at = found.end()

@@ -23,13 +23,13 @@ from physim.authoring.importing.drawing import (
     Options,
     listed,
     place,
-    printable,
     refused,
     rounded,
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 MOST_CHORDS = 10_000
@@ -129,7 +129,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     try:
         root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
-        raise refused(path, f"cannot be read as SVG: {printable(str(error))[:100]}") from None
+        raise refused(path, f"cannot be read as SVG: {escaped(str(error))[:100]}") from None
     frame = _Frame.of(path, root, look, options)
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
@@ -137,7 +137,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     for element, role, name in _shapes(root, "", ""):
         own = element.values.get("attributes", {})
         label = str(own.get(LABEL) or own.get("id") or "")
-        where = printable(repr(label) if label else f"<{type(element).__name__.lower()}>")
+        where = escaped(repr(label) if label else f"<{type(element).__name__.lower()}>")
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             continue
@@ -145,7 +145,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
             found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
         except (ValueError, ArithmeticError) as error:
             line = look.lines.get(str(element.id or ""))
-            raise refused(path, f"{where}: {printable(str(error))[:100]}", line) from None
+            raise refused(path, f"{where}: {escaped(str(error))[:100]}", line) from None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
@@ -256,7 +256,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line]) -> None:
 def _free_name(name: str, drawing: Drawing) -> str:
     """Name of the next robot: its own, unless there is none or another bears it."""
     number = len(drawing.robots) + 1
-    name = printable(name)[:80] or f"r{number}"
+    name = escaped(name)[:80] or f"r{number}"
     taken = {robot.name for robot in drawing.robots}
     while name in taken:
         name = f"{name}_{number}"

@@ -12,7 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
-from physim.authoring.importing.drawing import ImportSourceError, printable, refused
+from physim.authoring.importing.drawing import ImportSourceError, refused
+from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
 """Elements of a drawing, copies written out."""
@@ -68,8 +69,8 @@ def transform_fault(text: str) -> str:
     while at < len(text) and text != "none":
         found = FUNCTION.match(text, at)
         if found is None or found[1] not in NUMBERS:
-            return f'"{printable(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
-        quoted, allowed = printable(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
+            return f'"{escaped(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
+        quoted, allowed = escaped(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
         numbers = NUMBER.findall(found[2])
         if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
             return f'"{quoted}": only numbers may stand in the brackets'
@@ -121,7 +122,7 @@ class _Guard:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
         if not self.open and tag != "svg":
-            raise self._refused(f"the root is <{printable(name[:40])}>, not <svg>")
+            raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open:
             self.look.width = attributes.get("width", "")
         self.seen += 1
@@ -134,14 +135,14 @@ class _Guard:
             raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
         if bad := NO_PATH_DATA.search(attributes.get("d", "")):
             around = attributes["d"][bad.start() : bad.start() + 20]
-            raise self._refused(f'path data: "{printable(around)}" cannot be read')
+            raise self._refused(f'path data: "{escaped(around)}" cannot be read')
         if wrong := transform_fault(attributes.get("transform", "")):
             raise self._refused(f"transform: {wrong}")
         if self.hidden or tag == "defs":
             self.hidden += 1
         elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
             self.hidden = 1
-            label = printable(attributes.get(LABEL, attributes.get("id", "")))[:60]
+            label = escaped(attributes.get(LABEL, attributes.get("id", "")))[:60]
             self.look.left_out.append(
                 f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
             )
@@ -152,7 +153,7 @@ class _Guard:
         elif tag == "use":
             if not href.startswith("#"):
                 raise self._refused(
-                    f'refers to "{printable(href[:60])}"; nothing outside the file is read'
+                    f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
             element.copies.append(href[1:])
         own = attributes.get("id")
@@ -175,7 +176,7 @@ class _Guard:
         def count(name: str, within: tuple[str, ...]) -> int:
             if name in within:
                 line = self.look.lines.get(name)
-                raise refused(self.path, f'"{printable(name[:60])}" copies itself (use)', line)
+                raise refused(self.path, f'"{escaped(name[:60])}" copies itself (use)', line)
             if name not in known:
                 found = self.elements.get(name)
                 inner = 1 if found is None else found.count

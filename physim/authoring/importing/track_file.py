@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from physim.authoring.importing.drawing import LARGEST, listed, printable, refused
+from physim.authoring.importing.drawing import LARGEST, listed, refused
 from physim.errors import nearest
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
 COLUMNS = ("x_m", "y_m", "w_tr_right_m", "w_tr_left_m")
@@ -56,7 +57,7 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     headers = [(k, names) for k, _, names in above if _is_header(names)]
     for k, row, names in above:
         if not row.startswith("#") and len(names) < 2:
-            quoted = printable(row[:40])
+            quoted = escaped(row[:40])
             raise refused(path, f'"{quoted}" names no columns; a comment begins with #', k)
         if not headers and (not row.startswith("#") or _lists_names(names, count)):
             raise refused(path, _unknown(names), k)
@@ -69,7 +70,7 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
     twice = next((name for name in COLUMNS if header.count(name) > 1), None)
     if twice is not None:
         raise refused(path, f"two columns {twice}", line)
-    extra = tuple(printable(name) for name in header if name and name not in COLUMNS)
+    extra = tuple(escaped(name) for name in header if name and name not in COLUMNS)
     return Columns(tuple(header.index(name) for name in COLUMNS), separator, extra)
 
 
@@ -104,10 +105,10 @@ def _meant(column: str, names: Sequence[str]) -> str:
 def _unknown(names: list[str]) -> str:
     """What to say of names among which some of the four are missing."""
     missing = [column for column in COLUMNS if column not in names]
-    there = f"no column {missing[0]}; there: {printable(', '.join(names))[:200]}"
+    there = f"no column {missing[0]}; there: {escaped(', '.join(names))[:200]}"
     meant = {column: _meant(column, names) for column in missing}
     if all(meant.values()):
-        pairs = ", ".join(f"{printable(name)[:40]} to {column}" for column, name in meant.items())
+        pairs = ", ".join(f"{escaped(name)[:40]} to {column}" for column, name in meant.items())
         return f"{there}; rename {pairs}, if that is what they are"
     return there + nearest(missing[0], names)
 
@@ -149,7 +150,7 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     for k, row in rows:
         if row.startswith("#") or not is_data(row):
             if values and not row.startswith("#"):
-                raise refused(path, f'"{printable(row[:40])}" is not a row of numbers', k)
+                raise refused(path, f'"{escaped(row[:40])}" is not a row of numbers', k)
             continue
         value = [v * scale for v in _numbers(path, k, row, columns)]
         _check(path, k, value)
@@ -178,7 +179,7 @@ def _numbers(path: Path, line: int, row: str, columns: Columns) -> list[float]:
         try:
             values.append(float(cell) if "_" not in cell else math.nan)
         except ValueError:
-            message = f'{name}: "{printable(cell[:40])}" is not a number'
+            message = f'{name}: "{escaped(cell[:40])}" is not a number'
             raise refused(path, message, line) from None
     return values
 

@@ -8,8 +8,9 @@ from collections.abc import Iterable, Sequence
 import shapely
 
 from physim.errors import Fault, Position, WorldError
+from physim.escaping import escaped
 from physim.world.checks.boundaries import check_boundaries
-from physim.world.checks.findings import Diagnostics, Finding, Findings, printable
+from physim.world.checks.findings import Diagnostics, Finding, Findings
 from physim.world.checks.formation import check_formation, check_formation_speed
 from physim.world.checks.paths import (
     check_passage,
@@ -71,7 +72,7 @@ def check_world(
     found = Diagnostics(errors=checked.faults, warnings=[*document.warnings, *checked.warnings])
     profiles = _check_geometry(checked, found)
     return Findings(
-        file=printable(document.source),
+        file=escaped(document.source),
         errors=_located(found.errors, document, document.faults),
         warnings=_located(found.warnings, document),
         clearance=profiles,
@@ -83,7 +84,7 @@ def _refused(error: WorldError, file: str) -> Findings:
     """Findings of a file that could not be read at all."""
     positions = error.positions or (None,) * len(error.faults)
     return Findings(
-        file=printable(file),
+        file=escaped(file),
         errors=tuple(
             Finding.of(fault, position, str(position.file) if position is not None else file)
             for fault, position in zip(error.faults, positions, strict=True)
@@ -112,6 +113,10 @@ def _check_layout(
     check_footprints(laid, found)
     check_boundaries(laid, found)
     found.errors += laid.faults
+    mistaken = check_scale(laid, found)
+    if own := [fault for fault in found.errors if fault.location in mistaken]:
+        found.errors = own  # the others follow from it
+        return ()
     check_start_used(checked.world, found)
     check_reference(laid, found)
     check_random_headings(laid, found)
@@ -128,7 +133,6 @@ def _check_layout(
     check_turning_room(laid, profiles, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
-    check_scale(laid, found)
     return profiles
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from physim.errors import Fault, Location, Position, dotted, names_key
+from physim.escaping import escaped
 
 if TYPE_CHECKING:
     from physim.world import World
@@ -49,12 +50,12 @@ class Finding:
     @classmethod
     def of(cls, fault: Fault, position: Position | None, file: str) -> Finding:
         """A fault at its place; signs of the file's name that cannot be printed are replaced."""
-        file = printable(file)
+        file = escaped(file)
         if position is None:
             message = fault.message.removeprefix(f"{file}: ")
             return cls(file, None, None, dotted(fault.location), message)
         if (place := str(position)).startswith("--"):
-            return cls(printable(place), None, None, dotted(fault.location), fault.message)
+            return cls(escaped(place), None, None, dotted(fault.location), fault.message)
         return cls(file, position.line, position.column, dotted(fault.location), fault.message)
 
     def __str__(self) -> str:
@@ -72,11 +73,6 @@ class Finding:
             "key": self.key,
             "message": self.message,
         }
-
-
-def printable(text: str) -> str:
-    """Return a text with U+FFFD for every sign that could break a line or a terminal."""
-    return "".join(sign if sign.isprintable() else "\N{REPLACEMENT CHARACTER}" for sign in text)
 
 
 @dataclass(frozen=True)

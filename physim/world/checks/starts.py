@@ -17,7 +17,7 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world import World
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.faults import describe
+from physim.world.faults import describe, in_metres
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import Placed, placed_outline
 from physim.world.layout.shared import Shared
@@ -154,6 +154,8 @@ SHORTEST_ROBOT = 0.01
 """[m]"""
 WIDEST_CORRIDOR = 500.0
 """[m]"""
+WIDEST_FOR_ROBOTS = 50.0
+"""[-] times the longest robot"""
 LARGEST_GROUND = 50_000.0
 """[m] from end to end"""
 FASTEST = 50.0
@@ -166,9 +168,12 @@ MOST_STEPS = 5_000_000
 """of a run: beyond that it takes hours and its record gigabytes"""
 
 
-def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of numbers whose unit is likely another one."""
-    world = laid.world
+def check_scale(laid: PartialLayout, found: Diagnostics) -> list[Location]:
+    """Warn of numbers whose unit is likely another one; returns where such lengths stand.
+
+    Whatever else is found where they stand for what they are follows from them.
+    """
+    world, already = laid.world, len(found.warnings)
     _check_lengths(laid, found)
     count = 0
     for i in range(len(world.robots)):
@@ -185,6 +190,11 @@ def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
     if world.controller is not None and is_sound:  # its own check knows more
         settings = world.controller.settings
         _check_choices(("controller",), settings.get("speeds"), settings.get("omegas"), found)
+    lengths = [
+        fault.location
+        for fault in found.warnings[already:]
+        if fault.location[-1:] in (("footprint",), ("width",))
+    ]
     step, duration = world.time.step, world.time.duration
     if duration is not None and duration > LONGEST_RUN:
         found.warn(
@@ -199,6 +209,7 @@ def check_scale(laid: PartialLayout, found: Diagnostics) -> None:
             f"{step:.4g} s makes {steps:,.0f} steps in {duration:.6g} s: such a run takes hours; "
             "steps are in seconds, and 0.01 is usual",
         )
+    return lengths
 
 
 def _entry(world: Any, i: int) -> Any:
@@ -207,12 +218,12 @@ def _entry(world: Any, i: int) -> Any:
 
 def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
     width = corridor_line(laid.world)[1]
-    if width is not None and width.max() > WIDEST_CORRIDOR:
-        widest = float(width.max())
+    longest = max((float(np.ptp(one, axis=0).max()) for one in laid.footprints.values()), default=0)
+    widest = 0.0 if width is None else float(width.max())
+    if widest > WIDEST_CORRIDOR or widest > WIDEST_FOR_ROBOTS * longest > 0.0:
         found.warn(
             ("corridor", "width"),
-            f"{widest:.6g} m is very wide for a corridor; lengths are in metres"
-            + _thousandth(widest, "millimetres"),
+            f"{widest:.6g} m is very wide for a corridor; {in_metres(widest)}",
         )
     lines = [(laid.reference_key, laid.reference)]
     if laid.world.boundaries is not None:
@@ -223,8 +234,7 @@ def _check_lengths(laid: PartialLayout, found: Diagnostics) -> None:
             extent = float(np.ptp(line, axis=0).max())
             found.warn(
                 where,
-                f"it spans {extent:.6g} m; lengths are in metres"
-                + _thousandth(extent, "millimetres"),
+                f"it spans {extent:.6g} m; {in_metres(extent)}",
             )
             break
 
@@ -238,8 +248,7 @@ def _check_robot(laid: PartialLayout, i: int, found: Diagnostics) -> None:
         if size > LONGEST_ROBOT:
             found.warn(
                 (*where, "footprint"),
-                f"{name} is {size:.6g} m long; lengths are in metres"
-                + _thousandth(size, "millimetres"),
+                f"{name} is {size:.6g} m long; {in_metres(size)}",
             )
         elif size < SHORTEST_ROBOT:
             found.warn(

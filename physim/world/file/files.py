@@ -14,6 +14,7 @@ from pathlib import Path
 import yaml
 
 from physim.errors import Fault, WorldError, nearest
+from physim.escaping import escaped
 from physim.world.file.reading import MOST_BYTES, refused
 
 SUFFIXES = (".yaml", ".yml")
@@ -84,8 +85,7 @@ def file_text(path: Path) -> str:
 
 
 def _unreadable(source: str, message: str) -> WorldError:
-    printable = "".join(c if c.isprintable() else "�" for c in source)
-    return WorldError([Fault((), f"{printable}: {message}")])
+    return WorldError([Fault((), f"{escaped(source)}: {message}")])
 
 
 def _too_large(size: int) -> str:
@@ -110,7 +110,9 @@ def _listed(folder: Path, name: str) -> str:
     except (OSError, ValueError):
         return f"; there is no folder {folder}" if not folder.exists() else ""
     worlds = [n for n in names if n.endswith((".yaml", ".yml")) and n.isprintable()]
-    near = difflib.get_close_matches(name, [n for n in names if n.isprintable()], n=3, cutoff=0.6)
+    stems = {n: n.rpartition(".")[0] for n in names if n.isprintable()}  # not what all have alike
+    alike = difflib.get_close_matches(Path(name).stem, list(stems.values()), n=3, cutoff=0.6)
+    near = [n for stem in dict.fromkeys(alike) for n in stems if stems[n] == stem][:3]
     listed = list(dict.fromkeys([*near, *worlds]))[:MOST_LISTED]
     if near:
         return f"; did you mean {' or '.join(near)}?"

@@ -32,6 +32,7 @@ _TRUE = {"true", "True", "TRUE"}
 _FALSE = {"false", "False", "FALSE"}
 _YES = {"yes", "on"}
 _NO = {"no", "off"}
+EMPTY = "empty value"
 
 
 class RefusedScalarError(Exception):
@@ -47,7 +48,7 @@ def scalar(text: str) -> bool | int | float | str:
     if text[:1] in "+-.0123456789":
         return _number(text)
     if text in _NULL:
-        raise RefusedScalarError("empty value; give one, or leave the key out")
+        raise RefusedScalarError(EMPTY)
     if text in _TRUE or text in _FALSE:
         return text in _TRUE
     if text.lower() in _YES | _NO:
@@ -60,7 +61,7 @@ def scalar(text: str) -> bool | int | float | str:
 
 def _number(text: str) -> int | float | str:
     if not text:
-        raise RefusedScalarError("empty value; give one, or leave the key out")
+        raise RefusedScalarError(EMPTY)
     if _WHOLE.fullmatch(text):
         digits = len(text.lstrip("+-"))
         if digits > MOST_DIGITS:

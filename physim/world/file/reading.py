@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 
 from physim.errors import Fault, Location, Position, WorldError
-from physim.world.faults import KeyFault, describe
+from physim.world.faults import KeyFault, describe, field_at
 from physim.world.file.nodes import UNREADABLE, Document, Member, Node, collector_paused
 from physim.world.file.pitfalls import RefusedScalarError, missing_space, scalar, syntax_hint
 
@@ -183,7 +183,8 @@ class _Reader:
                 value = event.value if event.style else scalar(event.value)
             except RefusedScalarError as error:
                 if event.value or not self.stack or self.stack[-1].is_usable:
-                    self._fault(Fault(self._here(), str(error)), line, column)
+                    text = str(error) if event.value else self._empty()
+                    self._fault(Fault(self._here(), text), line, column)
         if value is UNREADABLE:
             self.unreadable.add(self._here())
         elif not event.style and isinstance(value, str) and _UNSPACED_COMMENT.search(value):
@@ -202,6 +203,15 @@ class _Reader:
                 "it; put the text in quotes if it is meant so"
             )
             self.warnings.append(Fault(here, message))
+
+    def _empty(self) -> str:
+        """What to do about an empty value: a key that is needed cannot be left out."""
+        from physim.world.model import World
+
+        field = field_at(World, self._here())
+        if field is not None and field.is_required():
+            return f"empty value; needed: {field.description}"
+        return "empty value; give one, or leave the key out"
 
     def _dash_hint(self, top: _Open) -> str:
         """What may be missing where a key of an entry of a list comes again; said once an entry."""
@@ -234,6 +244,8 @@ class _Reader:
                 column,
             )
             top.is_usable = False
+        elif text in given and top.is_dash_advised:
+            top.key, top.is_usable = text, False  # as the keys before it: told once
         elif text in given:
             first = given[text]
             self._fault(

@@ -131,8 +131,8 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
     )
     if radius > HUGE:
         message = (
-            f"{describe(robot.name)} reaches {radius:.6g} m from its reference point; lengths are "
-            f"in metres: is this one in millimetres? As it stands, {message}"
+            f"{describe(robot.name)} reaches {radius:.6g} m from its reference point; are its "
+            f"lengths in metres, not in centimetres or millimetres? As it stands, {message}"
         )
     return [Fault(where, message)]
 

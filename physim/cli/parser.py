@@ -8,6 +8,7 @@ within its functions, so that help comes at once.
 from __future__ import annotations
 
 import inspect
+import re
 import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
@@ -83,6 +84,7 @@ class Command(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the arguments. Raises UsageError in the words of all errors."""
+        args = _joined(args, _options(ctx))
         try:
             rest = super().parse_args(ctx, list(args))
         except click.NoSuchOption as error:
@@ -298,6 +300,21 @@ def _missing(ctx: click.Context, args: list[str]) -> str:
         if param.required and ctx.params.get(param.name or "") in (None, ())
     ]  # fmt: skip
     return f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} missing"
+
+
+def _joined(args: list[str], options: dict[str, click.Option]) -> list[str]:
+    """Arguments in which ``--from -2,1`` is ``--from=-2,1``: a negative number is no option."""
+    joined: list[str] = []
+    for k, word in enumerate(args):
+        if word == "--":
+            return joined + args[k:]
+        option = options.get(joined[-1]) if joined else None
+        takes = option is not None and not option.is_flag and joined[-1].startswith("--")
+        if takes and re.match(r"-\.?\d", word):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def _options(ctx: click.Context) -> dict[str, click.Option]:

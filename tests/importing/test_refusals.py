@@ -214,7 +214,7 @@ DRAWINGS = {
     ),
     "not XML": ("<svg><path</svg>", ":1: … XML"),
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
-    "deep": (svg("<g>" * 200 + "</g>" * 200), ":2: … nested … 100"),
+    "deep": (svg("<g>" * 3000 + "</g>" * 3000), ":2: … groups … ungroup"),
     "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: … path data … "garbage"'),
     "rotation": (
         svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),

@@ -102,6 +102,8 @@ def _has_area(ring: FloatArray) -> bool:
     return len(ring) > 2 and bool(shapely.MultiPoint(ring).convex_hull.area > 1e-9)
 
 
+MOST_ENDS = 600
+"""Ends of open lines that are compared with each other."""
 NEARLY = 0.01
 """[-] Ends nearer than this share of the drawing's extent are taken to meet."""
 
@@ -118,6 +120,8 @@ def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[fl
     The nearest two come first.
     """
     ends = [line[k] for line in lines if (line[0] != line[-1]).any() for k in (0, -1)]
+    if len(ends) > MOST_ENDS:
+        return ends, []
     gaps = [(float(np.hypot(*(ends[i] - ends[j]))), i, j)
             for i, j in combinations(range(len(ends)), 2)]  # fmt: skip
     return ends, sorted(gaps)
@@ -230,6 +234,8 @@ def _open_ends(boundaries: list[FloatArray]) -> str:
 
     Where an end lies nearer to the course of another line, that is said instead.
     """
+    if len(boundaries) > MOST_ENDS // 2:
+        return "draw them closed"
     shapes = [shapely.LineString(line) for line in boundaries]
     ends = [
         (k, shapely.Point(end))

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
-from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +29,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import chosen_area, join_ends
 from physim.authoring.importing.source import read_text
+from physim.authoring.importing.work import check_work, depth_of, lines_of
 from physim.errors import nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -76,7 +76,7 @@ def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
         if srid[1] in ("4326", "4258"):
             raise degrees(path, f"SRID {srid[1]}", line)
         text = text[srid.end() :]
-    if text.count("(") > 1_000_000 or _depth(text) > MOST_DEPTH:
+    if text.count("(") > 1_000_000 or depth_of(text) > MOST_DEPTH:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels", line)
     try:
         with np.errstate(invalid="ignore"):
@@ -98,11 +98,6 @@ def _missing(text: str) -> str:
         if len(numbers) > 3 and not re.search(r"[A-DF-Za-df-z]", point):
             return f'; a comma is missing: "{escaped(point.strip())[:40]}" is more than one point'
     return ""
-
-
-def _depth(text: str) -> int:
-    """Brackets within brackets."""
-    return max(accumulate((c == "(") - (c == ")") for c in text), default=0)
 
 
 def flat(shape: Any) -> list[Any]:
@@ -132,10 +127,11 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
         raise refused(path, "holds no polygon and no line")
     if len(parts) > MOST_GEOMETRIES:
         raise refused(path, f"{len(parts)} geometries; at most {MOST_GEOMETRIES} are read")
+    shapes = [_scaled(path, part, options.unit, drawing) for part in parts]
+    check_work(path, [line for shape in shapes for line in lines_of(shape)])
     polygons: list[Any] = []
     unused: list[str] = []
-    for part in parts:
-        shape = _scaled(path, part, options.unit, drawing)
+    for part, shape in zip(parts, shapes, strict=True):
         if shape.geom_type in ("LineString", "LinearRing"):
             _line(drawing, part, rounded(shapely.get_coordinates(shape)), unused)
         elif shape.geom_type != "Polygon":

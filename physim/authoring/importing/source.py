@@ -72,6 +72,30 @@ def read_text(path: Path) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
+DECLARED = re.compile(r"\s*<\?xml[^>]*?\bencoding\s*=\s*[\"']([^\"'>]*)[\"'][^>]*\?>")
+
+
+def read_xml(path: Path) -> str:
+    """Text of an XML file, without its declaration, in whose encoding it has been checked to be.
+
+    Raises ImportSourceError where it declares another than UTF-8 and it matters.
+    """
+    text = read_text(path)
+    found = DECLARED.match(text)
+    if found is None:
+        return text
+    try:
+        same = found[1].lower() in ("utf-8", "utf8") or (
+            text.isascii() and text.encode("ascii").decode(found[1]) == text
+        )
+    except (LookupError, ValueError):
+        same = False
+    if not same:
+        message = f'declares the encoding "{escaped(found[1])[:40]}"; save the file as UTF-8'
+        raise refused(path, message, 1)
+    return "\n" * found[0].count("\n") + text[found.end() :].lstrip(" ")
+
+
 def format_of(path: Path) -> str:
     """Kind of a source, by its suffix, else by what it begins with."""
     suffix = path.suffix.lower()

@@ -27,8 +27,9 @@ from physim.authoring.importing.drawing import (
     rounded,
 )
 from physim.authoring.importing.enclosure import join_ends
-from physim.authoring.importing.source import read_text
+from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 
@@ -104,6 +105,11 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 ROLE = re.compile(
     r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
 )
+OTHER = re.compile(
+    r"(?:^|[\s_.:#-])(routes?|tracks?|traject\w*|paths?|goals?|starts?|targets?|labels?|texts?|"
+    r"names?|icons?|legend|areas?|zones?)(?:$|[\s_.:#-])"
+)
+"""Words after a role by which a thing is something else: ``robot_route_0`` is no robot."""
 ROLES = {"bou": "boundary", "wal": "boundary", "obs": "obstacle", "pat": "path", "ref": "path",
          "rob": "robot"}  # fmt: skip
 UNITS = ("mm", "cm", "in", "pt", "pc")
@@ -122,18 +128,21 @@ class _Line:
 
 def read_svg(path: Path, options: Options) -> Drawing:
     """Read a drawing; raises ImportSourceError with file:line where there is one."""
-    text = read_text(path)
+    text = read_xml(path)
     look = look_at(path, text)
     drawing = Drawing(kind="SVG drawing")
     drawing.changes += listed(look.left_out)
     try:
         root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
+    except RecursionError:
+        raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
         raise refused(path, f"cannot be read as SVG: {escaped(str(error))[:100]}") from None
     frame = _Frame.of(path, root, look, options)
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
     left_out: list[str] = []
+    count = 0
     for element, role, name in _shapes(root, "", ""):
         own = element.values.get("attributes", {})
         label = str(own.get(LABEL) or own.get("id") or "")
@@ -152,11 +161,16 @@ def read_svg(path: Path, options: Options) -> Drawing:
                 left_out.append(f"{where}: a line of no length, left out")
             else:
                 lines.append(_Line(role, name, placed, closed))
+                count += len(placed)
+        if count > MOST_POINTS:
+            line = look.lines.get(str(element.id or ""))
+            raise refused(path, f"{where}: more than {MOST_POINTS} points up to here", line)
     drawing.changes += listed(left_out)
     drawing.facts.append(
         f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"
     )
+    check_work(path, [line.points for line in lines])
     _sort(path, drawing, lines)
     return drawing
 
@@ -203,6 +217,8 @@ def _role(element: Any) -> tuple[str, str]:
     for key in (LABEL, "id"):
         text = str(own.get(key) or "").strip().lower()
         found = ROLE.match(text)
+        if found is not None and OTHER.search(found[2] or ""):
+            continue
         if found is None or (key == "id" and re.fullmatch(r"path-?\d[\d-]*", text)):
             continue
         label = str(own[key]).strip()

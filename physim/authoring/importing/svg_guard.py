@@ -17,7 +17,10 @@ from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
 """Elements of a drawing, copies written out."""
-MOST_DEPTH = 100
+MOST_COPIES = 100
+"""Copies of copies."""
+MOST_NESTED = 2_000_000
+"""Elements, each counted as often as groups stand about it: the work of reading them."""
 MOST_PATH = 5_000_000
 """Characters of all path data."""
 
@@ -89,9 +92,10 @@ class _Guard:
         self.open: list[tuple[str, _Element]] = []
         self.all = _Element()
         self.seen = 0
+        self.nested = 0
         self.drawn = 0
         self.hidden = 0
-        self.parser = expat.ParserCreate(namespace_separator="|")
+        self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
         parser = self.parser
@@ -128,8 +132,12 @@ class _Guard:
         self.seen += 1
         if self.seen > MOST_ELEMENTS:
             raise self._refused(f"more than {MOST_ELEMENTS} elements")
-        if len(self.open) >= MOST_DEPTH:
-            raise self._refused(f"nested deeper than {MOST_DEPTH} levels")
+        self.nested += len(self.open)
+        if self.nested > MOST_NESTED and len(self.open) > MOST_COPIES:
+            raise self._refused(
+                f"{len(self.open)} groups within each other, with too many elements in them; "
+                "ungroup some of them"
+            )
         self.drawn += len(attributes.get("d", "")) + len(attributes.get("points", ""))
         if self.drawn > MOST_PATH:
             raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
@@ -181,7 +189,7 @@ class _Guard:
                 found = self.elements.get(name)
                 inner = 1 if found is None else found.count
                 for other in () if found is None else found.copies:
-                    inner += count(other, (*within, name)) if len(within) < MOST_DEPTH else 10**9
+                    inner += count(other, (*within, name)) if len(within) < MOST_COPIES else 10**9
                 known[name] = inner
             return known[name]
 

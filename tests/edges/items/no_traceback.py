@@ -79,3 +79,10 @@ def try_a_record_of_odd_numbers(shell: Shell) -> None:
     for name in ("seed", "steps_run", "dt", "safe_distance", "rejected_contacts"):
         damaged(shell, lambda file, name=name: file.attrs.create(name, float("nan")))
         shell.physim("summary", "record.h5").refused(f"attribute {name} is")
+
+
+def try_drawings_in_other_encodings(shell: Shell) -> None:
+    drawing = '<svg xmlns="http://www.w3.org/2000/svg"><desc>é</desc></svg>'
+    for name in ("Shift_JIS", "UTF-7", "UTF-16", "no-such-thing", "rot13"):
+        shell.write("d.svg", f'<?xml version="1.0" encoding="{name}"?>{drawing}')
+        shell.physim("import", "d.svg", "-o", "w.yaml").refused("d.svg:1:", name, "UTF-8")

@@ -116,7 +116,7 @@ EDITS = (
     Edit(
         "cli",
         "physim/cli/__init__.py",
-        "main",
+        "_fault",
         "return FAULT",
         "return 2",
         "a fault in physim is told as one",

@@ -1,0 +1,81 @@
+"""Bounds on the work of an import, checked before the work: points, crossings, extent.
+
+What is beyond them would take minutes or gigabytes, and is hardly a place for robots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import refused
+from physim.geometry.shapes import FloatArray
+
+MOST_POINTS = 50_000
+"""Points of all lines together."""
+MOST_MEETINGS = 500_000
+"""Pairs of segments whose boxes overlap."""
+FARTHEST = 50_000.0
+"""[m] extent of a place"""
+BLOCK = 500
+
+
+def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
+    """Refuse lines (n, 2) [m] that are too many, too tangled or too far apart to work on.
+
+    Raises ImportSourceError.
+    """
+    points = sum(map(len, lines))
+    if points > MOST_POINTS:
+        raise refused(
+            path,
+            f"{points} points; at most {MOST_POINTS} are read; use a larger --tolerance, or "
+            "simplify the lines first",
+        )
+    if not points:
+        return
+    every = np.concatenate(lines)
+    extent = np.ptp(every, axis=0)
+    if not extent.max() <= FARTHEST:
+        raise refused(
+            path,
+            f"the place is {extent[0]:.3g} x {extent[1]:.3g} m, more than {FARTHEST:g} m; check "
+            "--scale",
+        )
+    pairs = [np.hstack([line[:-1], line[1:]]) for line in lines if len(line) > 1]
+    if pairs and _tangled(np.vstack(pairs)):
+        raise refused(
+            path,
+            f"the lines lie over each other in more than {MOST_MEETINGS} places; draw each once",
+        )
+
+
+def lines_of(shape: Any) -> list[FloatArray]:
+    """Every line (n, 2) of a single shapely geometry."""
+    rings = [shape.exterior, *shape.interiors] if shape.geom_type == "Polygon" else [shape]
+    return [shapely.get_coordinates(ring) for ring in rings]
+
+
+def depth_of(text: str) -> int:
+    """Brackets within brackets."""
+    return max(accumulate((c == "(") - (c == ")") for c in text), default=0)
+
+
+def _tangled(segments: FloatArray) -> bool:
+    """Whether more pairs of segments (n, 4) than allowed have boxes that overlap."""
+    low = np.minimum(segments[:, :2], segments[:, 2:])
+    high = np.maximum(segments[:, :2], segments[:, 2:])
+    boxes = shapely.box(*low.T, *high.T)
+    tree = shapely.STRtree(boxes)
+    met = 0
+    for first in range(0, len(boxes), BLOCK):
+        block = boxes[first : first + BLOCK]
+        met += tree.query(block).shape[1] - len(block)
+        if met > 2 * MOST_MEETINGS:
+            return True
+    return False

@@ -1,0 +1,37 @@
+"""Commands and drawings are taken as they are meant."""
+
+from __future__ import annotations
+
+from tests.edges.shell import Shell
+
+NUMBER = "7"
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" width="30m" height="15m" viewBox="0 0 30 15">'
+ROOM = '<rect id="boundary" x="1" y="1" width="28" height="13" fill="none"/>'
+
+
+def try_a_negative_place_after_its_option(shell: Shell) -> None:
+    shell.write("room.wkt", "POLYGON ((-10 -5, 20 -5, 20 5, -10 5, -10 -5))")
+    made = []
+    for form in (("--from", "-6,1"), ("--from=-6,1",)):
+        done = shell.physim("import", "room.wkt", "-o", "w.yaml", "--force", *form, "--to", "15,0")
+        assert (done.code, done.err) == (0, ""), done
+        made.append((shell.folder / "w.yaml").read_text())
+    assert made[0] == made[1]
+
+
+def try_groups_within_groups(shell: Shell) -> None:
+    for depth in (101, 500):
+        shell.write("deep.svg", f"{HEAD}{'<g>' * depth}{ROOM}{'</g>' * depth}</svg>")
+        done = shell.physim("import", "deep.svg", "-o", "w.yaml", "--force", "--scale", 1)
+        assert (done.code, done.err) == (0, ""), done
+    shell.write("deep.svg", f"{HEAD}{'<g>' * 3000}{ROOM}{'</g>' * 3000}</svg>")
+    done = shell.physim("import", "deep.svg", "-o", "w.yaml", "--force", "--scale", 1)
+    done.refused("deep.svg")
+
+
+def try_labels_that_begin_with_robot(shell: Shell) -> None:
+    route = '<polyline id="robot_route_0" points="3,7 25,7" fill="none"/>'
+    shell.write("plan.svg", f"{HEAD}{ROOM}{route}</svg>")
+    done = shell.physim("import", "plan.svg", "-o", "w.yaml", "--scale", 1)
+    assert (done.code, done.err) == (0, ""), done
+    assert "robot_route_0" in done.out

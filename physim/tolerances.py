@@ -27,10 +27,11 @@ Walls hold while the advance is at most half the robot's length; a quarter leave
 SETTLED_DEPTH = 2e-3
 """[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
 
-DEEP = 2e-2
-"""[m] A contact deeper than this, and deeper than its bodies can go in one step at their fastest
-commands, is no longer held: an impact is up to (closing speed) * dt deep. From there on a record is
-not physical, and every report says so."""
+DEEP = 2.1e-2
+"""[m] No step of the engine ends with two bodies deeper in each other by their motion: they stop
+where they touch (`physim.simulation.engine.cutting`). Impacts at up to 2 m/s stay below it at
+0.01 s, and so does the world `jam`. A contact deeper than this is not held: from there on a record
+is not physical, and every report says so."""
 
 ONE_STEP = 1e-11
 """[m, rad] How far a recorded pose may be from the end of the arc that begins at the pose before:

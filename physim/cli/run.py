@@ -98,8 +98,8 @@ def run(options: Options) -> int:
                 _say(f"{made.name} is cut short; {again} makes the whole video", options)
         stopped = stopped or bool(interrupt.count)
     if options.quiet:
-        for deep in summary.deep_contacts:
-            print(f"WARNING  {deep.sentence(summary.bodies)}", file=sys.stderr)
+        for sentence in summary.warnings:
+            print(f"WARNING  {sentence}", file=sys.stderr)
     else:
         print(table(summary), end="")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")

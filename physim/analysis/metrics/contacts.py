@@ -9,6 +9,8 @@ contact.
 - Closing speed [m/s]: of the contact point of one body against that of the other, along the
   normal, over the step that led to the contact, from the poses; 0 where they do not close.
   Between samples bodies go straight, so it is off by at most |v| |omega| dt / 2 of each body.
+  Of a robot that was free until it was stopped within the step, by an impact that would have
+  ended too deep (`physim.simulation.engine.cutting`), it is that of its command.
 - Change of speed of a body [m/s]: impulse of the impact over its mass. That is how fast its
   reference point, which the engine takes for the centre of mass, would change its velocity
   were nothing else in its way: of a body that touches a third at the same sample it is an
@@ -23,7 +25,7 @@ References: impulse and energy of an impact with restitution, e.g. Stronge, Impa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,11 +33,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.contacts import Kind, touching
+from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.tolerances import DEEP
 from physim.world.scene import DENSITY
+
+STOPPED = 1e-6
+"""Share of its way that a robot lacks at least that was stopped within a step"""
 
 
 @dataclass(frozen=True)
@@ -126,15 +132,23 @@ class Severity:
     """[J] lost; None where the world is not known"""
 
 
-def severity(record: Record, episode: Episode, mass: FloatArray | None) -> Severity:
+Held = Callable[[int, int], tuple[float, float]]
+"""Applied command (v [m/s], omega [rad/s]) of a robot over the step from a sample on"""
+
+
+def severity(
+    record: Record, episode: Episode, mass: FloatArray | None, held: Held | None = None
+) -> Severity:
     """Severity of a contact; ``mass`` (N,) [kg] as `masses` gives them.
 
-    Needs the poses of every step.
+    Needs the poses of every step. ``held`` says what commands were applied; without it they are
+    sought in the record each time.
     """
     a, b, step = episode.a, episode.b, episode.step
     row = first_row(record, episode)
     point, normal = (float(row["x"]), float(row["y"])), np.array((row["nx"], row["ny"]))
-    relative = point_velocity(record, a, step, point) - point_velocity(record, b, step, point)
+    one, other = (point_velocity(record, body, step, point, held) for body in (a, b))
+    relative = one - other
     closing = max(0.0, float(relative @ normal))
     sliding = float(abs(relative @ np.array((-normal[1], normal[0]))))
     if mass is None:
@@ -163,17 +177,42 @@ def masses(record: Record) -> FloatArray | None:
     )
 
 
-def point_velocity(record: Record, body: int, step: int, point: tuple[float, float]) -> FloatArray:
+def point_velocity(
+    record: Record, body: int, step: int, point: tuple[float, float], held: Held | None = None
+) -> FloatArray:
     """Velocity (2,) [m/s] of a body's material at a point [m] in the step that led to a sample.
 
-    0 for what stands still, and at the start.
+    0 for what stands still, and at the start. ``held`` as for `severity`.
     """
     if body >= record.robots or step == 0:
         return np.zeros(2)
     before, now = record.pose_at(step - 1)[body], record.pose_at(step)[body]
-    vx, vy, omega = (now - before) / record.dt
+    vx, vy, omega = _before_impact(record, body, step, (now - before) / record.dt, before, held)
     x, y = point[0] - now[0], point[1] - now[1]
     return np.array((vx - omega * y, vy + omega * x))
+
+
+def _before_impact(
+    record: Record,
+    body: int,
+    step: int,
+    moved: FloatArray,
+    before: FloatArray,
+    held: Held | None,
+) -> FloatArray:
+    """Velocity (3,) of a robot up to an impact within a step in which it ``moved`` (3,) by less."""
+    rows = touching(record.contacts_over(step - 1, step))
+    if body in rows["a"] or body in rows["b"]:
+        return moved
+    if held is None:
+        if "updates" not in record.tables:
+            return moved
+        v, omega = record.commands_over("applied", step - 1, step)[0, body].tolist()
+    else:
+        v, omega = held(body, step - 1)
+    wanted = np.array((*chord_velocity(float(before[2]), v, omega, record.dt), omega))
+    is_stopped = moved @ wanted < (wanted @ wanted) * (1.0 - STOPPED)
+    return wanted if is_stopped else moved
 
 
 def first_row(record: Record, episode: Episode) -> np.void:
@@ -191,11 +230,7 @@ def _elasticity(record: Record) -> float:
 
 @dataclass(frozen=True)
 class Deep:
-    """A pair of bodies that sank into each other by more than they may.
-
-    That is `physim.tolerances.DEEP`, or what one step at their fastest commands carries them, if
-    that is more: an impact is found at the next sample only.
-    """
+    """A pair of bodies that sank into each other by more than `physim.tolerances.DEEP`."""
 
     a: int
     """body ids, a < b"""
@@ -226,30 +261,14 @@ def deep_contacts(record: Record) -> tuple[Deep, ...]:
     """Pairs deeper than allowed at a sample, in the order of time; empty where all were held."""
     rows = touching(record.contacts)
     rows = rows[rows["depth"] > DEEP]
-    if not len(rows):
-        return ()
-    found, advance = [], _advance(record)
+    found = []
     for a, b in np.unique(np.stack((rows["a"], rows["b"]), 1), axis=0).tolist():
         mine = rows[(rows["a"] == a) & (rows["b"] == b)]
-        allowed = max(DEEP, float(advance[[i for i in (a, b) if i < record.robots]].sum()))
-        mine = mine[mine["depth"] > allowed]
-        if not len(mine):
-            continue
         worst = mine[int(np.argmax(mine["depth"]))]
         found.append(
             Deep(
-                a, b, int(mine["step"].min()) * record.dt, allowed, float(worst["depth"]),
+                a, b, int(mine["step"].min()) * record.dt, DEEP, float(worst["depth"]),
                 int(worst["step"]) * record.dt, (float(worst["x"]), float(worst["y"])),
             )
         )  # fmt: skip
     return tuple(sorted(found, key=lambda one: (one.time, one.a, one.b)))
-
-
-def _advance(record: Record) -> FloatArray:
-    """(N,) [m] farthest that a point of each robot goes in one step, by its fastest command."""
-    far = np.zeros(record.robots)
-    for rows in (record.updates, record.commands):
-        radius = record.shapes.radius[rows["robot"]]
-        speed = np.abs(rows["applied_v"]) + radius * np.abs(rows["applied_omega"])
-        np.maximum.at(far, rows["robot"], speed * record.dt)
-    return far

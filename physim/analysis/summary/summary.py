@@ -82,6 +82,8 @@ class Summary:
     """contacts between two samples, in the order of time; none of ``contacts``"""
     deep_contacts: tuple[Deep, ...]
     """contacts too deep to be true: from the first on the record is not physical"""
+    no_safe_area: float | None
+    """[m] the safe distance of the controller, where no place is so far from all boundaries"""
     rejected_contacts: int
     danger: tuple[DangerShare, ...]
     """of each robot"""
@@ -105,6 +107,18 @@ class Summary:
     def held(self) -> bool:
         """Whether the run showed everything that its world expects."""
         return all(one.held for one in self.expectations)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes the run another than the one that was meant, a sentence each."""
+        told = tuple(one.sentence(self.bodies) for one in self.deep_contacts)
+        if self.no_safe_area is None:
+            return told
+        sentence = (
+            f"no place is {self.no_safe_area:.4g} m from every boundary: there was no safe area, "
+            "and robots were led to where they had most room; physim check says how much that is"
+        )
+        return (*told, sentence)
 
     @property
     def real_time_factor(self) -> float | None:
@@ -144,6 +158,7 @@ class Summary:
                 for g in self.grazes
             ],
             "deep_contacts": [self._deep(one) for one in self.deep_contacts],
+            "no_safe_area_at_m": self.no_safe_area,
             "rejected_contacts": self.rejected_contacts,
             **{key: self._extreme(metric) for key, metric in EXTREMES},
             "danger": [
@@ -241,6 +256,7 @@ def summarise(record: Record) -> Summary:
         contacts=_contacts(contact_episodes(record)) if recorded else None,
         grazes=grazes(record),
         deep_contacts=deep_contacts(record),
+        no_safe_area=None if record.safe else record.safe_distance or None,
         rejected_contacts=record.rejected_contacts,
         danger=danger_shares(record),
         modes=tuple(str(mode) for mode in record.modes),

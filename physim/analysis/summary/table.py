@@ -41,7 +41,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         ("run", f"{s.name}, seed {s.seed}, {robots}: {end}"),
         *s.setup.lines(),
         ("contacts", _contacts_text(s.contacts)),
-        *(("WARNING", one.sentence(s.bodies)) for one in s.deep_contacts),
+        *(("WARNING", sentence) for sentence in s.warnings),
         *_contact_rows(s),
         *_graze_rows(s),
         ("shortest distance", _metric_text(s, "shortest_distance", 4)),

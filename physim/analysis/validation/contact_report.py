@@ -137,7 +137,7 @@ def _report(
     a, b, step = episode.a, episode.b, episode.step
     row = first_row(record, episode)
     point, normal = (float(row["x"]), float(row["y"])), (float(row["nx"]), float(row["ny"]))
-    impact = severity(record, episode, mass)
+    impact = severity(record, episode, mass, table.held)
     prediction = predictor.predict(a, b, step, touched, impact.closing, earlier)
     sides, charged = robots_in_contact(record, table, Touch(a, b, step, point, normal))
     return ContactReport(

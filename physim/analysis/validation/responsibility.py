@@ -218,7 +218,7 @@ def _side(
 ) -> RobotInContact:
     step, point = touch.step, touch.point
     pose = record.pose_at(step)[i]
-    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])))
+    vx, vy = point_velocity(record, i, step, (float(pose[0]), float(pose[1])), table.held)
     row = table.last(i, step - 1)
     v, omega = table.held(i, step - 1) if step else (0.0, 0.0)
     return RobotInContact(

@@ -38,6 +38,7 @@ from physim.authoring.importing.lines import (
     stretch,
 )
 from physim.authoring.templates.text import ROW, lane_offsets
+from physim.geometry.area import shrunk
 from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
 
@@ -219,7 +220,7 @@ def _tries(found: Fit) -> list[tuple[float, float]]:
 def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
     """Poses from the rear to the front: each as far back as the gaps allow."""
     most = MOST_SHARE * length_of(found.reference)
-    inner = area.buffer(-WALL_GAP * found.size)
+    inner = shrunk(area, WALL_GAP * found.size, 16)
     shapely.prepare(inner)
     poses: list[Pose] = []
     shapes: list[Any] = []

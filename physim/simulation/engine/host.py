@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import direct
-from physim.contacts import CONTACT_ROW
+from physim.contacts import CONTACT_ROW, Phase
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
 from physim.geometry.separation import describe_pairs
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, joined_shapes, part_bodies
 from physim.simulation.engine.choice import guard_of
+from physim.simulation.engine.cutting import cut_short
 from physim.simulation.engine.engine import Engine
 from physim.simulation.engine.guard import Touches
+from physim.simulation.engine.journal import Journal
 from physim.simulation.engine.pairs import (
     Pairs,
     contact_rows,
@@ -32,38 +36,7 @@ from physim.simulation.engine.state import (
     goes_on_from_impulses,
     no_impulses,
 )
-
-
-class Journal:
-    """The last sample from which poses alone lead on, and the commands applied since.
-
-    Such is a start, and every sample at which the engine reports no contact, not even a false one:
-    it then remembers nothing. To go on from a later sample, the steps since are done again.
-    """
-
-    def __init__(self, robots: int) -> None:
-        """Begin with no sample."""
-        self.step = 0
-        self.pose: FloatArray = np.zeros((0, 3))
-        """(N, 3) at that sample"""
-        self.rejected = 0
-        """false contacts kept out until then"""
-        self._applied: list[FloatArray] = []
-        self._robots = robots
-
-    @property
-    def applied(self) -> FloatArray:
-        """(M, N, 2) commands of the steps since that sample."""
-        return np.array(self._applied).reshape(-1, self._robots, 2)
-
-    def begin(self, step: int, pose: FloatArray, rejected: int) -> None:
-        """Take a sample; the commands so far are forgotten."""
-        self.step, self.pose, self.rejected = step, pose.copy(), rejected
-        self._applied = []
-
-    def add(self, command: FloatArray) -> None:
-        """Note the commands (N, 2) of one step."""
-        self._applied.append(np.array(command, dtype=np.float64))
+from physim.tolerances import DEEP
 
 
 class Physics:
@@ -85,8 +58,8 @@ class Physics:
 
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
-    step of an impact and settle below SETTLED_DEPTH; jams of driven robots may go beyond, and what
-    is deeper than DEEP is reported by whoever reads the record.
+    step of an impact, and below DEEP (`physim.simulation.engine.cutting`), and settle below
+    SETTLED_DEPTH.
 
     Every contact at a sample is found, to the tolerance CONTACT; a swept contact, which begins and
     ends between two samples, is not.
@@ -124,7 +97,7 @@ class Physics:
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
         self._chord_velocities = direct(chord_velocities)
-        self._wanted = np.zeros((self._robots, 3))
+        self._start, self._wanted = np.zeros((2, self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
         self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
         self._no_false = no_false_contacts()
@@ -150,17 +123,14 @@ class Physics:
 
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
-        arrays = self._arrays
-        self._chord_velocities(arrays.pose, command, self.dt, arrays.velocity)
-        pushes = self._no_pairs
-        self.false_contacts = self._no_false
-        if len(self._pairs.key):
-            self._wanted[:] = arrays.velocity
-            pushes = self._hold_back()
-            arrays.velocity[:] = self._wanted
-        arrays.write_velocity()
+        before, rejected = self._pairs, self._guard.rejected
+        if len(before.key):
+            self._start[:] = self._arrays.pose
+        self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
-        self._move(pushes)
+        pushes = self._push_and_move(before)
+        if self._is_deep():
+            self._hold_better(command, before, pushes, rejected)
         if self._journal is not None:
             self._journal.add(command)
             if not self._engine.remembers:
@@ -251,7 +221,41 @@ class Physics:
         self.contacts, self.false_contacts = self._no_contacts, self._no_false
         if self._journal is not None:
             self._journal.begin(step, pose, rejected)
-        self._move(self._no_pairs)
+        self._move(self._no_pairs, self._no_pairs)
+        if self._is_deep():  # none is stopped: compiles what a run may need
+            self._cut_short(self._no_pairs, self._no_pairs, rejected)
+
+    def _push_and_move(self, before: Pairs, is_patient: bool = False) -> Pairs:
+        """Move all bodies from a sample at which pairs touch, by ``velocity``; the pushes.
+
+        Patient it may be with the pushes alone: how fast the engine eases overlaps after the last
+        solve must follow from the poses, see `physim.simulation.engine.state`.
+        """
+        pushes = self._no_pairs
+        if len(before.key):
+            self._wanted[:] = self._arrays.velocity
+            with self._engine.patience() if is_patient else nullcontext():
+                pushes = self._hold_back()
+            self._arrays.velocity[:] = self._wanted
+        self._move(before, pushes)
+        return pushes
+
+    def _is_deep(self) -> bool:
+        """Whether two bodies are deeper in each other than they may be."""
+        return bool(len(self.contacts) and np.maximum.reduce(self.contacts["depth"]) > DEEP)
+
+    def _hold_better(
+        self, command: FloatArray, before: Pairs, pushes: Pairs, rejected: int
+    ) -> None:
+        """Do again a step that ended too deep; `physim.simulation.engine.cutting` says how."""
+        rows = self.contacts
+        if (rows["phase"][rows["depth"] > DEEP] == Phase.STAYS).any():
+            self._engine.recall(self._start, None)
+            self._guard.rejected = rejected
+            self._chord_velocities(self._start, command, self.dt, self._arrays.velocity)
+            pushes = self._push_and_move(before, is_patient=True)
+        if self._is_deep():
+            self._cut_short(before, pushes, rejected)
 
     def _hold_back(self) -> Pairs:
         """Replace wanted velocities of robots in contact by what contacts allow; the pushes.
@@ -269,15 +273,33 @@ class Physics:
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 
-    def _move(self, pushes: Pairs) -> None:
-        """Move all bodies, find the contacts at their new poses, and set ``contacts``."""
+    def _cut_short(self, before: Pairs, pushes: Pairs, rejected: int) -> None:
+        """Do the last move again and stop the bodies that came too deep where they touch."""
+        arrays = self._arrays
+        velocity, end = arrays.velocity.copy(), self._placed.copy()
+        way, keys = velocity * self.dt, before.key
+        last, share = np.ones((2, self._robots))
+        while True:  # what stops may be met by what passed it before
+            keys = np.union1d(keys, self._pairs.key)
+            cut_short(keys, self._shapes, end, way, share)
+            if np.array_equal(share, last):
+                return
+            last[:] = share
+            self._engine.stand(end[: self._robots] - (2.0 - share)[:, None] * way)
+            self._guard.rejected = rejected
+            arrays.velocity[:] = velocity
+            self._move(before, pushes)
+
+    def _move(self, before: Pairs, pushes: Pairs) -> None:
+        """Move all bodies by ``velocity`` and set ``contacts``, given the pairs ``before``."""
+        self._arrays.write_velocity()
         touches = self._engine.step()
         self._arrays.read_pose()
+        self.false_contacts = self._no_false
         if self._engine.remembers:
             self._note_false(self._engine.rejected())
-        before = self._pairs
         if not len(before.key) and not len(touches.part):
-            self.contacts = self._no_contacts
+            self._pairs, self.contacts = self._no_pairs, self._no_contacts
             return
         self._pairs = now = self._gather(touches)
         self._placed[: self._robots] = self._arrays.pose

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
-from physim.geometry.corridor import SIDES
+from physim.geometry.corridor import SIDES, corridor_boundaries
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
@@ -28,7 +28,7 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
     if laid.world.boundaries is not None:
         _check_drawn(laid, found)
         return
-    centreline = corridor_line(laid.world)[0]
+    centreline, width = corridor_line(laid.world)
     if centreline is None:
         return
     for x, y in self_crossings(centreline)[:MOST_CROSSINGS]:
@@ -37,8 +37,10 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
             f"the centreline crosses itself at ({x:.6g}, {y:.6g}); walls would cut through the "
             "road there; lead it round, or draw boundaries instead",
         )
-    if laid.boundaries and (laid.area is not None or laid.reference is None):
-        _check_folds(centreline, [laid.boundaries[side] for side in SIDES], found)
+    is_drawable = laid.boundaries and (laid.area is not None or laid.reference is None)
+    if is_drawable and width is not None:
+        walls = corridor_boundaries(centreline, width, laid.world.corridor.end_margin)
+        _check_folds(centreline, [walls[side] for side in SIDES], found)
 
 
 def _check_drawn(laid: PartialLayout, found: Diagnostics) -> None:

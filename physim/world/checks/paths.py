@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
+from physim.geometry.area import shrunk
 from physim.geometry.corridor import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
@@ -230,7 +231,7 @@ def check_passage(
             continue
         r = profile.inscribed
         if r not in known:
-            room = laid.area.polygon.buffer(-r, quad_segs=8)
+            room = shrunk(laid.area.polygon, r, 8)
             known[r] = [part for part in shapely.get_parts(room) if not part.is_empty]
         path, position = laid.paths[profile.number], laid.start[profile.number, :2]
         begin = path[0] if np.isnan(position).any() else position

@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from physim.errors import ControllerError, plural
-from physim.geometry.area import Area
+from physim.geometry.area import Area, shrunk
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
 from physim.parts.registry import settings_model
@@ -239,7 +239,7 @@ def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Dia
     """Warn where no place is as far from the boundaries as the controller wants to be."""
     if laid.area is None or safe_distance is None:
         return
-    if laid.area.polygon.buffer(-safe_distance, quad_segs=4).is_empty:
+    if shrunk(laid.area.polygon, safe_distance, 4).is_empty:
         found.warn(
             ("controller", "safe_distance"),
             f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "

@@ -19,6 +19,7 @@ from physim.errors import Fault, Location, WorldError
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
+from physim.geometry.thinning import thinned
 from physim.world import Offset, World
 from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
 from physim.world.layout.shape_checks import (
@@ -130,7 +131,7 @@ def partial_layout(world: Any, is_whole: bool = True) -> PartialLayout:
     reference = distinct(world.reference)[0]
     boundaries, are_all = _boundaries(world, faults)
     laid = PartialLayout(
-        world, boundaries, obstacles, reference, None, footprints,
+        world, thinned(boundaries), obstacles, reference, None, footprints,
         paths_of(world, reference, faults), np.empty((0, 3)),
     )  # fmt: skip
     if are_all and reference is not None:

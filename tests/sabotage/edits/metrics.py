@@ -27,10 +27,11 @@ EDITS = (
         "metrics",
         "physim/analysis/metrics/contacts.py",
         "deep_contacts",
-        "max(DEEP, float(advance[[i for i in (a, b) if i < record.robots]].sum()))",
-        "DEEP",
-        "an impact may be as deep as the two move in a step",
-        "tests/metrics/test_deep.py::test_an_impact_may_be_as_deep_as_the_two_move_in_a_step",
+        'rows["depth"] > DEEP',
+        'rows["depth"] > 2.0 * DEEP',
+        "a contact that is too deep to be true is told",
+        "tests/metrics/test_deep.py::"
+        "test_no_contact_may_be_deeper_than_the_tolerance_however_fast_the_bodies_are",
     ),
     Edit(
         "metrics",

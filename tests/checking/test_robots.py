@@ -352,9 +352,50 @@ def test_lengths_beyond_their_bounds_may_be_in_millimetres(tmp_path):
     )
     error = only_error(tmp_path, changed(CORRIDOR, box))
     place = "6:25 robots[0].footprint.length"
-    check_finding(error, place, "at most 1000", "given 1800", "millimetres", "write 1.8")
+    check_finding(error, place, "at most 1000", "given 1800", "write 18", "millimetres, 1.8")
     fast = changed(CORRIDOR, ("path: {offset: 1.0}", "path: {offset: 1.0}\n    limits: {v: 1500}"))
-    assert "millimetres?" not in only_error(tmp_path, fast)
+    assert "millimetres" not in only_error(tmp_path, fast)
+
+
+def test_a_wrong_unit_is_told_once_and_not_what_follows_from_it(tmp_path):
+    box = "{length: 180, width: 100}\n    pose: [6.0"
+    errors, warnings = lines(
+        check(tmp_path, changed(CORRIDOR, ("{length: 1.8, width: 1.0}\n    pose: [6.0", box)))
+    )
+    assert len(errors) == 1, errors
+    check_finding(errors[0], "6:16 robots[0].footprint", "102.956 m", "centimetres")
+    assert with_facts(warnings, "6:16 robots[0].footprint", "write 1.8")
+
+
+def test_a_width_in_centimetres_is_suspected(tmp_path):
+    errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("width: 8.0", "width: 160"))))
+    assert errors == []
+    assert with_facts(warnings, "3:50 corridor.width", "160 m", "write 1.6"), warnings
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [("6 m", "6 is meant"), ("600 cm", "6 is meant"), ("6000mm", "6 is meant"),
+     ("6 parsecs", "each key has its own")],
+)  # fmt: skip
+def test_a_number_with_its_unit(tmp_path, given, meant):
+    error = only_error(tmp_path, changed(CORRIDOR, ("width: 8.0", f"width: {given}")))
+    check_finding(error, "3:50 corridor.width", f'"{given}"', meant)
+
+
+def test_a_pose_without_its_heading(tmp_path):
+    error = only_error(tmp_path, changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")))
+    check_finding(error, "7:5 robots[0].pose[2]", "missing", "heading")
+
+
+def test_an_empty_value_that_is_needed_is_not_to_be_left_out(tmp_path):
+    for change, needed in (
+        (("width: 8.0", "width: "), True),
+        (("{spacing: [0.0, -3.0]}", ""), False),
+    ):
+        error = only_error(tmp_path, changed(CORRIDOR, change))
+        assert "empty value" in error
+        assert ("leave the key out" in error) is not needed
 
 
 def test_a_step_that_would_tunnel_is_refused(tmp_path):
@@ -371,11 +412,11 @@ def test_a_step_that_would_tunnel_is_refused(tmp_path):
     ("change", "parts"),
     [
         (("{length: 1.8, width: 1.0}\n    pose: [6.0", "{length: 180, width: 100}\n    pose: [6.0"),
-         ["6:16 robots[0].footprint", '"a"', "180 m", "millimetres", "write 0.18"]),
+         ["6:16 robots[0].footprint", '"a"', "180 m", "write 1.8", "millimetres, 0.18"]),
         (("width: 8.0", "width: 8000"),
-         ["3:50 corridor.width", "8000 m", "millimetres", "write 8"]),
+         ["3:50 corridor.width", "8000 m", "write 80", "millimetres, 8"]),
         (("[30, 0]]", "[300000, 0]]"),
-         ["3:24 corridor.centreline", "300000 m", "millimetres", "write 300"]),
+         ["3:24 corridor.centreline", "300000 m", "write 3000", "millimetres, 300"]),
         (("duration: 60.0", "duration: 330000"),
          ["2:30 time.duration", "330000 s", "91.67 hours", "milliseconds", "write 330"]),
         (("path: {offset: 1.0}", "path: {offset: 1.0}\n    limits: {v: 1500}"), []),

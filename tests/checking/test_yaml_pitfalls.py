@@ -136,12 +136,8 @@ def test_an_entry_of_a_list_without_its_dash(tmp_path):
     file.write_text(changed(CORRIDOR, ("  - name: b", "    name: b")), encoding="utf-8")
     errors, _ = lines(check_world(file))
     twice = [error for error in errors if " robots[0]." in error]
-    assert len(twice) == 4
+    assert len(twice) == 1  # the keys after it come twice for the same reason
     check_finding(twice[0], "9:5 robots[0].name", "twice", "line 5", "dash", '"- "')
-    for row, key in ((10, "footprint"), (11, "pose"), (12, "path")):
-        other = twice[row - 9]
-        check_finding(other, f"{row}:5 robots[0].{key}", "twice", f"line {row - 4}")
-        assert "dash" not in other
 
 
 def test_no_dash_is_missing_in_brackets(tmp_path):

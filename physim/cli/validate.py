@@ -49,6 +49,7 @@ COMPILING = 15
 )
 @flag("--rerun", "simulate the world inside RECORD again: does it give the same run?")
 @changes()
+@flag("--verbose", "with --seeds, report every seed that is not as it should be, not one only")
 @flag("--quiet", "print only the verdict")  # fmt: skip
 def validate_command(options: Options) -> int:
     """Hold the physical contacts of a run against exact distances and collision times, and report
@@ -145,9 +146,11 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
 
 def _validate_seeds(world: World, document: Document, options: Options) -> int:
     """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
+    from physim.analysis.validation import report
     from physim.analysis.validation.seeds import SeedResult, SeedStudy, seed_line
     from physim.cli import simulating as rerun
 
+    out = text_stream(options.json)
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Validation | None = None
@@ -161,7 +164,8 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
             if worst is None or found.code > worst.code:
                 worst = found
             if not options.quiet:
-                print(seed_line(results[-1]), flush=True, file=text_stream(options.json))
+                page = "\n" + report(found) + "\n" if options.verbose and found.code else ""
+                print(seed_line(results[-1]) + "\n" + page, end="", flush=True, file=out)
             if interrupt():
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
@@ -178,7 +182,7 @@ def _report_study(study: SeedStudy, worst: Validation | None, options: Options) 
     from physim.analysis.validation.seeds import json_of_seeds, seeds_text
 
     out = text_stream(options.json)
-    if worst is not None and worst.code and not options.quiet:
+    if worst is not None and worst.code and not options.quiet and not options.verbose:
         print("\n" + report(worst), end="", file=out)
     print(("" if options.quiet else "\n") + seeds_text(study), end="", file=out)
     write_json(options.json, json_of_seeds(study))

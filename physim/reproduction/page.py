@@ -21,6 +21,7 @@ from markdown_it.utils import EnvType, OptionsDict
 
 from physim.errors import plural
 from physim.escaping import escaped
+from physim.reproduction.plan import SEEDS
 from physim.reproduction.report import Report, Section
 from physim.reproduction.study import Outcome, Verdict
 
@@ -51,6 +52,11 @@ def _opening(report: Report) -> Iterator[str]:
         "every number and every verdict on this page was computed by "
         f"{_code(report.command)}."
     )
+    if report.seeds < SEEDS:
+        yield (
+            f"**Preliminary.** Verdicts rest on {plural(report.seeds, 'seed')} of each world; the "
+            f"whole page, without {_code('--quick')}, takes {SEEDS} and may come to others."
+        )
     if report.interrupted:
         yield "It was interrupted: this page holds only what was done by then."
     yield (

@@ -12,6 +12,7 @@ from markdown_it import MarkdownIt
 
 from physim.errors import PhysimError
 from physim.reproduction.page import anchor_of, html, markdown
+from physim.reproduction.plan import SEEDS
 from physim.reproduction.report import Report, Section
 from physim.reproduction.study import Outcome, Verdict
 
@@ -160,3 +161,10 @@ def test_report_comes_back_from_json() -> None:
     for wrong in ("", "[]", "{}", other, unknown, missing, text.replace("not met", "never met")):
         with pytest.raises(PhysimError, match="no reproduction of this version"):
             Report.from_json(wrong)
+
+
+def test_verdicts_of_few_seeds_are_called_preliminary() -> None:
+    for seeds, few in ((5, True), (SEEDS, False)):
+        text = markdown(replace(report("x"), seeds=seeds))
+        assert (f"{seeds} seeds of each world" in text) is few
+        assert ("reliminary" in text) is few

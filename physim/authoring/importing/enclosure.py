@@ -226,9 +226,30 @@ def _dropped_obstacle(ring: FloatArray) -> str:
 
 
 def _open_ends(boundaries: list[FloatArray]) -> str:
-    """Say which ends of lines lie nearest to each other without meeting."""
-    ends, gaps = loose_ends(boundaries)
-    if not gaps:
+    """Say where lines that enclose nothing are open: the nearest two ends that touch no line.
+
+    Where an end lies nearer to the course of another line, that is said instead.
+    """
+    shapes = [shapely.LineString(line) for line in boundaries]
+    ends = [
+        (k, shapely.Point(end))
+        for k, line in enumerate(boundaries)
+        if (line[0] != line[-1]).any()
+        for end in line[[0, -1]]
+    ]
+    others = {k: shapely.union_all(shapes[:k] + shapes[k + 1 :]) for k, _ in ends}
+    loose = [(k, end) for k, end in ends if others[k].is_empty or end.distance(others[k]) > 0.0]
+    pairs = [(a.distance(b), a, b) for (_, a), (_, b) in combinations(loose, 2)]
+    if not pairs:
         return "draw them closed"
-    gap, i, j = gaps[0]
-    return f"the nearest ends, {place(ends[i])} and {place(ends[j])}, are {gap:.3g} m apart"
+    gap, a, b = min(pairs, key=lambda pair: pair[0])
+    walls = [(end.distance(others[k]), end, others[k]) for k, end in loose if others[k]]
+    near, end, wall = min(walls, key=lambda one: one[0], default=(gap, a, b))
+    if near < gap:
+        at = shapely.get_coordinates(shapely.shortest_line(end, wall))[1]
+        return f"the end at {_xy(end)} stops {near:.3g} m short of the line at {place(at)}"
+    return f"the nearest ends, {_xy(a)} and {_xy(b)}, are {gap:.3g} m apart"
+
+
+def _xy(point: Any) -> str:
+    return place((point.x, point.y))

@@ -1,0 +1,1 @@
+"""One module an item; see `tests.edges`."""

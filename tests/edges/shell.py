@@ -1,4 +1,4 @@
-"""What a trial has: a folder, and the command line in fresh processes, as a user's shell runs it."""
+"""What a trial has: a folder, and the command line in fresh processes, as in a shell."""
 
 from __future__ import annotations
 

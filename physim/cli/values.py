@@ -61,12 +61,12 @@ def not_among(given: str, allowed: list[str]) -> str:
     return f"{quoted(given)}: must be one of {', '.join(allowed)}{close}"
 
 
-def whole_from(least: int, most: int, allowed: str = "") -> Value:
-    """Type of whole numbers between two bounds, both allowed."""
+def whole_from(least: int, most: int, allowed: str = "", step: int = 1) -> Value:
+    """Type of whole numbers between two bounds, both allowed, every ``step`` of them from 0 on."""
 
     def read(text: str) -> int:
         value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
-        if not least <= value <= most:
+        if not least <= value <= most or value % step:
             raise ValueError(allowed or f"a whole number from {least} to {most}")
         return value
 

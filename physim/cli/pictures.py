@@ -14,7 +14,7 @@ import click
 from physim.cli.output import CUT_SHORT, a_folder, new_file, regular
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import INTERRUPTED, Bar, interrupts
-from physim.cli.values import POSITIVE, OneOf, not_among, number_from, whole_from
+from physim.cli.values import POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -39,6 +39,13 @@ if TYPE_CHECKING:
     "--format", type=OneOf(("png", "svg", "pdf")), default="png", help="kind of the pictures (png)"
 )
 @flag("--force", "overwrite existing pictures")
+@flag("--no-title", "without title and name of the run, for a paper with captions")
+@option(
+    "--width",
+    type=PRINTED,
+    metavar="IN",
+    help="width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size",
+)
 @option(
     "--snapshots", type=POSITIVE, metavar="S",
     help="simulated seconds between the robots in trajectories (default: about ten in the run)",
@@ -66,6 +73,7 @@ def plot(options: Options) -> int:
     examples:
       physim plot runs/ten_robots-21/record.h5
       physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
+      physim plot out/record.h5 --only distances --no-title --width column --format pdf
     """
     from physim.drawing.plots import draw, names, not_replaced
     from physim.record import Record
@@ -83,14 +91,19 @@ def plot(options: Options) -> int:
                  another="folder")  # fmt: skip
     for fault in not_replaced(only):
         print(f"WARNING  {fault}", file=sys.stderr)
+    left_out: list[str] = []
     with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(
-            record, folder, only=only, format=options.format, force=options.force,
-            snapshots=options.snapshots, stop=interrupt,
+            record, folder, only=None if options.only is None else only, format=options.format,
+            force=options.force, snapshots=options.snapshots, stop=interrupt,
+            title=not options.no_title, width=options.width,
+            left_out=lambda name, why: left_out.append(f"{name} is left out: {why}"),
         )  # fmt: skip
     for file in files:
         print(file)
-    if len(files) < len(set(only)):
+    for line in left_out:
+        print(line, file=sys.stderr)
+    if len(files) + len(left_out) < len(set(only)):
         print(f"interrupted after {len(files)} of {plural(len(set(only)), 'picture')}",
               file=sys.stderr)  # fmt: skip
         return INTERRUPTED

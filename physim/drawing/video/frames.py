@@ -50,7 +50,7 @@ class Painter:
         self._view = View(timeline, world, view, speed, fps)
         camera, entries = self._view.camera, signs(timeline, world)
         panel = beside.of(self._image)
-        self._panel = Panel(timeline, panel, camera.scale, speed, entries)
+        self._panel = Panel(timeline, panel, self._view.scales, speed, entries)
         free = self._panel.free
         self._overview_image = free.of(panel)
         crowded = camera.whole or free.height < LEAST_OVERVIEW

@@ -36,7 +36,7 @@ def chosen_colours(samples: Iterable[Image], kept: Sequence[Colour]) -> NDArray[
     return _filled(first, code, count)
 
 
-def _filled(first: Sequence[int], code: IntArray, count: FloatArray) -> NDArray[np.uint8]:
+def _filled(first: Sequence[int], code: IntArray, count: NDArray[Any]) -> NDArray[np.uint8]:
     """Add, one by one, the colour that most pixels are farthest from."""
     rgb = _levels(code)
     _, cell = np.unique(rgb // COARSE @ np.array([65536, 256, 1]), return_inverse=True)

@@ -48,8 +48,8 @@ def played(path: Path) -> tuple[int, int]:
         assert film.info["loop"] == 0
         for k in range(film.n_frames):
             film.seek(k)
-            lasts += film.info["duration"]
             pictures.append(np.asarray(film.convert("RGB")))
+            lasts += film.info["duration"]
     return 1 + sum(bool((a != b).any()) for a, b in pairwise(pictures)), lasts
 
 

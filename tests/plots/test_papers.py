@@ -16,6 +16,7 @@ from physim.analysis import metrics
 from physim.drawing.labels import signed
 from physim.drawing.plots import NAMES, draw
 from physim.drawing.plots.curves import deviation, speeds
+from physim.drawing.plots.frame import in_rows
 from physim.drawing.plots.multiples import MOST_TOGETHER
 from physim.drawing.plots.paper import fitted
 from physim.drawing.plots.pictures import PICTURES
@@ -112,16 +113,21 @@ def test_a_figure_for_a_paper(name: str, width: float, seven: Record) -> None:
 
 
 def test_legends_keep_their_order_when_they_move(seven: Record) -> None:
-    def entries(figure: Any) -> set[tuple[str, str]]:
+    def read(figure: Any) -> list[str]:
         (legend,) = figure.legends
-        pairs = zip(legend.legend_handles, legend.get_texts(), strict=True)
-        return {(text.get_text(), str(handle.get_label())) for handle, text in pairs}
+        words = [text.get_text().replace("\n", " ") for text in legend.get_texts()]
+        order = in_rows(len(words), int(legend.get_gid().split()[1]))
+        return [words[order.index(k)] for k in range(len(words))]
 
     with styled():
-        before = entries(PICTURES["trajectories"](seven))
-        after = entries(fitted(lambda: PICTURES["trajectories"](seven), True, 3.5))
-    assert {text.replace("\n", " ") for text, _ in before} == {text for text, _ in after}
-    assert all(text == label for text, label in after)
+        before = read(PICTURES["trajectories"](seven))
+        figure = fitted(lambda: PICTURES["trajectories"](seven), True, 3.5)
+    assert read(figure) == before
+    assert before[:2] == ["safe area", "danger area"]
+    (legend,) = figure.legends
+    pairs = zip(legend.legend_handles, legend.get_texts(), strict=True)
+    colours = {text.get_text(): handle for handle, text in pairs}
+    assert to_hex(colours["r2"].get_color()) == robot_colour(1)
 
 
 def test_the_file_has_the_size(seven: Record, tmp_path: Path) -> None:

@@ -151,6 +151,7 @@ def test_who_stands_across_its_path_is_told_with_the_reason(
     record = made(3)
     there = changed(record, arrived=np.full(3, len(record.pose) - 1))
     before = across(Timeline(there))
+    assert np.allclose(before, 0.0), "they stand along their paths"
     odd = turned(there, changed, 1, np.radians(40.0))
     after = across(Timeline(odd))
     assert np.allclose(after - before, [0.0, 40.0, 0.0])

@@ -15,7 +15,7 @@ from physim.cli.output import CUT_SHORT, a_folder, new_file, regular
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import POSITIVE, OneOf, not_among, number_from, whole_from
+from physim.cli.values import POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -40,6 +40,13 @@ if TYPE_CHECKING:
     "--format", type=OneOf(("png", "svg", "pdf")), default="png", help="kind of the pictures (png)"
 )
 @flag("--force", "overwrite existing pictures")
+@flag("--no-title", "without title and name of the run, for a paper with captions")
+@option(
+    "--width",
+    type=PRINTED,
+    metavar="IN",
+    help="width in print: column (3.5 in), page (7.16 in), or inches; writing keeps its size",
+)
 @option(
     "--snapshots", type=POSITIVE, metavar="S",
     help="simulated seconds between the robots in trajectories (default: about ten in the run)",
@@ -67,6 +74,7 @@ def plot(options: Options) -> int:
     examples:
       physim plot runs/ten_robots-21/record.h5
       physim plot out/record.h5 --only modes,trajectories --snapshots 21 --format pdf -o figures
+      physim plot out/record.h5 --only distances --no-title --width column --format pdf
     """
     from physim.drawing.plots import draw, names, not_replaced
     from physim.record import Record
@@ -84,28 +92,37 @@ def plot(options: Options) -> int:
                  another="folder")  # fmt: skip
     for fault in not_replaced(only):
         print(f"WARNING  {fault}", file=sys.stderr)
+    left_out: list[str] = []
     with interrupts() as interrupt, Record.load(options.record) as record:
         files = draw(
-            record, folder, only=only, format=options.format, force=options.force,
-            snapshots=options.snapshots, stop=interrupt,
+            record, folder, only=None if options.only is None else only, format=options.format,
+            force=options.force, snapshots=options.snapshots, stop=interrupt,
+            title=not options.no_title, width=options.width,
+            left_out=lambda name, why: left_out.append(f"{name} is left out: {why}"),
         )  # fmt: skip
     for file in files:
         print(file)
-    if len(files) < len(set(only)):
+    for line in left_out:
+        print(line, file=sys.stderr)
+    if len(files) + len(left_out) < len(set(only)):
         print(f"interrupted after {len(files)} of {plural(len(set(only)), 'picture')}",
               file=sys.stderr)  # fmt: skip
         return INTERRUPTED
     return 0
 
 
-@command("video", "make the video of a record, slower or faster")
+@command("video", "films and stills of a record, or of two")
 @click.argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+@click.argument(
+    "other", metavar="[RECORD]", required=False, type=Path, help="another run, as by --beside"
+)
 @option(
     "-o",
     "--output",
     type=Path,
     metavar="FILE",
-    help="video file, ending in .mp4 (default: video.mp4 beside the record, or beside.mp4)",
+    help="file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4 beside the "
+    "record, or beside.mp4; frame.png)",
 )
 @option(
     "--beside",
@@ -129,24 +146,35 @@ def plot(options: Options) -> int:
     metavar="T",
     help="simulated time at which it ends [s] (default: the end of the run)",
 )
+@option(
+    "--at",
+    type=number_from(0.0, 1e9),
+    metavar="T",
+    help="a still of this simulated time [s] instead of a film",
+)
 @flag("--force", "overwrite an existing file")
 @option(
     "--fps",
     type=whole_from(1, 240),
-    default=25,
     metavar="N",
-    help="frames a second of video, 1 to 240 (25)",
+    help="frames a second of video, 1 to 240 (25; GIF, which cannot hold all: 20)",
+)
+@option(
+    "--width",
+    type=whole_from(160, 1280, "an even number from 160 to 1280", step=2),
+    metavar="PX",
+    help="width of the picture (1280; GIF and WebP: 800); the height goes with it",
 )
 @option(
     "--speed",
     type=number_from(0.001, 1e6),
     metavar="X",
     help="simulated seconds a second of video, 0.001 to 1000000 (default: chosen so that the "
-    "video lasts at most 80 s)",
+    "video lasts at most 80 s; GIF and WebP: 20 s)",
 )
 @flag("--quiet", "no progress bar")  # fmt: skip
 def video(options: Options) -> int:
-    """Make the video of a record: 1280 x 720, H.264 in MP4.
+    """Make a film of a record, MP4 (H.264), GIF or WebP, or with --at a still.
 
     exit codes:
       0    the video is made
@@ -154,24 +182,36 @@ def video(options: Options) -> int:
       130  interrupted (Ctrl-C): the video so far is kept as video.cut_short.mp4
 
     examples:
-      physim video runs/ten_robots-21/record.h5 --force
       physim video out/record.h5 --speed 1 -o slow.mp4
-      physim video with/record.h5 --beside without/record.h5    # with/beside.mp4
-      physim video out/record.h5 --from 40 --to 75 -o part.mp4
+      physim video out/record.h5 -o merge.gif --from 44 --to 54 --width 640
+      physim video out/record.h5 --at 47.2 -o frame.png
+      physim video with/record.h5 without/record.h5 -o both.mp4 --to 40
     """
     from physim.record import Record
 
-    inputs = [options.record] if options.beside is None else [options.record, options.beside]
-    name = "video.mp4" if options.beside is None else "beside.mp4"
-    output = options.output or options.record.parent / name
+    if options.other is not None and options.beside is not None:
+        raise PhysimError(f"--beside {options.beside}: there is a second record, {options.other}")
+    beside = options.other or options.beside
+    inputs = [options.record] if beside is None else [options.record, beside]
+    name = "video.mp4" if beside is None else "beside.mp4"
+    output = options.output or options.record.parent / (name if options.at is None else "frame.png")
+    _check_kind(options, output)
     new_file(output, options.force, *inputs)
     with interrupts() as interrupt, ExitStack() as opened:
         records = [opened.enter_context(Record.load(path)) for path in inputs]
-        _check_times(options.start, options.end, records)
-        made = write_video(
-            records[0], output, options.quiet, interrupt, fps=options.fps, speed=options.speed,
-            start=options.start, end=options.end, beside=records[1] if len(records) > 1 else None,
-        )  # fmt: skip
+        how = {
+            "beside": records[1] if len(records) > 1 else None,
+            "speed": options.speed,
+            "width": options.width,
+        }
+        if options.at is not None:
+            made = _still(records, output, options.at, how)
+        else:
+            _check_times(options.start, options.end, records)
+            made = write_video(
+                records[0], output, options.quiet, interrupt, fps=options.fps,
+                start=options.start, end=options.end, **how,
+            )  # fmt: skip
     if made != output:
         print(f"interrupted; the video so far is {made}", file=sys.stderr)
         return INTERRUPTED
@@ -180,9 +220,48 @@ def video(options: Options) -> int:
     return 0
 
 
+def _check_kind(options: Options, output: Path) -> None:
+    """Raise PhysimError where the file is of no kind there is, or of another than asked for."""
+    from physim.drawing.video.files import STILL, check_still, kind_of, rate
+
+    suffix = output.suffix.lower()
+    if options.at is None:
+        if suffix == STILL:
+            raise PhysimError(f"{output}: is a still; --at T says of which simulated time")
+        rate(kind_of(output), options.fps, "--fps")
+        return
+    film = {"--from": options.start != 0.0, "--to": options.end != math.inf,
+            "--fps": options.fps is not None}  # fmt: skip
+    for name, given in film.items():
+        if given:
+            raise PhysimError(f"{name}: is of a film; --at {options.at:g} makes a still")
+    if suffix != STILL:
+        raise PhysimError(
+            f"--at {options.at:g}: makes a still, which {output} cannot be; did you mean "
+            f'"{output.with_suffix(STILL).name}"?'
+        )
+    check_still(output)
+
+
+def _still(records: list[Record], output: Path, time: float, how: dict[str, Any]) -> Path:
+    """Write a still. Raises PhysimError for a time after the end of the longest run."""
+    from physim.drawing.video import still
+
+    over = _over(records)
+    if time > over:
+        raise PhysimError(f"--at {time:g}: the run ends at {over:.15g} s")
+    still(records[0], output, time, **how)
+    return output
+
+
+def _over(records: list[Record]) -> float:
+    """End of the longest run [s]."""
+    return max([0.0, *(float(time) for record in records for time in record.time[-1:])])
+
+
 def _check_times(start: float, end: float, records: list[Record]) -> None:
     """Raise PhysimError unless --from comes before --to, and before the end of the longest run."""
-    over = max([0.0, *(float(time) for record in records for time in record.time[-1:])])
+    over = _over(records)
     last = min(end, over)
     if not start < last and (start, last) != (0.0, 0.0):
         to = "" if math.isinf(end) else f", --to {end:g}"

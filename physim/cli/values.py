@@ -63,12 +63,12 @@ def not_among(given: str, allowed: list[str]) -> str:
     return f"{quoted(given)}: must be one of {', '.join(allowed)}{close}"
 
 
-def whole_from(least: int, most: int, allowed: str = "") -> Value:
-    """Type of whole numbers between two bounds, both allowed."""
+def whole_from(least: int, most: int, allowed: str = "", step: int = 1) -> Value:
+    """Type of whole numbers between two bounds, both allowed, every ``step`` of them from 0 on."""
 
     def read(text: str) -> int:
         value = int(text) if text.isascii() and text.isdigit() and len(text) < 19 else -1
-        if not least <= value <= most:
+        if not least <= value <= most or value % step:
             raise ValueError(allowed or f"a whole number from {least} to {most}")
         return value
 
@@ -91,6 +91,21 @@ WHOLE = whole_from(0, LARGEST_NUMBER, "a whole number from 0 to 10^15")
 COUNT = whole_from(1, 10_000)
 POSITIVE = number_from(math.nextafter(0.0, 1.0), allowed="a number greater than 0")
 DISTANCE = number_from(0.0, allowed="a number of 0 or more")
+
+
+COLUMN_WIDTHS = {"column": 3.5, "page": 7.16}
+"""[in] of one and of two columns of the usual paper"""
+
+
+def print_width(text: str) -> float:
+    """Read a width in print [in]. Raises ValueError with what is allowed."""
+    value = COLUMN_WIDTHS.get(text, _number(text))
+    if not 2.0 <= value <= 20.0:
+        raise ValueError("column (3.5 in), page (7.16 in), or a number of inches from 2 to 20")
+    return value
+
+
+PRINTED = Value(print_width)
 
 
 def seed_range(text: str) -> tuple[int, int]:

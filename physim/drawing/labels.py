@@ -50,6 +50,16 @@ def decimal(value: float, decimals: int) -> str:
     return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
+def signed(value: float, decimals: int = 2) -> str:
+    """Write a number with its sign, a plus too."""
+    return ("+" if value > 0.0 else "") + decimal(value, decimals)
+
+
+def true_minus(text: str) -> str:
+    """Return words with numbers, their signs as those on axes are."""
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
 def metres(length: float) -> str:
     """Write a distance with two decimals, three below 0.1 m; an overlap has a true minus sign."""
     fine = abs(length) < 0.0995

@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes, has_formation
+from physim.analysis.metrics import (
+    Episode,
+    Graze,
+    contact_episodes,
+    deep_contacts,
+    grazes,
+    has_formation,
+)
 from physim.contacts import Phase
-from physim.drawing.palette import Colour
+from physim.drawing.crowd import NAMED
+from physim.drawing.palette import BAND, Colour
 from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
@@ -42,7 +50,7 @@ class Moment(NamedTuple):
     modes: IntArray
     """(N,) numbers of their modes, -1 for none"""
     colours: list[Colour]
-    """of these modes"""
+    """of these modes; where no robot ever has one, the robots' own"""
     targets: FloatArray
     """(N, 2) [m], NaN where there is none"""
 
@@ -86,12 +94,17 @@ class Timeline:
         self._values = {name: np.append(record.column(name), np.nan) for name in COLUMNS}
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
+        self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())
+        """Whether there are decisions, and none gave a mode."""
 
     def at(self, time: float) -> Moment:
         """Return all that is shown of one time [s]."""
         sample, rows = int(self.sample(time)), self.decisions(time)
         modes = self.modes(rows)
         colours = [self._colours[mode] for mode in modes.tolist()]
+        if self.modeless:
+            alike = self.robots > NAMED
+            colours = [BAND] * self.robots if alike else list(self.scene.colours)
         targets = np.column_stack((self.values("target_x", rows), self.values("target_y", rows)))
         pose = np.asarray(self.record.pose[sample], dtype=np.float64)
         return Moment(time, sample, pose, rows, modes, colours, targets)
@@ -132,6 +145,10 @@ class Timeline:
         declared = len(self.scene.modes)
         return given[:MOST_MODES] if declared > MOST_MODES or not given else list(range(declared))
 
+    def over(self, time: float) -> bool:
+        """Return whether ``time`` [s] is that of the last sample, or later; of one, never."""
+        return bool(time >= self.duration - 1e-9 > 0.0)
+
     def arrived(self, time: float) -> int:
         """Return how many robots have arrived at ``time``, judged by their motion."""
         return int((self._arrived <= time + 1e-9).sum())
@@ -163,6 +180,8 @@ class Episodes:
     """(C, 2) body ids"""
     swept: NDArray[np.bool_]
     """(C,) a swept contact: the two touch between two samples only"""
+    deep: FloatArray
+    """(C,) [s] from when on it is too deep to be physical; inf for one that never is"""
     first: IntArray
     """(C,) where an episode begins in ``places``"""
     last: IntArray
@@ -179,6 +198,10 @@ class Episodes:
     def swept_count(self, time: float) -> int:
         """Return how many of them are swept contacts."""
         return int(self.swept[: self.count(time)].sum())
+
+    def deep_count(self, time: float) -> int:
+        """Return how many were too deep to be physical at or before ``time`` [s]."""
+        return int((self.deep <= time + 1e-9).sum())
 
     def recent(self, time: float, lasts: float) -> IntArray:
         """Return the episodes that began at most ``lasts`` seconds before ``time``, old first."""
@@ -216,11 +239,18 @@ def episodes(record: Record) -> Episodes:
     table = table[np.lexsort((table["step"], table["b"], table["a"]))]
     row = {key: k for k, key in enumerate(table[["a", "b", "step"]].tolist())}
     first = np.array([row[key[:3]] for key in columns], dtype=np.int64)
+    deep = np.full(len(columns), np.inf)
+    for one in deep_contacts(record):
+        for k in np.flatnonzero((a == one.a) & (b == one.b)).tolist():
+            mine = table[first[k] : first[k] + samples[k]]
+            beyond = mine["step"][mine["depth"] > one.allowed]
+            deep[k] = beyond[0] * record.dt if len(beyond) else np.inf
     return Episodes(
         began=np.asarray(step * record.dt),
         ended=np.asarray((step + samples) * record.dt),
         bodies=np.column_stack((a, b)),
         swept=np.array(swept, dtype=bool),
+        deep=deep,
         first=first,
         last=first + samples - 1,
         times=np.asarray(table["step"] * record.dt, dtype=np.float64),

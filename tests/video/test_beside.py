@@ -11,7 +11,7 @@ import physim
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
-from physim.drawing.video.frames import FOOTER, HEADER, Beside, differences, titles
+from physim.drawing.video.frames import FOOTER, HEADER, Beside, differences, file_names, titles
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import Box
 from physim.drawing.video.view import View
@@ -98,6 +98,13 @@ def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[
     assert titles(parse_world(one), parse_world(other)) == expected
 
 
+def test_the_files_are_told_apart_by_their_names() -> None:
+    assert file_names(Path("with/record.h5"), Path("runs/a-1/record.h5")) == ("with", "a-1")
+    assert file_names(Path("one.h5"), Path("b/two.h5")) == ("one", "two")
+    assert file_names(Path("a/with/record.h5"), Path("b/with/record.h5")) == ("", "")
+    assert file_names(Path("one.h5"), None) == ("one", "")
+
+
 def test_a_film_may_show_a_part_of_the_run(free: Record, tmp_path: Path) -> None:
     film = tmp_path / "part.mp4"
     whole = render(free, tmp_path / "whole.mp4", fps=10.0, speed=1.0)
@@ -119,6 +126,9 @@ def test_the_command_writes_beside_the_first_record(
         assert run.code == 0
     done = command("video", "a/record.h5", "--beside", "b/record.h5", capture=capsys)
     assert (done.code, done.out.split()) == (0, [str(Path("a/beside.mp4"))])
+    other = command("video", "a/record.h5", "b/record.h5", "-o", "both.mp4", capture=capsys)
+    assert (other.code, other.out.split()) == (0, ["both.mp4"])
+    assert Path("both.mp4").read_bytes() == Path("a/beside.mp4").read_bytes()
     again = command("video", "a/record.h5", "--beside", "b/record.h5", capture=capsys)
     assert again.code == 2
     assert "--force" in again.err

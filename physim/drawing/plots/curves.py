@@ -1,4 +1,4 @@
-"""Curves of robots over time, a line each or quantile bands of a crowd.
+"""Curves of robots over time: a line each, from five on an axis each, or bands of a crowd.
 
 Signed deviation of each robot from its own path (Figs. 1b, 2c, 7d), formation errors and
 formation energy (Figs. 2b, 7a; (9), (10)), speeds averaged over 10 s (Figs. 1c, 7b, 7c).
@@ -25,6 +25,7 @@ from physim.analysis.metrics import (
 )
 from physim.analysis.metrics.motion import WINDOW
 from physim.drawing.crowd import MOST_LINES, quantiles
+from physim.drawing.labels import decimal, signed
 from physim.drawing.plots.frame import (
     framed,
     keep_span,
@@ -36,7 +37,8 @@ from physim.drawing.plots.frame import (
     time_axis,
     zero_line,
 )
-from physim.drawing.plots.style import BAND, CYCLE, INK, QUIET, RULE, robot_colour
+from physim.drawing.plots.multiples import Quantity, apart, draw_apart, height
+from physim.drawing.plots.style import BAND, CYCLE, INK, NARROW, QUIET, RULE, WIDTH, robot_colour
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
@@ -90,11 +92,25 @@ CORNER = 1.0
 
 def deviation(record: Record) -> Any:
     """Figure: deviation [m] over time [s], left of the path positive, its peak marked."""
-    figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d")
+    each = apart(record)
+    tall = height(record, 2) if each else 2.9
+    figure = framed(record, "Deviation from the path", "Figs. 1b, 2c, 7d", height=tall)
+    peak, rms = deviation_peak(record), deviation_rms(record)
+    if each and peak is not None:
+        course = deviations(record)
+        label = "deviation [m], left positive"
+        axes = draw_apart(figure, record, [Quantity(label, *course, zero=True)])[:, 0]
+        low, high = axes[0].get_ylim()
+        axes[0].set_ylim(low - 0.15 * (high - low), high + 0.15 * (high - low))
+        where = axes[peak.a or 0]
+        mark(where, peak.time, peak.value, f"{signed(peak.value)} m", inside=True)
+        if rms is not None:
+            axes[1].set_title(f"rms of all {rms.value:.2f} m", loc="right",
+                              fontsize=8.0, pad=1.5)  # fmt: skip
+        return figure
     axis = figure.subplots()
     axis.set_ylabel("deviation [m], left positive")
     time_axis(axis, record)
-    peak, rms = deviation_peak(record), deviation_rms(record)
     if peak is None:
         nothing(axis, "no decision was recorded")
         return figure
@@ -102,7 +118,7 @@ def deviation(record: Record) -> Any:
     zero_line(axis)
     handles = draw_courses(axis, record, *deviations(record))
     axis.margins(y=0.2)
-    text = f"{peak.value:+.2f} m ({names_of(record, [peak.a])})"
+    text = f"{signed(peak.value)} m ({names_of(record, [peak.a])})"
     mark(axis, peak.time, peak.value, text, below=peak.value < 0.0)
     if rms is not None:
         axis.set_title(f"root mean square {rms.value:.2f} m", loc="right", fontsize=8.5)
@@ -157,7 +173,7 @@ def formation(record: Record) -> Any:
     signed = float(course.values[k, peak.a])
     above.margins(y=0.2)
     value = float(np.copysign(peak.value, signed))
-    text = f"{value:.2f} m ({names_of(record, [peak.a])})"
+    text = f"{decimal(value, 2)} m ({names_of(record, [peak.a])})"
     mark(above, peak.time, value, text, below=value < 0.0)
     above.set_title(f"within {final.value:.2f} m of zero at the end", loc="right", fontsize=8.5)
     energy = formation_energy(record)
@@ -173,13 +189,24 @@ def formation(record: Record) -> Any:
 
 def speeds(record: Record) -> Any:
     """Figure: averaged rotational [rad/s] above averaged forward speed [m/s] over time [s]."""
-    figure = framed(record, f"Speeds averaged over {WINDOW:.0f} s", "Figs. 1c, 7b, 7c", height=4.3)
+    found, each = averaged_speeds(record), apart(record)
+    known = bool(np.isfinite(found.forward).any())
+    tall, wide = (height(record, 1), WIDTH) if each and known else (4.3, NARROW)
+    title = f"Speeds averaged over {WINDOW:.0f} s"
+    figure = framed(record, title, "Figs. 1c, 7b, 7c", height=tall, width=wide)
+    if each and known:
+        turning = Quantity(
+            "turning [rad/s], left positive", found.time, found.rotational, 0.2, True
+        )
+        forward = Quantity("forward [m/s]", found.time, found.forward, 0.2)
+        for axis in draw_apart(figure, record, [turning, forward])[:, 1]:
+            _limits(axis, record, told=False)
+        return figure
     above, below = figure.subplots(2, 1, sharex=True)
     above.set_ylabel("rotational speed [rad/s]\nleft turn positive")
     below.set_ylabel("forward speed [m/s]")
     time_axis(below, record)
-    found = averaged_speeds(record)
-    if not np.isfinite(found.forward).any():
+    if not known:
         for axis in (above, below):
             nothing(axis, f"no robot was under way for {WINDOW:.0f} s")
         return figure
@@ -192,12 +219,15 @@ def speeds(record: Record) -> Any:
     return figure
 
 
-def _limits(axis: Any, record: Record) -> None:
-    """Steady speed and limits of the formation, where the world has one."""
+def _limits(axis: Any, record: Record, told: bool = True) -> None:
+    """Steady speed and limits of the formation, where the world has one, ``told`` in a title."""
     plan = record.world_settings.get("formation")
     if not isinstance(plan, Mapping):
         return
     for value in (*plan.get("limits", ()), plan.get("speed")):
         if isinstance(value, int | float) and not isinstance(value, bool):
             axis.axhline(value, color=QUIET, linewidth=0.8, linestyle=(0, (5, 3)), zorder=1.5)
-    axis.set_title("dashed: steady speed and limits of (7)", loc="right", fontsize=8.0, color=QUIET)
+    if told:
+        axis.set_title(
+            "dashed: steady speed and limits of (7)", loc="right", fontsize=8.0, color=QUIET
+        )

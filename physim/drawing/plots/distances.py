@@ -15,6 +15,7 @@ from physim.analysis.metrics import (
     shortest_boundary_distance,
     shortest_distance,
 )
+from physim.drawing.labels import true_minus
 from physim.drawing.plots.curves import draw_bands
 from physim.drawing.plots.frame import (
     LONGEST_NAME,
@@ -156,7 +157,8 @@ def _least(axis: Any, record: Record) -> list[Any]:
             if shortest is not None:
                 who = names_of(record, [shortest.a, shortest.b])
                 who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
-                handles[-1].set_label(f"{label},\nleast {shortest.value:.3g} m\n({who})")
+                least_of = true_minus(f"{shortest.value:.3g} m")
+                handles[-1].set_label(f"{label},\nleast {least_of}\n({who})")
                 marked.append((shortest, colour))
     if not handles:
         nothing(axis, "no sample was recorded")
@@ -169,7 +171,7 @@ def _least(axis: Any, record: Record) -> list[Any]:
     axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
     level = len(marked) == 2 and abs(marked[0][0].value - marked[1][0].value) < 0.1 * (top - low)
     for row, (shortest, colour) in enumerate(sorted(marked, key=lambda pair: pair[0].value)):
-        text, below = f"{shortest.value:.3g} m", level or not close or row == 0
+        text, below = true_minus(f"{shortest.value:.3g} m"), level or not close or row == 0
         place = row * (level and close)
         mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
     return handles

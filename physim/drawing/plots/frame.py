@@ -87,6 +87,16 @@ def nothing(axis: Any, why: str) -> None:
     axis.set(xticks=[], yticks=[])
 
 
+def nothing_in(figure: Any) -> str | None:
+    """Return why there is nothing to see on any axis of a figure; None where there is."""
+    said = [
+        [text.get_text() for text in axis.texts if text.get_gid() == "none"] for axis in figure.axes
+    ]
+    if not said or not all(said):
+        return None
+    return " ".join(said[0][0].removeprefix("none: ").split())
+
+
 def legend_beside(figure: Any, handles: Sequence[Any], marks: float = 1.0) -> None:
     """Legend at the right of the figure, marks ``marks`` times as large."""
     if handles:
@@ -99,16 +109,21 @@ def legend_beside(figure: Any, handles: Sequence[Any], marks: float = 1.0) -> No
 
 def legend_below(figure: Any, handles: Sequence[Any], columns: int) -> int:
     """Legend below the figure, in the order of reading; returns its number of rows."""
-    rows = -(-len(handles) // columns)
-    # matplotlib fills columns; the figure is read in rows
-    order = [r * columns + c for c in range(columns) for r in range(rows)]
-    listed = [handles[k] for k in order if k < len(handles)]
+    listed = [handles[k] for k in in_rows(len(handles), columns)]
     if listed:
-        figure.legend(
+        legend = figure.legend(
             handles=listed, loc="outside lower left", ncols=columns, handlelength=1.5,
             borderaxespad=0.2, labelspacing=0.35, columnspacing=1.4,
         )  # fmt: skip
-    return rows
+        legend.set_gid(f"columns {columns}")
+    return -(-len(handles) // columns)
+
+
+def in_rows(count: int, columns: int) -> list[int]:
+    """Order in which entries are given to a legend that fills columns but is read in rows."""
+    rows = -(-count // columns)
+    order = [r * columns + c for c in range(columns) for r in range(rows)]
+    return [k for k in order if k < count]
 
 
 def time_axis(axis: Any, record: Record) -> None:
@@ -222,10 +237,12 @@ def mark(
     below: bool = False,
     colour: str = INK,
     row: int = 0,
+    inside: bool = False,
 ) -> None:
     """Mark a point of a curve, with its value written toward the middle of the axis.
 
-    ``row`` puts the words as many lines further away, clear of those of another mark.
+    ``row`` puts the words as many lines further away, clear of those of another mark; on a small
+    axis they stand beside the point, ``inside``.
     """
     low, high = axis.get_xlim()
     away = 7.0 + 10.5 * row
@@ -235,9 +252,10 @@ def mark(
         clip_on=False,
     )  # fmt: skip
     axis.annotate(
-        text, (x, y), xytext=(-7 if right else 7, -away if below else away),
-        textcoords="offset points",
-        ha="right" if right else "left", va="top" if below else "bottom", fontsize=8.0,
+        text, (x, y), xytext=(-7 if right else 7, 0.0 if inside else -away if below else away),
+        textcoords="offset points", ha="right" if right else "left",
+        va="center" if inside else "top" if below else "bottom", fontsize=8.0,
         color=colour, zorder=6, gid="mark",
-        bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "alpha": 0.8, "linewidth": 0},
+        bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "linewidth": 0,
+              "alpha": 0.0 if inside else 0.8},
     )  # fmt: skip

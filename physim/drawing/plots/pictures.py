@@ -26,12 +26,16 @@ from physim.analysis.metrics.registered import taken_name
 from physim.drawing.plots.collision_times import collision_times, prediction
 from physim.drawing.plots.curves import deviation, formation, speeds
 from physim.drawing.plots.distances import distances
+from physim.drawing.plots.frame import nothing_in
 from physim.drawing.plots.maps import trajectories, width
 from physim.drawing.plots.modes import modes
+from physim.drawing.plots.paper import LEAST, MOST, fitted
 from physim.drawing.plots.style import save_figure
 from physim.errors import PhysimError, nearest
 from physim.parts.user_code import asked, broken_by
 from physim.record import Record
+
+__all__ = ["FORMATS", "NAMES", "draw", "names", "not_replaced"]
 
 FORMATS = ("png", "svg", "pdf")
 PICTURES: dict[str, Callable[[Record], Any]] = {
@@ -73,22 +77,29 @@ def draw(
     force: bool = False,
     snapshots: float | None = None,
     stop: Callable[[], bool] | None = None,
+    title: bool = True,
+    width: float | None = None,
+    left_out: Callable[[str, str], None] | None = None,
 ) -> tuple[Path, ...]:
     """Draw pictures of a record, all or ``only`` some, as ``folder/NAME.FORMAT``.
 
-    Returns the files. ``stop()`` is asked after each picture; once True, no more are drawn.
-    ``snapshots`` [s] is the time between the snapshots of ``trajectories``. The same record gives
-    the same file. Raises PhysimError for an unknown name or format, for a
-    file that exists unless ``force`` is set, where the folder cannot be written, and where a
-    picture that a package registered fails.
+    Returns the files. Of all pictures those are left out in which there is nothing to see:
+    ``left_out(name, why)`` is told, and with ``force`` an earlier one is removed. Without
+    ``title`` neither that nor the run is written; ``width`` [in] is that in print. ``stop()`` is
+    asked after each picture; once True, no more are drawn. ``snapshots`` [s] is the time between
+    the snapshots of ``trajectories``. The same record gives the same file. Raises PhysimError for
+    an unknown name or format, for a file that exists unless ``force`` is set, where the folder
+    cannot be written, and where a picture that a package registered fails.
     """
-    known = names()
+    known, every = names(), only is None
     only = known if only is None else only
     for name in only:
         if name not in known:
             close = nearest(name[:100], list(known))
             raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
     own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
+    if width is not None and not LEAST <= width <= MOST:
+        raise PhysimError(f"width {width:g} given; allowed: {LEAST:g} to {MOST:g} inches")
     if format not in FORMATS:
         raise PhysimError(f'format "{format}" given; allowed: {", ".join(FORMATS)}')
     paths = tuple(Path(folder) / f"{name}.{format}" for name in dict.fromkeys(only))
@@ -97,17 +108,34 @@ def draw(
             raise PhysimError(
                 f"{path}: exists; use --force to overwrite it, or -o for another folder"
             )
-    drawn = 0
+    drawn: list[Path] = []
     try:
         for path in paths:
-            part = own.get(path.stem)
-            save_figure(path, format, partial(_figure, record, path.stem, snapshots, part))
-            drawn += 1
+            make = partial(_figure, record, path.stem, snapshots, own.get(path.stem))
+            try:
+                save_figure(path, format, lambda: _worth_it(fitted(make, title, width), every))  # noqa: B023
+                drawn.append(path)
+            except NothingToSeeError as empty:
+                path.unlink(missing_ok=True)
+                if left_out is not None:
+                    left_out(path.stem, str(empty))
             if stop is not None and stop():
                 break
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
-    return paths[:drawn]
+    return tuple(drawn)
+
+
+class NothingToSeeError(Exception):
+    """A figure in which there is nothing to see; why."""
+
+
+def _worth_it(figure: Any, every: bool) -> Any:
+    """Return a figure. Raises NothingToSeeError of one of ``every`` that shows nothing."""
+    why = nothing_in(figure) if every else None
+    if why is not None:
+        raise NothingToSeeError(why)
+    return figure
 
 
 def _plot() -> Any:

@@ -1,5 +1,5 @@
 """Videos and stills of a run, from its record alone."""
 
-from physim.drawing.video.render import frame_at, render
+from physim.drawing.video.render import frame_at, render, still
 
-__all__ = ["frame_at", "render"]
+__all__ = ["frame_at", "render", "still"]

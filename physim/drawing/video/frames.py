@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import cv2
@@ -49,7 +50,7 @@ class Painter:
         self._view = View(timeline, world, view, speed, fps)
         camera, entries = self._view.camera, signs(timeline, world)
         panel = beside.of(self._image)
-        self._panel = Panel(timeline, panel, camera.scale, speed, entries)
+        self._panel = Panel(timeline, panel, self._view.scales, speed, entries)
         free = self._panel.free
         self._overview_image = free.of(panel)
         crowded = camera.whole or free.height < LEAST_OVERVIEW
@@ -84,7 +85,8 @@ MOST_NAMED = 2
 class Beside:
     """Draws frames of two runs: the first on the left, the second on the right.
 
-    The titles say in what the two worlds differ. A run that is over stays as it ended.
+    The titles say in what the two worlds differ, and below them how the files are called. A run
+    that is over stays as it ended.
     """
 
     def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
@@ -98,6 +100,7 @@ class Beside:
             for timeline, box in zip(timelines, boxes, strict=True)
         ]
         self._titles = titles(left.record.world, right.record.world)
+        self._names = file_names(left.record.path, right.record.path)
         self._still = self._draw_still()
         self._image = np.empty_like(self._still)
 
@@ -132,12 +135,15 @@ class Beside:
 
     def _draw_still(self) -> Image:
         image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
-        for view, title in zip(self._views, self._titles, strict=True):
+        for view, title, name in zip(self._views, self._titles, self._names, strict=True):
             record, left = view.timeline.record, view.box.left + PAD
             room = view.box.width - 2 * PAD - 200
-            words = shorten(f"{record.name}, seed {record.seed}", TEXT, room)
-            write(image, shorten(title, TITLE, room, BOLD), (left, 26), TITLE,
+            words = f"{record.name}, seed {record.seed}"
+            if title and name:
+                words = f"{name}: {words}"
+            write(image, shorten(title or name, TITLE, room, BOLD), (left, 26), TITLE,
                   weight=BOLD)  # fmt: skip
+            words = shorten(words, TEXT, room)
             write(image, words, (left, 48), TEXT, colour=palette.QUIET)
         middle = WIDTH // 2
         cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
@@ -178,3 +184,15 @@ def titles(left: World, right: World) -> tuple[str, str]:
         for side in (0, 1)
     )
     return first, second
+
+
+def file_names(left: Path | None, right: Path | None) -> tuple[str, str]:
+    """Names by which the files of two records are told apart; empty where they have none.
+
+    Of ``with/record.h5`` the name is that of the folder.
+    """
+    first, second = (
+        "" if path is None else path.absolute().parent.name if path.stem == "record" else path.stem
+        for path in (left, right)
+    )
+    return (first, second) if first != second else ("", "")

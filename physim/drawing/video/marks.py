@@ -196,9 +196,21 @@ def draw_ring(image: Image, centre: FloatArray, radius: float, width: int) -> No
     draw_disc(image, fixed(centre), radius, palette.CONTACT, width)
 
 
-def draw_contacts(image: Image, centres: FloatArray, swept: bool, small: bool = False) -> None:
-    """Draw crosses of contacts, or open diamonds of swept ones, at ``centres`` (C, 2) [px]."""
+def draw_contacts(
+    image: Image, centres: FloatArray, swept: bool, small: bool = False, deep: bool = False
+) -> None:
+    """Draw crosses of contacts, or open diamonds of swept ones, at ``centres`` (C, 2) [px].
+
+    Of those that are too ``deep`` to be physical the cross is white on a disc.
+    """
     centres = centres[np.isfinite(centres).all(axis=1)]
+    if deep:
+        for centre in fixed(centres):
+            draw_disc(image, centre, 13.0, palette.WHITE)
+            draw_disc(image, centre, 11.0, palette.CONTACT)
+        lines = fixed((centres[:, None, None] + 5.0 * ARMS).reshape(-1, 2, 2))
+        draw_lines(image, lines, palette.WHITE, 3)
+        return
     shape = CORNERS[None] if swept else ARMS
     arm, width = ((5.0, 2) if swept else (4.0, 2)) if small else ((9.0, 3) if swept else (7.0, 4))
     lines = fixed((centres[:, None, None] + arm * shape).reshape(-1, *shape.shape[1:]))

@@ -19,10 +19,10 @@ import cv2
 import numpy as np
 
 from physim.drafts import draft_of
-from physim.drawing.video.layout import HEIGHT, WIDTH, Image
-from physim.errors import RecordError
+from physim.drawing.video.animation import resized
+from physim.drawing.video.files import kind_of, size_at, unwritable
+from physim.drawing.video.layout import WIDTH, Image
 
-SUFFIXES = (".mp4", ".m4v")
 OPTIONS = {"preset": "ultrafast", "x264-params": "qp=25:bframes=3:b-adapt=0:weightb=0"}
 """Drawings are flat and mostly move as a whole: to search them for what could be saved costs more
 than it saves. As near to the drawing (45.5 dB for ten robots, 44.4 dB for a thousand) as "veryfast"
@@ -39,8 +39,8 @@ HOLD = "the last frame again"
 class Planes:
     """A frame as the encoder takes it; its memory is used again and again."""
 
-    def __init__(self) -> None:
-        self.frame: Any = av.VideoFrame(WIDTH, HEIGHT, "yuv420p")
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.frame: Any = av.VideoFrame(*size, "yuv420p")
         self._planes = [
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[
                 :, : plane.width
@@ -49,7 +49,7 @@ class Planes:
         ]
 
     def fill(self, frame: Image, converted: Image) -> None:
-        """Convert a frame (720, 1280, 3) RGB; ``converted`` (1080, 1280) is overwritten."""
+        """Convert a frame (h, w, 3) RGB; ``converted`` (3 h / 2, w) is overwritten."""
         cv2.cvtColor(frame, cv2.COLOR_RGB2YUV_I420, converted)
         flat, first = converted.reshape(-1), 0
         for plane in self._planes:
@@ -65,16 +65,18 @@ class VideoFile:
     written.
     """
 
-    def __init__(self, path: Path | str, fps: float) -> None:
+    def __init__(self, path: Path | str, fps: float, width: int = WIDTH) -> None:
         self.path = Path(path).absolute()
-        check_path(self.path)
+        kind_of(self.path)
         self._part = draft_of(self.path)
+        self._size = size_at(width)
         self._fps = fps
         self._frames: queue.Queue[Planes | str | None] = queue.Queue(WAITING)
         self._free: queue.SimpleQueue[Planes] = queue.SimpleQueue()
         for _ in range(WAITING):
-            self._free.put(Planes())
-        self._converted: Image = np.empty((HEIGHT * 3 // 2, WIDTH), np.uint8)
+            self._free.put(Planes(self._size))
+        wide, high = self._size
+        self._converted: Image = np.empty((high * 3 // 2, wide), np.uint8)
         self._fault: BaseException | None = None
         self._count = 0
         self._thread = threading.Thread(target=self._work, name="video encoder", daemon=True)
@@ -97,7 +99,7 @@ class VideoFile:
         self._file: Any = av.open(f"file:{self._part}", "w", format="mp4", options=options)
         rate = Fraction(self._fps).limit_denominator(1001)
         self._stream: Any = self._file.add_stream("libx264", rate=rate, options=dict(OPTIONS))
-        self._stream.width, self._stream.height = WIDTH, HEIGHT
+        self._stream.width, self._stream.height = self._size
         self._stream.pix_fmt = "yuv420p"
         context = self._stream.codec_context
         context.thread_count = THREADS
@@ -110,7 +112,7 @@ class VideoFile:
         """Take one frame, which may be changed afterwards. Raises what the encoder met."""
         self._check()
         planes = self._free.get()
-        planes.fill(frame, self._converted)
+        planes.fill(resized(frame, self._size), self._converted)
         self._frames.put(planes)
 
     def hold(self) -> None:
@@ -164,26 +166,3 @@ class VideoFile:
             self._part.unlink(missing_ok=True)
         if kind is None and self._fault is not None:
             raise unwritable(self.path, self._fault) from self._fault
-
-
-def check_path(path: Path) -> None:
-    """Refuse a path that no video can be written to."""
-    if path.suffix.lower() not in SUFFIXES:
-        raise RecordError(
-            f'{path}: cannot write a video as "{path.suffix}"; allowed: {", ".join(SUFFIXES)}; '
-            f'did you mean "{path.with_suffix(".mp4").name}"?'
-        )
-    try:
-        folder, parent = path.is_dir(), path.parent.is_dir()
-    except OSError as fault:  # for one, a name that is too long
-        raise unwritable(path, fault) from fault
-    if folder:
-        raise RecordError(f"{path}: cannot write the video: this is a folder; name a file in it")
-    if not parent:
-        raise RecordError(f"{path}: cannot write the video: there is no folder {path.parent}")
-
-
-def unwritable(path: Path, fault: BaseException) -> RecordError:
-    """Say in one line why a video cannot be written."""
-    reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
-    return RecordError(f"{path}: cannot write the video: {reason}")

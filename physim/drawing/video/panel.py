@@ -26,7 +26,7 @@ from physim.drawing.video.marks import (
     draw_targets,
     draw_trails,
 )
-from physim.drawing.video.text import BOLD, shorten, write
+from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.parts.declarations import Mode
 
 ROW, LEAST_ROW = 21, 15
@@ -34,6 +34,8 @@ ROW, LEAST_ROW = 21, 15
 SIGN, WIDE = 30, 22
 """[px] room for a sign, and its width"""
 CONTACT, CLOSEST, TARGET = "contact", "closest pair", "target"
+DEEP = "too deep: not physical"
+NO_MODES = "robot; no modes are given"
 BEGINS = "a contact begins"
 SWEPT = "contact between samples"
 RECENT, RECENT_ALL = f"trail, last {TRAIL:g} s", f"trails, last {SHORT_TRAIL:g} s"
@@ -62,8 +64,10 @@ def signs(timeline: Timeline, ground: Ground) -> list[str]:
     dashed = any(stroke.dash is not None for stroke in ground.strokes)
     scene, contacts, crowd = timeline.scene, timeline.contacts, timeline.robots > NAMED
     entries = {
+        NO_MODES: timeline.modeless,
         CONTACT: True,
         BEGINS: contacts.began.size > 0,
+        DEEP: bool(np.isfinite(contacts.deep).any()),
         SWEPT: bool(contacts.swept.any()),
         CLOSEST: timeline.robots > 1,
         TARGET: not crowd and timeline.has("target_x", "target_y"),
@@ -112,12 +116,20 @@ def _trail(colour: Colour) -> Callable[[Image, Lens], None]:
     return draw
 
 
+def _robot(image: Image, lens: Lens) -> None:
+    fleet = Fleet([[_BOX]])
+    vertices = Lens(1.0, lens.x + MIDDLE[0], lens.y).fixed(fleet.placed(np.zeros((1, 3))))
+    draw_robots(image, fleet.split(vertices), [_OWN], [False])
+
+
 _OWN = palette.robot_colour(0)
 _OWN_PATH = palette.mix(_OWN, palette.WHITE, PATH_TINT)
 _ALL_PATHS = palette.mix(palette.BAND, palette.WHITE, PATH_TINT)
 _DASHES = (0, 9), (12, 15), (19, 22)
 _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
     CONTACT: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), False),
+    NO_MODES: _robot,
+    DEEP: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), False, deep=True),
     BEGINS: lambda image, lens: draw_ring(image, lens.pixels(MIDDLE), 6.0, 2),
     SWEPT: lambda image, lens: draw_contacts(image, lens.pixels(MIDDLE[None]), True),
     CLOSEST: lambda image, lens: draw_closest(
@@ -139,8 +151,14 @@ _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
 
 
 PAD = 18
-CLOCK, FIGURES, MODES = 70, 142, 228
-"""[px] tops of the clock, the figures and the modes"""
+CLOCK, FIGURES = 70, 142
+"""[px] tops of the clock and the figures"""
+FIGURE, HEAD = 22, 18
+"""[px] height of a line of figures, and of the words above the modes"""
+MODES_OF = "modes, in the controller's words"
+NOW, CLOSEST_NOW = "touching now", "closest now: "
+ROOMS = (90, 72, 60, 48, 40, 34, 28)
+"""[px] for each of two names, the first with which they fit beside words and a value"""
 BELOW = 134
 """[px] room below the legend for the scale bar and a small overview"""
 
@@ -149,16 +167,26 @@ class Panel:
     """Draws the panel; all that stays the same is drawn once, and texts when they change."""
 
     def __init__(
-        self, timeline: Timeline, image: Image, scale: float, speed: float, signs: Sequence[str]
+        self,
+        timeline: Timeline,
+        image: Image,
+        scales: tuple[float, float],
+        speed: float,
+        signs: Sequence[str],
     ) -> None:
         """``image`` keeps what is painted in it, from one moment to the next.
 
-        ``scale`` [px/m] is the view's; ``signs`` are the words of the legend's signs.
+        ``scales`` [px/m] are the view's, during the run and at its end; ``signs`` are the words of
+        the legend's signs.
         """
         self._timeline, self._image = timeline, image
         self._box = Box(0, 0, image.shape[1], image.shape[0])
         self._right = self._box.width - PAD
-        self._still = self._draw_still(scale, speed, signs)
+        contacts = timeline.contacts
+        lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
+        self._modes_top = FIGURES + 20 + lines * FIGURE
+        self._scales = scales
+        self._still = self._draw_still(speed, signs)
         self._shown: dict[Box, object] = {}
         image[:] = self._still
 
@@ -168,7 +196,7 @@ class Panel:
         top = self._bottom + 8
         return Box(PAD, top, self._right - PAD, self._box.height - top - 14)
 
-    def _draw_still(self, scale: float, speed: float, signs: Sequence[str]) -> Image:
+    def _draw_still(self, speed: float, signs: Sequence[str]) -> Image:
         image = np.full((self._box.height, self._box.width, 3), 255, np.uint8)
         cv2.line(image, (0, 0), (0, self._box.height), palette.RULE, 1)
         record, room = self._timeline.record, self._right - PAD
@@ -182,48 +210,55 @@ class Panel:
               weight=BOLD, anchor="right")  # fmt: skip
         modes = [self._timeline.scene.modes[k] for k in self._timeline.explained_modes]
         row = self._row_height = self._row(len(modes) + len(signs))
-        draw_modes(image, PAD, MODES, row, modes, room - 30)
-        top = MODES + len(modes) * row + (12 if modes else 0)
-        self._rule(image, MODES - 8)
+        top = self._modes_top
+        self._rule(image, top - 8)
         if modes:
+            write(image, MODES_OF, (PAD, top + 10), SMALL, colour=palette.QUIET)
+            self._modes_top = top = top + HEAD
+            draw_modes(image, PAD, top, row, modes, room - 30)
+            top += len(modes) * row + 12
             self._rule(image, top - 6)
         used = draw_signs(image, PAD, top, row, signs)
-        self._bottom = self._scale_bar(image, top + used + 6, scale)
+        self._bar = Box(PAD - 2, top + used + 12, self._box.width - PAD, 28)
+        self._rule(image, self._bar.top - 6)
+        self._bottom = self._bar.top + self._bar.height
         return image
 
     def _row(self, rows: int) -> int:
         """Height of a line of the legend [px], so that scale bar and overview have room."""
-        room = self._box.height - MODES - BELOW
+        room = self._box.height - self._modes_top - HEAD - BELOW
         return max(LEAST_ROW, min(ROW, room // max(rows, 1)))
 
     def _rule(self, image: Image, y: int) -> None:
         cv2.line(image, (PAD, y), (self._right, y), palette.RULE, 1)
 
-    def _scale_bar(self, image: Image, top: int, scale: float) -> int:
-        """Draw a bar of a round length at most 150 px long; return its bottom."""
+    def _show_scale(self, over: bool) -> None:
+        """Show a bar of a round length at most 150 px long."""
+        scale, image = self._scales[over], self._image
+        if not self._is_new(self._bar, scale):
+            return
         step = round_step(150.0 / scale, 1)
         lengths = (step / k for k in (1.0, 2.0, 2.5, 5.0, 10.0))
         length = next(length for length in lengths if length * scale <= 150.0)
-        self._rule(image, top)
-        y, end = top + 20, PAD + round(length * scale)
+        y, end = self._bar.top + 14, PAD + round(length * scale)
         cv2.line(image, (PAD, y), (end, y), palette.INK, 2)
         for x in (PAD, end):
             cv2.line(image, (x, y - 5), (x, y + 5), palette.INK, 2)
         write(image, f"{number(length, length)} m", (end + 10, y + 5), TEXT)
-        return top + 34
 
     def paint(self, now: Moment, pair: Pair | None) -> None:
         """Show one moment, with the closest pair of robots."""
         self._show_clock(now.time)
+        self._show_scale(self._timeline.over(now.time))
         arrived = self._timeline.arrived(now.time)
         every = arrived == self._timeline.robots > 1
         words = ("all arrived" if every else f"{arrived} arrived") if arrived else ""
         self._show_line(53, "", words, palette.INK, size=SMALL, left=self._box.width // 2)
         for row, (words, value, colour) in enumerate(self._figures(now, pair)):
-            self._show_line(FIGURES + 12 + row * 22, words, value, colour)
+            self._show_line(FIGURES + 12 + row * FIGURE, words, value, colour)
         for k, mode in enumerate(self._timeline.explained_modes):
             count = int((now.modes == mode).sum())
-            y = MODES + k * self._row_height + self._row_height // 2 + 5
+            y = self._modes_top + k * self._row_height + self._row_height // 2 + 5
             colour = palette.INK if count else palette.QUIET
             self._show_line(y, "", str(count), colour, left=self._right - 50)
 
@@ -266,19 +301,42 @@ class Panel:
             yield "contacts, between samples", f"{touched}, {swept}", colour
         else:
             yield "contacts so far", str(touched), colour
+        if np.isfinite(contacts.deep).any():
+            deep = contacts.deep_count(now.time)
+            yield "of them not physical", str(deep), palette.CONTACT if deep else palette.INK
+        if len(contacts.began):
+            yield NOW, *self._touching(now.time)
         if pair is not None:
-            names = " – ".join(shorten(record.names[k], TEXT, 48) for k in (pair.a, pair.b))
             depth = min(float(np.min(record.clearance[now.sample])), 0.0)
             gap = pair.distance if pair.distance > 0.0 else depth
-            yield f"closest: {names}", metres(gap), palette.INK if gap > 0.0 else palette.CONTACT
+            names = self._both(pair.a, pair.b, CLOSEST_NOW, metres(gap))
+            colour = palette.INK if gap > 0.0 else palette.CONTACT
+            yield f"{CLOSEST_NOW}{names}", metres(gap), colour
         wall = float(np.min(record.boundary_clearance[now.sample]))
         if np.isfinite(wall):
             colour = palette.INK if wall > 0.0 else palette.CONTACT
-            yield "closest to a wall", metres(wall), colour
+            yield "wall, closest now", metres(wall), colour
         deviation = float(self._timeline.values("deviation", now.decisions)[0])
         if pair is None and np.isfinite(deviation):
             side = "left" if deviation >= 0.0 else "right"
-            yield f"off its path, {side}", metres(abs(deviation)), palette.INK
+            yield f"off its path now, {side}", metres(abs(deviation)), palette.INK
+
+    def _touching(self, time: float) -> tuple[str, Colour]:
+        """Who touches whom: the last that began, and how many others."""
+        contacts = self._timeline.contacts
+        present = contacts.present(time)
+        if not len(present):
+            return "none", palette.INK
+        more = f" + {len(present) - 1}" if len(present) > 1 else ""
+        a, b = contacts.bodies[present[-1]].tolist()
+        return self._both(a, b, NOW, more) + more, palette.CONTACT
+
+    def _both(self, a: int, b: int, *beside: str) -> str:
+        """Names of two bodies, cut so that they fit in one line with what stands ``beside``."""
+        bodies = self._timeline.record.bodies
+        free = self._right - PAD - 12 - sum(width(words, TEXT, BOLD) for words in beside)
+        tried = (" – ".join(shorten(bodies[k].name, TEXT, room) for k in (a, b)) for room in ROOMS)
+        return next((names for names in tried if width(names, TEXT, BOLD) <= free), "…")
 
 
 def draw_progress(image: Image, left: int, right: int, y: int, share: float) -> None:

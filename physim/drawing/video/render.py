@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physim.drawing import palette
+from physim.drawing.palette import Colour, rgb
 from physim.drawing.timeline import Timeline
+from physim.drawing.video.animation import Animation, check_length, resized, save_still
+from physim.drawing.video.files import MP4, check_still, kind_of, rate, size_at
 from physim.drawing.video.frames import Beside, Painter
-from physim.drawing.video.layout import Image
-from physim.drawing.video.movie import VideoFile, check_path
+from physim.drawing.video.layout import WIDTH, Image
+from physim.drawing.video.movie import VideoFile
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 
@@ -22,19 +26,23 @@ if TYPE_CHECKING:
 
 
 FPS = 25.0
+"""of a still, in which labels are where they begin in a film"""
 
 SPEEDS = (1, 2, 4, 5, 8)
 """Playback speeds of the first decade; the others are these times a power of ten."""
-LONGEST = 80.0
-"""[s] length of a video, without the hold, above which the next playback speed is taken"""
+MOST_KEPT = 40
+"""Colours of modes that a GIF is sure to have."""
 HOLD = 1.5
 """[s of video] that the last picture stays, so that the end can be read"""
 
 
-def playback_speed(duration: float) -> float:
-    """Return simulated seconds per second of video: 1, 2, 4, 5, 8, 10, 20 …"""
+def playback_speed(duration: float, longest: float = MP4.longest) -> float:
+    """Return simulated seconds per second of video: 1, 2, 4, 5, 8, 10, 20 …
+
+    With it ``duration`` [s] takes at most ``longest`` [s of video].
+    """
     speeds = (speed * 10.0**power for power in itertools.count() for speed in SPEEDS)
-    return next(speed for speed in speeds if duration <= LONGEST * speed * (1.0 + 1e-9))
+    return next(speed for speed in speeds if duration <= longest * speed * (1.0 + 1e-9))
 
 
 def frame_times(start: float, end: float, fps: float, speed: float) -> FloatArray:
@@ -55,8 +63,9 @@ def render(
     beside: Record | None = None,
     start: float = 0.0,
     end: float = math.inf,
-    fps: float = FPS,
+    fps: float | None = None,
     speed: float | None = None,
+    width: int | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
     cut_short: Path | str | None = None,
@@ -67,17 +76,20 @@ def render(
     titles say in what their worlds differ. ``start`` and ``end`` [s of simulated time] are those
     of the film; an end after that of the run is the run's.
 
-    H.264 in MP4, 1280 x 720, yuv420p, ``fps`` frames per second of video. ``speed`` is simulated
-    seconds per second of video; by default the least of 1, 2, 4, 5, 8, 10, 20 … with which the
-    film lasts at most 80 s; then the last picture stays for 1.5 s, and so many more frames are
-    counted. ``progress(done, total)`` is called after each frame. ``stop()`` is
-    asked after each frame; once True, the file is completed with the frames so far, and named
-    ``cut_short`` if that is given.
+    The suffix says what is made: H.264 in MP4 (yuv420p, 25 frames a second), GIF (20) or WebP
+    (25), which play again and again, or what ``fps`` asks for. ``width`` is 1280 px, of GIF and
+    WebP 800, or less. ``speed`` is simulated seconds per second of video; by default the least of
+    1, 2, 4, 5, 8, 10, 20 … with which the film lasts at most 80 s (GIF, WebP: 20 s); then the
+    last picture stays for 1.5 s, and so many more frames are counted. ``progress(done, total)`` is
+    called after each frame. ``stop()`` is asked after each frame; once True, the file is
+    completed with the frames so far, and named ``cut_short`` if that is given.
 
     The file appears under its name only when it is complete. Raises
     `physim.errors.PhysimError` (one line) when it cannot be written or nothing can be shown.
     """
-    check_path(Path(path))
+    kind = kind_of(Path(path))
+    fps, width = rate(kind, fps), kind.width if width is None else width
+    size_at(width)
     timelines = _timelines(record, beside)
     end = min(end, _duration(timelines))
     if not 0.0 <= start < end and (start, end) != (0.0, 0.0):
@@ -85,10 +97,18 @@ def render(
             f"from {start:g} s to {end:g} s: nothing to show; allowed: a start of at least 0 s and "
             "before the end, which is at most that of the run"
         )
-    painter, chosen = _painter(timelines, fps, speed, end - start)
+    chosen = _speed(speed, end - start, kind.longest)
     times = frame_times(start, end, fps, chosen)
+    if kind.tick:
+        check_length(len(np.unique(times)), width)
+    painter = _painter(timelines, chosen, fps)
+    film: VideoFile | Animation
+    if kind.tick:
+        film = Animation(path, fps, width, _kept(timelines))
+    else:
+        film = VideoFile(path, fps, width)
     done = 0
-    with VideoFile(path, fps) as video:
+    with film as video:
         drawn = math.nan
         for time in times.tolist():
             if time != drawn:
@@ -124,8 +144,30 @@ def frame_at(
         raise PhysimError(f"time of a still: {time} given; allowed: a finite number of seconds")
     timelines = _timelines(record, beside)
     duration = _duration(timelines)
-    painter, _ = _painter(timelines, fps, speed, duration)
+    painter = _painter(timelines, _speed(speed, duration, MP4.longest), rate(MP4, fps))
     return painter.frame(min(max(float(time), 0.0), duration))
+
+
+def still(
+    record: Record,
+    path: Path | str,
+    time: float,
+    *,
+    beside: Record | None = None,
+    speed: float | None = None,
+    width: int | None = None,
+) -> None:
+    """Write the picture of a record at ``time`` [s] as PNG; the others as for `render`.
+
+    Raises `physim.errors.PhysimError` (one line) for a time outside the run and for a place that
+    cannot be written.
+    """
+    check_still(Path(path))
+    size, over = size_at(width or WIDTH), _duration(_timelines(record, beside))
+    if not 0.0 <= time <= over + 1e-9:
+        raise PhysimError(f"{time:g} s is outside the run, which goes from 0 to {over:g} s")
+    image = frame_at(record, time, beside=beside, speed=speed)
+    save_still(Path(path), resized(image, size))
 
 
 def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
@@ -138,18 +180,24 @@ def _duration(timelines: Sequence[Timeline]) -> float:
     return max(timeline.duration for timeline in timelines)
 
 
-def _painter(
-    timelines: Sequence[Timeline], fps: float, speed: float | None, duration: float
-) -> tuple[Painter | Beside, float]:
-    """What draws the frames, and the playback speed; refuses what was given.
-
-    ``duration`` [s] is what is shown.
-    """
-    if not (math.isfinite(fps) and 1.0 <= fps <= 240.0):
-        raise PhysimError(f"fps: {fps} given; allowed: 1 to 240 frames per second")
+def _speed(speed: float | None, duration: float, longest: float) -> float:
+    """Return the playback speed for ``duration`` [s] of a run; refuses one that cannot be."""
     if speed is not None and not (math.isfinite(speed) and 1e-3 <= speed <= 1e6):
         raise PhysimError(f"playback speed: {speed} given; allowed: 0.001 to 1000000")
-    chosen = playback_speed(duration) if speed is None else float(speed)
+    return playback_speed(duration, longest) if speed is None else float(speed)
+
+
+def _painter(timelines: Sequence[Timeline], speed: float, fps: float) -> Painter | Beside:
+    """What draws the frames."""
     if len(timelines) == 2:
-        return Beside(timelines[0], timelines[1], chosen, fps), chosen
-    return Painter(timelines[0], chosen, fps), chosen
+        return Beside(timelines[0], timelines[1], speed, fps)
+    return Painter(timelines[0], speed, fps)
+
+
+def _kept(timelines: Sequence[Timeline]) -> list[Colour]:
+    """Colours that say something: of areas, contacts, modes and robots."""
+    modes = [rgb(mode.colour) for one in timelines for mode in one.scene.modes]
+    areas = [area.colour for one in timelines for area in one.scene.areas]
+    plain = (palette.WHITE, palette.INK, palette.QUIET, palette.RULE, palette.FAINT)
+    ground = (palette.OUTSIDE, palette.WALL, palette.OBSTACLE, palette.REFERENCE)
+    return [*plain, *ground, palette.CONTACT, *areas, *modes[:MOST_KEPT], *palette.ROBOTS]

@@ -19,6 +19,8 @@ from physim.drawing.labels import Label, grown, leader, metres
 from physim.drawing.timeline import Moment, Timeline
 from physim.drawing.video.camera import Camera
 from physim.drawing.video.closest import Closest, Pair
+from physim.drawing.video.closing import Closing, write_corner
+from physim.drawing.video.ending import notes
 from physim.drawing.video.ground import Background, Ground
 from physim.drawing.video.layout import (
     ONE,
@@ -76,6 +78,7 @@ class View:
         footprints = timeline.record.footprints
         self._fleet = Fleet(footprints)
         self._closest = Closest(footprints, timeline.scene.reach)
+        self._closing = None if self.camera.whole else Closing(timeline, world, box)
         self._eccentric = np.array([figure.eccentric for figure in self._fleet.figures])
         self._labels = Labels()
         solid = [stroke.pieces for stroke in world.strokes if stroke.colour == palette.WALL]
@@ -88,10 +91,23 @@ class View:
         grid = np.arange(int(timeline.duration / self._period) + 1) * self._period
         self._history = timeline.pose(grid)[:, :, :2]
 
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Scale [px/m] during the run, and of the picture of its end."""
+        last = self.camera.scale if self._closing is None else self._closing.scale
+        return self.camera.scale, last
+
     def paint(self, image: Image, now: Moment) -> Pair | None:
-        """Draw into the view's box of ``image``; returns the closest pair of robots."""
+        """Draw into the view's box of ``image``; returns the closest pair of robots.
+
+        At the end of the run the whole of it is shown, and why robots stand as they do.
+        """
         view, lens = self.box.of(image), self.camera.lens(now.time)
         pair = self._closest.pair(now.pose)
+        over = self.timeline.over(now.time)
+        if over and self._closing is not None:
+            self._closing.paint(view, now, self._fleet)
+            return pair
         self._background.paint(view, lens)
         self._draw_trails(view, lens, now)
         seen = self._seen(lens, now.pose)
@@ -117,6 +133,8 @@ class View:
             for robot in itertools.islice(named, most)
         }
         self._write_labels(view, lens, now, pair, shapes, boxes)
+        if over and (lines := notes(self.timeline)):
+            write_corner(view, ["at the end", *lines])
         return pair
 
     def _seen(self, lens: Lens, pose: FloatArray) -> IntArray:
@@ -142,6 +160,7 @@ class View:
             for swept in (False, True):
                 chosen = places[contacts.swept[rows] == swept]
                 draw_contacts(view, chosen, swept, small=self._crowd)
+            draw_contacts(view, places[contacts.deep[rows] <= time + 1e-9], False, deep=True)
 
     def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
         """Trails of the robots, those of a crowd in one colour; only what reaches into the view."""

@@ -123,4 +123,31 @@ EDITS = (
         "tests/plots/test_figures.py::"
         "test_of_very_many_robots_a_row_of_collision_times_is_the_shortest_of_some",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/pictures.py",
+        "_worth_it",
+        "nothing_in(figure) if every else None",
+        "None",
+        "of all pictures empty ones are left out",
+        "tests/plots/test_papers.py::test_pictures_of_nothing_are_left_out_and_told",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/multiples.py",
+        "draw_apart",
+        "quantity.values[:, robot]",
+        "quantity.values[:, 0]",
+        "each robot's axis has its own curve",
+        "tests/plots/test_papers.py::test_from_five_robots_on_each_has_an_axis_for_its_deviation",
+    ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/paper.py",
+        "_entries",
+        "in_rows(len(handles), int(columns))",
+        "list(range(len(handles)))",
+        "entries of a legend keep their order when it moves",
+        "tests/plots/test_papers.py::test_legends_keep_their_order_when_they_move",
+    ),
 )

@@ -1,0 +1,104 @@
+"""The last picture of a run: where all robots went, where they touched, how they ended.
+
+A view that follows the cluster would show little else than the end of the road.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from physim.drawing import palette
+from physim.drawing.crowd import NAMED
+from physim.drawing.palette import Colour
+from physim.drawing.timeline import Moment, Timeline
+from physim.drawing.video.camera import MARGIN
+from physim.drawing.video.ending import notes
+from physim.drawing.video.ground import Ground, draw_ground
+from physim.drawing.video.layout import TEXT, Box, Image, Lens, fixed
+from physim.drawing.video.marks import Fleet, draw_contacts, draw_disc, draw_lines, draw_robots
+from physim.drawing.video.text import NORMAL, shorten, size_of, sprite, stamp
+from physim.geometry.shapes import FloatArray
+
+POINTS = 1500
+"""Points of a course, at most."""
+TINY = 9.0
+"""[px] length of a robot below which a dot stands for it"""
+LINE = TEXT + 6
+"""[px] from one line of words to the next"""
+EDGE = 10
+"""[px] round the words"""
+WIDEST = 0.7
+"""Share of the view that a line of words may take."""
+
+
+class Closing:
+    """Draws the world whole as a run leaves it, in the box of a view."""
+
+    def __init__(self, timeline: Timeline, ground: Ground, box: Box) -> None:
+        self._timeline, self._ground, self._box = timeline, ground, box
+        low, high = ground.extent
+        size = np.maximum(high - low, 1e-6)
+        self.scale = scale = float(((box.size - 2.0 * MARGIN) / size).min())
+        x, y = box.size / 2.0 + np.array([-0.5, 0.5]) * (low + high) * scale
+        self._lens = Lens(scale, float(round(x)), float(round(y)))
+
+    def paint(self, view: Image, now: Moment, fleet: Fleet) -> None:
+        """Draw the last moment; ``fleet`` are the robots."""
+        timeline, lens = self._timeline, self._lens
+        draw_ground(view, self._ground, lens)
+        crowd = timeline.robots > NAMED
+        for robot, course in enumerate(self._courses()):
+            colour = palette.BAND if crowd else palette.robot_colour(robot)
+            draw_lines(view, fixed(lens.pixels(course))[None], colour, 1 if crowd else 2)
+        self._draw_robots(view, now, fleet)
+        contacts = timeline.contacts
+        if len(contacts.began):
+            places = lens.pixels(contacts.places[contacts.first])
+            for swept in (True, False):
+                draw_contacts(view, places[contacts.swept == swept], swept, small=True)
+            draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
+        write_corner(view, ["the whole run: where the robots went", *notes(timeline)])
+
+    def _courses(self) -> FloatArray:
+        """Where the robots went, (N, T, 2) [m]."""
+        record = self._timeline.record
+        rows = np.unique(np.linspace(0, len(record.pose) - 1, POINTS).astype(int))
+        return np.asarray(record.pose[rows][:, :, :2].transpose(1, 0, 2))
+
+    def _draw_robots(self, view: Image, now: Moment, fleet: Fleet) -> None:
+        """Robots in the colours of their modes; dots where they would be tiny."""
+        lens, touching = self._lens, self._timeline.contacts.touching(now.time, len(now.pose))
+        if 2.0 * float(self._timeline.scene.reach.max()) * lens.scale >= TINY:
+            outlines = fleet.split(lens.fixed(fleet.placed(now.pose)))
+            draw_robots(view, outlines, now.colours, touching.tolist())
+            return
+        edges: list[Colour] = [palette.CONTACT if touch else palette.INK for touch in touching]
+        for place, colour, edge in zip(
+            lens.fixed(now.pose[:, :2]), now.colours, edges, strict=True
+        ):
+            draw_disc(view, place, 3.5, edge)
+            draw_disc(view, place, 2.5, colour)
+
+
+def write_corner(view: Image, lines: Sequence[str]) -> None:
+    """Write lines, the first one bold, in the corner of a view where they cover the least."""
+    high, wide = view.shape[:2]
+    room = round(WIDEST * wide)
+    words = [
+        sprite(shorten(line, TEXT, room), TEXT, palette.INK, *(() if k == 0 else (NORMAL,)))
+        for k, line in enumerate(lines)
+    ]
+    width = max(size_of(word)[0] for word in words)
+    tall = LINE * len(words)
+    lefts, tops = (EDGE, wide - EDGE - width), (EDGE, high - EDGE - tall)
+    empty = (view == palette.OUTSIDE).all(axis=2)
+
+    def covered(corner: tuple[int, int]) -> int:
+        left, top = corner
+        return int((~empty[top : top + tall, left : left + width]).sum())
+
+    left, top = min(((x, y) for y in tops for x in lefts), key=covered)
+    for k, word in enumerate(words):
+        stamp(view, word, left, top + k * LINE)

@@ -1,0 +1,139 @@
+"""Figures as papers and readers need them: none that is empty, curves apart, sizes in print."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from PIL import Image
+
+from physim.analysis import metrics
+from physim.drawing.labels import signed
+from physim.drawing.plots import NAMES, draw
+from physim.drawing.plots.curves import deviation, speeds
+from physim.drawing.plots.frame import in_rows
+from physim.drawing.plots.multiples import MOST_TOGETHER
+from physim.drawing.plots.paper import fitted
+from physim.drawing.plots.pictures import PICTURES
+from physim.drawing.plots.style import robot_colour, styled
+from physim.errors import PhysimError
+from physim.record import Record
+from tests.records import make_record
+
+
+@pytest.fixture(scope="module")
+def seven() -> Iterator[Record]:
+    with make_record(robots=7, seconds=14.0) as made:
+        yield made
+
+
+def test_pictures_of_nothing_are_left_out_and_told(tmp_path: Path) -> None:
+    told: dict[str, str] = {}
+    (tmp_path / "prediction.png").write_text("an older one")
+    with make_record(seconds=1.0, contacts=False) as record:
+        files = draw(record, tmp_path, force=True, left_out=told.__setitem__)
+        assert "no contact" in told["prediction"]
+        assert {file.stem for file in files} | set(told) == set(NAMES)
+        assert {file.name for file in tmp_path.iterdir()} == {file.name for file in files}
+        assert "trajectories" not in told
+        (asked,) = draw(record, tmp_path, only=("prediction",))
+    assert asked.stat().st_size > 5000, "what is asked for by name says why it is empty"
+
+
+def own(axis: Any, name: str) -> Any:
+    """The curve of a robot."""
+    (line,) = (line for line in axis.lines if line.get_label() == name)
+    return line
+
+
+def test_from_five_robots_on_each_has_an_axis_for_its_deviation(seven: Record) -> None:
+    figure = deviation(seven)
+    shown = [axis for axis in figure.axes if axis.get_visible()]
+    time, values = metrics.deviations(seven)
+    assert len(shown) == 7
+    for robot, axis in enumerate(shown):
+        line = own(axis, seven.names[robot])
+        assert np.array_equal(line.get_xydata(), np.stack([time, values[:, robot]], axis=1))
+        assert to_hex(line.get_color()) == robot_colour(robot)
+        assert axis.get_ylim() == shown[0].get_ylim()
+        assert axis.get_title() + axis.get_title("left") == seven.names[robot]
+    peak = metrics.deviation_peak(seven)
+    assert peak is not None
+    found = [(k, t.get_text()) for k, a in enumerate(shown) for t in a.texts]
+    assert found == [(peak.a, f"{signed(peak.value)} m")]
+
+
+def test_from_five_robots_on_each_has_a_row_for_its_speeds(seven: Record) -> None:
+    axes = np.array(speeds(seven).axes).reshape(7, 2)
+    found = metrics.averaged_speeds(seven)
+    for robot, (turning, forward) in enumerate(axes):
+        for axis, values in ((turning, found.rotational), (forward, found.forward)):
+            drawn = own(axis, seven.names[robot]).get_ydata()
+            assert np.array_equal(drawn, values[:, robot], equal_nan=True)
+    assert {axis.get_ylim() for axis in axes[:, 1]} == {axes[0, 1].get_ylim()}
+
+
+def test_few_robots_share_an_axis() -> None:
+    with make_record(robots=MOST_TOGETHER, seconds=12.0) as record:
+        assert len(deviation(record).axes) == 1
+        assert len(speeds(record).axes) == 2
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_minus_signs_are_all_of_one_kind(name: str, seven: Record) -> None:
+    with styled():
+        figure = PICTURES[name](seven)
+        figure.draw_without_rendering()
+    words = [text.get_text() for text in figure.findobj(lambda one: hasattr(one, "get_text"))]
+    words += [word.get_text() for legend in figure.legends for word in legend.get_texts()]
+    assert not [text for text in words if re.search(r"(^|[ (])-\d", text)]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("width", [3.5, 7.16])
+def test_a_figure_for_a_paper(name: str, width: float, seven: Record) -> None:
+    with styled():
+        figure = fitted(lambda: PICTURES[name](seven), False, width)
+        figure.draw_without_rendering()
+    assert figure.get_size_inches()[0] == width
+    shown = [text.get_text() for text in figure.texts if text.get_visible() and text.get_text()]
+    assert not [text for text in shown if "made up" in text or text == figure.get_suptitle()]
+    for legend in figure.legends:
+        box = legend.get_window_extent()
+        assert box.x0 >= -1.0
+        assert box.x1 <= figure.bbox.width + 1.0
+    wide = [axis.get_window_extent() for axis in figure.axes if axis.get_visible()]
+    together = max(box.x1 for box in wide) - min(box.x0 for box in wide)
+    assert together > 0.5 * figure.bbox.width, "most of the width is for the data"
+
+
+def test_legends_keep_their_order_when_they_move(seven: Record) -> None:
+    def read(figure: Any) -> list[str]:
+        (legend,) = figure.legends
+        words = [text.get_text().replace("\n", " ") for text in legend.get_texts()]
+        order = in_rows(len(words), int(legend.get_gid().split()[1]))
+        return [words[order.index(k)] for k in range(len(words))]
+
+    with styled():
+        before = read(PICTURES["trajectories"](seven))
+        figure = fitted(lambda: PICTURES["trajectories"](seven), True, 3.5)
+    assert read(figure) == before
+    assert before[:2] == ["safe area", "danger area"]
+    (legend,) = figure.legends
+    pairs = zip(legend.legend_handles, legend.get_texts(), strict=True)
+    colours = {text.get_text(): handle for handle, text in pairs}
+    assert to_hex(colours["r2"].get_color()) == robot_colour(1)
+
+
+def test_the_file_has_the_size(seven: Record, tmp_path: Path) -> None:
+    (file,) = draw(seven, tmp_path, only=("distances",), width=3.5, title=False)
+    with Image.open(file) as image:
+        assert image.width == 700
+    with pytest.raises(PhysimError, match="2 to 20"):
+        draw(seven, tmp_path / "no", width=1.0)
+    assert not (tmp_path / "no").exists()

@@ -1,0 +1,191 @@
+"""What the video says of now and so far, of contacts that cannot be, and how it ends."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from physim.contacts import Phase
+from physim.drawing import palette
+from physim.drawing.timeline import Timeline
+from physim.drawing.video import frame_at
+from physim.drawing.video.closing import Closing
+from physim.drawing.video.ending import ACROSS, MOST_NOTES, across, notes, why
+from physim.drawing.video.frames import Painter
+from physim.drawing.video.ground import ground
+from physim.drawing.video.layout import PANEL_WIDTH, TEXT, Box
+from physim.drawing.video.marks import draw_contacts
+from physim.drawing.video.panel import DEEP, NO_MODES, PAD, signs
+from physim.drawing.video.text import BOLD, width
+from physim.parts.declarations import NO_NUMBER
+from physim.tolerances import DEEP as DEPTH
+from tests.video.test_frames import pixels
+
+
+def deepened(record: Any, changed: Callable[..., Any], depth: float) -> Any:
+    """The record with its first contact so deep from the second sample on."""
+    contacts = record.contacts.copy()
+    first = contacts[0]
+    mine = (contacts["a"] == first["a"]) & (contacts["b"] == first["b"])
+    rows = np.flatnonzero(mine & (contacts["phase"] != Phase.ENDED))
+    contacts["depth"][rows[1:]] = depth
+    return changed(record, contacts=contacts)
+
+
+def words_of(painter: Painter, time: float) -> list[tuple[str, str]]:
+    """Words and values beside the view."""
+    now = painter.timeline.at(time)
+    pair = painter._view.paint(painter._image, now)
+    return [(words, value) for words, value, _ in painter._panel._figures(now, pair)]
+
+
+def test_figures_say_what_is_of_now_and_what_so_far(made: Callable[..., Any]) -> None:
+    record = made(3)
+    painter = Painter(Timeline(record), 1.0, 25.0)
+    began = float(painter.timeline.contacts.began[0])
+    for time, touching in ((began - 0.1, "none"), (began + 0.02, "r1 – r2")):
+        found = dict(words_of(painter, time))
+        assert list(found)[:2] == ["contacts so far", "touching now"]
+        assert found["contacts so far"] == str(int(touching != "none"))
+        assert found["touching now"] == touching
+        assert all(" now" in words for words in list(found)[1:])
+    alone = Painter(Timeline(made(1)), 1.0, 25.0)
+    assert "off its path now" in words_of(alone, 1.0)[-1][0]
+
+
+def test_names_fit_beside_their_values(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    for name in ("W" * 40, "r1", "heavy robot"):
+        bodies = tuple(dataclasses.replace(body, name=name) for body in made(3).bodies)
+        painter = Painter(Timeline(changed(made(3), bodies=bodies)), 1.0, 25.0)
+        began = float(painter.timeline.contacts.began[0])
+        for words, value in words_of(painter, began + 0.02):
+            assert width(words, TEXT) + width(value, TEXT, BOLD) < PANEL_WIDTH - 2 * PAD
+            assert name != "r1" or "…" not in words + value
+
+
+def test_contacts_too_deep_are_told_from_when_they_are(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    deep = deepened(record, changed, 10.0 * DEPTH)
+    contacts, dt = Timeline(deep).contacts, record.dt
+    began = float(contacts.began[0])
+    assert np.isclose(contacts.deep[0], began + dt)
+    assert np.isinf(contacts.deep[1:]).all()
+    assert (contacts.deep_count(began), contacts.deep_count(began + dt)) == (0, 1)
+    assert np.isinf(Timeline(deepened(record, changed, 0.9 * DEPTH)).contacts.deep).all()
+    assert DEEP in signs(Timeline(deep), ground(Timeline(deep)))
+    assert DEEP not in signs(Timeline(record), ground(Timeline(record)))
+    found = dict(words_of(Painter(Timeline(deep), 1.0, 25.0), began + dt))
+    assert found["of them not physical"] == "1"
+    after = began + 0.7  # the flash is over
+    shown, usual = (frame_at(one, after, speed=1.0)[:536, :1008] for one in (deep, record))
+    assert (shown != usual).any(axis=2).sum() > 200
+
+
+def test_the_sign_of_a_contact_too_deep_is_a_cross_on_a_disc() -> None:
+    image = np.zeros((40, 40, 3), np.uint8)
+    draw_contacts(image, np.array([[20.0, 20.0]]), False, deep=True)
+    assert tuple(image[20, 20]) == palette.WHITE
+    assert tuple(image[20, 12]) == palette.CONTACT
+    assert min(image[20, 32]) > 190
+
+
+def test_robots_that_give_no_modes_have_their_own_colours(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    updates = record.updates.copy()
+    updates["mode"] = NO_NUMBER
+    bare = changed(record, updates=updates)
+    timeline = Timeline(bare)
+    assert timeline.at(2.0).colours == list(timeline.scene.colours)
+    picture = frame_at(bare, 2.0)
+    assert pixels(picture, palette.UNDECIDED) < 50
+    assert NO_MODES in signs(timeline, ground(timeline))
+    assert NO_MODES not in signs(Timeline(record), ground(Timeline(record)))
+    crowd = Timeline(changed(made(61), updates=_no_modes(made(61))))
+    assert set(crowd.at(2.0).colours) == {palette.BAND}
+
+
+def _no_modes(record: Any) -> Any:
+    updates = record.updates.copy()
+    updates["mode"] = NO_NUMBER
+    return updates
+
+
+def test_the_last_picture_shows_the_whole_run(made: Callable[..., Any]) -> None:
+    record = made(3)
+    timeline = Timeline(record)
+    painter = Painter(timeline, 1.0, 25.0)
+    assert not painter._view.camera.whole
+    before, end = painter.frame(timeline.duration - 0.1), painter.frame(timeline.duration)
+    view = np.zeros((536, 1008, 3), np.uint8)
+    closing = Closing(timeline, ground(timeline), Box(0, 0, 1008, 536))
+    closing.paint(view, timeline.at(timeline.duration), painter._view._fleet)
+    assert np.array_equal(end[:536, :1008], view)
+    assert not np.array_equal(before[:536, :1008], view)
+    for robot in range(3):
+        course = closing._lens.pixels(record.pose[:: len(record.pose) // 3, robot, :2])
+        for x, y in np.rint(course).astype(int)[1:2]:
+            patch = end[y - 3 : y + 4, x - 3 : x + 4].reshape(-1, 3)
+            assert (patch == palette.robot_colour(robot)).all(axis=1).any()
+    assert closing.scale < painter._view.camera.scale
+    assert painter._view.scales == (painter._view.camera.scale, closing.scale)
+
+
+def turned(record: Any, changed: Callable[..., Any], robot: int, angle: float) -> Any:
+    pose = np.array(record.pose)
+    pose[-1, robot, 2] += angle
+    return changed(record, pose=pose)
+
+
+def test_who_stands_across_its_path_is_told_with_the_reason(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    there = changed(record, arrived=np.full(3, len(record.pose) - 1))
+    before = across(Timeline(there))
+    assert np.allclose(before, 0.0), "they stand along their paths"
+    odd = turned(there, changed, 1, np.radians(40.0))
+    after = across(Timeline(odd))
+    assert np.allclose(after - before, [0.0, 40.0, 0.0])
+    found = notes(Timeline(odd))
+    assert [line.split()[0] for line in found] == [
+        record.names[k] for k in np.flatnonzero(np.abs(after) >= ACROSS)
+    ]
+    assert any("r2" in line and "across its path" in line for line in found)
+
+
+def test_reasons_are_contacts_then_danger_then_what_arriving_asks_for(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    end = record.steps[-1]
+    touching = record.contacts[:1].copy()
+    touching["step"], touching["phase"] = end, Phase.BEGAN
+    timeline = Timeline(changed(record, contacts=touching))
+    other = timeline.record.bodies[int(touching["b"][0])].name
+    assert f"in contact with {other} since" in why(timeline, int(touching["a"][0]), True)
+    quiet = changed(record, contacts=record.contacts[:0])
+    updates = quiet.updates.copy()
+    updates["mode"] = 0
+    safe = Timeline(changed(quiet, updates=updates))
+    assert "station" in why(safe, 0, True)
+    assert why(safe, 0, False) == "no contact"
+    updates["mode"] = 1
+    assert "danger, by distance" in why(Timeline(changed(quiet, updates=updates)), 0, True)
+
+
+def test_robots_that_have_not_arrived_are_told_up_to_a_number(made: Callable[..., Any]) -> None:
+    few = notes(Timeline(made(3)))
+    assert len(few) == 3
+    assert all("short of its stop station" in line for line in few)
+    many = notes(Timeline(made(61)))
+    assert len(many) == MOST_NOTES
+    assert many[-1] == f"and {61 - MOST_NOTES + 1} robots more"

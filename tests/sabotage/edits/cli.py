@@ -99,7 +99,7 @@ EDITS = (
         "cli",
         "physim/cli/values.py",
         "whole_from",
-        "if not least <= value <= most:",
+        "if not least <= value <= most or value % step:",
         "if False:",
         "a seed is a whole number from 0",
         "tests/cli/test_bad_input.py::test_faulty_seed",

@@ -155,7 +155,6 @@ CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
 FIGURE, HEAD = 22, 18
 """[px] height of a line of figures, and of the words above the modes"""
-MODES_OF = "modes, in the controller's words"
 NOW, CLOSEST_NOW = "touching now", "closest now: "
 ROOMS = (90, 72, 60, 48, 40, 34, 28)
 """[px] for each of two names, the first with which they fit beside words and a value"""
@@ -212,9 +211,11 @@ class Panel:
         row = self._row_height = self._row(len(modes) + len(signs))
         top = self._modes_top
         self._rule(image, top - 8)
+        words = f"{'modes of' if modes else 'controller'} {record.setup.controller.name}"
+        whose = shorten(words, SMALL, room)
+        write(image, whose, (PAD, top + 10), SMALL, colour=palette.QUIET)
+        self._modes_top = top = top + HEAD
         if modes:
-            write(image, MODES_OF, (PAD, top + 10), SMALL, colour=palette.QUIET)
-            self._modes_top = top = top + HEAD
             draw_modes(image, PAD, top, row, modes, room - 30)
             top += len(modes) * row + 12
             self._rule(image, top - 6)

@@ -17,19 +17,19 @@ corridor: {centreline: [[-10, 0], [20, 0]], width: 8.0}
 robots:
   - {name: behind, footprint: {length: 1.8, width: 1.0}, pose: [0.0, 0.0, 0.0], path: {offset: 0},
      limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2]}
-  - {name: middle, footprint: {length: 1.8, width: 1.0}, pose: [1.815, 0, 0], path: {offset: 0},
+  - {name: middle, footprint: {length: 1.8, width: 1.0}, pose: [1.803, 0, 0], path: {offset: 0},
      limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2]}
-  - {name: heavy, footprint: {length: 1.8, width: 1.0}, pose: [3.625, 0.0, 0.0], path: {offset: 0},
+  - {name: heavy, footprint: {length: 1.8, width: 1.0}, pose: [3.613, 0.0, 0.0], path: {offset: 0},
      limits: {v: 0.5, omega: 0.2}, omegas: [-0.2, 0, 0.2], mass: 20000.0}
 """
 
 
 class Knock:
-    """The heavy one runs 40 mm into the middle one, which is eased back; then both leave."""
+    """The heavy one runs 20 mm into the middle one, which is eased back; then both leave."""
 
     def decide(self, observation, memory):
         first = observation.time < 0.05
-        v = ((0.0, 0.0), (0.0, 0.5), (-0.5, 0.5))[observation.index][0 if first else 1]
+        v = ((0.0, 0.0), (0.0, 0.5), (-0.3, 0.5))[observation.index][0 if first else 1]
         return Decision(v=v, omega=0.0, hold=0.1)
 
 
@@ -51,7 +51,7 @@ def test_a_robot_pushed_by_one_that_is_eased_out_of_a_contact_is_no_stray(row):
     assert moved[-1] > 1e-4  # it stood by command
     touching = row.contacts[row.contacts["phase"] != Phase.ENDED]
     assert not (touching["a"] == 0).any()
-    assert row.clearance[1, 0] == pytest.approx(0.015)
+    assert row.clearance[1, 0] == pytest.approx(0.003)
     found = validate(row)
     assert found.motion.strays == ()
     assert found.code == 1

@@ -76,7 +76,7 @@ def test_a_run_that_was_cut_as_it_says_is_judged_as_far_as_it_goes(finished, tmp
 
 
 def test_an_unknown_minor_version_is_read_and_a_major_one_refused(finished, tmp_path):
-    with physim.Record.load(tampered(finished, tmp_path, attribute("version", "3.7"))) as newer:
+    with physim.Record.load(tampered(finished, tmp_path, attribute("version", "4.7"))) as newer:
         assert validate(newer).code == 0
-    with pytest.raises(physim.PhysimError, match=facts("version", "'4.0'", "3")):
-        physim.Record.load(tampered(finished, tmp_path, attribute("version", "4.0")))
+    with pytest.raises(physim.PhysimError, match=facts("version", "'5.0'", "4")):
+        physim.Record.load(tampered(finished, tmp_path, attribute("version", "5.0")))

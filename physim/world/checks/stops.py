@@ -56,6 +56,8 @@ def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> 
     """Warn of walls, and of other robots at their stops, too near ahead of where robots stop."""
     if limits.time_low is None or limits.boundary_low is None or laid.faults:
         return
+    if any(fault.location[-1:] in (("footprint",), ("v",)) for fault in found.warnings):
+        return  # what is out of scale is told first: the rest follows from it
     plan = laid.world.formation
     speed = (limits.speed or 1.0) if plan is None else plan.speed
     stops = _stops(laid)

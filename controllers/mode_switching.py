@@ -14,14 +14,15 @@ One decision of Robot i, with the rules it is made of:
 `decide` works from what the robot sees; `batch` decides for all robots that are due in one
 compiled call. Both run `decide_one`, and both must decide alike.
 
-Departures from the paper: arrival at a stop station is ours (a robot there stands still); each
-rule lists its own. Collision times are counted, as `evaluations`, by command looked at: one for
-every considered robot, and one for all walls.
+Departures from the paper: arrival at a stop station is ours (a robot there stands still, so a wall
+beyond it is none ahead: see `stops_within`); each rule lists its own. Collision times are counted,
+as `evaluations`, by command looked at: one for every considered robot, and one for all walls.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import cos, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -29,16 +30,16 @@ import numpy as np
 from physim.compiled import compiled
 from physim.errors import Fault, Location
 from physim.geometry.motion import facings
-from physim.geometry.path import path_length
+from physim.geometry.path import path_length, point_at
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_shapes
 from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
 from physim.world.scene import Scene
 
-from .avoidance import longest_pair, smallest_distance, smallest_time, widest_pair
+from .avoidance import first_robot, longest_pair, smallest_distance, smallest_time, widest_pair
 from .formation import SpeedRule, forward_speed
-from .near_field import COLUMNS, NearField, look_about
+from .near_field import COLUMNS, NearField, course_under, look_about
 from .path_following import judging_time, put_best_plan, put_pairs, target_on_path
 from .priority import Bodies, considered
 from .safe_area import is_outside, safe_target
@@ -164,6 +165,10 @@ def decide_one(
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
+    if mode != SAFE and pair[1] == 0.0 and stops_within(own, paths, pose[me, 2], pair[0], xi):
+        mine = course_under(bodies, me, pair[0], 0.0)
+        met = first_robot(bodies, near, mine, rules.horizon, -1.0)
+        mode = next_mode(memory.mode, distance, met, boundary, rules)
     rule = FOLLOW if dwell == 0 else PLAN
     interval = rules.longest_interval
     if mode == SAFE:
@@ -198,6 +203,18 @@ def decide_one(
     report[5] = evaluations
     dwell = dwell + 1 if goes_on else 0
     return pair[0], pair[1], hold, mode, rule, dwell, len(rows)
+
+
+@compiled
+def stops_within(own: EgoState, paths: Polylines, heading: float, v: float, time: float) -> bool:
+    """Whether a robot that goes straight on at v comes to its stop, and stands, within ``time``.
+
+    A wall that it would only meet later puts nobody in danger. Otherwise it would depend on when
+    the robot decides whether it still comes to a stop before an end wall.
+    """
+    dx, dy = point_at(paths, own.path, own.station)[2:]
+    advance = v * (cos(heading) * dx + sin(heading) * dy)
+    return advance > 0.0 and own.stop_station - own.station <= advance * time
 
 
 class ModeSwitching:

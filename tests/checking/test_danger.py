@@ -15,7 +15,8 @@ def test_a_threshold_beyond_the_room_beside_the_path_is_told(tmp_path):
 
 
 def test_a_threshold_within_the_room_is_not_told(tmp_path):
-    assert lines(check(tmp_path, CORRIDOR + "controller: {boundary_low: 2.4}\n")) == ([], [])
+    text = changed(CORRIDOR, ("width: 8.0", "width: 8.0, end_margin: 4.0"))
+    assert lines(check(tmp_path, text + "controller: {boundary_low: 2.4}\n")) == ([], [])
 
 
 def test_room_counts_from_the_safe_distance_where_the_path_lies_along_a_wall(tmp_path):

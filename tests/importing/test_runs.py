@@ -100,6 +100,23 @@ def test_lanes_keep_clear_of_an_obstacle_and_end_clear_of_the_wall(
     assert record.ended == "finished"
 
 
+@pytest.mark.parametrize("size", [(None), (1.8, 1.0)])
+def test_a_path_up_to_a_wall_ends_where_the_wall_is_no_danger(
+    size: tuple[float, float] | None, tmp_path: Path
+) -> None:
+    """Half a length and what the robot goes in `time_low` at the highest speed, to size."""
+    source = tmp_path / "hall.svg"
+    source.write_text(
+        svg(
+            '<rect id="boundary" width="40" height="8"/><path id="path" d="M 3,4 H 39.9"/>',
+            'width="400mm" height="80mm" viewBox="0 0 40 8"',
+        )
+    )
+    world = import_world(source, Options(scale=1.0, robot=size)).world
+    assert world.robots[0].limits.v == 1.5
+    assert 40.0 - world.reference[-1][0] >= 0.9 + 1.3 - 1e-3
+
+
 def test_a_bent_hall_with_drawn_robots_finishes(tmp_path: Path) -> None:
     source = tmp_path / "bent.svg"
     source.write_text(

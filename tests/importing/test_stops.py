@@ -64,7 +64,7 @@ def test_a_path_that_ends_after_a_bend_is_shortened_until_all_arrive(tmp_path: P
     imported = import_world(track(tmp_path, CORNER, 3.0), Options(robots=4))
     told = [change for change in imported.changes if "more at its end" in change]
     assert len(told) == 1
-    check_says(told[0], "1.20 m more … bend … 0.36 m … 1.24 m")
+    check_says(told[0], "0.80 m more … bend … 0.44 m … 1.24 m")
     assert finishes(imported)
 
 

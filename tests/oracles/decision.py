@@ -6,6 +6,7 @@ questions and goes on with the answers, so that those of many decisions are work
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -126,6 +127,9 @@ def decide(view, s, memory, target):
     evaluations = looked_at
     answers = yield from _ask(view, s, others, rest)
     mode = _mode(memory.mode, distance, answers.values(), boundary, s)
+    if mode != SAFE and _stops_before(me, answers):
+        alone = yield from _ask(dataclasses.replace(view, walls=()), s, others, rest)
+        mode = _mode(memory.mode, distance, alone.values(), boundary, s)
     longest = longest_interval(s)
     part = s.dwell_times[len(s.dwell_times) - len(sequences[0])]
     period = stretched(part, s.update_period, longest)
@@ -159,6 +163,28 @@ def decide(view, s, memory, target):
 def _pairs(array):
     """Speed pairs (C, 2) as tuples."""
     return tuple((float(v), float(omega)) for v, omega in array)
+
+
+def _stops_before(me, answers):
+    """Whether the robot, going straight on, stands at its stop before it meets anything.
+
+    UnsureError where it turns on rounding, or on which of several commands is taken.
+    """
+    ahead = paths.point_at(me.path, me.station)[1]
+    facing = np.array([math.cos(me.pose[2]), math.sin(me.pose[2])])
+    found = set()
+    for (v, omega), answer in answers.items():
+        advance = v * float(facing @ ahead)
+        if omega != 0.0 or advance <= 0.0:
+            found.add(False)
+            continue
+        spare = advance * answer.time - (me.stop_station - me.station)
+        if abs(spare) < 2.0 * TIME:
+            raise UnsureError
+        found.add(spare > 0.0)
+    if len(found) > 1:
+        raise UnsureError
+    return found.pop()
 
 
 def _ask(view, s, others, commands):

@@ -33,6 +33,9 @@ ROOM = 1.8
 the shipped controller needs to move on: with 1.2 m it stops in danger mode"""
 END_ROOM = 1.6
 """[-] times the room, where the path begins and ends"""
+STOP_ROOM = 1.3
+"""[m] way that is left free ahead of a robot at the end of its path, at size 1: what it goes in
+`time_low` of the shipped controller, 1 s, at the formation's highest speed, 1.3 m/s"""
 SMALLEST = 0.01
 MOST_TRIMMED = 0.3
 """[-] share of the path that may be left out at either end to get away from a wall"""
@@ -69,11 +72,17 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
         room = room_of(box)
         ends = _ends(at, gaps, room) or _ends(at, gaps, 0.5 * box[1]) or (0, len(at) - 1)
-        ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends))
+        ahead = 0.5 * box[0] + STOP_ROOM * size
+        last = _clear_end(reference, area, at, gaps, room, ends, max(ahead, END_ROOM * room))
+        if last == ends[1]:
+            last = _clear_end(reference, area, at, gaps, room, ends, END_ROOM * room)
+        ends = (ends[0], last)
     else:
         size, ends = _largest_size(path, at, gaps, reference)
         box = (float(f"{LENGTH * size:.2g}"), float(f"{WIDTH * size:.2g}"))
         room = ROOM * size
+        ahead = 0.5 * box[0] + STOP_ROOM * size
+        ends = (ends[0], _clear_end(reference, area, at, gaps, room, ends, ahead, room))
     first, last = ends
     inner = gaps[first : last + 1]
     k = first + _narrowest(at[first : last + 1], inner)
@@ -190,20 +199,22 @@ def _clear_end(
     gaps: FloatArray,
     room: float,
     ends: tuple[int, int],
+    ahead: float,
+    beside: float | None = None,
 ) -> int:
-    """Last sample from which the way on is free for about a robot's length, ``END_ROOM * room``.
+    """Last sample from which the way on is free for ``ahead`` [m].
 
-    To the sides, too, as far as the last stretch has it. The end stays where no sample of the
-    stretch, twice ``room`` long, will do.
+    To the sides for ``beside``, ``END_ROOM * room`` where not given, as far as the last stretch has
+    it. The end stays where no sample of the stretch, twice ``room`` long, will do.
     """
     first, last = ends
-    reach = END_ROOM * room
+    wide = END_ROOM * room if beside is None else beside
     tail = np.flatnonzero(at >= max(at[last] - 2.0 * room, at[first] + 4.0 * room))
     tail = tail[(tail <= last) & (at[tail] >= (1.0 - MOST_TRIMMED) * at[-1])]
     if not tail.size:
         return last
     points = points_at(reference, at[tail])
-    ahead = points + reach * directions_at(reference, at[tail], room)
-    free = shapely.covers(area, shapely.linestrings(np.stack([points, ahead], axis=1)))
-    clear = tail[free & (gaps[tail] >= min(reach, float(gaps[tail].max())) - 1e-6)]
+    end = points + ahead * directions_at(reference, at[tail], room)
+    free = shapely.covers(area, shapely.linestrings(np.stack([points, end], axis=1)))
+    clear = tail[free & (gaps[tail] >= min(wide, float(gaps[tail].max())) - 1e-6)]
     return int(clear[-1]) if clear.size else last

@@ -35,6 +35,7 @@ from physim.world.checks.starts import (
     check_scale,
     check_start_used,
 )
+from physim.world.checks.stops import StopLimits, check_stops
 from physim.world.file import read_document
 from physim.world.file.files import file_text, find_world
 from physim.world.file.loading import Validated, in_order, placed, validate
@@ -131,6 +132,11 @@ def _check_layout(
     check_safe_area(laid, safe_distance, found)
     check_always_danger(profiles, low, found)
     check_turning_room(laid, profiles, found)
+    if checked.world is not None:
+        time, distance = (
+            setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
+        )
+        check_stops(laid, StopLimits(speed, time, low, distance), found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
     return profiles

@@ -1,0 +1,187 @@
+"""Room ahead of the robots at their stops, against the thresholds of the controller.
+
+Each is looked at where it is to stop: on its path at its stop station, heading along the path. What
+lies ahead is what its footprint would meet going straight on. Where that is nearer than the
+controller lets it come outside danger mode, the robot may never arrive. A wall counts from
+`boundary_low` on: one that is farther is no danger to a robot that stands before it. Another robot
+counts from the collision time on, too, since nobody knows that it will stay where it stands.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.errors import Location, plural
+from physim.geometry.path import Path, project
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
+from physim.world.checks.findings import Diagnostics
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shape_checks import placed_outline
+
+SLENDER = 0.98
+"""[-] of its width a robot must have ahead of it: what it passes at its side is not ahead"""
+
+
+@dataclass(frozen=True)
+class StopLimits:
+    """What the controller keeps ahead of a robot; None where it has no such setting."""
+
+    speed: float | None
+    """[m/s] without a formation"""
+    time_low: float | None
+    """[s]"""
+    boundary_low: float | None
+    """[m]"""
+    distance_low: float | None
+    """[m]"""
+
+
+@dataclass(frozen=True)
+class _Stop:
+    """Where a robot is to stop: its number, pose, placed outline, and foremost reach [m]."""
+
+    number: int
+    pose: FloatArray
+    outline: Any
+    reach: float
+
+
+def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> None:
+    """Warn of walls, and of other robots at their stops, too near ahead of where robots stop."""
+    if limits.time_low is None or limits.boundary_low is None or laid.faults:
+        return
+    if any(fault.location[-1:] in (("footprint",), ("v",)) for fault in found.warnings):
+        return  # what is out of scale is told first: the rest follows from it
+    plan = laid.world.formation
+    speed = (limits.speed or 1.0) if plan is None else plan.speed
+    stops = _stops(laid)
+    if not stops:
+        return
+    fastest = {one.number: min(speed, laid.world.robots[one.number].limits.v) for one in stops}
+    expect = laid.world.expect
+    told = any(fault.location == ("controller", "boundary_low") for fault in found.warnings)
+    if not told and (expect is None or expect.finished is not False):
+        _check_walls(laid, stops, dict.fromkeys(fastest, limits.boundary_low), found)
+    needed = {i: max(v * limits.time_low, limits.distance_low or 0.0) for i, v in fastest.items()}
+    _check_robots(laid, stops, needed, found)
+
+
+def _stops(laid: PartialLayout) -> list[_Stop]:
+    """Where the robots are to stop, as `physim.world.layout.scene_builder` has it."""
+    count = len(laid.world.robots)
+    if laid.reference is None or len(laid.paths) < count or len(laid.footprints) < count:
+        return []
+    if len(laid.start) < count or np.isnan(laid.start).any():
+        return []
+    lead = _leads(laid, laid.reference)
+    behind = lead.max(initial=0.0) - lead
+    stops = []
+    for i, path in laid.paths.items():
+        line = shapely.LineString(path)
+        station = max(line.length - float(behind[i]), 0.0)
+        x, y = line.interpolate(station).coords[0]
+        along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
+        k = min(max(int(np.searchsorted(along, station)) - 1, 0), len(path) - 2)
+        dx, dy = path[k + 1] - path[k]
+        pose = np.array([x, y, np.arctan2(dy, dx)])
+        outline = laid.footprints[i]
+        stops.append(_Stop(i, pose, placed_outline(pose, outline), float(outline[:, 0].max())))
+    return stops
+
+
+def _leads(laid: PartialLayout, reference: FloatArray) -> FloatArray:
+    plan = laid.world.formation
+    if plan is None:
+        return np.zeros(len(laid.world.robots))
+    if plan.spacing != "initial":
+        return np.array(plan.spacing)
+    path = Path(reference)
+    return np.array([
+        project(path.lines, 0, float(x), float(y), 0.0, path.length)[0] for x, y, _ in laid.start
+    ])  # fmt: skip
+
+
+def _way_on(stop: _Stop, outline: FloatArray, length: float) -> Any:
+    """The rectangle [m] ahead of a robot at its stop, as wide as the robot and ``length`` long."""
+    low, high = SLENDER * outline[:, 1].min(), SLENDER * outline[:, 1].max()
+    front = stop.reach
+    ahead = np.array([(0.0, low), (front + length, low), (front + length, high), (0.0, high)])
+    return placed_outline(stop.pose, ahead)
+
+
+def _ahead(stop: _Stop, shape: Any) -> float:
+    """How far [m] ahead of the robot's foremost point the nearest point of a shape lies."""
+    x, y, heading = stop.pose
+    points = shapely.get_coordinates(shape) - (x, y)
+    return float((points @ (np.cos(heading), np.sin(heading))).min()) - stop.reach
+
+
+def _check_walls(
+    laid: PartialLayout, stops: list[_Stop], needed: dict[int, float], found: Diagnostics
+) -> None:
+    named = [*laid.walls, *laid.solids]
+    shapes = [shape for _, shape in named]
+    if not shapes:
+        return
+    tree = shapely.STRtree(shapes)
+    near: list[tuple[float, _Stop, str]] = []
+    for stop in stops:
+        way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
+        met = [
+            (_ahead(stop, shapes[k].intersection(way)), named[k][0])
+            for k in tree.query(way, predicate="intersects").tolist()
+        ]
+        if met and min(met)[0] < needed[stop.number] - LENGTH:
+            near.append((*min(met)[:1], stop, min(met)[1]))
+    if not near:
+        return
+    gap, stop, wall = max(near, key=lambda one: needed[one[1].number] - one[0])
+    least, mends = needed[stop.number], "end its path earlier, or move the wall"
+    where: Location = laid.path_key(stop.number)
+    corridor = laid.world.corridor
+    if corridor is not None and laid.world.boundaries is None and wall in dict(laid.walls):
+        where = ("corridor", "end_margin")
+        wanted = np.ceil((corridor.end_margin + least - gap) * 100.0) / 100.0
+        mends = f"set end_margin to {wanted:g} m or more"
+    others = f", and {plural(len(near) - 1, 'more robot')} stop so" if len(near) > 1 else ""
+    found.warn(
+        where,
+        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m before {wall}{others}; "
+        f"nearer than {least:.4g} m (controller.boundary_low) it is in danger mode there and may "
+        f"never arrive; {mends}, or lower boundary_low",
+    )
+
+
+def _check_robots(
+    laid: PartialLayout, stops: list[_Stop], needed: dict[int, float], found: Diagnostics
+) -> None:
+    """Warn of robots that come to their stops behind others that may stand at theirs already."""
+    outlines = [stop.outline for stop in stops]
+    tree = shapely.STRtree(outlines)
+    near: list[tuple[float, _Stop, _Stop]] = []
+    for stop in stops:
+        way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
+        for k in tree.query(way, predicate="intersects").tolist():
+            if stops[k] is stop:
+                continue
+            gap = _ahead(stop, outlines[k].intersection(way))
+            if gap < needed[stop.number] - LENGTH and gap > -stop.reach:
+                near.append((gap, stop, stops[k]))
+    if not near:
+        return
+    gap, stop, other = min(near, key=lambda one: one[0])
+    least = needed[stop.number]
+    others = f", as {plural(len(near) - 1, 'more pair')} do" if len(near) > 1 else ""
+    found.warn(
+        laid.path_key(stop.number),
+        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m behind "
+        f"{describe(laid.names[other.number])}{others}; nearer than {least:.4g} m (speed x "
+        "controller.time_low, or distance_low) to a robot that stands there it is in danger mode "
+        "and may never arrive; start them farther apart, or lower time_low",
+    )

@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physim.errors import WorldError
+from physim.simulation.loop import Simulation
 from physim.world.checks import Findings, check_world
 from physim.world.file import parse_world
 from physim.world.file.files import shipped_folder, shipped_worlds
@@ -80,6 +81,32 @@ def test_lines_of_shipped_worlds_left_out_get_a_verdict(tmp_path, name):
     assert check_world(name).errors == ()
     for k in range(0, len(lines), 1 if len(lines) < 40 else 4):
         judged(tmp_path, b"".join(lines[:k] + lines[k + 1 :]))
+
+
+SIZES = st.one_of(
+    st.sampled_from([0.0, 5.0e-324, 1.0e-20, 1.0e-9, 1.0e-7, 1.0e-3, 1.0, 29.0, 1.0e3]),
+    st.floats(-25.0, 3.0).map(lambda power: 10.0**power),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(long=SIZES, wide=SIZES, is_box=st.booleans())
+def test_check_and_run_agree_on_footprints_of_any_size(tmp_path_factory, long, wide, is_box):
+    points = [[0.0, 0.0], [long, 0.0], [0.5 * long, wide]]
+    footprint = f"{{length: {long!r}, width: {wide!r}}}" if is_box else f"{points!r}"
+    text = CORRIDOR.replace("{length: 1.8, width: 1.0}", _in_yaml(footprint), 1)
+    found = check(tmp_path_factory.getbasetemp(), text)
+    try:
+        Simulation(parse_world(text))
+    except WorldError:
+        assert not found.ok, footprint
+    else:
+        assert found.ok, footprint
+
+
+def _in_yaml(text: str) -> str:
+    """Numbers as worlds may hold them: with a point before an exponent, and a sign in it."""
+    return re.sub(r"(?<![\d.])(\d+)e([-+]?\d+)", r"\1.0e\2", text)
 
 
 NUMBERS = st.one_of(

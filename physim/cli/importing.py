@@ -21,7 +21,7 @@ FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
 LINES, PATH = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "origin", "goal", "robots", "lanes",
-    "robot", "name",
+    "robot", "name", "boundary",
 )  # fmt: skip
 
 
@@ -44,6 +44,13 @@ ASKED = (
     metavar="M",
     section=LINES,
     help="[m] how far lines may move: simplified outlines (one cell), flattened curves (0.01)",
+)
+@option(
+    "--boundary",
+    multiple=True,
+    metavar="ID",
+    section=LINES,
+    help="a shape or group of an SVG drawing, by id or label, that is a wall (may be repeated)",
 )
 @option(
     "--specks",

@@ -75,7 +75,8 @@ class Options:
 
     Lengths [m]: ``tolerance`` of simplified and flattened lines, ``start`` and ``gap`` of a closed
     track, ``origin`` and ``goal`` (x, y) of the route, ``robot`` (length, width). ``scale`` [m per
-    unit of the source], ``specks`` [m²] the largest occupied patch that is left out.
+    unit of the source], ``specks`` [m²] the largest occupied patch that is left out. ``boundary``
+    are ids or labels of shapes and groups of an SVG drawing that are walls.
     """
 
     format: str | None = None
@@ -90,6 +91,7 @@ class Options:
     lanes: int | None = None
     robot: tuple[float, float] | None = None
     name: str | None = None
+    boundary: tuple[str, ...] = ()
 
     @property
     def unit(self) -> float:

@@ -176,6 +176,8 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     """
     options = options or Options()
     form = options.format or format_of(source)
+    if options.boundary and form != "svg":
+        raise refused(source, f"--boundary: is for SVG drawings only; this is read as {form}")
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)

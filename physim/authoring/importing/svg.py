@@ -29,6 +29,7 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -101,7 +102,6 @@ def _count(segment: Any, tolerance: float) -> float:
 
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""
-LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 ROLE = re.compile(
     r"(boundar(?:y|ies)|walls?|obstacles?|paths?|reference|robots?)(?:[\s_.:#-]*(.*))?$"
 )
@@ -143,12 +143,13 @@ def read_svg(path: Path, options: Options) -> Drawing:
     lines: list[_Line] = []
     left_out: list[str] = []
     count = 0
-    for element, role, name in _shapes(root, "", ""):
-        own = element.values.get("attributes", {})
-        label = str(own.get(LABEL) or own.get("id") or "")
+    walls = Walls(frozenset(options.boundary))
+    for element, role, name in _shapes(root, "", "", walls):
+        label = next(iter(names_of(element)), "")
         where = escaped(repr(label) if label else f"<{type(element).__name__.lower()}>")
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
+            walls.note(element, name, frame.metres)
             continue
         try:
             found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
@@ -165,13 +166,15 @@ def read_svg(path: Path, options: Options) -> Drawing:
         if count > MOST_POINTS:
             line = look.lines.get(str(element.id or ""))
             raise refused(path, f"{where}: more than {MOST_POINTS} points up to here", line)
+    if unknown := walls.unknown():
+        raise refused(path, unknown)
     drawing.changes += listed(left_out)
     drawing.facts.append(
         f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"
     )
     check_work(path, [line.points for line in lines])
-    _sort(path, drawing, lines)
+    _sort(path, drawing, lines, walls)
     return drawing
 
 
@@ -226,20 +229,30 @@ def _role(element: Any) -> tuple[str, str]:
     return "", ""
 
 
-def _shapes(group: Any, role: str, name: str) -> Any:
-    """Every shape below a group, with the role and name that it or its layer has."""
+def _shapes(group: Any, role: str, name: str, walls: Walls) -> Any:
+    """Every shape below a group, with the role and name that it or its layer has.
+
+    Without a role the name is that of the group that has one, for `Walls.note`.
+    """
     for element in group:
         own, rest = _role(element)
+        is_asked_for = walls.takes(element)
+        if is_asked_for:
+            own, rest = "boundary", ""
+        label = next(iter(names_of(element)), "")
+        within = name if role else ""  # that of a group without a role names nothing in it
         if isinstance(element, svgelements.Group | svgelements.Use):
-            yield from _shapes(element, own or role, rest or name)
+            named = rest or within if own or role else label or name
+            yield from _shapes(element, own or role, named, walls)
         elif isinstance(element, svgelements.Shape):
-            if own and role and own != role and not rest:
+            if own and role and own != role and not rest and not is_asked_for:
                 own = role
-            label = element.values.get("attributes", {}).get(LABEL)
-            yield element, own or role, rest or (str(label) if label and not own else name)
+            drawn = str(element.values.get("attributes", {}).get(LABEL) or "")
+            named = rest or (drawn if drawn and not own else within) if own or role else name
+            yield element, own or role, named
 
 
-def _sort(path: Path, drawing: Drawing, lines: list[_Line]) -> None:
+def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> None:
     """Give every line its place in the drawing."""
     named_paths: list[_Line] = []
     for line in lines:
@@ -265,7 +278,7 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line]) -> None:
         raise refused(
             path,
             "no line is a boundary; put the walls into a layer named boundary, or give them the "
-            "id boundary",
+            f"id boundary{walls.advice()}",
         )
 
 

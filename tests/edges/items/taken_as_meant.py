@@ -35,3 +35,19 @@ def try_labels_that_begin_with_robot(shell: Shell) -> None:
     done = shell.physim("import", "plan.svg", "-o", "w.yaml", "--scale", 1)
     assert (done.code, done.err) == (0, ""), done
     assert "robot_route_0" in done.out
+
+
+PLAN = """\
+<svg xmlns="http://www.w3.org/2000/svg" width="30m" height="15m" viewBox="0 0 30 15">
+  <path id="rim" fill="none" d="M 2,2 L 28,2 L 28,13 L 2,13 Z"/>
+</svg>
+"""
+
+
+def try_a_drawing_without_a_layer_of_walls(shell: Shell) -> None:
+    shell.write("plan.svg", PLAN)
+    given = ("import", "plan.svg", "-o", "plan.yaml", "--scale", 1)
+    shell.physim(*given).refused("plan.svg: ", "--boundary", '"rim" (26 x 11 m)')
+    done = shell.physim(*given, "--boundary", "rim")
+    assert done.code == 0, done.err
+    assert shell.physim("check", "plan.yaml").code == 0

@@ -1,0 +1,70 @@
+"""Shapes of an SVG drawing that are walls because the user says so, or that could be."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from physim.errors import nearest
+from physim.escaping import escaped
+
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+MOST_ADVISED = 5
+
+
+def names_of(element: Any) -> list[str]:
+    """Label and id of an element, as far as it has them."""
+    own = element.values.get("attributes", {})
+    return [str(own[key]) for key in (LABEL, "id") if own.get(key)]
+
+
+class Walls:
+    """What the user asked to be taken as walls, and how large everything without a role is."""
+
+    def __init__(self, asked: frozenset[str]) -> None:
+        """``asked`` are ids or labels of shapes or groups."""
+        self._asked = asked
+        self._found: set[str] = set()
+        self._known: set[str] = set()
+        self._boxes: dict[str, tuple[float, float, float, float]] = {}
+
+    def takes(self, element: Any) -> bool:
+        """Whether an element was asked for by its id or its label."""
+        names = set(names_of(element))
+        self._known |= names
+        self._found |= names & self._asked
+        return bool(names & self._asked)
+
+    def note(self, element: Any, group: str, metres: float) -> None:
+        """Take note of a shape without a role, in a group; ``metres`` is the length of a pixel.
+
+        It goes by its own name, else by that of the group.
+        """
+        name = next(iter(names_of(element)), "") or group
+        box = element.bbox()
+        if not name or box is None:
+            return
+        x0, y0, x1, y1 = (float(value) * metres for value in box)
+        a0, b0, a1, b1 = self._boxes.get(name, (x0, y0, x1, y1))
+        self._boxes[name] = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
+
+    def unknown(self) -> str:
+        """What is wrong with what was asked for; empty where all of it is there."""
+        for name in sorted(self._asked - self._found):
+            known = sorted(self._known)
+            return (
+                f"--boundary {escaped(name)}: no shape and no group has that id or label"
+                f"{escaped(nearest(name[:100], known)) or self.advice()}"
+            )
+        return ""
+
+    def advice(self) -> str:
+        """Which shapes and groups could be walls, the largest first, and how to say so."""
+        sizes = {name: (x1 - x0, y1 - y0) for name, (x0, y0, x1, y1) in self._boxes.items()}
+        largest = sorted(sizes, key=lambda name: -max(sizes[name]))[:MOST_ADVISED]
+        if not largest:
+            return ""
+        listed = ", ".join(
+            f'"{escaped(name)[:60]}" ({sizes[name][0]:.3g} x {sizes[name][1]:.3g} m)'
+            for name in largest
+        )
+        return f"; --boundary ID takes a shape or group for one: the largest are {listed}"

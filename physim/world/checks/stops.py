@@ -27,6 +27,9 @@ from physim.world.layout.shape_checks import placed_outline
 SLENDER = 0.98
 """[-] of its width a robot must have ahead of it: what it passes at its side is not ahead"""
 
+MOST_PAIRS = 5_000
+"""Pairs of robots at their stops that are looked at: of a crowd that stops in one place, some."""
+
 
 @dataclass(frozen=True)
 class StopLimits:
@@ -165,10 +168,12 @@ def _check_robots(
     outlines = [stop.outline for stop in stops]
     tree = shapely.STRtree(outlines)
     near: list[tuple[float, _Stop, _Stop]] = []
+    looked_at = 0
     for stop in stops:
         way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
         for k in tree.query(way, predicate="intersects").tolist():
-            if stops[k] is stop:
+            looked_at += 1
+            if stops[k] is stop or looked_at > MOST_PAIRS:
                 continue
             gap = _ahead(stop, outlines[k].intersection(way))
             if gap < needed[stop.number] - LENGTH and gap > -stop.reach:

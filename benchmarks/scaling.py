@@ -48,7 +48,10 @@ def text(store: Store) -> str:
             rows.append([f"{robots:,}", failed, *[""] * (len(PARTS) + 3)])
             continue
         whole = sum(one["parts"].values())
-        each = [f"{one['parts'][name] / robots * 1e6:.1f}" for name in PARTS]
+        each = [
+            f"{value / robots * 1e6:.1f}" if (value := one["parts"][name]) > 0.0 else "-"
+            for name in PARTS
+        ]
         rows.append([f"{robots:,}", *each, f"**{whole / robots * 1e6:.1f}**",
                      f"{one['build']:.1f} s", f"{one['once']:.2f} s",
                      f"{one['memory']:.0f} MB"])  # fmt: skip
@@ -63,7 +66,7 @@ def text(store: Store) -> str:
     return (
         "## Cost over the number of robots\n\nThe paper's controller in free flow at fixed density,"
         " with a record on disk; microseconds of processor time a robot and simulated second. To"
-        " begin and end a record is paid once a run, however long it is.\n\n"
+        ' begin and end a record is paid once a run, however long it is; "-" is less than it varies.\n\n'
         f"{table(head, rows)}\n![Cost over the number of robots]({PICTURE})\n\n"
     )
 
@@ -81,7 +84,9 @@ def draw(store: Store, folder: Path) -> None:
     robots = list(results)
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(11.0, 4.4), layout="constrained")
     for name, (words, colour) in PARTS.items():
-        seconds = [results[n]["parts"][name] for n in robots]
+        seconds = [
+            one if (one := results[n]["parts"][name]) > 0.0 else float("nan") for n in robots
+        ]
         left.loglog(robots, seconds, "o-", color=colour, label=words, markersize=4)
     whole = [sum(results[n]["parts"].values()) for n in robots]
     left.loglog(robots, whole, "k-", linewidth=2, label="whole")
@@ -96,7 +101,7 @@ def draw(store: Store, folder: Path) -> None:
     bottom = [0.0] * len(robots)
     labels = [f"{n:,}" for n in robots]
     for name, (words, colour) in PARTS.items():
-        height = [results[n]["parts"][name] / n * 1e6 for n in robots]
+        height = [max(results[n]["parts"][name], 0.0) / n * 1e6 for n in robots]
         right.bar(labels, height, bottom=bottom, color=colour, label=words)
         bottom = [a + b for a, b in zip(bottom, height, strict=True)]
     right.set(xlabel="robots", ylabel="µs a robot and simulated second")

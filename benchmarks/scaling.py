@@ -49,7 +49,7 @@ def text(store: Store) -> str:
             continue
         whole = sum(one["parts"].values())
         each = [
-            f"{value / robots * 1e6:.1f}" if (value := one["parts"][name]) > 0.0 else "-"
+            f"{value / robots * 1e6:.1f}" if (value := one["parts"][name]) >= 0.0 else "-"
             for name in PARTS
         ]
         rows.append([f"{robots:,}", *each, f"**{whole / robots * 1e6:.1f}**",
@@ -66,7 +66,7 @@ def text(store: Store) -> str:
     return (
         "## Cost over the number of robots\n\nThe paper's controller in free flow at fixed density,"
         " with a record on disk; microseconds of processor time a robot and simulated second. To"
-        ' begin and end a record is paid once a run, however long it is; "-" is less than it varies.\n\n'
+        ' begin and end a record is paid once a run, however long it is; "-" is less than noise.\n\n'
         f"{table(head, rows)}\n![Cost over the number of robots]({PICTURE})\n\n"
     )
 

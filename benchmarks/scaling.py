@@ -66,7 +66,7 @@ def text(store: Store) -> str:
     return (
         "## Cost over the number of robots\n\nThe paper's controller in free flow at fixed density,"
         " with a record on disk; microseconds of processor time a robot and simulated second. To"
-        ' begin and end a record is paid once a run, however long it is; "-" is less than noise.\n\n'
+        ' begin and end a record is paid once a run, however long it is; "-": below noise.\n\n'
         f"{table(head, rows)}\n![Cost over the number of robots]({PICTURE})\n\n"
     )
 

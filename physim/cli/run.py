@@ -67,13 +67,14 @@ def run(options: Options) -> int:
       physim run my_world.yaml --observer my_module:MyObserver
     """
     from physim.analysis.summary import summarise, table
-    from physim.cli.simulating import ready
+    from physim.cli.simulating import ready, tell_warnings
     from physim.cli.warming import finish
     from physim.world.file import read_world
 
     world, document = read_world(
         options.world, overrides=options.overrides, controller=options.controller
     )
+    tell_warnings(document)
     place = (options.output or Path("runs")) / "record.h5"
     simulation = ready(world, document, options.seed, options, place)
     observers = [_observer(name) for name in options.observers]

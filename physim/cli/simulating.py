@@ -40,11 +40,8 @@ def ready(
     """Simulation of a world that was read, with the kernels loaded or compiled.
 
     A run too large for the disk of ``path``, or, where that is None, for memory, is refused before
-    anything is compiled; where one is long or its record large, that is told. So is what is to be
-    noted about the document, even to those who want quiet: the run may not be the one they expect.
+    anything is compiled; where one is long or its record large, that is told.
     """
-    for line in warning_lines(document):
-        print(f"WARNING  {line}", file=sys.stderr, flush=True)
     try:
         scene = build_scene(world, seed)
     except WorldError as error:
@@ -80,7 +77,18 @@ def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
 def world_given(options: Options, given: str) -> tuple[World, Document]:
     """World of a file or a shipped one, with the changes of the command line."""
     overrides = [*options.overrides, EVERY_STEP]
-    return read_world(given, overrides=overrides, controller=options.controller)
+    world, document = read_world(given, overrides=overrides, controller=options.controller)
+    tell_warnings(document)
+    return world, document
+
+
+def tell_warnings(document: Document) -> None:
+    """Say what is to be noted about a world, once, even to those who want quiet.
+
+    The run may not be the one that they expect.
+    """
+    for line in warning_lines(document):
+        print(f"WARNING  {line}", file=sys.stderr, flush=True)
 
 
 def world_of_record(options: Options, record: Record) -> tuple[World, Document]:

@@ -13,6 +13,10 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.geometry.polygon import smallest_width
+from physim.geometry.shapes import Shapes
+from physim.tolerances import DEEP, IMPACT_SPEED, TUNNEL_FRACTION
+
 
 class Phase(IntEnum):
     """Where in its episode a contact row stands."""
@@ -67,3 +71,20 @@ def touching(rows: NDArray[np.void]) -> NDArray[np.void]:
     """Rows of `CONTACT_ROW` whose bodies touch at the sample: physical, and not ended."""
     kept: NDArray[np.void] = rows[(rows["phase"] != Phase.ENDED) & (rows["kind"] == Kind.PHYSICAL)]
     return kept
+
+
+def allowed_depth(shapes: Shapes, step: float) -> float:
+    """How deep [m] bodies may be in each other at the end of a step of ``step`` [s].
+
+    An impact is found where a step ends, as deep as the bodies closed in it: ``DEEP`` at 0.01 s and
+    ``IMPACT_SPEED``, in proportion more in longer steps, but no more than a quarter of the smallest
+    width of the robots' footprints ``shapes``, as far as a robot may move in a step. The engine
+    keeps to it (`physim.simulation.engine.cutting`); a contact that is deeper all the same was not
+    held: from there on a record is not physical, and every report says so.
+    """
+    bounds = zip(shapes.part_start[:-1].tolist(), shapes.part_start[1:].tolist(), strict=True)
+    parts = {shapes.vertices[low:high].tobytes() for low, high in bounds}
+    if not parts:
+        return DEEP
+    narrowest = smallest_width([np.frombuffer(part).reshape(-1, 2) for part in parts])
+    return max(DEEP, min(DEEP + IMPACT_SPEED * (step - 0.01), TUNNEL_FRACTION * narrowest))

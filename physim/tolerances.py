@@ -28,10 +28,12 @@ SETTLED_DEPTH = 2e-3
 """[m] Overlap of a robot held at rest by a wall: collision_slop (1 mm) and as much again."""
 
 DEEP = 2.1e-2
-"""[m] No step of the engine ends with two bodies deeper in each other by their motion: they stop
-where they touch (`physim.simulation.engine.cutting`). Impacts at up to 2 m/s stay below it at
-0.01 s, and so does the world `jam`. A contact deeper than this is not held: from there on a record
-is not physical, and every report says so."""
+"""[m] How deep two bodies may be in each other where a step ends, if it is of 0.01 s or less: the
+depth of an impact at IMPACT_SPEED. The world `jam` stays below it. `physim.contacts.allowed_depth`
+says what longer steps may reach."""
+
+IMPACT_SPEED = 2.0
+"""[m/s] Impacts up to this closing speed are left as the engine finds them, where a step ends."""
 
 ONE_STEP = 1e-11
 """[m, rad] How far a recorded pose may be from the end of the arc that begins at the pose before:

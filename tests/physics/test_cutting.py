@@ -109,7 +109,7 @@ def stepwise(physics, commands):
 @pytest.mark.parametrize("speed", [0.7, 5.0])
 def test_steps_that_end_shallow_are_left_as_they_are(monkeypatch, speed):
     cut = stepwise(*crowd(speed))
-    monkeypatch.setattr(hosting, "DEEP", np.inf)
+    monkeypatch.setattr(hosting, "allowed_depth", lambda shapes, step: np.inf)
     plain = stepwise(*crowd(speed))
     deep = [k for k, (_, rows) in enumerate(plain) if deepest([rows]) > DEEP]
     first = deep[0] if deep else len(plain)
@@ -162,7 +162,7 @@ def test_robots_stop_in_the_order_in_which_they_meet():
         end = begin.copy()
         end[:6] += way
         share = np.full(6, np.nan)
-        cut_short(keys, shapes, end, way, share)
+        cut_short(keys, shapes, end, way, DEEP, share)
         now = begin.copy()
         now[:6] += share[:, None] * way
         depth = {(a, b): pair_depth(shapes, now, a, b) for a, b in pairs}

@@ -145,7 +145,7 @@ def test_nothing_left_out_nothing_changes():
 )
 def test_anything_left_out_changes_the_run(change, monkeypatch):
     # A step that is done again begins from the poses alone.
-    monkeypatch.setattr("physim.simulation.engine.host.DEEP", np.inf)
+    monkeypatch.setattr("physim.simulation.engine.host.allowed_depth", lambda shapes, step: np.inf)
     assert end_up_elsewhere(change) == (6, 6)
 
 

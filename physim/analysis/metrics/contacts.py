@@ -32,12 +32,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, touching
+from physim.contacts import Kind, allowed_depth, touching
 from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
-from physim.tolerances import DEEP
 from physim.world.scene import DENSITY
 
 STOPPED = 1e-6
@@ -230,7 +229,7 @@ def _elasticity(record: Record) -> float:
 
 @dataclass(frozen=True)
 class Deep:
-    """A pair of bodies that sank into each other by more than `physim.tolerances.DEEP`."""
+    """A pair of bodies that sank into each other by more than `physim.contacts.allowed_depth`."""
 
     a: int
     """body ids, a < b"""
@@ -260,14 +259,15 @@ class Deep:
 def deep_contacts(record: Record) -> tuple[Deep, ...]:
     """Pairs deeper than allowed at a sample, in the order of time; empty where all were held."""
     rows = touching(record.contacts)
-    rows = rows[rows["depth"] > DEEP]
+    allowed = allowed_depth(record.shapes, record.dt)
+    rows = rows[rows["depth"] > allowed]
     found = []
     for a, b in np.unique(np.stack((rows["a"], rows["b"]), 1), axis=0).tolist():
         mine = rows[(rows["a"] == a) & (rows["b"] == b)]
         worst = mine[int(np.argmax(mine["depth"]))]
         found.append(
             Deep(
-                a, b, int(mine["step"].min()) * record.dt, DEEP, float(worst["depth"]),
+                a, b, int(mine["step"].min()) * record.dt, allowed, float(worst["depth"]),
                 int(worst["step"]) * record.dt, (float(worst["x"]), float(worst["y"])),
             )
         )  # fmt: skip

@@ -85,7 +85,7 @@ class Validation:
     expectations: tuple[Held, ...]
     """what the world inside expects of a run, as far as it can be said of this one"""
     deep: tuple[Deep, ...]
-    """contacts deeper than `physim.tolerances.DEEP`: what follows them is not physical"""
+    """contacts deeper than `physim.contacts.allowed_depth`: what follows them is not physical"""
     rerun: Rerun | None = None
     """the run simulated again, where it was"""
 

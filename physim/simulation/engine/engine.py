@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.simulation.engine.guard import Guard, Touches
-from physim.simulation.engine.space import (
-    ITERATIONS,
-    MANY_ITERATIONS,
-    BodyArrays,
-    Hosted,
-    parking,
-    stepper,
-)
+from physim.simulation.engine.space import BodyArrays, Hosted, parking, stepper
 from physim.simulation.engine.state import ContactMemory, Impulses, no_impulses
 
 
@@ -53,15 +43,6 @@ class Engine:
             self.step()
         self._put(pose)
         self.rejected()
-
-    @contextmanager
-    def patience(self) -> Iterator[None]:
-        """Solve contacts more exactly for a while."""
-        self._space.iterations = MANY_ITERATIONS
-        try:
-            yield
-        finally:
-            self._space.iterations = ITERATIONS
 
     def impulses(self) -> Impulses:
         """Return what contacts have accumulated in the last step."""

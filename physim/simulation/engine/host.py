@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
-
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import direct
-from physim.contacts import CONTACT_ROW, Phase
+from physim.contacts import CONTACT_ROW, allowed_depth
 from physim.errors import PhysimError
 from physim.geometry.motion import chord_velocities
 from physim.geometry.separation import describe_pairs
@@ -36,7 +34,6 @@ from physim.simulation.engine.state import (
     goes_on_from_impulses,
     no_impulses,
 )
-from physim.tolerances import DEEP
 
 
 class Physics:
@@ -58,7 +55,7 @@ class Physics:
 
     The force of a command is m v / dt, what it takes to bring a robot from rest to its speed within
     a step, and has no other limit. Overlaps stay below (closing speed + sum of r|omega|) dt in the
-    step of an impact, and below DEEP (`physim.simulation.engine.cutting`), and settle below
+    step of an impact, and below what is allowed (`physim.contacts.allowed_depth`), and settle below
     SETTLED_DEPTH.
 
     Every contact at a sample is found, to the tolerance CONTACT; a swept contact, which begins and
@@ -87,6 +84,7 @@ class Physics:
         start = np.ascontiguousarray(start, dtype=np.float64)
         hosted = build_space(shapes, walls, start, mass, friction, elasticity)
         self.dt = dt
+        self._allowed_depth = allowed_depth(shapes, dt)
         self._robots = len(start)
         self._shapes = joined_shapes(shapes, walls)
         self._body_of_part = part_bodies(self._shapes)
@@ -97,7 +95,7 @@ class Physics:
         inertia = [(m, m, moment(body_parts(shapes, i), m)) for i, m in enumerate(mass)]
         self._drive_per_speed = np.array(inertia, dtype=np.float64).reshape(-1, 3) / dt
         self._chord_velocities = direct(chord_velocities)
-        self._start, self._wanted = np.zeros((2, self._robots, 3))
+        self._wanted = np.zeros((self._robots, 3))
         self._placed = np.zeros((self._bodies, 3))
         self._no_pairs, self._no_contacts = no_pairs(), no_contacts()
         self._no_false = no_false_contacts()
@@ -124,13 +122,11 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         before, rejected = self._pairs, self._guard.rejected
-        if len(before.key):
-            self._start[:] = self._arrays.pose
         self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
         pushes = self._push_and_move(before)
         if self._is_deep():
-            self._hold_better(command, before, pushes, rejected)
+            self._cut_short(before, pushes, rejected)
         if self._journal is not None:
             self._journal.add(command)
             if not self._engine.remembers:
@@ -225,37 +221,20 @@ class Physics:
         if self._is_deep():  # none is stopped: compiles what a run may need
             self._cut_short(self._no_pairs, self._no_pairs, rejected)
 
-    def _push_and_move(self, before: Pairs, is_patient: bool = False) -> Pairs:
-        """Move all bodies from a sample at which pairs touch, by ``velocity``; the pushes.
-
-        Patient it may be with the pushes alone: how fast the engine eases overlaps after the last
-        solve must follow from the poses, see `physim.simulation.engine.state`.
-        """
+    def _push_and_move(self, before: Pairs) -> Pairs:
+        """Move all bodies from a sample at which pairs touch, by ``velocity``; the pushes."""
         pushes = self._no_pairs
         if len(before.key):
             self._wanted[:] = self._arrays.velocity
-            with self._engine.patience() if is_patient else nullcontext():
-                pushes = self._hold_back()
+            pushes = self._hold_back()
             self._arrays.velocity[:] = self._wanted
         self._move(before, pushes)
         return pushes
 
     def _is_deep(self) -> bool:
         """Whether two bodies are deeper in each other than they may be."""
-        return bool(len(self.contacts) and np.maximum.reduce(self.contacts["depth"]) > DEEP)
-
-    def _hold_better(
-        self, command: FloatArray, before: Pairs, pushes: Pairs, rejected: int
-    ) -> None:
-        """Do again a step that ended too deep; `physim.simulation.engine.cutting` says how."""
-        rows = self.contacts
-        if (rows["phase"][rows["depth"] > DEEP] == Phase.STAYS).any():
-            self._engine.recall(self._start, None)
-            self._guard.rejected = rejected
-            self._chord_velocities(self._start, command, self.dt, self._arrays.velocity)
-            pushes = self._push_and_move(before, is_patient=True)
-        if self._is_deep():
-            self._cut_short(before, pushes, rejected)
+        depth = self.contacts["depth"]
+        return bool(len(depth) and np.maximum.reduce(depth) > self._allowed_depth)
 
     def _hold_back(self) -> Pairs:
         """Replace wanted velocities of robots in contact by what contacts allow; the pushes.
@@ -281,7 +260,7 @@ class Physics:
         last, share = np.ones((2, self._robots))
         while True:  # what stops may be met by what passed it before
             keys = np.union1d(keys, self._pairs.key)
-            cut_short(keys, self._shapes, end, way, share)
+            cut_short(keys, self._shapes, end, way, self._allowed_depth, share)
             if np.array_equal(share, last):
                 return
             last[:] = share

@@ -24,9 +24,6 @@ SLOP = 1e-3
 ITERATIONS = 20
 """Rounds of the contact solver per step."""
 
-MANY_ITERATIONS = 500
-"""Rounds of the contact solver where those do not hold bodies: see `cutting`."""
-
 RADIUS = CONTACT
 """[m] Skin of every shape. Shapes touch at CONTACT; two skins are twice that, so that the engine
 reports every pair that may touch and the exact check alone decides."""

@@ -38,6 +38,7 @@ LAYERS = {
     "physim.contacts": (0, 0),
     "physim.geometry": (0, 4),
     "physim.randomness": (0, 5),
+    "physim.statistics": (0, 5),
     "physim.world": (1, 0),
     "physim.world.scene": (1, 0),
     "physim.parts": (1, 1),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from physim.statistics.proportion import clopper_pearson_each
-from physim.statistics.sequence import at_each_look, log_evidence, running
+from physim.statistics.sequence import at_each_look, log_evidence, looks_needed, running
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
 
 LOOKS = 1000
@@ -131,3 +131,15 @@ def test_the_price_of_looking_is_bounded() -> None:
         low, high = at_each_look(s, n - s)
         exact = clopper_pearson_each(s, n)
         assert 1.0 < float(high - low) / float(exact[1] - exact[0]) < 2.2
+
+
+@pytest.mark.parametrize("rate", [0.5, 0.9, 0.999])
+def test_looks_needed_are_enough_and_no_more(rate: float) -> None:
+    runs = looks_needed(rate)
+    assert float(at_each_look(runs, 0)[0]) >= rate > float(at_each_look(runs - 1, 0)[0])
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0])
+def test_no_number_of_looks_shows_certainty(rate: float) -> None:
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        looks_needed(rate)

@@ -68,6 +68,7 @@ class Outcomes:
         self.cells = _cells([(codes[order], words) for codes, words in keys])
 
     def __len__(self) -> int:
+        """Number of runs."""
         return len(self.seed)
 
     def column(self, name: str) -> FloatArray:
@@ -143,7 +144,8 @@ def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
     named = []
     for start in starts:
         words = [
-            known[code] if code >= 0 else "" for (_, known), code in zip(keys, codes[:, start])
+            known[code] if code >= 0 else ""
+            for (_, known), code in zip(keys, codes[:, start], strict=True)
         ]
         named.append((tuple(words[: len(CELL)]), words[len(CELL) :]))
     names = [name for name, _ in named]

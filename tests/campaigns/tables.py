@@ -55,7 +55,7 @@ def table(rows: list[dict[str, Any]]) -> pa.Table:
 
 
 def many(count: int, cells: int = 10, seed: int = 0) -> pa.Table:
-    """A large campaign: ``cells`` of worlds and two controllers, some runs with contacts, some failed."""
+    """A large campaign: worlds and two controllers, some runs with contacts, some failed."""
     rng = np.random.default_rng(seed)
     cell = np.arange(count) % cells
     number = np.arange(count) // cells

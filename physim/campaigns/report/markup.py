@@ -1,4 +1,4 @@
-"""Pages of HTML that need nothing beside them: their frame, their colours, and text made harmless."""
+"""Pages of HTML that need nothing beside them: their frame and colours, and harmless text."""
 
 from __future__ import annotations
 

@@ -136,8 +136,8 @@ def _rates(report: Report) -> Iterator[str]:
     if any(one.rates[0].at_most is not None for one in report.cells):
         needed = next(one.rates[0].needed for one in report.cells if one.rates[0].needed)
         yield (
-            f'<p class="quiet">Where no run failed, the bound is one-sided, of 95 %: '
-            f"{number(needed)} runs without a failure show {percent(SHOWN)}.</p>"
+            f'<p class="quiet">Where no run went wrong, the bound is one-sided, of 95 %: '
+            f"{number(needed)} runs none of which goes wrong show {percent(SHOWN)}.</p>"
         )
 
 
@@ -173,8 +173,8 @@ def _distances(report: Report) -> Iterator[str]:
     yield "<h2>How close do robots come to each other and to walls?</h2>"
     yield (
         "<p>The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
-        "left of the dashed line, robots overlapped: a contact. Upright: the share of runs. Cells of "
-        "a world have the same axis.</p>"
+        "left of the dashed line, robots overlapped: a contact. Upright: the share of runs. Cells "
+        "of a world have the same axis.</p>"
     )
     near = report.outcomes.column("shortest_distance")
     axes = {}

@@ -1,4 +1,4 @@
-"""Numbers as reports write them: shares so that nothing near 100 % is made 100 %, and the method."""
+"""Numbers as reports write them, nothing near 100 % made 100 %; and which intervals are meant."""
 
 from __future__ import annotations
 
@@ -51,14 +51,14 @@ def interval(low: float, high: float) -> str:
 
 
 def no_failure(rate: Rate) -> str:
-    """What it means that no run failed; empty where one did."""
+    """What it means that no run went wrong; empty where one did."""
     if rate.at_most is None or rate.needed is None:
         return ""
-    text = f"no failure in {plural(rate.of, 'run')}: at most {percent(rate.at_most, None, 1)} fail"
-    more = rate.needed - rate.of
+    few = f"{number(rate.good)} of {number(rate.of)}: at most {percent(rate.at_most, None, 1)} go wrong"
+    more, shown = rate.needed - rate.of, percent(SHOWN)
     if more > 0:
-        return f"{text}; {number(more)} more without one would show {SHOWN:.1%}".replace("%", " %")
-    return f"{text}, which shows {SHOWN:.1%}".replace("  ", " ")
+        return f"{few}; {number(more)} more, none of which does, would show {shown}"
+    return f"{few}, which shows {shown}"
 
 
 def number(count: int) -> str:
@@ -88,15 +88,15 @@ def method(goal: Goal | None) -> str:
     """Which intervals these are, and why; one paragraph."""
     if goal is None:
         return (
-            "95 % intervals are exact (Clopper and Pearson): for a number of runs fixed in advance. "
-            "They do not hold where a campaign was stopped because of what it showed; physim sweep "
-            "--until stops one by intervals that do."
+            "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance. "
+            "They do not hold where a campaign was stopped because of what it showed; those of "
+            "physim sweep --until do."
         )
     return (
-        f"95 % intervals are a confidence sequence (beta-binomial mixture): this campaign ran until "
-        f"{goal_words(goal)} (--until), so it was looked at after every run, and these hold at every "
-        "look. Exact intervals, for a number of runs fixed in advance, would be narrower and not "
-        "hold. The runs that decide count, in the order of seeds; later ones do not."
+        "95 % intervals are a confidence sequence (beta-binomial mixture): this campaign ran until "
+        f"{goal_words(goal)} (--until), so it was looked at after every run, and these hold at "
+        "every look. Exact intervals, for a number of runs fixed in advance, would be narrower and "
+        "would not hold. Of each cell the first runs that decide count, in the order of seeds."
     )
 
 

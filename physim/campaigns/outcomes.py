@@ -97,9 +97,8 @@ class Outcomes:
     @cached_property
     def touched(self) -> BoolArray:
         """Runs with any contact, between robots or with walls, at samples or between them."""
-        return np.any(
-            [self.column(name) > 0 for name in ("contacts", "wall_contacts", "grazes")], axis=0
-        )
+        some = [self.column(name) > 0 for name in ("contacts", "wall_contacts", "grazes")]
+        return np.asarray(np.any(some, axis=0), bool)
 
     @cached_property
     def contact_free(self) -> BoolArray:
@@ -143,14 +142,12 @@ def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
     starts = [0, *(1 + np.flatnonzero(np.any(np.diff(codes, axis=1), axis=0))).tolist()]
     named = []
     for start in starts:
-        words = [
-            known[code] if code >= 0 else ""
-            for (_, known), code in zip(keys, codes[:, start], strict=True)
-        ]
-        named.append((tuple(words[: len(CELL)]), words[len(CELL) :]))
+        at = codes[:, start]
+        words = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
+        named.append(((words[0], words[1], words[2]), " ".join(words[len(CELL) :])))
     names = [name for name, _ in named]
     found = []
     for (name, versions), start, stop in zip(named, starts, [*starts[1:], count], strict=True):
-        note = " ".join(versions) if names.count(name) > 1 else ""
+        note = versions if names.count(name) > 1 else ""
         found.append(Cell(*name, note, start, stop))
     return tuple(found)

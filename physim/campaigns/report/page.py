@@ -193,8 +193,10 @@ def _distances(report: Report) -> Iterator[str]:
             what = f"least distances of {one.cell.name}: {_five(spread, 'm')}"
             yield distribution(known, axes[one.cell.world], "least distance of a run [m]", what)
             seed = report.outcomes.seed[one.worst] if one.worst is not None else ""
-            yield f"<figcaption>{_five(spread, 'm')}; the least with seed {seed}"
-            yield f"{_of(spread, one)}</figcaption>"
+            yield (
+                f"<figcaption>{_five(spread, 'm')}; the least with seed {seed}"
+                f"{_of(spread, one)}</figcaption>"
+            )
         else:
             yield "<figcaption>no run has one</figcaption>"
         yield "</figure>"

@@ -160,3 +160,68 @@ def _lower_axis(axis: Axis, floor: float, unit_text: str) -> str:
         f'y2="{floor}"/>{labels}<text x="{axis.start + axis.length}" y="{floor + 29}" '
         f'text-anchor="end">{text(unit_text)}</text>'
     )
+
+
+def shift_plot(value: float, low: float, high: float, unit: str, width: float, what: str) -> str:
+    """A difference with its interval on an axis with 0 in the middle; an end beyond it is open."""
+    finite = [abs(x) for x in (value, low, high) if math.isfinite(x)]
+    most = max([1e-6, *finite]) * (1.0 if math.isfinite(low + high) else 1.5)
+    step = step_of(most / 2.0)
+    most = math.ceil(most / step - 1e-9) * step
+    axis = Axis(-most, most, 8.0, width - 16.0)
+    x = [axis.at(each) for each in (low, high, value)]
+    zero = axis.at(0.0)
+    labels = "".join(
+        f'<text x="{axis.at(t)}" y="28" text-anchor="{anchor}">'
+        f"{written(t, step)} {text(unit)}</text>"
+        for t, anchor in ((-most, "start"), (most, "end"))
+    )
+    return (
+        f'<svg viewBox="0 0 {width:g} 31" width="{width:g}" role="img" aria-label="{text(what)}">'
+        f'<line class="zero" x1="{zero}" x2="{zero}" y1="0" y2="19"/>'
+        f'<line class="line" x1="{x[0]}" x2="{x[1]}" y1="9" y2="9"/>'
+        f'<circle class="dot" cx="{x[2]}" cy="9" r="4"/>{labels}'
+        f'<text x="{zero}" y="28" text-anchor="middle">0</text></svg>'
+    )
+
+
+def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float = 270.0) -> str:
+    """Pairs (K,) as points on equal axes, with the line on which both are the same."""
+    low, high = float(min(a.min(), b.min())), float(max(a.max(), b.max()))
+    step = step_of(max(high - low, 1e-6) / 4.0)
+    low, high = (
+        math.floor(low / step) * step,
+        max(math.ceil(high / step), math.floor(low / step) + 1) * step,
+    )
+    axis = Axis(low, high, 44.0, side - 54.0)
+    floor = axis.start + axis.length - 34.0
+
+    def up(value: float) -> float:
+        return round(floor - (axis.at(value) - axis.start), 1)
+
+    parts = []
+    for tick in axis.ticks(4):
+        parts.append(
+            f'<line class="grid" x1="{axis.at(low)}" x2="{axis.at(high)}" y1="{up(tick)}" '
+            f'y2="{up(tick)}"/><line class="grid" x1="{axis.at(tick)}" x2="{axis.at(tick)}" '
+            f'y1="{up(low)}" y2="{up(high)}"/><text x="{axis.start - 5}" y="{up(tick) + 4}" '
+            f'text-anchor="end">{written(tick, step)}</text><text x="{axis.at(tick)}" '
+            f'y="{floor + 15}" text-anchor="middle">{written(tick, step)}</text>'
+        )
+    parts.append(
+        f'<line class="axis" x1="{axis.at(low)}" x2="{axis.at(high)}" y1="{up(low)}" '
+        f'y2="{up(high)}"/>'
+    )
+    parts += [
+        f'<circle class="point" cx="{axis.at(x)}" cy="{up(y)}" r="3"/>'
+        for x, y in zip(a.tolist(), b.tolist(), strict=True)
+    ]
+    right = axis.start + axis.length
+    parts.append(
+        f'<text x="{right}" y="{floor + 31}" text-anchor="end">A: {text(label)}</text>'
+        f'<text x="4" y="{up(high) - 8}">B: {text(label)}</text>'
+    )
+    return (
+        f'<svg viewBox="0 -12 {side:g} {floor + 48:g}" width="{side:g}" role="img" '
+        f'aria-label="{text(what)}">{"".join(parts)}</svg>'
+    )

@@ -54,7 +54,8 @@ def no_failure(rate: Rate) -> str:
     """What it means that no run went wrong; empty where one did."""
     if rate.at_most is None or rate.needed is None:
         return ""
-    few = f"{number(rate.good)} of {number(rate.of)}: at most {percent(rate.at_most, None, 1)} go wrong"
+    most = percent(rate.at_most, None, 1)
+    few = f"{number(rate.good)} of {number(rate.of)}: at most {most} go wrong"
     more, shown = rate.needed - rate.of, percent(SHOWN)
     if more > 0:
         return f"{few}; {number(more)} more, none of which does, would show {shown}"
@@ -88,8 +89,8 @@ def method(goal: Goal | None) -> str:
     """Which intervals these are, and why; one paragraph."""
     if goal is None:
         return (
-            "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance. "
-            "They do not hold where a campaign was stopped because of what it showed; those of "
+            "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance."
+            " They do not hold where a campaign was stopped because of what it showed; those of "
             "physim sweep --until do."
         )
     return (

@@ -1,0 +1,1 @@
+"""Runs in great number: how likely a contact is, which of two is better, what the worst is."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from physim.escaping import escaped
 from physim.statistics.proportion import CONFIDENCE
-from physim.statistics.sequence import running
+from physim.statistics.sequence import at_each_look, running
 
 RATES = ("rate", "contact_free", "finished")
 ALLOWED = (
@@ -113,6 +113,29 @@ def decide(goal: Goal, outcomes: ArrayLike, confidence: float = CONFIDENCE) -> D
     if goal.sign and decided:
         holds = (low > goal.number) == (goal.sign == ">")
     return Decision(at + 1, int(looks.successes[at]), low, high, decided, holds)
+
+
+class Watch:
+    """Outcomes held against a goal one by one, as they come; it says what `decide` says of all."""
+
+    def __init__(self, goal: Goal, confidence: float = CONFIDENCE) -> None:
+        self.goal, self.confidence = goal, confidence
+        self.runs = self.successes = 0
+        self.low, self.high = 0.0, 1.0
+        self.decided = False
+
+    def add(self, good: bool) -> bool:
+        """Whether it is decided with one more outcome; what comes after that has no say."""
+        if self.decided:
+            return True
+        self.runs += 1
+        self.successes += good
+        ends = at_each_look([self.successes], [self.runs - self.successes], self.confidence)
+        low, high = max(self.low, float(ends[0][0])), min(self.high, float(ends[1][0]))
+        if low <= high:
+            self.low, self.high = low, high
+        self.decided = bool(self.goal.reached(self.low, self.high))
+        return self.decided
 
 
 def _fault(text: str, at: int, what: str) -> ValueError:

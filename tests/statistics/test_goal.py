@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.statistics.goal import RATES, Goal, decide, read_goal
+from physim.statistics.goal import RATES, Goal, Watch, decide, read_goal
 from physim.statistics.sequence import running
 from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
 
@@ -120,3 +120,25 @@ def test_where_the_rate_is_the_bound_few_are_decided(rate: float, bound: float) 
     assert [decide(goal, outcomes[k]).decided for k in (*some, 0)] == [True] * len(some) + [
         bool(decided[0])
     ]
+
+
+@pytest.mark.parametrize("text", ["rate > 0.9", "rate < 0.9", "0.1", "rate > 0.97"])
+def test_one_by_one_is_as_all_at_once(text: str) -> None:
+    goal = read_goal(text)
+    good = draws(4).random(800) < 0.95
+    watch = Watch(goal)
+    told = [watch.add(bool(one)) for one in good]
+    whole = decide(goal, good)
+    assert watch.decided == whole.decided
+    assert (watch.runs, watch.successes) == (whole.runs, whole.successes)
+    assert (watch.low, watch.high) == (whole.low, whole.high)
+    assert told == [k + 1 >= whole.runs and whole.decided for k in range(len(good))]
+
+
+def test_one_by_one_a_rate_that_changes() -> None:
+    good = [True] * 300 + [False] * 700
+    watch = Watch(Goal("rate", "", 0.001))
+    for one in good:
+        watch.add(one)
+    looks = running(good)
+    assert (watch.low, watch.high) == (looks.low[-1], looks.high[-1])

@@ -8,6 +8,7 @@ import numpy as np
 
 from physim.campaigns.compare import Comparison, Finding
 from physim.campaigns.report.comparison_text import (
+    difference_unit,
     interval_text,
     is_share,
     method,
@@ -55,15 +56,15 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
     for f in one.findings:
         unit = unit_of(f)
         a, b = (value_text(f, x, unit).replace("-", "−") for x in (f.a, f.b))
-        words = _verdict(one, f)
-        scale, unit_text = (100.0, "points") if is_share(f) else (1.0, unit)
+        words, shift = _verdict(one, f), text(interval_text(f).replace("-", "−"))
+        scale = 100.0 if is_share(f) else 1.0
         value, low, high = (scale * x for x in (f.difference, f.low, f.high))
-        plot = shift_plot(value, low, high, unit_text, SHIFT_WIDTH, f"{title(f)}: {words}")
+        plot = shift_plot(value, low, high, difference_unit(f), SHIFT_WIDTH, f"{title(f)}: {words}")
         yield (
             f'<tr><td class="name"><b>{text(title(f))}</b>'
             f"<span>{text(pairs_text(one, f).strip(' ()'))}</span></td>"
             f'<td class="number" data-name="A">{a}</td><td class="number" data-name="B">{b}</td>'
-            f"<td>{plot}</td><td>{text(interval_text(f).replace('-', '−'))}</td>"
+            f'<td>{plot}</td><td class="number">{shift}</td>'
             f'<td><span class="verdict">{text(words)}</span><br><small>p {p_text(f.p)}, corrected '
             f"{p_text(f.corrected)}<br>{_won(f)}</small></td></tr>"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -90,30 +91,34 @@ def verdict(found: Finding) -> str:
 def _size(found: Finding, sign: float) -> str:
     """Difference without its sign, with the interval of its size."""
     low, high = sorted((sign * found.low, sign * found.high))
-    return (
-        f"{_amount(found, abs(found.difference))} [{_amount(found, low)}, {_amount(found, high)}]"
-    )
+    value, low_text, high_text = (_amount(found, x) for x in (abs(found.difference), low, high))
+    return f"{value} [{low_text}, {high_text}] {difference_unit(found)}".rstrip()
 
 
 def interval_text(found: Finding) -> str:
-    """``+0.031 m [-0.002 m, +0.064 m]``, B minus A."""
-    return (
-        f"{_signed(found, found.difference)} "
-        f"[{_signed(found, found.low)}, {_signed(found, found.high)}]"
-    )
+    """``+0.031 [-0.002, +0.064] m``, B minus A."""
+    value, low, high = (_signed(found, x) for x in (found.difference, found.low, found.high))
+    return f"{value} [{low}, {high}] {difference_unit(found)}".rstrip()
+
+
+def difference_unit(found: Finding) -> str:
+    """Unit of a difference: of shares percentage points."""
+    return "points" if is_share(found) else unit_of(found)
 
 
 def _amount(found: Finding, value: float) -> str:
+    """A number without its unit."""
+    if math.isinf(value):
+        return "unbounded"
     if is_share(found):
-        return f"{100.0 * value:.1f} points"
-    return measured(found.name, value, unit_of(found))
+        return f"{100.0 * value:.1f}"
+    unit = unit_of(found)
+    return measured(found.name, value, unit).removesuffix(f" {unit}")
 
 
 def _signed(found: Finding, value: float) -> str:
     text = _amount(found, abs(value))
-    if value in (float("inf"), float("-inf")):
-        return "unbounded"
-    return f"{'-' if value < 0.0 else '+'}{text}"
+    return text if math.isinf(value) else f"{'-' if value < 0.0 else '+'}{text}"
 
 
 def p_text(p: float) -> str:

@@ -127,10 +127,16 @@ class Report:
         return [f"physim {word}" for word in own] + engine
 
 
-def report_of(outcomes: Outcomes, title: str, goal: Goal | None = None) -> Report:
-    """All figures. With a ``goal``, that of ``sweep --until``, by the confidence sequence."""
+def report_of(
+    outcomes: Outcomes, title: str, goal: Goal | None = None, first: int | None = None
+) -> Report:
+    """All figures. With a ``goal``, that of ``sweep --until``, by the confidence sequence.
+
+    Then only runs without a gap from seed ``first`` on count in rates: which runs after a gap are
+    there depends on how long they took.
+    """
     measures = {name: outcomes.column(name) for name in MEASURES}
-    cells = tuple(_cell(outcomes, cell, measures, goal) for cell in outcomes.cells)
+    cells = tuple(_cell(outcomes, cell, measures, goal, first) for cell in outcomes.cells)
     return Report(
         title, outcomes, goal, cells, _worst(outcomes, measures["shortest_distance"]),
         _failures(outcomes),
@@ -138,11 +144,18 @@ def report_of(outcomes: Outcomes, title: str, goal: Goal | None = None) -> Repor
 
 
 def _cell(
-    outcomes: Outcomes, cell: Cell, measures: dict[str, FloatArray], goal: Goal | None
+    outcomes: Outcomes,
+    cell: Cell,
+    measures: dict[str, FloatArray],
+    goal: Goal | None,
+    first: int | None,
 ) -> CellReport:
     rows = cell.rows
     good = {name: outcomes.successes(name)[rows] for name in RATES}
-    decision = decide(goal, good[goal.rate]) if goal is not None else None
+    decision = None
+    if goal is not None:
+        count = without_gap(outcomes.seed[rows], first)
+        decision = decide(goal, good[goal.rate][:count])
     rates = [
         exact(name, int(np.count_nonzero(hits)), cell.count) if decision is None
         else at_any_look(name, hits[: decision.runs])
@@ -156,6 +169,15 @@ def _cell(
         tuple(Spread.of(name, values[rows]) for name, values in measures.items()),
         decision, worst,
     )  # fmt: skip
+
+
+def without_gap(seeds: np.ndarray, first: int | None) -> int:
+    """How many of sorted seeds follow one another from ``first`` on, or from the smallest."""
+    if not len(seeds):
+        return 0
+    start = int(seeds[0]) if first is None else first
+    gaps = np.flatnonzero(seeds != np.arange(len(seeds)) + start)
+    return int(gaps[0]) if len(gaps) else len(seeds)
 
 
 def exact(name: str, good: int, of: int) -> Rate:

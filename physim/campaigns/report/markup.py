@@ -101,6 +101,7 @@ td b { font-size: 1.02rem; }
 .tile .bad { color: var(--contact); }
 .verdict { font-weight: 600; }
 svg { display: block; max-width: 100%; height: auto; overflow: visible; }
+svg.whole { width: 100%; max-width: 28rem; margin: .2rem 0 .4rem; }
 svg text { font: 11px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif;
   fill: var(--quiet); }
 svg .axis { stroke: var(--quiet); stroke-width: 1; fill: none; }
@@ -114,6 +115,8 @@ svg .zero { stroke: var(--ink); stroke-width: 1; stroke-dasharray: 3 3; }
 @media (max-width: 44rem) {
   main { padding: 1.3rem .9rem 3rem; }
   h1 { font-size: 1.5rem; }
+  .figures { grid-template-columns: repeat(auto-fit, minmax(7.2rem, 1fr)); gap: .6rem; }
+  .figures dd { font-size: 1.15rem; }
   .stack thead { display: none; }
   .stack, .stack tbody { display: block; }
   .stack tr { display: block; padding: .8rem 0; border-bottom: 1px solid var(--rule); }

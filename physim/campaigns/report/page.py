@@ -126,7 +126,8 @@ def _rates(report: Report) -> Iterator[str]:
             f"<tr>{_name(one)}"
             f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'
             f'<td class="number" data-name="failed">{number(one.failed)}</td>'
-            f"<td>{plot}</td><td>{_rate(both)}{decision}"
+            f"<td>{plot}</td>"
+            f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decision}'
             f"{f'<br><small>{text(note)}</small>' if note else ''}</td>"
             f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}</td>'
             f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}</td></tr>'

@@ -128,7 +128,7 @@ def distribution(
         parts.append(f'<line class="zero" x1="{zero}" x2="{zero}" y1="{TOP}" y2="{floor}"/>')
     width = axis.start + axis.length + 10.0
     return (
-        f'<svg viewBox="0 0 {width:g} {height:g}" width="{width:g}" role="img" '
+        f'<svg class="whole" viewBox="0 0 {width:g} {height:g}" role="img" '
         f'aria-label="{text(what)}">{"".join(parts)}</svg>'
     )
 
@@ -173,7 +173,7 @@ def shift_plot(value: float, low: float, high: float, unit: str, width: float, w
     zero = axis.at(0.0)
     labels = "".join(
         f'<text x="{axis.at(t)}" y="28" text-anchor="{anchor}">'
-        f"{written(t, step)} {text(unit)}</text>"
+        f"{'+' if t > 0 else ''}{written(t, step)} {text(unit)}</text>"
         for t, anchor in ((-most, "start"), (most, "end"))
     )
     return (
@@ -222,6 +222,6 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
         f'<text x="4" y="{up(high) - 8}">B: {text(label)}</text>'
     )
     return (
-        f'<svg viewBox="0 -12 {side:g} {floor + 48:g}" width="{side:g}" role="img" '
+        f'<svg class="whole" viewBox="0 -12 {side:g} {floor + 48:g}" role="img" '
         f'aria-label="{text(what)}">{"".join(parts)}</svg>'
     )

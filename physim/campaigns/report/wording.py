@@ -23,7 +23,7 @@ def digits_for(*shares: float) -> int:
     inside = [min(share, 1.0 - share) for share in shares if 0.0 < share < 1.0]
     if not inside or min(inside) >= 0.01:
         return FEWEST_DIGITS
-    return min(MOST_DIGITS, -math.floor(math.log10(min(inside))) - 1)
+    return min(MOST_DIGITS, max(FEWEST_DIGITS, -math.floor(math.log10(min(inside)) + 1e-9) - 2))
 
 
 def percent(share: float, digits: int | None = None, side: int = 0) -> str:

@@ -40,7 +40,11 @@ GROUPS = {
         "preview": "physim.cli.check:preview",
         "schema": "physim.cli.new:schema",
     },
-    "study": {"reproduce": "physim.cli.reproduce:reproduce"},
+    "study": {
+        "report": "physim.cli.report:report",
+        "compare": "physim.cli.compare:compare",
+        "reproduce": "physim.cli.reproduce:reproduce",
+    },
 }
 """By job, the commands in the order of the help: where each is defined."""
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}

@@ -30,7 +30,9 @@ SHIFT_WIDTH = 220.0
 """[px]"""
 
 
-def comparison_page(comparisons: Sequence[Comparison], test: str, name: str) -> str:
+def comparison_page(
+    comparisons: Sequence[Comparison], test: str, name: str, looked: bool = False
+) -> str:
     """The page."""
     parts = [f"<h1>{text(name)}</h1>"]
     shown = sum(bool(f.better) for one in comparisons for f in one.findings)
@@ -42,7 +44,7 @@ def comparison_page(comparisons: Sequence[Comparison], test: str, name: str) -> 
         room -= len(one.findings)
     if room < 0:
         parts.append(f'<p class="quiet">Points of pairs are shown of the first {MOST_PLOTS}.</p>')
-    parts += ["<h2>How this was found</h2>", f"<p>{text(method(comparisons, test))}</p>"]
+    parts += ["<h2>How this was found</h2>", f"<p>{text(method(comparisons, test, looked))}</p>"]
     return page(name, "\n".join(parts))
 
 

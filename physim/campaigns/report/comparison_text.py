@@ -13,15 +13,19 @@ from physim.campaigns.report.wording import RATE_NAMES, SHARES, measured, number
 from physim.errors import plural
 from physim.escaping import escaped
 
+LOOKED = (
+    " Here a campaign was stopped because of what it showed (sweep --until): intervals and p "
+    "values are then too sure; compare campaigns of a number of runs fixed in advance."
+)
 TEST_NAMES = {"sign": "the sign test", "wilcoxon": "Wilcoxon's signed rank test"}
 
 
-def comparison_text(comparisons: Sequence[Comparison], test: str) -> str:
+def comparison_text(comparisons: Sequence[Comparison], test: str, looked: bool = False) -> str:
     """All comparisons, then how they were made."""
     lines: list[str] = []
     for one in comparisons:
         lines += [*_lines(one), ""]
-    lines.append(method(comparisons, test))
+    lines.append(method(comparisons, test, looked))
     return "\n".join(lines) + "\n"
 
 
@@ -118,7 +122,9 @@ def _amount(found: Finding, value: float) -> str:
 
 def _signed(found: Finding, value: float) -> str:
     text = _amount(found, abs(value))
-    return text if math.isinf(value) else f"{'-' if value < 0.0 else '+'}{text}"
+    if math.isinf(value) or not text.strip("0.,%"):  # rounded to 0
+        return text
+    return f"{'-' if value < 0.0 else '+'}{text}"
 
 
 def p_text(p: float) -> str:
@@ -126,8 +132,11 @@ def p_text(p: float) -> str:
     return "< 0.0001" if p < 1e-4 else f"{p:.2g}" if p < 0.1 else f"{p:.2f}"
 
 
-def method(comparisons: Sequence[Comparison], test: str) -> str:
-    """How differences were estimated and tested; one paragraph."""
+def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
+    """How differences were estimated and tested; one paragraph.
+
+    ``looked``: a campaign was stopped because of what it showed, which is told.
+    """
     looks = sum(len(one.findings) for one in comparisons)
     return (
         "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "
@@ -137,16 +146,20 @@ def method(comparisons: Sequence[Comparison], test: str) -> str:
         f"corrected for all {plural(looks, 'finding')} (Holm). A difference is shown where the "
         f"corrected p is at most {ALPHA:g} and the interval leaves out 0. That none is shown does "
         "not mean that there is none: the interval says how large it may be."
+        f"{LOOKED if looked else ''}"
     )
 
 
-def comparison_values(comparisons: Sequence[Comparison], test: str) -> dict[str, Any]:
+def comparison_values(
+    comparisons: Sequence[Comparison], test: str, looked: bool = False
+) -> dict[str, Any]:
     """All comparisons in types that JSON knows; what is infinite or has no value is null."""
     return {
         "format": "physim-comparison",
         "version": 1,
         "units": "m, s; shares from 0 to 1; differences are b minus a",
         "confidence": 0.95,
+        "number_of_runs_fixed_in_advance": not looked,
         "tests": {"rates": "McNemar, exact", "measures": test, "correction": "Holm"},
         "comparisons": [
             {

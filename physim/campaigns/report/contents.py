@@ -154,7 +154,8 @@ def _cell(
     good = {name: outcomes.successes(name)[rows] for name in RATES}
     decision = None
     if goal is not None:
-        count = without_gap(outcomes.seed[rows], first)
+        alone = cell.count == 1  # where nothing is random a cell has one run, of whatever seed
+        count = without_gap(outcomes.seed[rows], None if alone else first)
         decision = decide(goal, good[goal.rate][:count])
     rates = [
         exact(name, int(np.count_nonzero(hits)), cell.count) if decision is None

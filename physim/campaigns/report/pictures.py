@@ -1,0 +1,107 @@
+"""Stills and videos of the worst runs: from their records where they were kept, else run again."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from physim.campaigns.report.contents import Report
+from physim.campaigns.report.page import Shown
+from physim.errors import PhysimError
+from physim.record import Record
+
+STILLS, VIDEOS = "stills", "videos"
+"""Folders in that of a campaign; files have the names of the runs, so they are made only once."""
+STILL_WIDTH = 640
+"""[px]"""
+KEY = re.compile(r"[0-9a-f]{20}")
+
+Remake = Callable[[dict[str, Any]], Record]
+"""Makes the record of a row again. Raises PhysimError."""
+Progress = Callable[[int, int, str], None]
+
+
+def command(folder: Path, row: dict[str, Any]) -> str:
+    """How to make record and video of a run again."""
+    name = f"{folder}:{row['run']}"
+    return f"physim replay {shlex.quote(name)}"
+
+
+def pictures(
+    report: Report,
+    folder: Path,
+    page: Path,
+    remake: Remake,
+    *,
+    stills: bool = True,
+    videos: bool = False,
+    progress: Progress = lambda done, total, note: None,
+    stop: Callable[[], bool] = lambda: False,
+) -> list[Shown]:
+    """How the worst runs are shown on a page: what is not there yet is made, into ``folder``.
+
+    A run that cannot be made again is shown without, and why. When ``stop`` says True the rest are
+    shown without. Raises PhysimError where a picture cannot be written.
+    """
+    found = []
+    for done, index in enumerate(report.worst):
+        row = report.outcomes.row(index)
+        again = command(folder, row)
+        progress(done, len(report.worst), f"seed {row['seed']}")
+        if not (stills or videos) or stop():
+            found.append(Shown(again))
+        elif not KEY.fullmatch(str(row["run"])):
+            found.append(Shown(again, fault="the run has no key"))
+        else:
+            found.append(_shown(row, again, folder, page, remake, videos))
+    progress(len(report.worst), len(report.worst), "")
+    return found
+
+
+def _shown(
+    row: dict[str, Any], again: str, folder: Path, page: Path, remake: Remake, videos: bool
+) -> Shown:
+    still = folder / STILLS / f"{row['run']}.png"
+    video = folder / VIDEOS / f"{row['run']}.mp4"
+    if not still.is_file() or (videos and not video.is_file()):
+        try:
+            record = _record(row, folder, remake)
+        except PhysimError as error:
+            return Shown(again, fault=str(error).partition("\n")[0])
+        with closing(record):
+            _draw(record, row, still, video if videos else None)
+    link = ""
+    if video.is_file():
+        link = os.path.relpath(video, page.absolute().parent).replace(os.sep, "/")
+    return Shown(again, still.read_bytes(), link)
+
+
+def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
+    """The kept record of a run, or the run again."""
+    kept = folder / "records" / f"{row['run']}.h5"
+    if row["record"] and kept.is_file():
+        return Record.load(kept)
+    return remake(row)
+
+
+def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) -> None:
+    from physim.drawing.video import render
+    from physim.drawing.video import still as draw
+
+    for file in (still, video):
+        if file is not None:
+            try:
+                file.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
+    last = float(record.time[-1]) if len(record.time) else 0.0
+    time = row["shortest_distance_time"]
+    if not still.is_file():
+        draw(record, still, min(max(0.0, time or 0.0), last), width=STILL_WIDTH)
+    if video is not None and not video.is_file():
+        render(record, video)

@@ -21,7 +21,7 @@ MEASURES = {
     "finish_time": ("finish time", "s"),
     "deviation": ("largest deviation", "m"),
     "formation_error": ("largest formation error", "m"),
-    "danger_share": ("share in danger modes", ""),
+    "danger_share": ("in danger modes", ""),
     "updates": ("decisions", ""),
     "messages": ("messages", ""),
     "cpu_seconds": ("processor time", "s"),

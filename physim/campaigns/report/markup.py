@@ -88,12 +88,16 @@ table { border-collapse: collapse; width: 100%; font-size: .9rem; }
 th, td { text-align: left; vertical-align: top; padding: .55rem 1.1rem .55rem 0;
   border-bottom: 1px solid var(--rule); }
 th { color: var(--quiet); font-weight: 600; font-size: .82rem; vertical-align: bottom; }
-th.number, td.number { text-align: right; white-space: nowrap; }
+th.number, td.number { text-align: right; }
+td.number { white-space: nowrap; }
+.dense th, .dense td { padding-right: .8rem; }
+tr > :last-child { padding-right: 0; }
 td b { font-size: 1.02rem; }
 .name { min-width: 11rem; overflow-wrap: anywhere; }
 .name span { display: block; color: var(--quiet); font-size: .84rem; }
 .tiles { display: grid; gap: 1rem; margin: 1rem 0;
   grid-template-columns: repeat(auto-fill, minmax(min(20rem, 100%), 1fr)); }
+.large { grid-template-columns: repeat(auto-fill, minmax(min(26rem, 100%), 1fr)); }
 .tile { background: var(--card); border-radius: 8px; padding: .9rem 1rem; margin: 0;
   min-width: 0; }
 .tile img { display: block; width: 100%; height: auto; border-radius: 4px; margin: 0 0 .6rem; }

@@ -218,7 +218,8 @@ def _of(spread: Spread, one: CellReport) -> str:
 
 
 def _measures(report: Report) -> Iterator[str]:
-    names = [n for n in MEASURES if any(one.spread(n).count for one in report.cells)]
+    names = [n for n in MEASURES if n != "shortest_distance"]
+    names = [n for n in names if any(one.spread(n).count for one in report.cells)]
     if not names:
         return
     yield "<h2>Times and other measures</h2>"
@@ -228,7 +229,7 @@ def _measures(report: Report) -> Iterator[str]:
         "one.</p>"
     )
     heads = "".join(f'<th class="number">{text(MEASURES[name][0])}</th>' for name in names)
-    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
+    yield '<div class="wide"><table class="stack dense"><thead><tr><th>cell</th>'
     yield f"{heads}</tr></thead><tbody>"
     for one in report.cells[:MOST_CELLS]:
         yield f"<tr>{_name(one)}"
@@ -258,7 +259,7 @@ def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
     count = "ten " if len(report.worst) == 10 else ""
     yield f"<h2>The {count}least distances</h2>"
     yield "<p>Each picture is the moment of the least distance. The command makes its video.</p>"
-    yield '<div class="tiles">'
+    yield '<div class="tiles large">'
     near = report.outcomes.column("shortest_distance")
     for place, (index, one) in enumerate(zip(report.worst, shown, strict=True), start=1):
         row = report.outcomes.row(index)

@@ -17,7 +17,7 @@ from physim.record import Record
 
 STILLS, VIDEOS = "stills", "videos"
 """Folders in that of a campaign; files have the names of the runs, so they are made only once."""
-STILL_WIDTH = 640
+STILL_WIDTH = 800
 """[px]"""
 KEY = re.compile(r"[0-9a-f]{20}")
 
@@ -27,9 +27,10 @@ Progress = Callable[[int, int, str], None]
 
 
 def command(folder: Path, row: dict[str, Any]) -> str:
-    """How to make record and video of a run again."""
+    """How to make record and video of a run again; code of one's own is run only when named."""
     name = f"{folder}:{row['run']}"
-    return f"physim replay {shlex.quote(name)}"
+    own = row["controller"] if ":" in row["controller"] else ""
+    return shlex.join(["physim", "replay", name, *(["--controller", own] if own else [])])
 
 
 def pictures(
@@ -91,7 +92,6 @@ def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
 
 def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) -> None:
     from physim.drawing.video import render
-    from physim.drawing.video import still as draw
 
     for file in (still, video):
         if file is not None:
@@ -99,9 +99,19 @@ def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) 
                 file.parent.mkdir(parents=True, exist_ok=True)
             except OSError as error:
                 raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
-    last = float(record.time[-1]) if len(record.time) else 0.0
-    time = row["shortest_distance_time"]
     if not still.is_file():
-        draw(record, still, min(max(0.0, time or 0.0), last), width=STILL_WIDTH)
+        _draw_view(record, still, row["shortest_distance_time"] or 0.0)
     if video is not None and not video.is_file():
         render(record, video)
+
+
+def _draw_view(record: Record, path: Path, time: float) -> None:
+    """The view of a still, without the panel beside it, which would be too small to read."""
+    from physim.drawing.timeline import Timeline
+    from physim.drawing.video import frame_at
+    from physim.drawing.video.animation import resized, save_still
+    from physim.drawing.video.layout import arrange
+
+    view, _, _ = arrange(Timeline(record).curves is not None)
+    picture = view.of(frame_at(record, time))
+    save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

@@ -33,6 +33,11 @@ PAGE = "report.html"
 @option("--json", type=Path, metavar="FILE", help="write all figures to FILE (-: standard output)")
 @flag("--videos", "make the videos of the worst runs, and link to them")
 @flag("--no-pictures", "do not run the worst again for their pictures")
+@option(
+    "--controller", "controllers", multiple=True, metavar="NAME",
+    help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
+    "code is only run when named (may be repeated)",
+)  # fmt: skip
 @flag("--force", "overwrite an existing FILE")
 @flag("--quiet", "print no table")  # fmt: skip
 def report(options: Options) -> int:
@@ -56,10 +61,9 @@ def report(options: Options) -> int:
     """
     from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.replay import record_of
     from physim.campaigns.report.contents import report_of
     from physim.campaigns.report.page import report_page
-    from physim.campaigns.report.pictures import pictures
+    from physim.campaigns.report.pictures import pictures, remake
     from physim.campaigns.report.text import report_text, report_values
     from physim.campaigns.rows import read
     from physim.campaigns.until import read_until
@@ -75,10 +79,11 @@ def report(options: Options) -> int:
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
     found = report_of(Outcomes(read(folder)), str(folder), goal, first)
+    own = options.controllers
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(
-            found, folder, page, lambda row: record_of(folder, row), stills=not options.no_pictures,
-            videos=options.videos, progress=bar.count, stop=interrupt,
+            found, folder, page, lambda row: remake(folder, row, own), videos=options.videos,
+            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if options.json is not None:

@@ -5,15 +5,21 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import simulation_of
+from physim.campaigns.outcomes import DONE
+from physim.campaigns.replay import spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
+from physim.campaigns.rows import COLUMNS, Row
 from physim.errors import PhysimError
 from physim.record import Record
+from physim.simulation.run import record_run
 
 STILLS, VIDEOS = "stills", "videos"
 """Folders in that of a campaign; files have the names of the runs, so they are made only once."""
@@ -31,6 +37,19 @@ def command(folder: Path, row: dict[str, Any]) -> str:
     name = f"{folder}:{row['run']}"
     own = row["controller"] if ":" in row["controller"] else ""
     return shlex.join(["physim", "replay", name, *(["--controller", own] if own else [])])
+
+
+def remake(folder: Path, row: dict[str, Any], controllers: Collection[str] = ()) -> Record:
+    """Record of a run again, in this process: it came to its end before, so it will again.
+
+    Code of one's own is imported only where it is among ``controllers``. Raises PhysimError where
+    the run failed, or would not be the same.
+    """
+    if row["ended"] not in DONE:
+        raise PhysimError("the run failed")
+    given = row["controller"] if row["controller"] in controllers else None
+    one = Row(**{name: row[name] for name in COLUMNS if name in row})
+    return record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
 
 
 def pictures(

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
+from physim.campaigns.folder import Folder
+from physim.campaigns.grid import Grid
+from physim.campaigns.one_run import never
+from physim.campaigns.processes import Stop
 from physim.campaigns.rows import FINISHED, Row, write_whole
+from physim.campaigns.sweep import Tally, sweep
 from physim.errors import PhysimError
 from physim.statistics.goal import Goal, Watch, read_goal
 
@@ -49,6 +57,58 @@ class Decided:
             )
         self.seen = len(rows)
         return all(watch.decided for watch in self.watches.values())
+
+
+def sweep_until(
+    grid: Grid,
+    folder: Path,
+    executors: Callable[[], AbstractContextManager[Executor]],
+    goal: Goal,
+    *,
+    keep: str = "none",
+    retry: bool = False,
+    stop: Stop = never,
+    progress: Callable[[Tally], None] = lambda tally: None,
+) -> tuple[Tally, dict[Label, Watch]]:
+    """Do the runs of a grid with seeds, cell after cell, each until the goal is decided in it.
+
+    A cell in which nothing is random is run once and decides nothing. ``executors`` makes one for
+    each cell, since it has to give up what is under way when a cell is decided. Returns all counts,
+    and what is known of each cell whose runs count. Raises PhysimError as `sweep` does.
+    """
+    assert grid.seeds is not None
+    Folder(folder).open(grid.cells)
+    known = Tally(len(grid))
+    watches: dict[Label, Watch] = {}
+    for k, cell in enumerate(grid.cells):
+        drawn = k not in grid.fixed
+        part = replace(grid, cells=(cell,), fixed=frozenset(() if drawn else (0,)))
+        label = cell.world, cell.settings, cell.controller
+        decided = Decided(folder, Until(goal, grid.seeds[0]), [label]) if drawn else None
+        watches |= decided.watches if decided is not None else {}
+        tell = partial(_tell, progress, known)
+        with executors() as executor:
+            now = sweep(
+                part, folder, executor, keep=keep, retry=retry, stop=stop, progress=tell,
+                decided=decided,
+            )  # fmt: skip
+        known = _sum(known, now)
+        if now.interrupted:
+            break
+    return known, watches
+
+
+def _tell(progress: Callable[[Tally], None], known: Tally, now: Tally) -> None:
+    progress(_sum(known, now))
+
+
+def _sum(one: Tally, other: Tally) -> Tally:
+    """Counts of two sweeps, of which the first knows how much both are asked for."""
+    return replace(
+        one, before=one.before + other.before, done=one.done + other.done,
+        elsewhere=one.elsewhere + other.elsewhere, failed=one.failed + other.failed,
+        with_contacts=one.with_contacts + other.with_contacts, interrupted=other.interrupted,
+    )  # fmt: skip
 
 
 def succeeded(row: Row, rate: str) -> bool:

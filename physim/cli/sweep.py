@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +22,8 @@ from physim.errors import PhysimError, plural
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
     from physim.campaigns.sweep import Tally
+    from physim.campaigns.until import Label
+    from physim.statistics.goal import Decision, Goal
 
 COMPILING = 30
 """[s] about, for all that runs need"""
@@ -32,6 +37,13 @@ def shard(text: str) -> tuple[int, int]:
     if not 1 <= number <= count <= MOST_SHARDS:
         raise ValueError("I/N, part I of N, as 1/8 to 8/8")
     return number, count
+
+
+def goal(text: str) -> Goal:
+    """Read a goal. Raises ValueError with what is allowed and where the fault is."""
+    from physim.statistics.goal import read_goal
+
+    return read_goal(text)
 
 
 @command("sweep", "many runs: worlds, seeds, settings, controllers")
@@ -61,6 +73,11 @@ def shard(text: str) -> tuple[int, int]:
     help="processes on this machine (as many as cores, at most 8)",
 )  # fmt: skip
 @option("--scheduler", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://10.0.0.1:8786")
+@option(
+    "--until", type=Value(goal), metavar="GOAL",
+    help='stop when it is known: "rate > 0.99" (contact-free and finished; or contact_free, '
+    'finished), or the width of the interval of that rate, as 0.02; --seeds says how many at most',
+)  # fmt: skip
 @option("--shard", type=Value(shard), default=(1, 1), metavar="I/N", help="only part I of N parts")
 @option(
     "--keep", type=OneOf(["none", "failed", "all"]), default="none", metavar="WHICH",
@@ -95,13 +112,12 @@ def sweep(options: Options) -> int:
       physim sweep ten_robots --seeds 1:101
       physim sweep ten_robots nonconvex --seeds 1:101 --controller mode_switching,path_following
       physim sweep my_world.yaml --seeds 0:50 --set formation.gain=0.02,0.05,0.1 -o gains
+      physim sweep ten_robots --seeds 0:10000 --until "rate > 0.99"
       physim sweep ten_robots --seeds 0:100000 --scheduler tcp://10.0.0.1:8786
     """
-    from physim.campaigns.executors import executor
-    from physim.campaigns.sweep import sweep as run_all
-
     if options.workers is not None and options.scheduler is not None:
         raise PhysimError("--workers: cannot be combined with --scheduler, which has its own")
+    _check_goal(options)
     grid = _grid(options)
     folder = options.output or _usual_folder(options.worlds)
     for line in grid.warnings:
@@ -111,23 +127,61 @@ def sweep(options: Options) -> int:
             cell = grid.cells[k]
             changed = f" with {cell.settings}" if cell.settings else ""
             _say(f"Nothing in {cell.world}{changed} is random: it is run once.", options)
-    with interrupts() as interrupt, executor(options.workers, options.scheduler) as workers:
-        if options.scheduler is None:
-            _warm_up(options)
-        with Bar("sweep", len(grid), "runs", options.quiet or options.json) as bar:
-            tally = run_all(
-                grid, folder, workers, keep=options.keep, retry=options.retry, stop=interrupt,
-                progress=lambda now: bar.count(now.known, now.asked, now.note),
-            )  # fmt: skip
+    tally, decisions = _run(grid, folder, options)
     if options.json:
-        print(json.dumps(_as_json(folder, grid, tally), indent=2))
+        print(json.dumps(_as_json(folder, grid, tally, decisions), indent=2))
     elif not options.quiet:
         print(_text(folder, grid, tally), end="")
+        for label, one in decisions.items():
+            print(f"{', '.join(filter(None, label))}: {_decided(one, options.until)}")
     if tally.interrupted:
         left = tally.asked - tally.known
         _say(f"interrupted with {plural(left, 'run')} to go; the same command goes on", options)
         return INTERRUPTED
     return 0
+
+
+def _run(grid: Grid, folder: Path, options: Options) -> tuple[Tally, dict[Label, Decision]]:
+    """Do all runs, or until the goal is decided: then what it came to in each cell."""
+    from physim.campaigns.executors import executor
+    from physim.campaigns.sweep import sweep as run_all
+    from physim.campaigns.until import sweep_until
+
+    def workers() -> AbstractContextManager[Executor]:
+        return executor(options.workers, options.scheduler)
+
+    with interrupts() as interrupt, Bar("sweep", len(grid), "runs", options.quiet) as bar:
+        how: dict[str, Any] = {
+            "keep": options.keep, "retry": options.retry, "stop": interrupt,
+            "progress": lambda now: bar.count(now.known, now.asked, now.note),
+        }  # fmt: skip
+        if options.until is not None:
+            if options.scheduler is None:
+                _warm_up(options)
+            tally, watches = sweep_until(grid, folder, workers, options.until, **how)
+            return tally, {label: watch.decision for label, watch in watches.items()}
+        with workers() as team:
+            if options.scheduler is None:
+                _warm_up(options)
+            return run_all(grid, folder, team, **how), {}
+
+
+def _check_goal(options: Options) -> None:
+    """Raise PhysimError where a goal cannot be decided in the order of seeds."""
+    if options.until is None:
+        return
+    if options.seeds is None:
+        raise PhysimError("--until: needs --seeds A:B, the seeds that may be run for it")
+    if options.shard[1] > 1:
+        raise PhysimError("--until: cannot be combined with --shard, which has not all seeds")
+
+
+def _decided(one: Decision, goal: Goal) -> str:
+    """What came of the goal in a cell."""
+    from physim.campaigns.report.wording import decision_words, interval
+
+    text = f"{decision_words(one, goal)}, {goal.rate} in {interval(one.low, one.high)} at any look"
+    return text if one.decided else f"{text}; more --seeds may decide it"
 
 
 def _grid(options: Options) -> Grid:
@@ -187,7 +241,13 @@ def _none(cell: Any) -> dict[str, Any]:
     return {**labels, **dict.fromkeys(counts, 0)}
 
 
-def _as_json(folder: Path, grid: Grid, tally: Tally) -> dict[str, Any]:
+def _as_json(
+    folder: Path, grid: Grid, tally: Tally, decisions: dict[Label, Decision]
+) -> dict[str, Any]:
+    cells = _counts(folder, grid)
+    for one in cells:
+        found = decisions.get((one["world"], one["settings"], one["controller"]))
+        one["decision"] = None if found is None else asdict(found)
     return {
         "format": "physim-sweep",
         "version": 1,
@@ -197,7 +257,7 @@ def _as_json(folder: Path, grid: Grid, tally: Tally) -> dict[str, Any]:
         "run_now": tally.done,
         "run_elsewhere_meanwhile": tally.elsewhere,
         "interrupted": tally.interrupted,
-        "cells": _counts(folder, grid),
+        "cells": cells,
     }
 
 

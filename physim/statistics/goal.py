@@ -108,11 +108,7 @@ def decide(goal: Goal, outcomes: ArrayLike, confidence: float = CONFIDENCE) -> D
     enough = goal.reached(looks.low, looks.high)
     at = int(np.argmax(enough)) if enough.any() else len(good) - 1
     low, high = float(looks.low[at]), float(looks.high[at])
-    decided = bool(enough[at])
-    holds = None
-    if goal.sign and decided:
-        holds = (low > goal.number) == (goal.sign == ">")
-    return Decision(at + 1, int(looks.successes[at]), low, high, decided, holds)
+    return _decision(goal, at + 1, int(looks.successes[at]), low, high, bool(enough[at]))
 
 
 class Watch:
@@ -136,6 +132,20 @@ class Watch:
             self.low, self.high = low, high
         self.decided = bool(self.goal.reached(self.low, self.high))
         return self.decided
+
+    @property
+    def decision(self) -> Decision:
+        """What the outcomes so far say."""
+        return _decision(
+            self.goal, self.runs, self.successes, self.low, self.high, self.decided
+        )  # fmt: skip
+
+
+def _decision(
+    goal: Goal, runs: int, successes: int, low: float, high: float, decided: bool
+) -> Decision:
+    holds = (low > goal.number) == (goal.sign == ">") if goal.sign and decided else None
+    return Decision(runs, successes, low, high, decided, holds)
 
 
 def _fault(text: str, at: int, what: str) -> ValueError:

@@ -137,9 +137,14 @@ def _rates(report: Report) -> Iterator[str]:
     if any(one.rates[0].at_most is not None for one in report.cells):
         needed = next(one.rates[0].needed for one in report.cells if one.rates[0].needed)
         yield (
-            f'<p class="quiet">Where no run went wrong, the bound is one-sided, of 95 %: '
+            f'<p class="quiet">Where no run went wrong, the bound {_bound(report)}: '
             f"{number(needed)} runs none of which goes wrong show {percent(SHOWN)}.</p>"
         )
+
+
+def _bound(report: Report) -> str:
+    exact = "is one-sided, of 95 %"
+    return exact if report.goal is None else "is that of the confidence sequence"
 
 
 def _in_words(rate: Rate) -> str:

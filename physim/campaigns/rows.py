@@ -149,7 +149,7 @@ class Shards:
         found: dict[str, Row] = {}
         known = set() if but is None else but
         while True:
-            new = [file for file in self._files() if file.name not in known]
+            new = [file for file in self.files() if file.name not in known]
             if not new:
                 break
             for file in new:
@@ -159,9 +159,14 @@ class Shards:
                 known.add(file.name)
         yield from found.values()
 
+    @staticmethod
+    def rows_of(file: Path) -> list[Row]:
+        """Rows of one shard. Raises PhysimError where it is none, FileNotFoundError."""
+        return _read(file)
+
     def put_together(self) -> None:
         """Leave few shards, of whatever writer; others may write meanwhile."""
-        small = [file for file in self._files() if _level(file) < 2]
+        small = [file for file in self.files() if _level(file) < 2]
         if len(small) > 1:
             self._merge(2, small)
 
@@ -190,7 +195,7 @@ class Shards:
                 file.unlink()
         return names
 
-    def _files(self) -> list[Path]:
+    def files(self) -> list[Path]:
         """Shards in the order in which they were written."""
         try:
             names = sorted(one.name for one in os.scandir(self.folder))
@@ -202,14 +207,9 @@ class Shards:
 def read(folder: str | os.PathLike[str]) -> pa.Table:
     """All rows of a campaign's folder, each run once, in the order of world, settings, controller
     and seed. Raises PhysimError where there are none or one cannot be read."""
-    import pyarrow as pa
+    from physim.campaigns.reading import read_table
 
-    rows = list(Shards(Path(folder)).read())
-    if not rows and not (Path(folder) / FOLDER).is_dir():
-        raise PhysimError(f"{folder}: holds no campaign (physim sweep WORLD -o {folder} makes one)")
-    rows = in_order(rows)
-    columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
-    return pa.table(columns, schema=schema())
+    return read_table(Path(folder))
 
 
 def in_order(rows: Iterable[Row]) -> list[Row]:

@@ -38,6 +38,7 @@ LAYERS = {
     "physim.geometry": (0, 4),
     "physim.contacts": (0, 5),
     "physim.randomness": (0, 5),
+    "physim.statistics": (0, 5),
     "physim.world": (1, 0),
     "physim.world.scene": (1, 0),
     "physim.parts": (1, 1),
@@ -66,6 +67,7 @@ LAYERS = {
     "physim.drawing.preview": (5, 3),
     "physim.drawing": (5, 4),
     "physim.authoring": (5, 0),
+    "physim.campaigns": (5, 5),
     "physim.reproduction": (6, 0),
     "physim.cli": (7, 0),
     "physim": (8, 0),
@@ -223,6 +225,9 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
             "physim.c_calls",
         ),
         "click": ("physim.cli",),
+        "pyarrow": ("physim.campaigns",),
+        "distributed": ("physim.campaigns",),
+        "pandas": ("physim.record",),
     }
     for line, name in imports(module):
         rooms = allowed.get(name.split(".")[0])

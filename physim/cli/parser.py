@@ -40,7 +40,13 @@ GROUPS = {
         "preview": "physim.cli.check:preview",
         "schema": "physim.cli.new:schema",
     },
-    "study": {"reproduce": "physim.cli.reproduce:reproduce"},
+    "study": {
+        "sweep": "physim.cli.sweep:sweep",
+        "replay": "physim.cli.replay:replay",
+        "report": "physim.cli.report:report",
+        "compare": "physim.cli.compare:compare",
+        "reproduce": "physim.cli.reproduce:reproduce",
+    },
 }
 """By job, the commands in the order of the help: where each is defined."""
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}
@@ -48,7 +54,6 @@ COMMANDS = {name: where for group in GROUPS.values() for name, where in group.it
 HEAD = """\
 Usage: physim [-h] [--version] COMMAND ...
 Run worlds of polygon robots in corridors on rigid-body physics; judge the runs.
-
 """
 TAIL = """
 exit codes: 0 success, 1 contact or not as expected, 2 bad input, 3 the checks

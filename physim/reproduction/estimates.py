@@ -11,10 +11,11 @@ import numpy as np
 from physim.analysis.metrics import evaluations
 from physim.analysis.metrics import measure as take
 from physim.analysis.metrics.progress import active_time
-from physim.analysis.validation.seeds import CONFIDENCE, clopper_pearson
 from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.reproduction.study import Outcome, Runs
+from physim.statistics.paired import rank_beyond
+from physim.statistics.proportion import clopper_pearson
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ def estimate(values: Iterable[float]) -> Estimate:
     n = len(given)
     if not n:
         return Estimate(math.nan, math.nan, math.nan, 0)
-    k = _rank(n)
+    k = max(0, rank_beyond(n))
     return Estimate(float(np.median(given)), float(given[k]), float(given[n - 1 - k]), n)
 
 
@@ -58,16 +59,6 @@ def _rounded(value: float, digits: int) -> str:
         return "never"
     text = f"{value:.{digits}f}"
     return f"{0.0:.{digits}f}" if float(text) == 0.0 else text
-
-
-def _rank(n: int) -> int:
-    """Number of values beyond either end of the interval of the median."""
-    beyond, miss = 0, 2.0 * 0.5**n
-    while True:
-        miss += 2.0 * math.comb(n, beyond + 1) * 0.5**n
-        if miss > 1.0 - CONFIDENCE:
-            return beyond
-        beyond += 1
 
 
 def column(runs: Runs, name: str) -> list[float]:

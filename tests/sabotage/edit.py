@@ -34,6 +34,7 @@ ROOMS = MappingProxyType(
             "tests/test_randomness.py",
         ),
         "geometry": ("tests/geometry",),
+        "statistics": ("tests/statistics",),
         "world": ("tests/world", "tests/test_world_schema.py"),
         "world_file": ("tests/world_file",),
         "scene": (

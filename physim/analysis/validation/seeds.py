@@ -14,8 +14,7 @@ from physim.analysis.validation.contact_report import ContactReport, SweptContac
 from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 from physim.errors import plural
 from physim.parts.declarations import Mode, Rule
-
-CONFIDENCE = 0.95
+from physim.statistics.proportion import clopper_pearson
 
 
 @dataclass(frozen=True)
@@ -128,22 +127,6 @@ class SeedStudy:
         expected, else 0."""
         codes = [one.code for one in self.results]
         return DISAGREE if DISAGREE in codes else CONTACTS if CONTACTS in codes else FREE
-
-
-def clopper_pearson(successes: int, trials: int) -> tuple[float, float]:
-    """Exact two-sided interval of a proportion at `CONFIDENCE` (Clopper and Pearson 1934).
-
-    Errs to the wide side: it covers the true rate with at least that probability.
-    """
-    from scipy.stats import beta
-
-    tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = 0.0, 1.0
-    if successes > 0:
-        low = float(beta.ppf(tail, successes, trials - successes + 1))
-    if successes < trials:
-        high = float(beta.ppf(1.0 - tail, successes + 1, trials - successes))
-    return low, high
 
 
 def seed_line(one: SeedResult) -> str:

@@ -19,6 +19,7 @@ from tests.sabotage.edits import (
     record,
     reproduction,
     scene,
+    statistics,
     summary,
     templates,
     validation,
@@ -31,7 +32,7 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, world, world_file, scene, checking, physics, controllers, loop, work, record,
+        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop, work, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
         reproduction, cli,
     )

@@ -216,15 +216,6 @@ EDITS = (
     Edit(
         "validation",
         "physim/analysis/validation/seeds.py",
-        "clopper_pearson",
-        "tail = (1.0 - CONFIDENCE) / 2.0",
-        "tail = 1.0 - CONFIDENCE",
-        "the interval of a rate has two tails",
-        "tests/validation/test_seeds.py::test_tails_hold_2_5_percent_each",
-    ),
-    Edit(
-        "validation",
-        "physim/analysis/validation/seeds.py",
         "SeedStudy.code",
         "return DISAGREE if DISAGREE in codes else CONTACTS if CONTACTS in codes else FREE",
         "return max(codes[:1])",

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
+import signal
 import time
 
+from physim.campaigns.runner import Stop
 from physim.errors import PhysimError
-from physim.reproduction.runner import Stop
 
 
 def echo(value: int, stop: Stop) -> int:
@@ -45,3 +47,27 @@ def faulty(stop: Stop) -> float:
 def killed(stop: Stop) -> None:
     """Its process goes, as when memory runs out."""
     os._exit(9)
+
+
+def killed_by_the_system(stop: Stop) -> None:
+    """Its process is killed."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def hangs(stop: Stop) -> None:
+    """Cannot be broken off from within."""
+    while True:
+        try:
+            time.sleep(0.001)
+        except BaseException:
+            pass
+
+
+def hangs_in_native_code(stop: Stop) -> None:
+    """Holds the lock of the interpreter."""
+    ctypes.PyDLL(None).sleep(100_000)
+
+
+def takes_two_seconds() -> None:
+    """Readies a process, slowly."""
+    time.sleep(2.0)

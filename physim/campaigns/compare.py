@@ -1,0 +1,277 @@
+"""Is A better than B? Two arms on the same seeds: differences of rates and measures, tested.
+
+A comparison is of two cells that are the same in all but what is compared. What both have in
+common, the difficulty of a seed, cancels in the differences of its two runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
+from physim.errors import PhysimError
+from physim.statistics.goal import RATES
+from physim.statistics.paired import (
+    holm,
+    mcnemar,
+    median_difference,
+    rate_difference,
+    sign_test,
+    wilcoxon,
+)
+
+ALPHA = 0.05
+MEASURES = {
+    "shortest_distance": 1,
+    "shortest_collision_time": 1,
+    "finish_time": -1,
+    "deviation": -1,
+    "formation_error": -1,
+    "danger_share": -1,
+    "messages": -1,
+    "cpu_seconds": -1,
+}
+"""Columns that can be compared: 1 where more is better, -1 where less is."""
+USUAL = (*RATES, "shortest_distance", "finish_time", "deviation", "formation_error")
+"""What is compared where nothing else is asked for."""
+TESTS: dict[str, Callable[[FloatArray], float]] = {"sign": sign_test, "wilcoxon": wilcoxon}
+MOST_PAIRS_OF_CELLS = 200
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One side of a comparison: a cell of a campaign, and what it is called."""
+
+    label: str
+    outcomes: Outcomes
+    cell: Cell
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a comparison says of one rate or measure: B minus A, the better one by its direction."""
+
+    name: str
+    pairs: int
+    """seeds that both have, with a value on either side"""
+    a: float
+    """rate, or median over these pairs"""
+    b: float
+    difference: float
+    """of rates, or the median of the differences: B minus A"""
+    low: float
+    high: float
+    p: float
+    only_a: int
+    """seeds with which A alone succeeds, or A's value is the better one"""
+    only_b: int
+    corrected: float = 1.0
+    """p after the correction for all that is looked at"""
+
+    @property
+    def better(self) -> str:
+        """``a``, ``b``, or nothing where no difference is shown.
+
+        Shown is one that stays significant after the correction and whose interval leaves out 0.
+        """
+        if self.corrected > ALPHA or self.low <= 0.0 <= self.high:
+            return ""
+        direction = MEASURES.get(self.name, 1)
+        return "b" if self.difference * direction > 0.0 else "a"
+
+    @property
+    def is_rate(self) -> bool:
+        """Whether it is of a rate."""
+        return self.name in RATES
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two arms, the seeds that both have, and what they say."""
+
+    a: Arm
+    b: Arm
+    common: str
+    """what both are the same in, for people"""
+    seeds: int
+    only_a: tuple[int, ...]
+    """seeds that A alone has, which are left out"""
+    only_b: tuple[int, ...]
+    failed_a: int
+    """of the common seeds, runs that failed"""
+    failed_b: int
+    findings: tuple[Finding, ...]
+    rows: tuple[NDArray[np.int64], NDArray[np.int64]]
+    """rows of the common seeds, in A's and B's outcomes"""
+
+    def values(self, name: str) -> tuple[FloatArray, FloatArray]:
+        """A measure of both arms, pair by pair; nan where a run has none."""
+        a, b = self.rows
+        return self.a.outcomes.column(name)[a], self.b.outcomes.column(name)[b]
+
+
+def by(outcomes: Outcomes, dimension: str) -> list[tuple[Arm, Arm, str]]:
+    """All pairs of cells of a campaign that differ in ``dimension`` (one of `CELL`) alone.
+
+    Raises PhysimError where there is none, or more than can be looked at.
+    """
+    place = CELL.index(dimension)
+    groups: dict[tuple[str, ...], list[Cell]] = {}
+    for cell in outcomes.cells:
+        rest = tuple(name for k, name in enumerate(cell.names) if k != place)
+        groups.setdefault(rest, []).append(cell)
+    found = [
+        (_arm(outcomes, one, place), _arm(outcomes, other, place), _common(rest))
+        for rest, cells in groups.items()
+        for one, other in combinations(cells, 2)
+    ]
+    if not found:
+        values = sorted({cell.names[place] for cell in outcomes.cells})
+        raise PhysimError(
+            f"--by {dimension}: no two cells differ in it alone; given: "
+            f"{', '.join(value or 'none' for value in values)}"
+        )
+    return _not_too_many(found)
+
+
+def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[tuple[Arm, Arm, str]]:
+    """Pairs of cells of two campaigns that are the same in all but what is compared.
+
+    That is what each campaign has a single value of, which is not that of the other. Raises
+    PhysimError where no two cells match.
+    """
+    sole = [
+        len(values := {c.names[k] for c in a.cells}) == 1
+        and len(others := {c.names[k] for c in b.cells}) == 1
+        and values != others
+        for k in range(len(CELL))
+    ]
+    matching: dict[tuple[str, ...], Cell] = {}
+    for cell in b.cells:
+        matching[_key(cell, sole)] = cell
+    found = []
+    for cell in a.cells:
+        if (other := matching.get(_key(cell, sole))) is not None:
+            one = Arm(_differing(cell, sole) or names[0], a, cell)
+            another = Arm(_differing(other, sole) or names[1], b, other)
+            found.append((one, another, _common(_key(cell, sole))))
+    if not found:
+        raise PhysimError(
+            f"{names[0]}, {names[1]}: no cell of one is like a cell of the other: {_list(a)} "
+            f"beside {_list(b)}"
+        )
+    return _not_too_many(found)
+
+
+def compare(
+    pairs: Sequence[tuple[Arm, Arm, str]], names: Sequence[str] = USUAL, test: str = "sign"
+) -> list[Comparison]:
+    """Compare arms in rates and measures; all p values are corrected together, after Holm.
+
+    A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
+    have no seed in common, or one has a seed twice.
+    """
+    made = [_compared(a, b, common, names, TESTS[test]) for a, b, common in pairs]
+    corrected = iter(holm([one.p for comparison in made for one in comparison.findings]))
+    return [
+        replace(one, findings=tuple(replace(f, corrected=next(corrected)) for f in one.findings))
+        for one in made
+    ]
+
+
+def _compared(
+    a: Arm, b: Arm, common: str, names: Sequence[str], test: Callable[[FloatArray], float]
+) -> Comparison:
+    seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
+    for arm, seeds in ((a, seeds_a), (b, seeds_b)):
+        if len(twice := seeds[:-1][np.diff(seeds) == 0]):
+            raise PhysimError(
+                f"{arm.cell.name}: has seed {twice[0]} twice: its world or its controller was "
+                "changed within the campaign"
+            )
+    both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
+    if not len(both):
+        raise PhysimError(f"{a.cell.name} and {b.cell.name}: have no seed in common")
+    rows = at_a + a.cell.start, at_b + b.cell.start
+    findings = list(_findings(a, b, rows, names, test))
+    return Comparison(
+        a, b, common, len(both), _seeds(np.setdiff1d(seeds_a, both)),
+        _seeds(np.setdiff1d(seeds_b, both)),
+        int(np.count_nonzero(a.outcomes.failed[rows[0]])),
+        int(np.count_nonzero(b.outcomes.failed[rows[1]])), tuple(findings), rows,
+    )  # fmt: skip
+
+
+def _findings(
+    a: Arm,
+    b: Arm,
+    rows: tuple[NDArray[np.int64], NDArray[np.int64]],
+    names: Sequence[str],
+    test: Callable[[FloatArray], float],
+) -> Iterator[Finding]:
+    for name in names:
+        if name in RATES:
+            good_a = a.outcomes.successes(name)[rows[0]]
+            good_b = b.outcomes.successes(name)[rows[1]]
+            only_a = int(np.count_nonzero(good_a & ~good_b))
+            only_b = int(np.count_nonzero(good_b & ~good_a))
+            found = rate_difference(only_b, only_a, len(good_a))
+            yield Finding(
+                name, len(good_a), float(good_a.mean()), float(good_b.mean()), *found,
+                mcnemar(only_a, only_b), only_a, only_b,
+            )  # fmt: skip
+            continue
+        values_a, values_b = a.outcomes.column(name)[rows[0]], b.outcomes.column(name)[rows[1]]
+        known = ~(np.isnan(values_a) | np.isnan(values_b))
+        if not known.any():
+            continue
+        values_a, values_b = values_a[known], values_b[known]
+        difference = values_b - values_a
+        gain = difference * MEASURES[name]
+        yield Finding(
+            name, len(difference), float(np.median(values_a)), float(np.median(values_b)),
+            *median_difference(difference), test(difference),
+            int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0)),
+        )  # fmt: skip
+
+
+def _arm(outcomes: Outcomes, cell: Cell, place: int) -> Arm:
+    label = cell.names[place] or "as it is"
+    return Arm(f"{label} ({cell.note})" if cell.note else label, outcomes, cell)
+
+
+def _key(cell: Cell, sole: Sequence[bool]) -> tuple[str, ...]:
+    return tuple(name for name, differs in zip(cell.names, sole, strict=True) if not differs)
+
+
+def _differing(cell: Cell, sole: Sequence[bool]) -> str:
+    return ", ".join(
+        name for name, differs in zip(cell.names, sole, strict=True) if differs and name
+    )
+
+
+def _common(names: tuple[str, ...]) -> str:
+    return ", ".join(name for name in names if name)
+
+
+def _list(outcomes: Outcomes) -> str:
+    names = [cell.name for cell in outcomes.cells]
+    return "; ".join(names[:3]) + (" ..." if len(names) > 3 else "")
+
+
+def _seeds(values: NDArray[np.int64]) -> tuple[int, ...]:
+    return tuple(int(value) for value in values)
+
+
+def _not_too_many(pairs: list[tuple[Arm, Arm, str]]) -> list[tuple[Arm, Arm, str]]:
+    if len(pairs) > MOST_PAIRS_OF_CELLS:
+        raise PhysimError(
+            f"there are {len(pairs)} pairs of cells to compare; allowed: at most "
+            f"{MOST_PAIRS_OF_CELLS}"
+        )
+    return pairs

@@ -1,0 +1,153 @@
+"""The rows of a campaign as arrays, cell by cell: a cell is a world, settings and a controller."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+CELL = ("world", "settings", "controller")
+VERSIONS = ("world_hash", "physim", "engine")
+"""What sets cells of the same name apart: a world that was edited, another version."""
+DONE = ("finished", "duration")
+"""Ends of runs that ran as long as they were to; all others failed."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A part of a campaign: rows ``start`` to ``stop`` of its `Outcomes`, by seed."""
+
+    world: str
+    settings: str
+    controller: str
+    note: str
+    """world_hash and versions where other cells have the same names, else empty"""
+    start: int
+    stop: int
+
+    @property
+    def rows(self) -> slice:
+        """Its rows."""
+        return slice(self.start, self.stop)
+
+    @property
+    def count(self) -> int:
+        """Number of its runs."""
+        return self.stop - self.start
+
+    @property
+    def name(self) -> str:
+        """``ten_robots, gain=0.1, mode_switching``."""
+        return ", ".join(part for part in (*self.names, self.note) if part)
+
+    @property
+    def names(self) -> tuple[str, str, str]:
+        """World, settings, controller."""
+        return self.world, self.settings, self.controller
+
+
+class Outcomes:
+    """All rows of a campaign, sorted by cell and seed, each column as an array (K,)."""
+
+    def __init__(self, table: pa.Table) -> None:
+        keys = [_codes(table[name]) for name in (*CELL, *VERSIONS)]
+        seed = table["seed"].to_numpy()
+        order = np.lexsort((seed, *(codes for codes, _ in reversed(keys))))
+        self.table: pa.Table = table.take(order)
+        self.seed: NDArray[np.int64] = seed[order]
+        self.cells = _cells([(codes[order], words) for codes, words in keys])
+
+    def __len__(self) -> int:
+        """Number of runs."""
+        return len(self.seed)
+
+    def column(self, name: str) -> FloatArray:
+        """A column of numbers; nan where it has no meaning."""
+        return np.asarray(self.table[name].to_numpy(), float)
+
+    def row(self, index: int) -> dict[str, Any]:
+        """One row by names of columns."""
+        found: dict[str, Any] = self.table.slice(index, 1).to_pylist()[0]
+        return found
+
+    @cached_property
+    def ended(self) -> tuple[NDArray[np.int64], list[str]]:
+        """How each run ended: a code, and the words by code."""
+        return _codes(self.table["ended"])
+
+    def _ended_in(self, words: Sequence[str]) -> BoolArray:
+        codes, known = self.ended
+        return np.isin(codes, [k for k, word in enumerate(known) if word in words])
+
+    @cached_property
+    def failed(self) -> BoolArray:
+        """Runs that did not come to an end of their own: error, timeout, killed, interrupted."""
+        return ~self._ended_in(DONE)
+
+    @cached_property
+    def touched(self) -> BoolArray:
+        """Runs with any contact, between robots or with walls, at samples or between them."""
+        some = [self.column(name) > 0 for name in ("contacts", "wall_contacts", "grazes")]
+        return np.asarray(np.any(some, axis=0), bool)
+
+    @cached_property
+    def contact_free(self) -> BoolArray:
+        """Runs without any contact that came to their end."""
+        known = [self.column(name) == 0 for name in ("contacts", "wall_contacts", "grazes")]
+        return np.asarray(np.all(known, axis=0) & ~self.failed)
+
+    @cached_property
+    def finished(self) -> BoolArray:
+        """Runs in which all robots arrived."""
+        return self._ended_in(("finished",))
+
+    @cached_property
+    def rate(self) -> BoolArray:
+        """Runs that were contact-free and finished."""
+        return self.contact_free & self.finished
+
+    def successes(self, rate: str) -> BoolArray:
+        """Runs that count as successes for ``rate``, ``contact_free`` or ``finished``."""
+        found: BoolArray = getattr(self, rate)
+        return found
+
+
+def _codes(column: Any) -> tuple[NDArray[np.int64], list[str]]:
+    """Strings as numbers (K,) in the order of the words, and the words, sorted."""
+    encoded = column.combine_chunks().dictionary_encode()
+    words = [word or "" for word in encoded.dictionary.to_pylist()]
+    rank = np.empty(len(words) + 1, np.int64)
+    rank[np.argsort(np.array(words, object), kind="stable")] = np.arange(len(words))
+    rank[-1] = -1
+    codes = encoded.indices.fill_null(len(words)).to_numpy(zero_copy_only=False)
+    return rank[codes], sorted(words)
+
+
+def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
+    """Cells of rows that are sorted by their keys."""
+    codes = np.stack([codes for codes, _ in keys])
+    count = codes.shape[1]
+    if not count:
+        return ()
+    starts = [0, *(1 + np.flatnonzero(np.any(np.diff(codes, axis=1), axis=0))).tolist()]
+    named = []
+    for start in starts:
+        at = codes[:, start]
+        words = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
+        named.append(((words[0], words[1], words[2]), " ".join(words[len(CELL) :])))
+    names = [name for name, _ in named]
+    found = []
+    for (name, versions), start, stop in zip(named, starts, [*starts[1:], count], strict=True):
+        note = versions if names.count(name) > 1 else ""
+        found.append(Cell(*name, note, start, stop))
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""What the rows of a campaign say: a table for the terminal, values, and one page of HTML."""

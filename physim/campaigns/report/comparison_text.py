@@ -1,0 +1,191 @@
+"""Comparisons as text for the terminal, and as values for `--json`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from physim.campaigns.compare import ALPHA, Comparison, Finding
+from physim.campaigns.report.contents import MEASURES
+from physim.campaigns.report.text import plain, seeds_text
+from physim.campaigns.report.wording import RATE_NAMES, SHARES, measured, number, percent
+from physim.errors import plural
+from physim.escaping import escaped
+
+LOOKED = (
+    " Here a campaign was stopped because of what it showed (sweep --until): intervals and p "
+    "values are then too sure; compare campaigns of a number of runs fixed in advance."
+)
+TEST_NAMES = {"sign": "the sign test", "wilcoxon": "Wilcoxon's signed rank test"}
+
+
+def comparison_text(comparisons: Sequence[Comparison], test: str, looked: bool = False) -> str:
+    """All comparisons, then how they were made."""
+    lines: list[str] = []
+    for one in comparisons:
+        lines += [*_lines(one), ""]
+    lines.append(method(comparisons, test, looked))
+    return "\n".join(lines) + "\n"
+
+
+def _lines(one: Comparison) -> Iterator[str]:
+    yield escaped(f"A {one.a.label}, B {one.b.label}{': ' if one.common else ''}{one.common}")
+    yield f"  {told(one)}"
+    for f in one.findings:
+        unit = unit_of(f)
+        a, b = (value_text(f, value, unit) for value in (f.a, f.b))
+        yield f"  {title(f):<26}A {a}, B {b}{pairs_text(one, f)}"
+        yield f"  {'':<26}{verdict(f)}"
+
+
+def told(one: Comparison) -> str:
+    """How many seeds are compared, and what is left out."""
+    text = f"{plural(one.seeds, 'seed')} in common"
+    for name, seeds in (("A", one.only_a), ("B", one.only_b)):
+        if seeds:
+            text += (
+                f"; {number(len(seeds))} that only {name} has are left out ({seeds_text(seeds)})"
+            )
+    for name, failed in (("A", one.failed_a), ("B", one.failed_b)):
+        if failed:
+            text += f"; {plural(failed, 'run')} of {name} failed"
+    return text
+
+
+def title(found: Finding) -> str:
+    """What was looked at."""
+    return RATE_NAMES[found.name] if found.is_rate else MEASURES[found.name][0]
+
+
+def is_share(found: Finding) -> bool:
+    """Whether its differences are in percentage points."""
+    return found.is_rate or found.name in SHARES
+
+
+def unit_of(found: Finding) -> str:
+    """Unit of a measure; empty of rates and shares."""
+    return "" if found.is_rate else MEASURES[found.name][1]
+
+
+def value_text(found: Finding, value: float, unit: str) -> str:
+    """A rate or a median."""
+    return percent(value) if found.is_rate else measured(found.name, value, unit)
+
+
+def pairs_text(one: Comparison, found: Finding) -> str:
+    """Of how many pairs, where not of all."""
+    if found.pairs == one.seeds:
+        return ""
+    both = "both finished" if found.name == "finish_time" else "both have one"
+    return f" (medians of the {plural(found.pairs, 'pair')} in which {both})"
+
+
+def verdict(found: Finding) -> str:
+    """Which is better and by how much, or that no difference is shown; never that there is none."""
+    p = f"p {p_text(found.p)}, corrected {p_text(found.corrected)}"
+    range_text = interval_text(found)
+    if not found.better:
+        return f"no difference shown: B - A = {range_text}; {p}"
+    sign = -1.0 if found.difference < 0.0 else 1.0
+    name = found.better.upper()
+    return f"{name} is better by {_size(found, sign)}; {p}"
+
+
+def _size(found: Finding, sign: float) -> str:
+    """Difference without its sign, with the interval of its size."""
+    low, high = sorted((sign * found.low, sign * found.high))
+    value, low_text, high_text = (_amount(found, x) for x in (abs(found.difference), low, high))
+    return f"{value} [{low_text}, {high_text}] {difference_unit(found)}".rstrip()
+
+
+def interval_text(found: Finding) -> str:
+    """``+0.031 [-0.002, +0.064] m``, B minus A."""
+    value, low, high = (_signed(found, x) for x in (found.difference, found.low, found.high))
+    return f"{value} [{low}, {high}] {difference_unit(found)}".rstrip()
+
+
+def difference_unit(found: Finding) -> str:
+    """Unit of a difference: of shares percentage points."""
+    return "points" if is_share(found) else unit_of(found)
+
+
+def _amount(found: Finding, value: float) -> str:
+    """A number without its unit."""
+    if math.isinf(value):
+        return "unbounded"
+    if is_share(found):
+        return f"{100.0 * value:.1f}"
+    unit = unit_of(found)
+    return measured(found.name, value, unit).removesuffix(f" {unit}")
+
+
+def _signed(found: Finding, value: float) -> str:
+    text = _amount(found, abs(value))
+    if math.isinf(value) or not text.strip("0.,%"):  # rounded to 0
+        return text
+    return f"{'-' if value < 0.0 else '+'}{text}"
+
+
+def p_text(p: float) -> str:
+    """``0.031``, ``< 0.0001``."""
+    return "< 0.0001" if p < 1e-4 else f"{p:.2g}" if p < 0.1 else f"{p:.2f}"
+
+
+def method(comparisons: Sequence[Comparison], test: str, looked: bool) -> str:
+    """How differences were estimated and tested; one paragraph.
+
+    ``looked``: a campaign was stopped because of what it showed, which is told.
+    """
+    looks = sum(len(one.findings) for one in comparisons)
+    return (
+        "Differences are B minus A on the same seeds, with 95 % intervals that hold each for "
+        "itself, for a number of seeds fixed in advance: of rates in percentage points "
+        "(conservative, from exact parts), of measures the median of the differences (order "
+        f"statistics). Tests: McNemar's exact one of rates, {TEST_NAMES[test]} of measures; p is "
+        f"corrected for all {plural(looks, 'finding')} (Holm). A difference is shown where the "
+        f"corrected p is at most {ALPHA:g} and the interval leaves out 0. That none is shown does "
+        "not mean that there is none: the interval says how large it may be."
+        f"{LOOKED if looked else ''}"
+    )
+
+
+def comparison_values(
+    comparisons: Sequence[Comparison], test: str, looked: bool = False
+) -> dict[str, Any]:
+    """All comparisons in types that JSON knows; what is infinite or has no value is null."""
+    return {
+        "format": "physim-comparison",
+        "version": 1,
+        "units": "m, s; shares from 0 to 1; differences are b minus a",
+        "confidence": 0.95,
+        "number_of_runs_fixed_in_advance": not looked,
+        "tests": {"rates": "McNemar, exact", "measures": test, "correction": "Holm"},
+        "comparisons": [
+            {
+                "common": one.common,
+                **{
+                    key: {"label": arm.label, **dict(zip(_CELL, arm.cell.names, strict=True))}
+                    for key, arm in (("a", one.a), ("b", one.b))
+                },
+                "seeds": one.seeds,
+                "seeds_only_a": list(one.only_a),
+                "seeds_only_b": list(one.only_b),
+                "failed_a": one.failed_a,
+                "failed_b": one.failed_b,
+                "findings": [
+                    {
+                        "name": f.name, "pairs": f.pairs, "a": plain(f.a), "b": plain(f.b),
+                        "difference": plain(f.difference), "low": plain(f.low),
+                        "high": plain(f.high), "only_a": f.only_a, "only_b": f.only_b,
+                        "p": f.p, "p_corrected": f.corrected, "better": f.better or None,
+                    }
+                    for f in one.findings
+                ],
+            }
+            for one in comparisons
+        ],
+    }  # fmt: skip
+
+
+_CELL = ("world", "settings", "controller")

@@ -1,0 +1,314 @@
+"""A report as one page of HTML that needs nothing beside it."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from physim.campaigns.report.contents import (
+    MEASURES,
+    SHOWN,
+    CellReport,
+    Rate,
+    Report,
+    Spread,
+)
+from physim.campaigns.report.markup import code, page, text
+from physim.campaigns.report.plots import distribution, rate_axis, rate_plot, spread_axis
+from physim.campaigns.report.text import seeds_text, where
+from physim.campaigns.report.wording import (
+    RATE_NAMES,
+    decision_words,
+    interval,
+    measured,
+    method,
+    no_failure,
+    number,
+    percent,
+)
+from physim.errors import plural
+
+PLOT_WIDTH, RATE_WIDTH = 320.0, 190.0
+"""[px]"""
+MOST_CELLS = 200
+MOST_PLOTS = 60
+MOST_FAILURES = 100
+MOST_REASON = 400
+"""What a page shows of a large campaign; what it leaves out is told, and is in `--json`."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How a run among the worst is shown."""
+
+    command: str
+    """that makes it again"""
+    still: bytes = b""
+    """PNG of the moment of least distance; empty where there is none"""
+    video: str = ""
+    """link to its video, relative to the page"""
+    fault: str = ""
+    """why there is no still"""
+
+
+def report_page(report: Report, shown: Sequence[Shown]) -> str:
+    """The page; ``shown`` are the runs of `Report.worst`."""
+    parts = [*_opening(report), *_rates(report), *_distances(report), *_measures(report)]
+    parts += [*_worst(report, shown), *_failures(report)]
+    return page(f"{report.title}: campaign", "\n".join(parts))
+
+
+def _opening(report: Report) -> Iterator[str]:
+    outcomes = report.outcomes
+    failed = sum(one.failed for one in report.cells)
+    touched = sum(one.touched for one in report.cells)
+    cpu = outcomes.column("cpu_seconds")
+    yield f"<h1>{text(report.title)}</h1>"
+    seeds = f"seeds {outcomes.seed.min()} to {outcomes.seed.max()}" if len(outcomes) else "no runs"
+    worlds, _, controllers = (
+        len({names[k] for names in (one.cell.names for one in report.cells)}) for k in range(3)
+    )
+    yield (
+        f'<p class="quiet">{plural(worlds, "world")}, {plural(controllers, "controller")}, '
+        f"{plural(len(report.cells), 'cell')}, {seeds}. {text(', '.join(report.versions()))}.</p>"
+    )
+    near = outcomes.column("shortest_distance")
+    least = measured("", float(np.nanmin(near)), "m") if report.worst else "-"
+    figures = [
+        ("runs", number(report.runs), False),
+        ("with contacts", number(touched), touched > 0),
+        ("failed", number(failed), failed > 0),
+        ("least distance", least.replace("-", "−") if report.worst else least,
+         bool(report.worst) and near[report.worst[0]] < 0.0),
+        ("processor time", _hours(float(np.nansum(cpu))), False),
+    ]  # fmt: skip
+    cells = "".join(
+        f"<div><dt>{name}</dt><dd{' class=bad' if bad else ''}>{value}</dd></div>"
+        for name, value, bad in figures
+    )
+    yield f'<dl class="figures">{cells}</dl>'
+
+
+def _hours(seconds: float) -> str:
+    if seconds < 100.0:
+        return f"{seconds:.1f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200.0 else f"{seconds / 3600:.1f} h"
+
+
+def _rates(report: Report) -> Iterator[str]:
+    yield "<h2>How often does it go well?</h2>"
+    yield f"<p>{text(method(report.goal))} Each interval holds for itself, not all at once.</p>"
+    failed = sum(one.failed for one in report.cells)
+    if failed:
+        yield (
+            f"<p>{plural(failed, 'run')} failed (an error, the limit of time, a killed worker). "
+            "They count in every rate, as neither contact-free nor finished.</p>"
+        )
+    cells = report.cells[:MOST_CELLS]
+    axis = rate_axis([one.rates[0].low for one in cells], RATE_WIDTH)
+    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th><th class="number">runs'
+    yield '</th><th class="number">failed</th>'
+    yield f'<th colspan="2">{RATE_NAMES["rate"]}</th>'
+    yield f"<th>{RATE_NAMES['contact_free']}</th><th>{RATE_NAMES['finished']}</th></tr></thead>"
+    yield "<tbody>"
+    for one in cells:
+        both, free, finished = one.rates
+        plot = rate_plot(both.share, both.low, both.high, axis, _in_words(both))
+        decision = ""
+        if report.goal is not None and one.decision is not None:
+            words = decision_words(one.decision, report.goal)
+            decision = f'<br><small class="verdict">{text(words)}</small>'
+        note = no_failure(both)
+        yield (
+            f"<tr>{_name(one)}"
+            f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'
+            f'<td class="number" data-name="failed">{number(one.failed)}</td>'
+            f"<td>{plot}</td>"
+            f'<td data-name="{RATE_NAMES["rate"]}">{_rate(both)}{decision}'
+            f"{f'<br><small>{text(note)}</small>' if note else ''}</td>"
+            f'<td data-name="{RATE_NAMES["contact_free"]}">{_rate(free)}</td>'
+            f'<td data-name="{RATE_NAMES["finished"]}">{_rate(finished)}</td></tr>'
+        )
+    yield "</tbody></table></div>"
+    yield from _left_out(len(report.cells), MOST_CELLS, "cells")
+    if any(one.rates[0].at_most is not None for one in report.cells):
+        needed = next(one.rates[0].needed for one in report.cells if one.rates[0].needed)
+        yield (
+            f'<p class="quiet">Where no run went wrong, the bound {_bound(report)}: '
+            f"{number(needed)} runs none of which goes wrong show {percent(SHOWN)}.</p>"
+        )
+
+
+def _bound(report: Report) -> str:
+    exact = "is one-sided, of 95 %"
+    return exact if report.goal is None else "is that of the confidence sequence"
+
+
+def _in_words(rate: Rate) -> str:
+    return f"{percent(rate.share)} {interval(rate.low, rate.high)}"
+
+
+def _rate(rate: Rate) -> str:
+    return (
+        f"<b>{percent(rate.share)}</b> <small>{number(rate.good)} of {number(rate.of)}<br>"
+        f"{interval(rate.low, rate.high)}</small>"
+    )
+
+
+def _name(one: CellReport) -> str:
+    cell = one.cell
+    more = ", ".join(part for part in (cell.settings, cell.note) if part)
+    more = f"<span>{text(more)}</span>" if more else ""
+    return (
+        f'<td class="name"><b>{text(cell.world)}</b><span>{text(cell.controller)}</span>{more}</td>'
+    )
+
+
+def _left_out(count: int, most: int, what: str) -> Iterator[str]:
+    if count > most:
+        yield (
+            f'<p class="quiet">The first {most} of {number(count)} {what} are shown; '
+            "<code>physim report --json</code> has all.</p>"
+        )
+
+
+def _distances(report: Report) -> Iterator[str]:
+    yield "<h2>How close do robots come to each other and to walls?</h2>"
+    yield (
+        "<p>The least distance of a whole run, robots and walls, over all physics steps. Below 0, "
+        "left of the dashed line, robots overlapped: a contact. Upright: the share of runs. Cells "
+        "of a world have the same axis.</p>"
+    )
+    near = report.outcomes.column("shortest_distance")
+    axes = {}
+    for world in {one.cell.world for one in report.cells}:
+        rows = [near[one.cell.rows] for one in report.cells if one.cell.world == world]
+        axes[world] = spread_axis(np.concatenate(rows), PLOT_WIDTH)
+    yield '<div class="tiles">'
+    for one in report.cells[:MOST_PLOTS]:
+        values = near[one.cell.rows]
+        known = values[~np.isnan(values)]
+        spread = one.spread("shortest_distance")
+        name = ", ".join(part for part in (one.cell.controller, one.cell.settings) if part)
+        yield f'<figure class="tile"><h3>{text(one.cell.world)}</h3>'
+        yield f'<p class="quiet">{text(name)}</p>'
+        if len(known):
+            what = f"least distances of {one.cell.name}: {_five(spread, 'm')}"
+            yield distribution(known, axes[one.cell.world], "least distance of a run [m]", what)
+            seed = report.outcomes.seed[one.worst] if one.worst is not None else ""
+            yield (
+                f"<figcaption>{_five(spread, 'm')}; the least with seed {seed}"
+                f"{_of(spread, one)}</figcaption>"
+            )
+        else:
+            yield "<figcaption>no run has one</figcaption>"
+        yield "</figure>"
+    yield "</div>"
+    yield from _left_out(len(report.cells), MOST_PLOTS, "cells")
+
+
+def _five(spread: Spread, unit: str) -> str:
+    values = [measured(spread.name, x, unit) for x in (spread.median, spread.least, spread.most)]
+    return f"median {values[0]}, from {values[1]} to {values[2]}".replace("-", "−")
+
+
+def _of(spread: Spread, one: CellReport) -> str:
+    """Of how many runs: nothing is dropped in silence."""
+    if spread.count == one.cell.count:
+        return ""
+    return f"; {number(spread.count)} of {number(one.cell.count)} runs have one"
+
+
+def _measures(report: Report) -> Iterator[str]:
+    names = [n for n in MEASURES if n != "shortest_distance"]
+    names = [n for n in names if any(one.spread(n).count for one in report.cells)]
+    if not names:
+        return
+    yield "<h2>Times and other measures</h2>"
+    yield (
+        "<p>The median over runs, and in brackets the middle half of them. Runs without a value "
+        "(of finish times, those that did not finish) are left out; then it says how many have "
+        "one.</p>"
+    )
+    heads = "".join(f'<th class="number">{text(MEASURES[name][0])}</th>' for name in names)
+    yield '<div class="wide"><table class="stack dense"><thead><tr><th>cell</th>'
+    yield f"{heads}</tr></thead><tbody>"
+    for one in report.cells[:MOST_CELLS]:
+        yield f"<tr>{_name(one)}"
+        for name in names:
+            spread, (what, unit) = one.spread(name), MEASURES[name]
+            half = " to ".join(
+                measured(name, x, unit).removesuffix(f" {unit}")
+                for x in (spread.quarter, spread.three_quarters)
+            )
+            inside = (
+                f"{measured(name, spread.median, unit)}<br><small>[{half}]"
+                f"{f'<br>of {number(spread.count)} runs' if spread.count < one.cell.count else ''}"
+                "</small>"
+            )
+            yield (
+                f'<td class="number" data-name="{text(what)}">'
+                f"{inside.replace('-', '−') if spread.count else 'of no run'}</td>"
+            )
+        yield "</tr>"
+    yield "</tbody></table></div>"
+    yield from _left_out(len(report.cells), MOST_CELLS, "cells")
+
+
+def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
+    if not report.worst:
+        return
+    count = "ten " if len(report.worst) == 10 else ""
+    yield f"<h2>The {count}least distances</h2>"
+    yield "<p>Each picture is the moment of the least distance. The command makes its video.</p>"
+    yield '<div class="tiles large">'
+    near = report.outcomes.column("shortest_distance")
+    for place, (index, one) in enumerate(zip(report.worst, shown, strict=True), start=1):
+        row = report.outcomes.row(index)
+        yield '<figure class="tile">'
+        name = ", ".join(str(row[k]) for k in ("controller", "settings") if row[k])
+        if one.still:
+            data = base64.b64encode(one.still).decode("ascii")
+            alt = f"{row['world']}, seed {row['seed']}: {where(row)}"
+            yield f'<img src="data:image/png;base64,{data}" alt="{text(alt)}">'
+        bad = " bad" if near[index] < 0.0 else ""
+        value = measured("", near[index], "m").replace("-", "−")
+        yield f'<p class="big{bad}">{value}</p>'
+        yield f"<h3>{place}. {text(row['world'])}, seed {row['seed']}</h3>"
+        yield f"<figcaption>{text(name)}; {text(where(row))}; {_contacts(row)}"
+        if one.fault:
+            yield f"<br>no picture: {text(one.fault)}"
+        if one.video:
+            yield f'<br><a href="{text(one.video)}">video</a>'
+        yield f"<br>{code(one.command)}</figcaption></figure>"
+    yield "</div>"
+
+
+def _contacts(row: dict[str, object]) -> str:
+    kinds = {
+        "contacts": ("contact of robots", "contacts of robots"),
+        "wall_contacts": ("contact with walls", "contacts with walls"),
+        "grazes": ("graze between samples", "grazes between samples"),
+    }
+    counts = [plural(int(str(row[key])), *words) for key, words in kinds.items() if row[key]]
+    return ", ".join(counts) or "no contact"
+
+
+def _failures(report: Report) -> Iterator[str]:
+    if not report.failures:
+        return
+    yield "<h2>Runs that failed</h2>"
+    yield '<div class="wide"><table><thead><tr><th>cell</th><th class="number">runs</th>'
+    yield "<th>ended by</th><th>reason</th><th>seeds</th></tr></thead><tbody>"
+    for one in report.failures[:MOST_FAILURES]:
+        reason = one.reason if len(one.reason) <= MOST_REASON else one.reason[:MOST_REASON] + "…"
+        yield (
+            f'<tr><td class="name">{text(one.cell.name)}</td>'
+            f'<td class="number">{number(len(one.seeds))}</td><td>{text(one.ended)}</td>'
+            f"<td>{text(reason)}</td><td>{seeds_text(one.seeds)}</td></tr>"
+        )
+    yield "</tbody></table></div>"
+    yield from _left_out(len(report.failures), MOST_FAILURES, "kinds of failure")

@@ -1,0 +1,136 @@
+"""Stills and videos of the worst runs: from their records where they were kept, else run again."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+from collections.abc import Callable, Collection
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import simulation_of
+from physim.campaigns.outcomes import DONE
+from physim.campaigns.replay import spec_of_row
+from physim.campaigns.report.contents import Report
+from physim.campaigns.report.page import Shown
+from physim.campaigns.rows import COLUMNS, Row
+from physim.errors import PhysimError
+from physim.record import Record
+from physim.simulation.run import record_run
+
+STILLS, VIDEOS = "stills", "videos"
+"""Folders in that of a campaign; files have the names of the runs, so they are made only once."""
+STILL_WIDTH = 800
+"""[px]"""
+KEY = re.compile(r"[0-9a-f]{20}")
+
+Remake = Callable[[dict[str, Any]], Record]
+"""Makes the record of a row again. Raises PhysimError."""
+Progress = Callable[[int, int, str], None]
+
+
+def command(folder: Path, row: dict[str, Any]) -> str:
+    """How to make record and video of a run again; code of one's own is run only when named."""
+    name = f"{folder}:{row['run']}"
+    own = row["controller"] if ":" in row["controller"] else ""
+    return shlex.join(["physim", "replay", name, *(["--controller", own] if own else [])])
+
+
+def remake(folder: Path, row: dict[str, Any], controllers: Collection[str] = ()) -> Record:
+    """Record of a run again, in this process: it came to its end before, so it will again.
+
+    Code of one's own is imported only where it is among ``controllers``. Raises PhysimError where
+    the run failed, or would not be the same.
+    """
+    if row["ended"] not in DONE:
+        raise PhysimError("the run failed")
+    given = row["controller"] if row["controller"] in controllers else None
+    one = Row(**{name: row[name] for name in COLUMNS if name in row})
+    return record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
+
+
+def pictures(
+    report: Report,
+    folder: Path,
+    page: Path,
+    remake: Remake,
+    *,
+    stills: bool = True,
+    videos: bool = False,
+    progress: Progress = lambda done, total, note: None,
+    stop: Callable[[], bool] = lambda: False,
+) -> list[Shown]:
+    """How the worst runs are shown on a page: what is not there yet is made, into ``folder``.
+
+    A run that cannot be made again is shown without, and why. When ``stop`` says True the rest are
+    shown without. Raises PhysimError where a picture cannot be written.
+    """
+    found = []
+    for done, index in enumerate(report.worst):
+        row = report.outcomes.row(index)
+        again = command(folder, row)
+        progress(done, len(report.worst), f"seed {row['seed']}")
+        if not (stills or videos) or stop():
+            found.append(Shown(again))
+        elif not KEY.fullmatch(str(row["run"])):
+            found.append(Shown(again, fault="the run has no key"))
+        else:
+            found.append(_shown(row, again, folder, page, remake, videos))
+    progress(len(report.worst), len(report.worst), "")
+    return found
+
+
+def _shown(
+    row: dict[str, Any], again: str, folder: Path, page: Path, remake: Remake, videos: bool
+) -> Shown:
+    still = folder / STILLS / f"{row['run']}.png"
+    video = folder / VIDEOS / f"{row['run']}.mp4"
+    if not still.is_file() or (videos and not video.is_file()):
+        try:
+            record = _record(row, folder, remake)
+        except PhysimError as error:
+            return Shown(again, fault=str(error).partition("\n")[0])
+        with closing(record):
+            _draw(record, row, still, video if videos else None)
+    link = ""
+    if video.is_file():
+        link = os.path.relpath(video, page.absolute().parent).replace(os.sep, "/")
+    return Shown(again, still.read_bytes(), link)
+
+
+def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
+    """The kept record of a run, or the run again."""
+    kept = folder / "records" / f"{row['run']}.h5"
+    if row["record"] and kept.is_file():
+        return Record.load(kept)
+    return remake(row)
+
+
+def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) -> None:
+    from physim.drawing.video import render
+
+    for file in (still, video):
+        if file is not None:
+            try:
+                file.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
+    if not still.is_file():
+        _draw_view(record, still, row["shortest_distance_time"] or 0.0)
+    if video is not None and not video.is_file():
+        render(record, video)
+
+
+def _draw_view(record: Record, path: Path, time: float) -> None:
+    """The view of a still, without the panel beside it, which would be too small to read."""
+    from physim.drawing.timeline import Timeline
+    from physim.drawing.video import frame_at
+    from physim.drawing.video.animation import resized, save_still
+    from physim.drawing.video.layout import arrange
+
+    view, _, _ = arrange(Timeline(record).curves is not None)
+    picture = view.of(frame_at(record, time))
+    save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

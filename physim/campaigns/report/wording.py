@@ -1,0 +1,121 @@
+"""Numbers as reports write them, nothing near 100 % made 100 %; and which intervals are meant."""
+
+from __future__ import annotations
+
+import math
+
+from physim.campaigns.report.contents import SHOWN, Rate
+from physim.errors import plural
+from physim.statistics.goal import Decision, Goal
+
+RATE_NAMES = {
+    "rate": "contact-free and finished",
+    "contact_free": "contact-free",
+    "finished": "finished",
+}
+SHARES = ("danger_share",)
+"""Measures that are written as shares."""
+FEWEST_DIGITS, MOST_DIGITS = 1, 4
+
+
+def digits_for(*shares: float) -> int:
+    """Decimals of percentages with which shares near 0 and 1 can be told from these."""
+    inside = [min(share, 1.0 - share) for share in shares if 0.0 < share < 1.0]
+    if not inside or min(inside) >= 0.01:
+        return FEWEST_DIGITS
+    return min(MOST_DIGITS, max(FEWEST_DIGITS, -math.floor(math.log10(min(inside)) + 1e-9) - 2))
+
+
+def percent(share: float, digits: int | None = None, side: int = 0) -> str:
+    """``99.9 %``; rounded down for a ``side`` of -1, up for 1, else to the nearest.
+
+    What is neither 0 nor 1 is not written as 0 % or 100 % where up to four decimals can help it.
+    """
+    if math.isnan(share):
+        return "-"
+    digits = digits_for(share) if digits is None else digits
+    scaled = share * 100.0 * 10**digits
+    slack = 1e-9 * max(1.0, abs(scaled))
+    whole = (
+        math.floor(scaled + slack) if side < 0
+        else math.ceil(scaled - slack) if side > 0
+        else round(scaled)
+    )  # fmt: skip
+    return f"{whole / 10**digits:.{digits}f} %"
+
+
+def interval(low: float, high: float) -> str:
+    """``[96.3 %, 100.0 %]``, both ends rounded outward."""
+    digits = digits_for(low, high)
+    return f"[{percent(low, digits, -1)}, {percent(high, digits, 1)}]"
+
+
+def no_failure(rate: Rate) -> str:
+    """What it means that no run went wrong; empty where one did."""
+    if rate.at_most is None or rate.needed is None:
+        return ""
+    most = percent(rate.at_most, None, 1)
+    few = f"{number(rate.good)} of {number(rate.of)}: at most {most} go wrong"
+    more, shown = rate.needed - rate.of, percent(SHOWN)
+    if more > 0:
+        return f"{few}; {number(more)} more, none of which does, would show {shown}"
+    return f"{few}, which shows {shown}"
+
+
+def number(count: int) -> str:
+    """``12,345``."""
+    return f"{count:,}"
+
+
+def amount(value: float, unit: str) -> str:
+    """A measured value with its unit: three decimals of metres, two of seconds, whole counts."""
+    if math.isnan(value):
+        return "-"
+    if math.isinf(value):
+        return "unbounded"
+    digits = {"m": 3, "s": 2}.get(unit)
+    if digits is None:
+        return f"{value:,.0f}" if float(value).is_integer() else f"{value:,.1f}"
+    text = f"{value:.{digits}f}"
+    return f"{0.0:.{digits}f} {unit}" if float(text) == 0.0 else f"{text} {unit}"
+
+
+def measured(name: str, value: float, unit: str) -> str:
+    """`amount`, shares as percentages."""
+    return percent(value) if name in SHARES else amount(value, unit)
+
+
+def method(goal: Goal | None) -> str:
+    """Which intervals these are, and why; one paragraph."""
+    if goal is None:
+        return (
+            "95 % intervals are exact (Clopper and Pearson), for a number of runs fixed in advance."
+            " They do not hold where a campaign was stopped because of what it showed; those of "
+            "physim sweep --until do."
+        )
+    return (
+        "95 % intervals are a confidence sequence (beta-binomial mixture): this campaign ran until "
+        f"{goal_words(goal)} (--until), so it was looked at after every run, and these hold at "
+        "every look. Exact intervals, for a number of runs fixed in advance, would be narrower and "
+        "would not hold. Of each cell the first runs that decide count, in the order of seeds."
+    )
+
+
+def goal_words(goal: Goal) -> str:
+    """What was to be known."""
+    if not goal.sign:
+        return f"the interval of the {goal.rate} was at most {percent(goal.number)} wide"
+    than = "above" if goal.sign == ">" else "below"
+    name = "rate" if goal.rate == "rate" else f"rate of {RATE_NAMES[goal.rate]} runs"
+    return f"it was decided whether the {name} is {than} {percent(goal.number)}"
+
+
+def decision_words(decision: Decision, goal: Goal) -> str:
+    """What came of a goal in a cell."""
+    runs = plural(decision.runs, "run")
+    if not decision.decided:
+        return f"undecided after {runs}"
+    if decision.holds is None:
+        return f"narrow enough after {runs}"
+    than = "above" if (goal.sign == ">") == decision.holds else "below"
+    return f"decided after {runs}: {than} {percent(goal.number)}"

@@ -1,0 +1,134 @@
+"""``physim compare``: is A better than B?"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from physim.cli.output import its_folder, new_file, new_json, text_stream, write_json, write_text
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.values import LONGEST_QUOTE, OneOf, Value, quoted
+from physim.errors import PhysimError, nearest
+
+if TYPE_CHECKING:
+    from physim.campaigns.compare import Arm
+    from physim.campaigns.outcomes import Outcomes
+
+DIMENSIONS = ["controller", "settings", "world"]
+
+
+def measures(text: str) -> tuple[str, ...]:
+    """Read names of rates and measures. Raises ValueError with those that there are."""
+    from physim.campaigns.compare import MEASURES
+    from physim.statistics.goal import RATES
+
+    known = [*RATES, *MEASURES]
+    names = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
+    for name in names:
+        if name not in known:
+            close = nearest(name[:LONGEST_QUOTE], known)
+            raise ValueError(
+                f"some of {','.join(known)}, with commas between; {quoted(name)}{close}"
+            )
+    return names
+
+
+@command("compare", "is A better than B? differences on the same seeds")
+@click.argument("a", metavar="A", type=Path, help="folder of a campaign (physim sweep)")
+@click.argument("b", metavar="[B]", type=Path, required=False, help="another one, but with --by")
+@option(
+    "--by",
+    type=OneOf(DIMENSIONS),
+    metavar="WHAT",
+    help="compare the cells of A that differ in this alone: controller, settings or world",
+)
+@option("--only", type=Value(measures), metavar="NAME,...", help="only these rates and measures")
+@option(
+    "--test",
+    type=OneOf(["sign", "wilcoxon"]),
+    metavar="TEST",
+    default="sign",
+    help="of measures: sign (needs no assumption), or wilcoxon (sees more where differences are "
+    "symmetric)",
+)
+@option("-o", "--output", type=Path, metavar="FILE", help="write a page with all pairs as points")
+@option("--json", type=Path, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
+@flag("--force", "overwrite an existing FILE")
+@flag("--quiet", "print no table")  # fmt: skip
+def compare(options: Options) -> int:
+    """Compare two controllers, settings or worlds on the same seeds: differences with intervals,
+    tested, and corrected for how many are looked at. Seeds that only one has are left out.
+
+    Rates (rate: contact-free and finished; contact_free; finished) are compared by McNemar's exact
+    test, measures (shortest_distance, finish_time, deviation, formation_error) by the sign test or
+    Wilcoxon's; p values are corrected after Holm.
+
+    exit codes:
+      0    compared, whatever came out
+      2    bad input: one message says what and where
+
+    examples:
+      physim compare runs/study --by controller
+      physim compare runs/before runs/after -o compared.html
+      physim compare runs/study --by settings --only rate,finish_time --json -
+    """
+    from physim.campaigns.compare import USUAL, by
+    from physim.campaigns.compare import compare as compared
+    from physim.campaigns.report.comparison_page import comparison_page
+    from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+
+    new_json(options.json, options.force)
+    if options.output is not None:
+        new_file(options.output, options.force)
+        its_folder(options.output)
+    if (options.b is None) == (options.by is None):
+        given = "is missing" if options.b is None else "cannot be combined with B"
+        raise PhysimError(
+            f"--by: {given}; compare two folders, physim compare A B, or the cells of one, "
+            f"physim compare A --by {DIMENSIONS[0]}"
+        )
+    pairs = by(outcomes(options.a), options.by) if options.by else _two(options.a, options.b)
+    found = compared(pairs, options.only or USUAL, options.test)
+    name = f"{options.a}, by {options.by}" if options.by else f"{options.a} and {options.b}"
+    looked = any(_looked_at(folder) for folder in (options.a, options.b) if folder is not None)
+    if options.output is not None:
+        page = comparison_page(found, options.test, name, looked)
+        write_text(options.output, page)
+    if options.json is not None:
+        values = comparison_values(found, options.test, looked)
+        write_json(options.json, json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False))
+    if not options.quiet:
+        stream = text_stream(options.json)
+        stream.write(comparison_text(found, options.test, looked))
+        if options.output is not None:
+            stream.write(f"written to {options.output}\n")
+    return 0
+
+
+def outcomes(folder: Path) -> Outcomes:
+    """Rows of a campaign. Raises PhysimError where there is none, or it has no rows yet."""
+    from physim.campaigns.folder import Folder
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.rows import read
+
+    Folder(folder).cells()
+    found = Outcomes(read(folder))
+    if not len(found):
+        raise PhysimError(f"{folder}: its campaign has no runs yet")
+    return found
+
+
+def _two(a: Path, b: Path) -> list[tuple[Arm, Arm, str]]:
+    from physim.campaigns.compare import between
+
+    return between(outcomes(a), outcomes(b), (str(a), str(b)))
+
+
+def _looked_at(folder: Path) -> bool:
+    """Whether the number of runs depends on their outcomes."""
+    from physim.campaigns.until import read_until
+
+    return read_until(folder) is not None

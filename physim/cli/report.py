@@ -1,0 +1,97 @@
+"""``physim report``: what a campaign says."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from physim.cli.output import (
+    STDOUT,
+    inputs,
+    its_folder,
+    new_file,
+    new_json,
+    regular,
+    text_stream,
+    write_json,
+    write_text,
+)
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import Bar, interrupts
+from physim.cli.signals import INTERRUPTED
+
+PAGE = "report.html"
+
+
+@command("report", "how likely a contact is: rates, intervals, the worst")
+@click.argument("folder", metavar="DIR", type=Path, help="folder of a campaign (physim sweep)")
+@option(
+    "-o", "--output", type=Path, metavar="FILE", help=f"page to write (DIR/{PAGE}, again each time)"
+)
+@option("--json", type=Path, metavar="FILE", help="write all figures to FILE (-: standard output)")
+@flag("--videos", "make the videos of the worst runs, and link to them")
+@flag("--no-pictures", "do not run the worst again for their pictures")
+@option(
+    "--controller", "controllers", multiple=True, metavar="NAME",
+    help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
+    "code is only run when named (may be repeated)",
+)  # fmt: skip
+@flag("--force", "overwrite an existing FILE")
+@flag("--quiet", "print no table")  # fmt: skip
+def report(options: Options) -> int:
+    """Report a campaign as a table and as one page of HTML: for each world, settings and
+    controller how many runs were contact-free, finished, and both, with intervals; distances and
+    times; runs that failed; and the ten worst, with pictures.
+
+    intervals:
+      Exact (Clopper-Pearson) for a campaign whose number of runs was fixed in advance; by a
+      confidence sequence, which holds at every look, for one made with sweep --until.
+
+    exit codes:
+      0    reported, whatever the rates
+      2    bad input: one message says what and where
+      130  interrupted (Ctrl-C): the page has what was drawn by then
+
+    examples:
+      physim report runs/study
+      physim report runs/study --videos -o study.html
+      physim report runs/study --json - --no-pictures --quiet
+    """
+    from physim.campaigns.folder import Folder
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.report.contents import report_of
+    from physim.campaigns.report.page import report_page
+    from physim.campaigns.report.pictures import pictures, remake
+    from physim.campaigns.report.text import report_text, report_values
+    from physim.campaigns.rows import read
+    from physim.campaigns.until import read_until
+
+    folder: Path = options.folder
+    page: Path = options.output or folder / PAGE
+    new_json(options.json, options.force, *inputs(folder))
+    if options.output is not None:
+        new_file(page, options.force)
+        its_folder(page)
+    Folder(folder).cells()
+    regular(page)
+    until = read_until(folder)
+    goal, first = (None, None) if until is None else (until.goal, until.first)
+    found = report_of(Outcomes(read(folder)), str(folder), goal, first)
+    own = options.controllers
+    with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
+        shown = pictures(
+            found, folder, page, lambda row: remake(folder, row, own), videos=options.videos,
+            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
+        )  # fmt: skip
+        write_text(page, report_page(found, shown))
+        if options.json is not None:
+            values = json.dumps(report_values(found), indent=2, ensure_ascii=False, allow_nan=False)
+            write_json(options.json, values)
+        stream = text_stream(options.json)
+        if not options.quiet:
+            stream.write(report_text(found, [one.command for one in shown]))
+        if options.json != STDOUT or not options.quiet:
+            stream.write(f"written to {page}\n")
+        return INTERRUPTED if interrupt() else 0

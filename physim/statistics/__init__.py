@@ -1,0 +1,1 @@
+"""How sure a figure from a number of runs is: intervals, tests, and goals that stop a campaign."""

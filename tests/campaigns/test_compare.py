@@ -1,0 +1,198 @@
+"""Comparisons: planted differences are found with their size, and none where none is planted."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physim.campaigns.compare import Comparison, between, by, compare
+from physim.campaigns.outcomes import Outcomes
+from physim.campaigns.report.comparison_page import comparison_page
+from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+from physim.errors import PhysimError
+from physim.statistics.paired import mcnemar, median_difference, sign_test, wilcoxon
+from tests.campaigns.tables import failed, hit, row, table
+from tests.campaigns.test_report import HOSTILE, Elements
+from tests.facts import facts
+
+
+def campaign(shift: float = 0.0, seeds: int = 60, hits: int = 0, **other: Any) -> Outcomes:
+    """Two controllers, ``other`` is ``shift`` nearer and touches with ``hits`` of the seeds."""
+    rng = np.random.default_rng(3)
+    hard, noise = rng.normal(0.5, 0.2, seeds), rng.normal(0.0, 0.02, (2, seeds))
+    rows = []
+    for seed in range(seeds):
+        rows.append(row(seed, shortest_distance=hard[seed] + noise[0, seed]))
+        value = hard[seed] + noise[1, seed] - shift
+        bad = {"contacts": 1} if seed < hits else {}
+        rows.append(row(seed, controller="other", shortest_distance=value, **bad, **other))
+    return Outcomes(table(rows))
+
+
+def finding(comparisons: list[Comparison], name: str) -> Any:
+    return next(f for f in comparisons[0].findings if f.name == name)
+
+
+def test_a_planted_difference_is_found_with_its_size() -> None:
+    found = compare(by(campaign(shift=0.05, hits=20), "controller"))
+    near = finding(found, "shortest_distance")
+    assert near.better == "a"
+    assert near.low < -0.05 < near.high < 0.0
+    free = finding(found, "contact_free")
+    assert free.better == "a"
+    assert (free.only_a, free.only_b, free.difference) == (20, 0, pytest.approx(-20 / 60))
+    text = comparison_text(found, "sign")
+    assert "A is better by 33.3" in text
+    assert "A good, B other" in text
+
+
+def test_pairing_sees_what_the_arms_alone_do_not() -> None:
+    """Seeds differ by 0.2 m, the arms by 0.03 m."""
+    (one,) = compare(by(campaign(shift=0.03), "controller"))
+    a, b = one.values("shortest_distance")
+    near = next(f for f in one.findings if f.name == "shortest_distance")
+    assert near.better == "a"
+    assert median_difference(a).low < float(np.median(b)) < median_difference(a).high
+
+
+def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:
+    found = compare(by(campaign(), "controller"))
+    text = comparison_text(found, "sign")
+    said = Elements(comparison_page(found, "sign", "yard")).said
+    assert {f.better for f in found[0].findings} == {""}
+    for words in (text, said):
+        assert "no difference shown" in words
+        assert "equal" not in words
+        assert "is better by" not in words
+
+
+def test_less_is_better_for_times() -> None:
+    found = compare(by(campaign(finish_time=15.0), "controller"))
+    assert finding(found, "finish_time").better == "b"
+    assert finding(found, "finish_time").difference == -3.0
+
+
+def test_p_values_are_those_of_the_tests_corrected_together() -> None:
+    outcomes = campaign(shift=0.01, hits=7)
+    for test, function in (("sign", sign_test), ("wilcoxon", wilcoxon)):
+        (one,) = compare(by(outcomes, "controller"), ("contact_free", "shortest_distance"), test)
+        free, near = one.findings
+        a, b = one.values("shortest_distance")
+        assert near.p == function(b - a)
+        assert free.p == mcnemar(7, 0)
+        small, large = sorted((free, near), key=lambda f: f.p)
+        assert small.corrected == pytest.approx(min(1.0, 2 * small.p))
+        assert large.corrected == pytest.approx(max(small.corrected, large.p))
+
+
+def test_a_difference_that_does_not_survive_the_correction_is_not_shown() -> None:
+    outcomes = campaign(hits=6)
+    (alone,) = compare(by(outcomes, "controller"), ("contact_free",))
+    assert alone.findings[0].better == "a"
+    (among,) = compare(by(outcomes, "controller"))
+    free = next(f for f in among.findings if f.name == "contact_free")
+    assert free.p < 0.05 < free.corrected
+    assert free.better == ""
+
+
+def test_seeds_of_one_arm_alone_are_told_and_left_out() -> None:
+    rows = [row(seed) for seed in range(10)]
+    rows += [row(seed, controller="other", shortest_distance=0.1) for seed in range(4, 12)]
+    found = compare(by(Outcomes(table(rows)), "controller"))
+    (one,) = found
+    assert (one.seeds, one.only_a, one.only_b) == (6, (0, 1, 2, 3), (10, 11))
+    assert all(f.pairs == 6 for f in one.findings)
+    for words in (comparison_text(found, "sign"), comparison_page(found, "sign", "yard")):
+        assert "6 seeds in common" in words
+        assert "0, 1, 2, 3" in words
+        assert "10, 11" in words
+
+
+def test_failed_runs_count_in_rates_and_not_in_measures() -> None:
+    rows = [row(seed) for seed in range(10)]
+    rows += [failed(seed, controller="other") if seed < 3 else row(seed, controller="other")
+             for seed in range(10)]  # fmt: skip
+    found = compare(by(Outcomes(table(rows)), "controller"))
+    assert finding(found, "rate").b == 0.7
+    assert finding(found, "shortest_distance").pairs == 7
+    text = comparison_text(found, "sign")
+    assert "3 runs of B failed" in text
+    assert "7 pairs in which both have one" in text
+
+
+def test_by_matches_cells_that_are_alike_in_the_rest() -> None:
+    rows = [row(seed, world=world, settings=settings, controller=controller)
+            for seed in range(3) for world in ("a", "b") for settings in ("", "gain=1")
+            for controller in ("x", "y")]  # fmt: skip
+    outcomes = Outcomes(table(rows))
+    for dimension, place in (("world", 0), ("settings", 1), ("controller", 2)):
+        pairs = by(outcomes, dimension)
+        assert len(pairs) == 4
+        for a, b, _ in pairs:
+            differing = [k for k in range(3) if a.cell.names[k] != b.cell.names[k]]
+            assert differing == [place]
+    three = Outcomes(table([row(1, controller=name) for name in "xyz"]))
+    assert [(a.label, b.label) for a, b, _ in by(three, "controller")] == [
+        ("x", "y"), ("x", "z"), ("y", "z"),
+    ]  # fmt: skip
+
+
+def test_two_campaigns_are_matched_by_what_they_have_in_common() -> None:
+    one = Outcomes(table([row(1, world=world) for world in "ab"]))
+    other = Outcomes(table([row(1, world=world, controller="other") for world in "bc"]))
+    ((a, b, common),) = between(one, other, ("A", "B"))
+    assert (a.label, b.label, common) == ("good", "other", "b")
+    same = between(one, one, ("before", "after"))
+    assert [(a.label, b.label, common) for a, b, common in same] == [
+        ("before", "after", "a, good"), ("before", "after", "b, good"),
+    ]  # fmt: skip
+
+
+def test_what_cannot_be_compared_is_refused() -> None:
+    one = Outcomes(table([row(1)]))
+    with pytest.raises(PhysimError, match=facts("--by controller", "good")):
+        by(one, "controller")
+    many = Outcomes(table([row(1, world=world, controller=c) for world in "ab" for c in "xy"]))
+    other = Outcomes(table([row(1, world="c", controller=c) for c in "xz"]))
+    with pytest.raises(PhysimError, match=facts("A, B", "x")):
+        between(many, other, ("A", "B"))
+    with pytest.raises(PhysimError, match="no seed in common"):
+        compare(between(one, Outcomes(table([row(2)])), ("A", "B")))
+    twice = Outcomes(table([row(1, run="a"), row(1, run="b")]))
+    with pytest.raises(PhysimError, match=facts("seed 1", "twice")):
+        compare(between(one, twice, ("A", "B")))
+    crowd = Outcomes(table([row(1, controller=str(k)) for k in range(30)]))
+    with pytest.raises(PhysimError, match=facts("435", "200")):
+        by(crowd, "controller")
+
+
+def test_hostile_names_are_only_names() -> None:
+    rows = [make(seed, world=HOSTILE, controller=name) for seed in range(8)
+            for name, make in ((HOSTILE, row), (HOSTILE + "2", hit))]  # fmt: skip
+    found = compare(by(Outcomes(table(rows)), "controller"))
+    page = comparison_page(found, "sign", HOSTILE)
+    assert "script" not in Elements(page).tags
+    for words in (page, comparison_text(found, "sign")):
+        assert "\x1b" not in words
+        assert "\u202e" not in words
+
+
+def test_values_of_a_comparison() -> None:
+    found = compare(by(campaign(shift=0.05, seeds=4), "controller"))
+    values = json.loads(json.dumps(comparison_values(found, "sign"), allow_nan=False))
+    (one,) = values["comparisons"]
+    near = next(f for f in one["findings"] if f["name"] == "shortest_distance")
+    assert (near["low"], near["high"], near["better"]) == (None, None, None)
+    assert near["pairs"] == 4
+    assert "unbounded" in comparison_text(found, "sign")
+    Elements(comparison_page(found, "sign", "yard"))
+
+
+def test_plots_of_many_pairs_stay_small_and_say_so() -> None:
+    found = compare(by(campaign(seeds=5000), "controller"))
+    page = comparison_page(found, "sign", "yard")
+    assert len(page) < 200_000
+    assert "400 pairs of 5000" in Elements(page).said

@@ -1,0 +1,104 @@
+"""Campaigns that stop when a goal is decided, whoever was done first."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from physim.campaigns.rows import Row
+from physim.campaigns.until import UNTIL, Decided, Until, read_until, succeeded, write_until
+from physim.errors import PhysimError
+from physim.statistics.goal import decide, read_goal
+from tests.facts import facts
+from tests.statistics.coverage import draws
+
+GOOD, BAD = ("yard", "", "good"), ("yard", "", "bad")
+
+
+def row(seed: int, label: tuple[str, str, str] = GOOD, *, contact: bool = False) -> Row:
+    world, settings, controller = label
+    return Row(
+        run=f"{seed:020x}", world=world, seed=seed, settings=settings, controller=controller,
+        physim="0.1.0", engine="pymunk 7.3.1", ended="finished", contacts=int(contact),
+        wall_contacts=0, grazes=0,
+    )  # fmt: skip
+
+
+def stopped_at(folder: Path, rows: list[Row], goal: str, cells: list[tuple[str, str, str]]) -> int:
+    """How many rows it took, asked after each."""
+    decided = Decided(folder, Until(read_goal(goal), 1), cells)
+    seen: list[Row] = []
+    for one in rows:
+        seen.append(one)
+        if decided(seen):
+            break
+    return len(seen)
+
+
+def test_it_stops_at_the_first_run_that_decides(tmp_path: Path) -> None:
+    good = draws(1).random(2000) < 0.97
+    rows = [row(seed, contact=not fine) for seed, fine in enumerate(good)]
+    for goal in ("rate > 0.9", "contact_free < 0.9", "0.08"):
+        whole = decide(read_goal(goal), good)
+        assert whole.decided
+        assert stopped_at(tmp_path, rows, goal, [GOOD]) == whole.runs
+    assert (
+        stopped_at(tmp_path, rows, "finished < 0.9", [GOOD])
+        == decide(read_goal("finished < 0.9"), [True] * 2000).runs
+    )
+
+
+def test_all_cells_are_to_be_decided(tmp_path: Path) -> None:
+    rows = [
+        row(seed, label, contact=label == BAD and seed % 8 == 0)
+        for seed in range(1000)
+        for label in (GOOD, BAD)
+    ]
+    goal = read_goal("rate > 0.8")
+    runs = [
+        decide(goal, [one.safe for one in rows if one.controller == label[2]]).runs
+        for label in (GOOD, BAD)
+    ]
+    assert runs[0] < runs[1]
+    assert stopped_at(tmp_path, rows, "rate > 0.8", [GOOD, BAD]) == 2 * runs[1]
+
+
+def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> None:
+    rows = [row(seed, contact=seed % 50 == 9) for seed in range(400)]
+    runs = stopped_at(tmp_path, rows, "rate > 0.9", [GOOD])
+    together = Decided(tmp_path, Until(read_goal("rate > 0.9"), 1), [GOOD])
+    assert not together(rows[: runs - 1])
+    assert together(rows[: runs + 30])
+    assert together.watches[GOOD].runs == runs
+
+
+def test_what_counts_for_each_rate() -> None:
+    slow = Row(run="", world="", seed=1, physim="", engine="", ended="duration")
+    failed = Row(run="", world="", seed=1, physim="", engine="", ended="error")
+    names = ("rate", "contact_free", "finished")
+    assert [succeeded(row(1), name) for name in names] == [True, True, True]
+    assert [succeeded(row(1, contact=True), name) for name in names] == [False, False, True]
+    assert [succeeded(slow, name) for name in names] == [False, True, False]
+    assert [succeeded(failed, name) for name in names] == [False, False, False]
+
+
+def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None:
+    assert read_until(tmp_path) is None
+    until = Until(read_goal("rate > 99%"), 5)
+    Decided(tmp_path, until, [GOOD])([row(5)])
+    assert read_until(tmp_path) == until
+    write_until(tmp_path, Until(read_goal("0.02"), 9))
+    assert read_until(tmp_path) == Until(read_goal("0.02"), 5)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{}", "null", '{"format": "other"}',
+     '{"format": "physim-until", "goal": "rate > x", "first_seed": 1}',
+     '{"format": "physim-until", "goal": "0.1", "first_seed": "1"}'],
+)  # fmt: skip
+def test_another_file_of_that_name_is_refused(tmp_path: Path, text: str) -> None:
+    (tmp_path / UNTIL).write_text(text, encoding="utf-8")
+    with pytest.raises(PhysimError, match=facts(str(tmp_path / UNTIL))):
+        read_until(tmp_path)

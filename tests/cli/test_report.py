@@ -1,0 +1,164 @@
+"""``physim report`` and ``physim compare`` from a folder of real runs, and their mistakes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from physim.campaigns.until import Until, write_until
+from physim.record import Record
+from physim.statistics.goal import read_goal
+from tests.campaigns.real import campaign
+from tests.campaigns.test_report import Elements
+from tests.cli.commands import physim
+from tests.says import check_error
+
+CONTROLLERS = ("mode_switching", "path_following")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("campaign") / "c"
+    rows = campaign(folder, range(1, 5), CONTROLLERS)
+    assert not any(row.failed for row in rows)
+    return folder
+
+
+def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("report", made, capture=capsys)
+    assert done.code == 0
+    for name in CONTROLLERS:
+        assert f"small, {name}: 4 runs" in done.out
+    assert f"physim replay {made}:" in done.out
+    page = Elements((made / "report.html").read_text(encoding="utf-8"))
+    assert page.tags.count("img") == 8
+    assert "no picture" not in page.said
+    stills = sorted((made / "stills").iterdir())
+    assert len(stills) == 8
+    times = [file.stat().st_mtime_ns for file in stills]
+    assert physim("report", made, "--quiet", capture=capsys).code == 0
+    assert [file.stat().st_mtime_ns for file in stills] == times
+
+
+def test_a_still_is_of_the_run_of_its_row(made: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    """The record that is drawn has the distance that the row tells."""
+    from physim.campaigns.report import pictures
+    from physim.campaigns.rows import read
+
+    drawn: list[float] = []
+    monkeypatch.setattr(
+        pictures, "_draw", lambda record, row, still, video: drawn.append(
+            abs(float(record.read("/steps/clearance").min()) - row["shortest_distance"]))
+    )  # fmt: skip
+    row = read(made).to_pylist()[0]
+    (tmp_path / "stills").mkdir()
+    with pytest.raises(FileNotFoundError):  # nothing was drawn
+        pictures._shown(row, "", tmp_path, tmp_path / "x.html", lambda r: _made(made, r), False)
+    assert drawn[0] < 1e-9
+
+
+def _made(folder: Path, row: dict[str, Any]) -> Record:
+    from physim.campaigns.report.pictures import remake
+
+    return remake(folder, row)
+
+
+def test_values_and_no_pictures(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "r.html"
+    done = physim(
+        "report", made, "--json", "-", "--quiet", "--no-pictures", "-o", page, capture=capsys
+    )
+    assert done.code == 0
+    assert json.loads(done.out)["runs"] == 8
+    assert "img" not in Elements(page.read_text(encoding="utf-8")).tags
+
+
+def test_code_of_ones_own_is_not_run_for_pictures_unless_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own_for_report.py").write_text(
+        "from pathlib import Path\nfrom physim import Decision\n"
+        "Path('imported').touch()\n"
+        "class Own:\n    def decide(self, observation, memory):\n"
+        "        return Decision(0.1, 0.0, hold=0.1)\n",
+        encoding="utf-8",
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    name = "own_for_report:Own"
+    campaign(tmp_path / "c", range(1, 3), (name,))
+    (tmp_path / "imported").unlink()
+    import sys
+
+    sys.modules.pop("own_for_report", None)
+    assert physim("report", "c", capture=capsys).code == 0
+    assert not (tmp_path / "imported").exists()
+    page = Elements((tmp_path / "c" / "report.html").read_text(encoding="utf-8"))
+    assert "img" not in page.tags
+    assert f"--controller {name}" in page.said
+    assert physim("report", "c", "--controller", name, capture=capsys).code == 0
+    page = Elements((tmp_path / "c" / "report.html").read_text(encoding="utf-8"))
+    assert page.tags.count("img") == 2
+
+
+def test_a_campaign_with_a_goal_is_reported_and_compared_as_such(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    campaign(tmp_path / "c", range(1, 3), CONTROLLERS)
+    write_until(tmp_path / "c", Until(read_goal("rate > 0.9"), 1))
+    assert (
+        "confidence sequence"
+        in physim("report", tmp_path / "c", "--no-pictures", capture=capsys).out
+    )
+    done = physim("compare", tmp_path / "c", "--by", "controller", capture=capsys)
+    assert done.code == 0
+    assert "too sure" in done.out
+
+
+def test_compare_writes_a_page_and_values(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, values = tmp_path / "c.html", tmp_path / "c.json"
+    done = physim(
+        "compare", made, "--by", "controller", "-o", page, "--json", values, capture=capsys
+    )
+    assert done.code == 0
+    assert "4 seeds in common" in done.out
+    assert "no difference shown" in done.out
+    assert "path_following" in Elements(page.read_text(encoding="utf-8")).said
+    assert json.loads(values.read_text())["comparisons"][0]["seeds"] == 4
+    done = physim("compare", made, made, "--only", "rate,deviation", capture=capsys)
+    assert done.code == 0
+    assert "least distance" not in done.out
+
+
+def test_mistakes(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there.html").touch()
+    (tmp_path / "odd").mkdir()
+    (tmp_path / "odd" / "campaign.json").write_text("{", encoding="utf-8")
+    mistakes: dict[tuple[object, ...], tuple[str, ...]] = {
+        ("report", "none"): ("none:", "campaign", "physim sweep"),
+        ("report", "odd"): ("odd/campaign.json:",),
+        ("report", made, "-o", "there.html"): ("there.html:", "exists", "--force"),
+        ("report", made, "-o", "no/r.html"): ("no/r.html:", "folder"),
+        ("report", made, "--json", "there.html"): ("there.html:", "exists"),
+        ("compare", "none", "--by", "world"): ("none:", "campaign"),
+        ("compare", made): ("--by:", "missing", "physim compare A B"),
+        ("compare", made, made, "--by", "world"): ("--by:", "B"),
+        ("compare", made, "--by", "world"): ("--by world:", "small"),
+        ("compare", made, "--by", "word"): ("--by word:", "controller, settings, world", '"world"'),
+        ("compare", made, made, "--only", "rats"): ("--only rats:", "contact_free", '"rate"'),
+        ("compare", made, made, "--test", "t"): ("--test t:", "sign, wilcoxon"),
+    }
+    for arguments, (place, *said) in mistakes.items():
+        done = physim(*arguments, capture=capsys)
+        assert (done.code, done.out) == (2, ""), arguments
+        check_error(done.err, place, *said)

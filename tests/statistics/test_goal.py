@@ -1,0 +1,142 @@
+"""Goals: what the grammar takes and refuses, and that what is decided is right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from physim.statistics.goal import RATES, Goal, Watch, decide, read_goal
+from physim.statistics.sequence import running
+from tests.statistics.coverage import LEAST, REPETITIONS, draws, share
+
+
+@pytest.mark.parametrize(
+    ("text", "goal"),
+    [
+        ("0.02", Goal("rate", "", 0.02)),
+        ("2%", Goal("rate", "", 0.02)),
+        (" .5 ", Goal("rate", "", 0.5)),
+        ("rate > 0.99", Goal("rate", ">", 0.99)),
+        ("rate>99%", Goal("rate", ">", 0.99)),
+        ("contact_free < 0.5", Goal("contact_free", "<", 0.5)),
+        ("finished > 99.9 %", Goal("finished", ">", 0.999)),
+        ("rate > 0", Goal("rate", ">", 0.0)),
+        ("rate < 1", Goal("rate", "<", 1.0)),
+    ],
+)
+def test_goals(text: str, goal: Goal) -> None:
+    read = read_goal(text)
+    assert (read.rate, read.sign) == (goal.rate, goal.sign)
+    assert read.number == pytest.approx(goal.number)
+    assert read_goal(str(read)) == read
+
+
+@pytest.mark.parametrize(
+    ("text", "at", "sign"),
+    [
+        ("rate > ", None, ""),
+        ("rate", None, ""),
+        ("", None, ""),
+        ("0", 1, "0"),
+        ("1", 1, "1"),
+        ("120%", 1, "120%"),
+        ("rate > 1.5", 8, "1.5"),
+        ("rate > 101%", 8, "101%"),
+        ("rate >= 0.9", 7, "="),
+        ("rate = 0.9", 6, "="),
+        ("rats > 0.9", 1, "rats"),
+        ("RATE > 0.9", 1, "RATE"),
+        ("0.9 < rate", 5, "<"),
+        ("rate > 0.9 and finished > 0.9", 12, "and"),
+        ("-0.02", 1, "-0.02"),
+        ("rate > -1", 8, "-1"),
+        ("1e-3", 2, "e-3"),
+        ("__import__('os').system('true')", 1, "__import__('"),
+        ("rate > nan", 8, "nan"),
+        ("rate > 0.9\x1b[31m", 11, "\\u001b[31m"),
+    ],
+)
+def test_what_is_no_goal_is_refused_with_its_place(text: str, at: int | None, sign: str) -> None:
+    with pytest.raises(ValueError, match="width") as refused:
+        read_goal(text)
+    told = str(refused.value)
+    assert all(rate in told for rate in RATES)
+    assert "\x1b" not in told
+    assert "\n" not in told
+    if at is not None:
+        assert f"character {at}," in told
+        assert f'"{sign}"' in told
+
+
+def test_a_goal_of_any_length_is_refused_at_once() -> None:
+    with pytest.raises(ValueError, match="width"):
+        read_goal("rate > 0." + "9" * 10**6)
+
+
+def test_what_comes_after_the_decision_has_no_say() -> None:
+    good = draws(1).random(5000) < 0.97
+    for goal in (Goal("rate", ">", 0.9), Goal("rate", "<", 0.9), Goal("rate", "", 0.05)):
+        whole = decide(goal, good)
+        assert whole.decided
+        assert whole.runs < 4000
+        for more in (0, 1, 7, 800):
+            assert decide(goal, good[: whole.runs + more]) == whole
+        assert not decide(goal, good[: whole.runs - 1]).decided
+
+
+def test_a_decision_is_the_first_look_that_decides() -> None:
+    good = draws(2).random(2000) < 0.8
+    looks = running(good)
+    found = decide(Goal("rate", ">", 0.7), good)
+    assert looks.low[found.runs - 1] > 0.7 >= looks.low[found.runs - 2]
+    assert (found.low, found.high) == (looks.low[found.runs - 1], looks.high[found.runs - 1])
+    assert found.successes == np.count_nonzero(good[: found.runs])
+    assert found.holds is True
+    assert decide(Goal("rate", "<", 0.7), good).holds is False
+    assert decide(Goal("rate", ">", 0.9), good).holds is False
+    narrow = decide(Goal("rate", "", 0.1), good)
+    assert narrow.high - narrow.low <= 0.1
+    assert narrow.holds is None
+
+
+def test_without_enough_runs_nothing_is_decided() -> None:
+    found = decide(Goal("rate", ">", 0.999), [True] * 100)
+    assert (found.runs, found.decided, found.holds) == (100, False, None)
+    assert decide(Goal("rate", "", 0.01), []).decided is False
+
+
+@pytest.mark.parametrize(("rate", "bound"), [(0.9, 0.9), (0.5, 0.5), (0.99, 0.99)])
+def test_where_the_rate_is_the_bound_few_are_decided(rate: float, bound: float) -> None:
+    """The hardest case: whatever is decided is wrong; looked at after each of 300 runs."""
+    goal = Goal("rate", ">", bound)
+    outcomes = draws(3, int(100 * rate)).random((REPETITIONS, 300)) < rate
+    from tests.statistics.test_sequence import every_count, sequence
+
+    low, high = every_count(sequence)
+    successes, look = np.cumsum(outcomes, axis=1), np.arange(300)
+    decided = goal.reached(low[look, successes], high[look, successes]).any(axis=1)
+    assert share(~decided) >= LEAST
+    some = [k for k in range(REPETITIONS) if decided[k]][:3]
+    assert [decide(goal, outcomes[k]).decided for k in (*some, 0)] == [True] * len(some) + [
+        bool(decided[0])
+    ]
+
+
+@pytest.mark.parametrize("text", ["rate > 0.9", "rate < 0.9", "0.1", "rate > 0.97"])
+def test_one_by_one_is_as_all_at_once(text: str) -> None:
+    goal = read_goal(text)
+    good = draws(4).random(800) < 0.95
+    watch = Watch(goal)
+    told = [watch.add(bool(one)) for one in good]
+    whole = decide(goal, good)
+    assert watch.decision == whole
+    assert told == [k + 1 >= whole.runs and whole.decided for k in range(len(good))]
+
+
+def test_one_by_one_a_rate_that_changes() -> None:
+    good = [True] * 300 + [False] * 700
+    watch = Watch(Goal("rate", "", 0.001))
+    for one in good:
+        watch.add(one)
+    looks = running(good)
+    assert (watch.low, watch.high) == (looks.low[-1], looks.high[-1])

@@ -53,10 +53,8 @@ def draw_centreline(road: RandomRoad, seed: int, attempt: int, astray: float) ->
         if (rest := room - float(pieces @ chords)) >= 0.0:
             break
     straights = shares * max(rest, 0.0)
-    straights[0] += road.ends
-    straights[-1] += road.ends
-    heading, steps, headings = 0.0, [*_straight(straights[0])], []
-    headings += [heading] * len(steps)
+    heading, steps = 0.0, _straight(road.ends) + _straight(straights[0])
+    headings = [heading] * len(steps)
     for k in range(bends):
         turn = sides[k] * sizes[k]
         if abs(heading + turn) > astray and abs(heading - turn) < abs(heading + turn):
@@ -67,6 +65,8 @@ def draw_centreline(road: RandomRoad, seed: int, attempt: int, astray: float) ->
         heading += turn
         more = _straight(straights[k + 1])
         steps, headings = steps + more, headings + [heading] * len(more)
+    last = _straight(road.ends)
+    steps, headings = steps + last, headings + [heading] * len(last)
     way = np.array(steps)[:, None] * np.stack([np.cos(headings), np.sin(headings)], axis=1)
     return np.vstack([[0.0, 0.0], np.cumsum(way, axis=0)]).round(DECIMALS)
 

@@ -25,7 +25,7 @@ from pydantic import (
 
 from physim.errors import Fault, Location
 from physim.world.base import Model
-from physim.world.faults import describe
+from physim.world.faults import KeyFault, describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
 from physim.world.kinds import (
     MOST_ROBOTS,
@@ -240,7 +240,8 @@ class World(Model):
         )  # fmt: skip
         return [
             replace(fault, location=("corridor", "random"))
-            if any(fault.location[: len(place)] == place for place in drawn)
+            if not isinstance(fault, KeyFault)
+            and any(fault.location[: len(place)] == place for place in drawn)
             else fault
             for fault in faults
         ]

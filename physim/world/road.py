@@ -42,7 +42,7 @@ class RandomRoad(Model):
     bends: Annotated[
         Annotated[Count, Tag("<value>")] | Annotated[tuple[Count, Count], Sequence, Tag("<list>")],
         Discriminator(_one_or_two),
-    ] = Field(default=3, description="bends: one number, or the least and the greatest")
+    ] = Field(default=3, description="number of bends: a whole one, or the least and the greatest")
     turns: Annotated[tuple[Turn, Turn], Sequence] = Field(
         default=(0.35, 1.57),
         description="[rad] least and greatest turn of a bend, to either side",

@@ -78,7 +78,7 @@ def _length(road: Any, spans: Mapping[str, tuple[float, float] | None]) -> Itera
     """Ends and bends that are longer than the road, at their shortest."""
     length, ends = _number(value_of(road, "length")), _number(value_of(road, "ends"))
     ends = 15.0 if ends is None and value_of(road, "ends") is None else ends
-    if length is None or ends is None:
+    if length is None or ends is None or min(length, ends) <= 0.0:
         return
     if 2.0 * ends > length:
         yield Fault(

@@ -176,6 +176,10 @@ def test_a_road_is_as_stated_or_refused(road: dict[str, Any], seed: int) -> None
         assert all(fault.location[:2] == ("corridor", "random") for fault in laid.faults)
     else:
         check_road(laid, road)
+        own = world(seed=seed, **road)
+        again = parse_world(own.to_yaml())
+        assert again == own
+        assert coordinates(lay_out(again)) == coordinates(laid)
 
 
 def drawn_or_refused(road: dict[str, Any], seed: int) -> Layout | WorldError:

@@ -35,7 +35,7 @@ from physim.reproduction.study import Arm
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import is_random
 
-SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex")
+SHOWS_AVOIDANCE = ("ten_robots", "crowded_start", "three_robots", "nonconvex", "random_road")
 """Worlds whose descriptions claim that avoidance is at work in them."""
 WITHOUT = "controller.avoidance=none"
 CONTACTS_WITHOUT, FREE_WITH = 0.5, 0.95

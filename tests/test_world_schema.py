@@ -72,6 +72,17 @@ expect:
   finished: true
 physics: {friction: 0.1, elasticity: 0.1}
 """
+DRAWN = """\
+name: drawn
+time: {step: 0.01, duration: 1.0}
+corridor:
+  random:
+    {length: 90.0, bends: [1, 2], turns: [0.3, 1.0], radii: [8.0, 9.0], width: [5.0, 8.0],
+     clutter: 5.0, sizes: [0.5, 1.0], shapes: [box, bar, round, triangle], passage: 3.0, ends: 9.0}
+  end_margin: 2.0
+robots:
+  - {name: a, footprint: {length: 1.0, width: 0.5}, pose: [1.0, 0.0, 0.0], path: {offset: 0.0}}
+"""
 
 
 def test_the_shipped_file_is_made_from_the_models() -> None:
@@ -127,7 +138,6 @@ def test_full_world_holds_every_key_of_every_model() -> None:
     assert set(many["properties"]) == set(groups)
     for key in (
         "time",
-        "corridor",
         "start",
         "formation",
         "expect",
@@ -136,10 +146,18 @@ def test_full_world_holds_every_key_of_every_model() -> None:
         "arrival",
     ):
         assert set(SHIPPED["properties"][key]["properties"]) == set(values[key])
+    road, drawn = SHIPPED["properties"]["corridor"]["oneOf"]
+    assert set(road["properties"]) == set(values["corridor"])
+    random = yaml.safe_load(DRAWN)["corridor"]
+    assert list(VALIDATOR.iter_errors(yaml.safe_load(DRAWN))) == []
+    assert parse_world(DRAWN).is_road_random
+    assert set(drawn["properties"]) == set(random)
+    assert set(drawn["properties"]["random"]["properties"]) == set(random["random"])
 
 
-def test_every_typo_in_a_key_is_refused_by_schema_and_model_alike() -> None:
-    values = yaml.safe_load(FULL)
+@pytest.mark.parametrize(("text", "least"), [(FULL, 50), (DRAWN, 20)], ids=["full", "drawn"])
+def test_every_typo_in_a_key_is_refused_by_schema_and_model_alike(text: str, least: int) -> None:
+    values = yaml.safe_load(text)
     tried = 0
     for path in list(mappings(values)):
         for key in list(at(values, path)):
@@ -150,7 +168,7 @@ def test_every_typo_in_a_key_is_refused_by_schema_and_model_alike() -> None:
             with pytest.raises(WorldError):
                 parse_world(json.dumps(broken))
             tried += 1
-    assert tried > 50
+    assert tried > least
 
 
 @pytest.mark.parametrize(

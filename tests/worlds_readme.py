@@ -16,6 +16,8 @@ from physim.world import (
     Formation,
     Limits,
     Physics,
+    RandomCorridor,
+    RandomRoad,
     Robot,
     RobotGroup,
     Sensing,
@@ -28,6 +30,8 @@ SECTIONS: list[tuple[str, str, type[BaseModel]]] = [
     ("The world", "", World),
     ("`time`", "", Time),
     ("`corridor`", "", Corridor),
+    ("`corridor` drawn by the seed", "", RandomCorridor),
+    ("`random`, of such a corridor", "", RandomRoad),
     ("`start`, of the world or of one robot", "", Start),
     ("Each of `robots`", "", Robot),
     ("Each of `robots` with a `count`", "", RobotGroup),
@@ -59,7 +63,8 @@ def _shown(value: Any) -> str:
     if isinstance(value, BaseModel):
         return "as below"
     if isinstance(value, list | tuple):
-        return "`[" + ", ".join(f"{v:.5g}" for v in value) + "]`"
+        shown = (v if isinstance(v, str) else f"{v:.5g}" for v in value)
+        return f"`[{', '.join(shown)}]`"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
     return f"`{value}`"

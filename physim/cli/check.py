@@ -111,6 +111,7 @@ def text_of(findings: Findings) -> str:
         if group:
             lines += [f"{title}:", *(f"  {one}" for one in map(str, group)), ""]
     lines += _room(findings.clearance)
+    lines += findings.notes
     lines.append(f"{findings.file}: {_count(findings.errors, 'error')}, "
                  f"{_count(findings.warnings, 'warning')}")  # fmt: skip
     return "\n".join(lines) + "\n"

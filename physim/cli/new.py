@@ -9,10 +9,10 @@ from pathlib import Path
 
 import click
 
-from physim.cli.output import empty_folder, new_file, regular, write_text, writing
+from physim.cli.output import empty_folder, inputs, new_file, regular, write_text, writing
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.values import WHOLE, OneOf
-from physim.errors import PhysimError
+from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
 
@@ -93,8 +93,15 @@ TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
 
 @command("new", "a world to begin with, every key explained")
 @click.argument("name", metavar="[NAME]", required=False, help="name of the world, and of its file")
-@option("--template", type=OneOf(TEMPLATES), default=TEMPLATES[0], help="the road (corridor)")
-@option("--robots", type=WHOLE, default=3, metavar="N", help="how many, in lanes and rows (3)")
+@option("--template", type=OneOf(TEMPLATES), help="the road (corridor)")
+@option("--robots", type=WHOLE, metavar="N", help="how many, in lanes and rows (3)")
+@option(
+    "--from",
+    "drawn",
+    metavar="WORLD",
+    help="instead of a template: a world with corridor.random, its road written out as drawn",
+)
+@option("--seed", type=WHOLE, metavar="N", help="with --from: the seed, instead of the world's own")
 @option("-o", "--output", type=Path, metavar="FILE", help="file to write (default: NAME.yaml)")
 @option(
     "--project",
@@ -105,7 +112,8 @@ TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
 @flag("--force", "overwrite existing files")  # fmt: skip
 def new(options: Options) -> int:
     """Write NAME.yaml, a world that runs as it is, with a comment on every key, and beside it
-    world.schema.json, by which editors complete keys and show what they mean.
+    world.schema.json, by which editors complete keys and show what they mean. --from writes a
+    world whose road the seed draws, with that road written out.
 
     templates:
       corridor    straight, 8 m wide           s_bend      a turn left and a turn right
@@ -120,21 +128,59 @@ def new(options: Options) -> int:
       physim new my_corridor
       physim new my_door --template doorway --robots 5
       physim new --project my_study --template warehouse
+      physim new my_road --from random_road --seed 7
+                                                 the road that this seed draws, as a plain world
     """
-    from physim.world.file.schema import FILE
-
+    if options.drawn is not None:
+        return _drawn(options)
+    if options.seed is not None:
+        raise PhysimError("--seed: needs --from, a world whose road a seed draws")
     if options.project is not None:
         return _project(options)
     if options.name is None and options.output is None:
         raise PhysimError("physim new: NAME is missing, as in physim new my_corridor")
     name, stem = _named(options.name if options.name is not None else options.output.name)
     file = options.output or Path(f"{stem}.yaml")
+    _check_file(file, options.force)
+    _write(file, _world(name, options), options.force)
+    return 0
+
+
+def _check_file(file: Path, force: bool, *inputs: Path) -> None:
+    """Raise PhysimError where a world and its schema cannot be written."""
+    from physim.world.file.schema import FILE
+
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
-    new_file(file, options.force)
-    check_schema(file, options.force)
-    write_text(file, _world(name, options))
-    print(write_schema(file, options.force))
+    new_file(file, force, *inputs)
+    check_schema(file, force)
+
+
+def _write(file: Path, text: str, force: bool) -> None:
+    write_text(file, text)
+    print(write_schema(file, force))
+
+
+def _drawn(options: Options) -> int:
+    """Write out the road that a seed draws."""
+    from physim.authoring.drawn import drawn_text
+    from physim.world.file import located, read_world
+
+    for key in ("template", "robots", "project"):
+        if getattr(options, key) is not None:
+            raise PhysimError(f"--{key}: cannot be combined with --from, which gives the world")
+    overrides = [] if options.seed is None else [f"seed={options.seed}"]
+    world, document = read_world(options.drawn, overrides=overrides)
+    given = options.output.name if options.output is not None else f"{world.stem}_{world.seed}"
+    name, stem = _named(options.name if options.name is not None else given)
+    file = options.output or Path(f"{stem}.yaml")
+    _check_file(file, options.force, *inputs(options.drawn))
+    command = f"physim new {shlex.quote(name)} --from {shlex.quote(options.drawn)}"
+    try:
+        text = drawn_text(world, name, f"{command} --seed {world.seed}")
+    except WorldError as error:
+        raise located(error.faults, document) from None
+    _write(file, text, options.force)
     return 0
 
 
@@ -145,7 +191,9 @@ def _project(options: Options) -> int:
     folder: Path = options.project
     if options.output is not None:
         raise PhysimError("--project: names a folder, and -o a file; give one of them")
-    name, stem = _named(options.name if options.name is not None else options.template)
+    name, stem = _named(
+        options.name if options.name is not None else options.template or TEMPLATES[0]
+    )
     title = folder.resolve().name or name
     files = new_project(title, stem, _world(name, options), schema_text())
     empty_folder(folder, options.force, *(folder / place for place in files), option="--project")
@@ -189,7 +237,8 @@ def _named(given: str) -> tuple[str, str]:
 def _world(name: str, options: Options) -> str:
     from physim.authoring.templates import most_robots, world_text
 
-    template, robots = options.template, options.robots
+    template = options.template or TEMPLATES[0]
+    robots = 3 if options.robots is None else options.robots
     most = most_robots(template)
     if not 1 <= robots <= most:
         raise PhysimError(f"--robots {robots}: the template {template} has room for 1 to {most}")

@@ -3,6 +3,7 @@
 from physim.world.group import RobotGroup
 from physim.world.kinds import FrozenMapping, thawed
 from physim.world.model import Corridor, World
+from physim.world.road import RandomCorridor, RandomRoad
 from physim.world.robot import Box, Formation, Limits, Offset, Robot, Start
 from physim.world.run import Arrival, Choice, ControllerChoice, Expectation, Physics, Sensing, Time
 
@@ -18,6 +19,8 @@ __all__ = [
     "Limits",
     "Offset",
     "Physics",
+    "RandomCorridor",
+    "RandomRoad",
     "Robot",
     "RobotGroup",
     "Sensing",

@@ -19,7 +19,9 @@ from pydantic.fields import FieldInfo
 from physim.errors import Fault, Location, nearest
 from physim.escaping import escaped
 
-TAGS = frozenset({"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>"})
+TAGS = frozenset(
+    {"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>", "<corridor>", "<random>"}
+)
 """Parts of a location that distinguish alternatives of a value and that no author wrote."""
 
 

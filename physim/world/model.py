@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -25,12 +25,13 @@ from pydantic import (
 
 from physim.errors import Fault, Location
 from physim.world.base import Model
-from physim.world.faults import describe
+from physim.world.faults import KeyFault, describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
 from physim.world.kinds import (
     MOST_ROBOTS,
     MOST_SEED,
     MOST_WALLS,
+    FrozenMapping,
     Label,
     Length,
     Point,
@@ -41,6 +42,7 @@ from physim.world.kinds import (
     at_most,
     plain,
 )
+from physim.world.road import RandomCorridor, is_random_corridor
 from physim.world.robot import Formation, Robot, Start
 from physim.world.run import (
     DEFAULT_RANGE,
@@ -71,6 +73,16 @@ class Corridor(Model):
     )
 
 
+if TYPE_CHECKING:
+    Road = Corridor
+    """What a world holds when it is laid out: a road that was drawn, if it was to be."""
+else:
+    Road = Annotated[
+        Annotated[Corridor, Tag("<corridor>")] | Annotated[RandomCorridor, Tag("<random>")],
+        Discriminator(lambda value: "<random>" if is_random_corridor(value) else "<corridor>"),
+    ]
+
+
 class World(Model):
     """Everything that its author says about a run. Lengths [m], times [s], angles [rad].
 
@@ -90,8 +102,10 @@ class World(Model):
         default=0, description="start of every random stream"
     )
     time: Time = Field(description="step and duration")
-    corridor: Corridor | None = Field(
-        default=None, description="a road by centreline and width (or give boundaries)"
+    corridor: Road | None = Field(
+        default=None,
+        description="a road by centreline and width, or random, drawn by the seed (or give "
+        "boundaries)",
     )
     boundaries: Annotated[tuple[Polyline, ...], at_most(MOST_WALLS), Field(min_length=1)] | None = (
         Field(default=None, description="[m] polylines as drawn (or give a corridor)")
@@ -139,6 +153,8 @@ class World(Model):
 
     _entries: tuple[Robot | RobotGroup, ...] = PrivateAttr(default=())
     _where: tuple[tuple[int, int], ...] = PrivateAttr(default=())
+    _replaced: FrozenMapping = PrivateAttr(default=FrozenMapping())
+    _passage: float | None = PrivateAttr(default=None)
 
     def model_post_init(self, _context: Any) -> None:
         """Keep the entries as written, and put the robots that they stand for in their place."""
@@ -183,11 +199,59 @@ class World(Model):
         return cross_faults(data)
 
     @property
+    def is_road_random(self) -> bool:
+        """Whether the seed draws the road, drawn yet or not."""
+        return is_random_corridor(self.written("corridor"))
+
+    @property
+    def is_road_drawn(self) -> bool:
+        """Whether the road stands here as the seed drew it (`with_road`)."""
+        return bool(self._replaced)
+
+    @property
+    def passage(self) -> float | None:
+        """[m] Clear width along the reference path that a drawn road guarantees, else None."""
+        return self._passage
+
+    def with_road(
+        self,
+        corridor: Corridor,
+        reference_path: tuple[Point, ...],
+        obstacles: tuple[tuple[Point, ...], ...],
+        passage: float,
+    ) -> World:
+        """This world with a road in place of the one that is to be drawn.
+
+        `written`, and so `changed` and `to_yaml`, still give what its author wrote.
+        """
+        drawn = {"corridor": corridor, "reference_path": reference_path, "obstacles": obstacles}
+        world = self.model_copy()
+        world._replaced = FrozenMapping({key: getattr(self, key) for key in drawn})
+        world._passage = passage
+        world.__dict__.update(drawn)
+        return world
+
+    def of_the_road(self, faults: Iterable[Fault]) -> list[Fault]:
+        """Faults of what the seed drew as faults of what it was told to draw."""
+        if not self.is_road_random:
+            return list(faults)
+        drawn = (
+            ("obstacles",), ("reference_path",), ("corridor", "centreline"), ("corridor", "width"),
+        )  # fmt: skip
+        return [
+            replace(fault, location=("corridor", "random"))
+            if not isinstance(fault, KeyFault)
+            and any(fault.location[: len(place)] == place for place in drawn)
+            else fault
+            for fault in faults
+        ]
+
+    @property
     def reference(self) -> tuple[Point, ...]:
         """Points of the reference path [m]: the centreline where none is given."""
         if self.reference_path is not None:
             return self.reference_path
-        return self.corridor.centreline if self.corridor is not None else ()
+        return getattr(self.corridor, "centreline", ())
 
     @property
     def sensing_range(self) -> float:
@@ -213,6 +277,8 @@ class World(Model):
 
     def written(self, key: str) -> Any:
         """Value of a key as its author wrote it."""
+        if key in self._replaced:
+            return self._replaced[key]
         return self.entries if key == "robots" else getattr(self, key)
 
     def to_yaml(self) -> str:

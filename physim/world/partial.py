@@ -14,10 +14,11 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from physim.world.group import RobotGroup, is_group
 from physim.world.kinds import MOST_ROBOTS, Polygon, Polyline
 from physim.world.model import Corridor, World
+from physim.world.road import RandomCorridor, is_random_corridor
 from physim.world.robot import Formation, Limits, Robot, Start
 from physim.world.run import Expectation, Time
 
-KEY_BY_KEY = (Time, Corridor, Start, Formation, Expectation, Limits)
+KEY_BY_KEY = (Time, Start, Formation, Expectation, Limits)
 """Parts of which each key is looked at by itself; of all others the whole value"""
 ENTRIES: dict[str, Any] = {"boundaries": Polyline, "obstacles": Polygon}
 """Lists of which each entry is looked at by itself, as are the robots"""
@@ -50,6 +51,9 @@ class _Reader:
                 found[key] = field.get_default(call_default_factory=True)
             elif part is not None:
                 found[key] = self.model(part, value if isinstance(value, Mapping) else None)
+            elif key == "corridor":
+                road = RandomCorridor if is_random_corridor(value) else Corridor
+                found[key] = self.model(road, value if isinstance(value, Mapping) else None)
             elif key == "robots":
                 robots = [item if isinstance(item, Mapping) else {} for item in _entries(value)]
                 found[key] = tuple(

@@ -17,6 +17,8 @@ from physim.tolerances import LENGTH, WHOLE_STEPS
 from physim.world.faults import describe
 from physim.world.group import NUMBER, RobotGroup, is_group, numbered
 from physim.world.kinds import MOST_ROBOTS, plain
+from physim.world.road import is_random_corridor
+from physim.world.road_rules import road_faults
 from physim.world.robot import OMEGA_LIMIT
 
 MOST_STEPS = 100_000_000
@@ -30,7 +32,7 @@ def cross_faults(data: Mapping[str, Any]) -> list[Fault]:
     """Every fault between values of ``data``, the raw values of a `World`."""
     rules = (
         _time, _walls, _width, _names, _starts, _spread, _shapes, _omegas, _formation, _spacing,
-        _neighbours, _distinct,
+        _neighbours, _distinct, road_faults,
     )  # fmt: skip
     return [fault for rule in rules for fault in rule(data)]
 
@@ -92,6 +94,8 @@ def _walls(data: Mapping[str, Any]) -> Iterator[Fault]:
 
 def _width(data: Mapping[str, Any]) -> Iterator[Fault]:
     corridor = _get(data, "corridor")
+    if is_random_corridor(corridor):
+        return
     widths, points = _list(corridor, "width"), _list(corridor, "centreline")
     if widths is not None and points is not None and len(widths) != len(points):
         yield Fault(

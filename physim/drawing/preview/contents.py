@@ -45,6 +45,8 @@ class Contents:
     description: str
     random: bool
     """whether the seed decides anything"""
+    random_road: bool
+    """whether it draws the road"""
     reference: FloatArray
     """(n, 2) without waypoints that are there twice"""
     length: float
@@ -68,6 +70,7 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
         scene=scene,
         description=layout.world.description,
         random=is_random(layout.world),
+        random_road=layout.world.is_road_random,
         reference=reference,
         length=float(shapely.LineString(reference).length),
         routes=_routes(scene),
@@ -124,7 +127,8 @@ def counts(preview: Contents) -> str:
         ends = dict.fromkeys((significant(width.min()), significant(width.max())))
         words.append(f"{' to '.join(ends)} m wide")
     if preview.random:
-        words.append(f"start drawn with seed {scene.seed}")
+        what = "road and start" if preview.random_road else "start"
+        words.append(f"{what} drawn with seed {scene.seed}")
     return "  ·  ".join(words)
 
 

@@ -19,6 +19,7 @@ from physim.world.checks.paths import (
     check_room,
     check_width,
 )
+from physim.world.checks.roads import road_notes
 from physim.world.checks.room import (
     ClearanceProfile,
     check_always_danger,
@@ -76,6 +77,7 @@ def check_world(
         file=escaped(document.source),
         errors=_located(found.errors, document, document.faults),
         warnings=_located(found.warnings, document),
+        notes=tuple(found.notes),
         clearance=profiles,
         world=checked.world,
     )
@@ -98,7 +100,11 @@ def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearancePr
     whole = checked.world is not None
     try:
         laid = partial_layout(checked.world or sound_parts(checked.values), is_whole=whole)
-        return _check_layout(laid, checked, found)
+        profiles = _check_layout(laid, checked, found)
+        found.errors = laid.world.of_the_road(found.errors)
+        found.warnings = laid.world.of_the_road(found.warnings)
+        found.notes += road_notes(laid)
+        return profiles
     except shapely.errors.ShapelyError as error:
         reason = " ".join(str(error).split())[:100]
         found.error((), f"the geometry is beyond what can be computed ({reason})")

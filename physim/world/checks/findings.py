@@ -23,6 +23,7 @@ class Diagnostics:
 
     errors: list[Fault] = field(default_factory=list)
     warnings: list[Fault] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def error(self, location: Location, message: str) -> None:
         """Add what makes the world unfit."""
@@ -84,6 +85,8 @@ class Findings:
     """what makes the world unfit to run, or to mean what it says"""
     warnings: tuple[Finding, ...] = ()
     """what may be meant so, but is seldom"""
+    notes: tuple[str, ...] = ()
+    """what the errors and warnings hold for, where the file alone does not say it"""
     clearance: tuple[ClearanceProfile, ...] = ()
     """room along the path of each robot whose path and footprint are sound"""
     world: World | None = field(default=None, repr=False)
@@ -100,5 +103,6 @@ class Findings:
             "file": self.file,
             "errors": [finding.as_json() for finding in self.errors],
             "warnings": [finding.as_json() for finding in self.warnings],
+            "notes": list(self.notes),
             "clearance": [profile.as_json() for profile in self.clearance],
         }

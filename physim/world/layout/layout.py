@@ -21,6 +21,7 @@ from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import thinned
 from physim.world import Offset, World
+from physim.world.layout.road import with_drawn_road
 from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
 from physim.world.layout.shape_checks import (
     Moving,
@@ -83,7 +84,11 @@ class PartialLayout:
     @cached_property
     def solids(self) -> list[Named]:
         """Obstacles as shapely polygons."""
-        return [(f"obstacles[{k}]", shapely.Polygon(ring)) for k, ring in self.obstacles.items()]
+        drawn = self.world.is_road_drawn
+        return [
+            (f"obstacle {k + 1}" if drawn else f"obstacles[{k}]", shapely.Polygon(ring))
+            for k, ring in self.obstacles.items()
+        ]
 
     @cached_property
     def names(self) -> list[str]:
@@ -123,7 +128,7 @@ def partial_layout(world: Any, is_whole: bool = True) -> PartialLayout:
     Robots are placed by the seed where everything else is sound; ``is_whole`` says of the world
     that it is.
     """
-    faults: list[Fault] = []
+    world, faults = with_drawn_road(world)
     footprints = footprints_of(world, faults)
     _check_regions(world, faults)
     _check_step(world, footprints, faults)
@@ -155,7 +160,8 @@ def _placed(laid: PartialLayout, is_whole: bool) -> PartialLayout:
     accessible = laid.area.polygon if laid.area is not None else None
     of_places = wall_faults(standing, laid.walls, laid.solids, accessible)
     of_places += robot_faults(standing)
-    return replace(laid, start=start, faults=(*faults, *laid.world.as_written(of_places)))
+    faults += laid.world.as_written(of_places)
+    return replace(laid, start=start, faults=tuple(laid.world.of_the_road(faults)))
 
 
 def robot_names(world: Any) -> list[str]:

@@ -91,8 +91,9 @@ def reseeded(scene: Scene, seed: int) -> Scene:
     world = scene.world.model_copy(update={"seed": int(seed)})
     if not is_random(world):
         return replace(scene, world=world, seed=int(seed))
-    if any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries):
-        return build_scene(scene.world, int(seed))  # footprints are others, too
+    is_drawn = any(isinstance(entry, RobotGroup) and entry.is_drawn for entry in world.entries)
+    if is_drawn or world.is_road_random:
+        return build_scene(scene.world, int(seed))  # footprints or roads are others, too
     laid = placed_anew(scene.layout, world)
     formation = _formation(world, laid.start, laid.reference)
     return replace(
@@ -113,7 +114,9 @@ def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
 
 def is_random(world: World) -> bool:
     """Whether anything in the world is drawn by the seed."""
-    return any(robot.pose is None or robot.pose[2] == "random" for robot in world.robots)
+    return world.is_road_random or any(
+        robot.pose is None or robot.pose[2] == "random" for robot in world.robots
+    )
 
 
 def _segments(line: FloatArray) -> list[FloatArray]:

@@ -1,0 +1,138 @@
+"""Obstacles of a road that the seed draws: anywhere on it, beside the way that stays clear.
+
+The stream is (seed, "road clutter", attempt). Obstacles spread evenly along the road: it is cut
+into as many stretches, and each has one, unless there is no room for it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+
+import numpy as np
+import shapely
+
+from physim.geometry.shapes import FloatArray
+from physim.randomness import stream
+from physim.world.layout.road_line import DECIMALS, stations
+from physim.world.road import RandomRoad
+
+GAP = 0.3
+"""[m] least distance of an obstacle to another and to a wall"""
+SPARE = 2.0 * 10.0**-DECIMALS
+"""[m] added to distances, for the rounding of corners"""
+TRIES = (24, 72, 144)
+"""Places drawn for one obstacle, first on its own stretch, then anywhere, before it is given up"""
+
+
+def draw_clutter(
+    road: RandomRoad,
+    centreline: FloatArray,
+    widths: FloatArray,
+    way: shapely.Geometry,
+    walls: shapely.Geometry,
+    passage: float,
+    seed: int,
+    attempt: int,
+) -> list[FloatArray] | int:
+    """Outlines (n, 2) [m] of the obstacles; or how many there was room for, where not for all."""
+    draw = stream(seed, "road clutter", attempt)
+    station = stations(centreline)
+    first, last = road.ends, float(station[-1]) - road.ends
+    count = round(road.clutter * (last - first) / 100.0)
+    inside = shapely.Polygon(_ring(walls))
+    shapely.prepare(inside)
+    shapely.prepare(walls)
+    shapely.prepare(way)
+    found: list[FloatArray] = []
+    solids: list[shapely.Geometry] = []
+    for k in range(count):
+        own = first + np.array([k, k + 1]) * (last - first) / count
+        for tries in TRIES:
+            low, high = own if tries == TRIES[0] else (first, last)
+            outlines, sizes, at = _candidates(road, centreline, widths, draw, low, high, tries)
+            shapes = np.array([shapely.Polygon(outline) for outline in outlines])
+            fits = (at - 0.5 * sizes >= first) & (at + 0.5 * sizes <= last)
+            fits &= shapely.contains_properly(inside, shapes)
+            fits &= shapely.distance(way, shapes) >= 0.5 * passage + SPARE
+            fits &= shapely.distance(walls, shapes) >= GAP + SPARE
+            if solids:
+                fits &= shapely.distance(shapely.union_all(solids), shapes) >= GAP + SPARE
+            if fits.any():
+                chosen = int(np.argmax(fits))
+                found.append(outlines[chosen])
+                solids.append(shapes[chosen])
+                break
+        else:
+            return k
+    return found
+
+
+def _ring(walls: shapely.Geometry) -> FloatArray:
+    """Outline of a road, from its left wall and its right one."""
+    left, right = (shapely.get_coordinates(line) for line in shapely.get_parts(walls)[:2])
+    return np.vstack([left, right[::-1]])
+
+
+def _candidates(
+    road: RandomRoad,
+    centreline: FloatArray,
+    widths: FloatArray,
+    draw: np.random.Generator,
+    low: float,
+    high: float,
+    count: int,
+) -> tuple[list[FloatArray], FloatArray, FloatArray]:
+    """Outlines of obstacles anywhere on a stretch of the road, their sizes and stations [m]."""
+    station = stations(centreline)
+    at, aside = draw.uniform(low, high, count), draw.uniform(-0.5, 0.5, count)
+    sizes, angles = draw.uniform(*road.sizes, count), draw.uniform(0.0, 2.0 * pi, count)
+    kinds, shares = draw.integers(len(road.shapes), size=count), draw.uniform(0.0, 1.0, count)
+    step = np.diff(centreline, axis=0) / np.diff(station)[:, None]
+    leg = np.clip(np.searchsorted(station, at, side="right") - 1, 0, len(step) - 1)
+    normal = np.stack([-step[leg, 1], step[leg, 0]], axis=1)
+    place = centreline[leg] + (at - station[leg])[:, None] * step[leg]
+    place = place + (aside * np.interp(at, station, widths))[:, None] * normal
+    outlines = []
+    for k in range(count):
+        corners = SHAPES[road.shapes[kinds[k]]](shares[k])
+        turn = angles[k] + corners
+        outline = place[k] + 0.5 * sizes[k] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        outlines.append(outline.round(DECIMALS))
+    return outlines, sizes, at
+
+
+def _box(share: float) -> FloatArray:
+    """From a square to one twice as long as wide."""
+    return _rectangle(pi / 4.0 - share * 0.32)
+
+
+def _bar(share: float) -> FloatArray:
+    """Five to nine times as long as wide."""
+    return _rectangle(0.2 - share * 0.09)
+
+
+def _rectangle(half: float) -> FloatArray:
+    """Angles (4,) [rad] at which the corners lie on the circle round a rectangle."""
+    return np.array([-half, half, pi - half, pi + half])
+
+
+def _round(_share: float) -> FloatArray:
+    """An octagon."""
+    return np.linspace(0.0, 2.0 * pi, 8, endpoint=False)
+
+
+def _triangle(share: float) -> FloatArray:
+    """One of equal sides, or a more slender one."""
+    half = pi / 3.0 - 0.4 * share
+    return np.array([0.0, pi - half, pi + half])
+
+
+SHAPES: dict[str, Callable[[float], FloatArray]] = {
+    "box": _box,
+    "bar": _bar,
+    "round": _round,
+    "triangle": _triangle,
+}
+"""Angles [rad] of the corners on the circle round an obstacle, counter-clockwise, by its shape;
+each of a number from 0 to 1 that the seed draws."""

@@ -1,0 +1,232 @@
+"""The road of a world that its seed draws: walls, obstacles and a reference path, with proof.
+
+A road is kept only if, as rounded, all of this holds; else it is drawn again, `ATTEMPTS` times at
+most, and then refused:
+
+- it neither crosses itself nor passes itself nearer than `road_line.APART`;
+- every wall and obstacle is half the passage or more from the reference path: so a disc as wide as
+  the passage moves along all of it, and free space less half the passage is connected;
+- the paths beside the reference path run forward, in its bends too.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.errors import Fault, Location
+from physim.geometry.corridor import corridor_boundaries
+from physim.geometry.polygon import circumscribed_radius, least_width
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import LENGTH
+from physim.world import Corridor, Offset, RandomCorridor, RandomRoad, RobotGroup, World
+from physim.world.layout.clutter import draw_clutter
+from physim.world.layout.road_line import (
+    ASTRAY,
+    are_apart,
+    draw_centreline,
+    draw_way,
+    draw_widths,
+    lanes_advance,
+)
+from physim.world.layout.shape_checks import outline_fault
+from physim.world.road import MARGIN
+from physim.world.road_rules import ROAD, road_faults
+from physim.world.robot import outline_of
+
+ATTEMPTS = 60
+"""Times that a road is drawn before it is refused"""
+CROWDED = 6
+"""Times that its obstacles find no room before it is refused"""
+
+
+@dataclass(frozen=True)
+class DrawnRoad:
+    """A road as drawn, lengths [m]."""
+
+    centreline: FloatArray
+    """(n, 2)"""
+    widths: FloatArray
+    """(n,)"""
+    way: FloatArray
+    """(n, 2) reference path"""
+    obstacles: list[FloatArray]
+    """outlines (m, 2)"""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """What a passage is for: a robot on its path."""
+
+    where: Location
+    offset: float
+    """[m]"""
+    reach: float
+    """[m] from its reference point to its farthest corner"""
+    width: float
+    """[m] least width of its footprint"""
+
+
+def with_drawn_road(world: Any) -> tuple[Any, list[Fault]]:
+    """A world with the road that its seed draws, if it has one, and why it cannot be drawn.
+
+    ``world`` may be the `sound_parts` of what is none; a road that cannot be drawn is left out.
+    """
+    corridor = world.corridor
+    if not isinstance(corridor, RandomCorridor) or world.boundaries is not None:
+        return world, []
+    road, margin = corridor.random, corridor.end_margin
+    nothing = Corridor.model_construct(centreline=None, width=None, end_margin=margin)
+    without = world.with_road(nothing, (), (), 0.0)
+    if road is None or margin is None or world.seed is None or any(road_faults(vars(world))):
+        return without, []
+    lanes = _lanes(world)
+    passage, faults = _passage(road, lanes)
+    if faults:
+        return without, faults
+    drawn = draw_road(road, margin, passage, sorted({lane.offset for lane in lanes}), world.seed)
+    if isinstance(drawn, Fault):
+        return without, [drawn]
+    written = Corridor(
+        centreline=drawn.centreline.tolist(), width=drawn.widths.tolist(), end_margin=margin
+    )
+    obstacles = tuple(_points(outline) for outline in drawn.obstacles)
+    return world.with_road(written, _points(drawn.way), obstacles, passage), []
+
+
+def plain_world(world: World, name: str) -> World:
+    """World of another name in which a road that was drawn is written out; nothing else differs."""
+    drawn = {key: getattr(world, key) for key in ("corridor", "reference_path", "obstacles")}
+    return world.changed(name=name, **drawn)
+
+
+def draw_road(
+    road: RandomRoad, end_margin: float, passage: float, offsets: list[float], seed: int
+) -> DrawnRoad | Fault:
+    """Road of a seed with a clear ``passage`` [m], and room for paths at these offsets [m].
+
+    A fault that says what to change where none of the roads drawn keeps to what is asked.
+    """
+    failed: Counter[str] = Counter()
+    most, count = 0, 0
+    for attempt in range(ATTEMPTS):
+        astray = ASTRAY[2 * attempt >= ATTEMPTS]
+        centreline = draw_centreline(road, seed, attempt, astray)
+        widths = draw_widths(road, centreline, seed, attempt)
+        if not are_apart(centreline, widths, end_margin):
+            failed["crosses"] += 1
+            continue
+        lines = corridor_boundaries(centreline, widths, end_margin)
+        walls = shapely.MultiLineString(list(lines.values()))
+        way = draw_way(road, centreline, widths, passage, seed, attempt, walls)
+        if not lanes_advance(way, offsets):
+            failed["folds"] += 1
+            continue
+        line = shapely.LineString(way)
+        obstacles = draw_clutter(road, centreline, widths, line, walls, passage, seed, attempt)
+        if isinstance(obstacles, int):
+            failed["crowded"] += 1
+            most = max(most, obstacles)
+            count = round(road.clutter * (road.length - 2.0 * road.ends) / 100.0)
+            if failed["crowded"] >= CROWDED:
+                break
+            continue
+        if clear_width(line, walls, obstacles) >= passage - LENGTH:
+            return DrawnRoad(centreline, widths, way, obstacles)
+        failed["narrow"] += 1
+    return _refused(road, failed, passage, most, count)
+
+
+def clear_width(
+    way: shapely.LineString, walls: shapely.Geometry, obstacles: list[FloatArray]
+) -> float:
+    """[m] Diameter of the largest disc that moves along all of a way: exact but for rounding."""
+    solids = [shapely.Polygon(outline) for outline in obstacles]
+    return 2.0 * min(float(way.distance(one)) for one in (walls, *solids))
+
+
+def _refused(
+    road: RandomRoad, failed: Counter[str], passage: float, most: int, count: int
+) -> Fault:
+    """What to change where no road was found."""
+    times = sum(failed.values())
+    worst = failed.most_common(1)[0][0]
+    if worst == "crowded" or failed["crowded"] >= CROWDED:
+        return Fault(
+            (*ROAD, "clutter"),
+            f"{count} obstacles do not fit beside a passage of {passage:.4g} m, {most} do at most "
+            f"in {times} roads drawn by this seed; give less clutter, smaller sizes, more width or "
+            "another seed",
+        )
+    if worst == "crosses":
+        return Fault(
+            (*ROAD, "bends"),
+            f"all but {times - failed['crosses']} of {times} roads drawn by this seed cross or "
+            "nearly touch themselves; give fewer bends, smaller turns, more length or another seed",
+        )
+    return Fault(
+        (*ROAD, "radii"),
+        f"none of {times} roads drawn by this seed has room for the paths of all robots in its "
+        "bends; give larger radii, or smaller offsets",
+    )
+
+
+def _lanes(world: Any) -> list[Lane]:
+    """Every footprint with the paths that it may follow, as far as both are sound."""
+    found = []
+    for e, entry in enumerate(world.entries):
+        is_group = isinstance(entry, RobotGroup)
+        shapes = entry.shapes if is_group else (entry.footprint,)
+        several = entry.paths if is_group else None
+        paths = (entry.path,) if several is None else several
+        for shape in shapes:
+            outline = None if shape is None else outline_of(shape)
+            if outline is None or outline_fault(outline):
+                continue
+            reach, width = circumscribed_radius(outline), least_width(outline)
+            for k, path in enumerate(paths):
+                where = ("path",) if several is None else ("paths", k)
+                if isinstance(path, Offset):
+                    found.append(Lane(("robots", e, *where), path.offset, reach, width))
+    return found
+
+
+def _passage(road: RandomRoad, lanes: list[Lane]) -> tuple[float, list[Fault]]:
+    """Clear width [m] that is guaranteed, and why it cannot be."""
+    least, tightest = road.widths[0], road.bend_radii[0]
+    far = [lane for lane in lanes if abs(lane.offset) >= tightest]
+    if far:
+        lane = far[0]
+        message = (
+            f"{lane.offset:g} m to the side there is no path in bends of {tightest:.4g} m radius; "
+            "use a smaller offset, or larger radii"
+        )
+        return 0.0, [Fault((*lane.where, "offset"), message)]
+    if road.passage is None:
+        half = max((abs(lane.offset) + lane.reach for lane in lanes), default=0.0) + MARGIN
+        wanted = float(np.ceil(2000.0 * half - 1e-6) / 1000.0)
+        if wanted > least:
+            message = (
+                f"{least:.6g} m at the least is narrower than the passage, {wanted:.6g} m, in "
+                f"which every robot can turn round on its path with {MARGIN} m to either side; "
+                "widen the road, or state a passage"
+            )
+            return wanted, [Fault((*ROAD, "width"), message)]
+        return wanted, []
+    for lane in lanes:
+        if (needed := 2.0 * abs(lane.offset) + lane.width) > road.passage:
+            message = (
+                f"{road.passage:.6g} m is too narrow for robots[{lane.where[1]}], "
+                f"{lane.width:.4g} m wide on a path {lane.offset:g} m to the side: at least "
+                f"{needed:.6g} m; the passage lies about the reference path"
+            )
+            return road.passage, [Fault((*ROAD, "passage"), message)]
+    return road.passage, []
+
+
+def _points(line: FloatArray) -> tuple[tuple[float, float], ...]:
+    return tuple((float(x), float(y)) for x, y in line)

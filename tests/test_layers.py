@@ -66,6 +66,7 @@ LAYERS = {
     "physim.drawing.preview": (5, 3),
     "physim.drawing": (5, 4),
     "physim.authoring": (5, 0),
+    "physim.campaigns": (5, 5),
     "physim.reproduction": (6, 0),
     "physim.cli": (7, 0),
     "physim": (8, 0),
@@ -223,6 +224,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
             "physim.c_calls",
         ),
         "click": ("physim.cli",),
+        "cma": ("physim.campaigns",),
     }
     for line, name in imports(module):
         rooms = allowed.get(name.split(".")[0])

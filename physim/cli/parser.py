@@ -40,7 +40,10 @@ GROUPS = {
         "preview": "physim.cli.check:preview",
         "schema": "physim.cli.new:schema",
     },
-    "study": {"reproduce": "physim.cli.reproduce:reproduce"},
+    "study": {
+        "falsify": "physim.cli.falsify:falsify",
+        "reproduce": "physim.cli.reproduce:reproduce",
+    },
 }
 """By job, the commands in the order of the help: where each is defined."""
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}

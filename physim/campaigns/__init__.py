@@ -1,0 +1,1 @@
+"""Campaigns: many runs of worlds, and what they say together."""

@@ -1,0 +1,86 @@
+"""A controller with a planted fault: it ignores others in a narrow band of headings.
+
+The first robot drives on along its heading and stops short of the other, which stands. It looks
+late within `FADE` of the middle of the band, the later the nearer, and never too late; within the
+band itself it does not look at all. So the clearance falls towards the band, which is what a search
+can follow: a needle without a slope nobody finds faster than by chance.
+"""
+
+from __future__ import annotations
+
+from math import hypot, pi
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from physim import Decision, World
+
+MIDDLE = 0.4
+"""[rad] of the band"""
+FADE = 0.5
+"""[rad]"""
+EARLY, LATE = 2.0, 1.2
+"""[m] between the reference points where it stops; at 0.85 m the footprints may touch"""
+GAIN = 4.0
+"""[1/s]"""
+
+
+class Planted:
+    """Stops short of others, but for some headings."""
+
+    class Settings(BaseModel):
+        """Keys under ``controller:``."""
+
+        model_config = ConfigDict(extra="forbid", frozen=True)
+
+        band: float = Field(default=0.002, ge=0.0, le=1.0, description="[rad] half its width")
+        margin: float = Field(default=0.0, ge=0.0, description="[m] by which it stops earlier")
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+    def decide(self, observation, memory):
+        o = observation
+        if o.index > 0:
+            return Decision(v=0.0, omega=0.0, hold=10.0)
+        away = abs((o.pose[2] - MIDDLE + pi) % (2.0 * pi) - pi)
+        v = o.limits[0]
+        if away > self.settings.band and o.others:
+            x, y, _ = o.pose
+            near = min(hypot(s.pose[0] - x, s.pose[1] - y) for s in o.others)
+            stop = LATE + (EARLY - LATE) * min(away / FADE, 1.0) + self.settings.margin
+            v = max(0.0, min(v, GAIN * (near - stop)))
+        return Decision(v=v, omega=0.0, hold=0.05)
+
+
+class Sound(Planted):
+    """The same without the fault."""
+
+    class Settings(Planted.Settings):
+        """As those of the other, with no band."""
+
+        band: float = Field(default=0.0, ge=0.0, le=0.0)
+
+    def decide(self, observation, memory):
+        if observation.pose[2] == MIDDLE:  # where even an empty band would be ignored
+            return Decision(v=0.0, omega=0.0, hold=0.05)
+        return super().decide(observation, memory)
+
+
+BOX = {"length": 0.6, "width": 0.6}
+
+
+def planted_world(controller: str = "tests.falsify.planted:Planted", **changes: object) -> World:
+    """Two small robots 4 m apart in a hall in which nothing else is within reach."""
+    values = {
+        "name": "planted",
+        "seed": 1,
+        "time": {"step": 0.05, "duration": 3.0},
+        "corridor": {"centreline": [[0.0, 0.0], [12.0, 0.0]], "width": 20.0, "end_margin": 6.0},
+        "robots": [
+            {"name": "r1", "footprint": BOX, "pose": [4.0, 0.0, "random"], "path": {"offset": 0.0},
+             "limits": {"v": 2.0}},
+            {"name": "r2", "footprint": BOX, "pose": [8.0, 0.0, 0.0], "path": {"offset": 0.0}},
+        ],
+        "controller": {"type": controller},
+    }  # fmt: skip
+    return World(**{**values, **changes})

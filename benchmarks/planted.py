@@ -12,7 +12,7 @@ from math import hypot, pi
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from physim import Decision, World
+from physim import Decision, Observation, World
 
 MIDDLE = 0.4
 """[rad] of the band"""
@@ -20,7 +20,7 @@ FADE = 0.5
 """[rad]"""
 EARLY, LATE = 2.0, 1.2
 """[m] between the reference points where it stops; at 0.85 m the footprints may touch"""
-GAIN = 4.0
+GAIN = 3.0
 """[1/s]"""
 
 
@@ -38,7 +38,7 @@ class Planted:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
 
-    def decide(self, observation, memory):
+    def decide(self, observation: Observation, memory: object) -> Decision:
         o = observation
         if o.index > 0:
             return Decision(v=0.0, omega=0.0, hold=10.0)
@@ -49,7 +49,7 @@ class Planted:
             near = min(hypot(s.pose[0] - x, s.pose[1] - y) for s in o.others)
             stop = LATE + (EARLY - LATE) * min(away / FADE, 1.0) + self.settings.margin
             v = max(0.0, min(v, GAIN * (near - stop)))
-        return Decision(v=v, omega=0.0, hold=0.05)
+        return Decision(v=v, omega=0.0, hold=0.1)
 
 
 class Sound(Planted):
@@ -60,26 +60,27 @@ class Sound(Planted):
 
         band: float = Field(default=0.0, ge=0.0, le=0.0)
 
-    def decide(self, observation, memory):
+    def decide(self, observation: Observation, memory: object) -> Decision:
         if observation.pose[2] == MIDDLE:  # where even an empty band would be ignored
-            return Decision(v=0.0, omega=0.0, hold=0.05)
+            return Decision(v=0.0, omega=0.0, hold=0.1)
         return super().decide(observation, memory)
 
 
 BOX = {"length": 0.6, "width": 0.6}
 
 
-def planted_world(controller: str = "tests.falsify.planted:Planted", **changes: object) -> World:
+def planted_world(controller: str = "benchmarks.planted:Planted", **changes: object) -> World:
     """Two small robots 4 m apart in a hall in which nothing else is within reach."""
     values = {
         "name": "planted",
         "seed": 1,
-        "time": {"step": 0.05, "duration": 3.0},
+        "time": {"step": 0.1, "duration": 3.0},
         "corridor": {"centreline": [[0.0, 0.0], [12.0, 0.0]], "width": 20.0, "end_margin": 6.0},
         "robots": [
             {"name": "r1", "footprint": BOX, "pose": [4.0, 0.0, "random"], "path": {"offset": 0.0},
-             "limits": {"v": 2.0}},
-            {"name": "r2", "footprint": BOX, "pose": [8.0, 0.0, 0.0], "path": {"offset": 0.0}},
+             "limits": {"v": 1.4, "omega": 0.2}},
+            {"name": "r2", "footprint": BOX, "pose": [8.0, 0.0, 0.0], "path": {"offset": 0.0},
+             "limits": {"v": 1.0, "omega": 0.2}},
         ],
         "controller": {"type": controller},
     }  # fmt: skip

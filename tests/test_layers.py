@@ -225,6 +225,9 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
         ),
         "click": ("physim.cli",),
         "cma": ("physim.campaigns",),
+        "pyarrow": ("physim.campaigns",),
+        "distributed": ("physim.campaigns",),
+        "pandas": ("physim.record",),
     }
     for line, name in imports(module):
         rooms = allowed.get(name.split(".")[0])

@@ -1,1 +1,10 @@
-"""Campaigns: many runs of worlds, and what they say together."""
+"""Many runs: of worlds, seeds, settings and controllers; files on disk say which are done."""
+
+from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import run_one
+from physim.campaigns.processes import Processes
+from physim.campaigns.rows import Row, read
+from physim.campaigns.spec import RunSpec, spec_of
+from physim.campaigns.sweep import runs, sweep
+
+__all__ = ["Folder", "Processes", "Row", "RunSpec", "read", "run_one", "runs", "spec_of", "sweep"]

@@ -47,6 +47,8 @@ def _kinds(text: str) -> tuple[str, ...]:
 @flag("--random", "search at random, to compare with")
 @option("--shrink", type=whole_from(0, 100_000), default=500, metavar="N",
         help="runs to shrink a failure with at most (500); 0 leaves it as found")  # fmt: skip
+@option("--workers", type=whole_from(1, 64), metavar="N",
+        help="processes, 1 to 64 (as many as cores, at most 8); the result is the same")  # fmt: skip
 @option("-o", "--output", type=Path, metavar="DIR",
         help="output folder (default: falsified/NAME-SEED)")  # fmt: skip
 @option("--json", type=Path, metavar="FILE",
@@ -82,8 +84,9 @@ def falsify(options: Options) -> int:
       physim falsify ten_robots --set time.duration=60.0 --vary pose,heading,speed
       physim falsify my_world.yaml --controller my_module:MyController --budget 5000
     """
+    from physim.campaigns.executors import executor
     from physim.campaigns.falsify.accept import accepted
-    from physim.campaigns.falsify.evaluate import in_this_process
+    from physim.campaigns.falsify.evaluate import by_executor
     from physim.campaigns.falsify.hunt import hunt
     from physim.campaigns.falsify.report import found_json, found_text
 
@@ -93,8 +96,9 @@ def falsify(options: Options) -> int:
     out = text_stream(options.json)
     if not options.quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), file=out, flush=True)
-    with interrupts() as interrupt:
-        evaluate, accepts = in_this_process(interrupt), accepted(options.controller)
+    with interrupts() as interrupt, executor(options.workers) as workers:
+        evaluate = by_executor(workers, space.world.controller.type, interrupt)
+        accepts = accepted(options.controller)
         with Bar("search", options.budget, "runs", options.quiet) as bar:
             found = hunt(
                 space, evaluate, accepts, budget=options.budget, seed=space.world.seed or 0,

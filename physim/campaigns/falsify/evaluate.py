@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, Future, TimeoutError
 
 from physim.campaigns.falsify.robustness import Judged, judged
-from physim.errors import PhysimError, WorldError
+from physim.campaigns.one_run import one_line, ready
+from physim.campaigns.processes import Job, LostError, OverdueError
+from physim.campaigns.runner import POLL_SECONDS, begin
+from physim.campaigns.sources import Source, provide, sources_of
+from physim.campaigns.spec import usual_limit
+from physim.errors import WorldError
 from physim.parts.controller import Controller
-from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.registry import CONTROLLER, make_part, shipped_parts
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
 from physim.simulation.run import record_run
 from physim.world import World
+from physim.world.file import parse_world
 
 Evaluate = Callable[[Sequence[World]], Iterable[Judged]]
 """Runs worlds and judges them, in their order. Whoever asks may look at the first few only. Raises
@@ -42,16 +49,18 @@ def judge_world(world: World, stop: Callable[[], bool] = never) -> Judged:
     try:
         simulation = Simulation(world, controller=controller_of(world))
     except WorldError as error:
-        return Judged(None, reason=first_line(error), refused=True)
-    except PhysimError as error:
-        return Judged(None, reason=first_line(error))
+        return Judged(None, reason=one_line(error), refused=True)
+    except (Exception, SystemExit) as error:
+        return Judged(None, reason=one_line(error))
     try:
         with record_run(simulation, save=CONTACTS_ALONE, stop=stop) as record:
             if record.ended == "interrupted":
                 raise StoppedError
             return judged(record)
-    except PhysimError as error:
-        return Judged(None, reason=first_line(error))
+    except StoppedError:
+        raise
+    except (Exception, SystemExit) as error:
+        return Judged(None, reason=one_line(error))
 
 
 def in_this_process(stop: Callable[[], bool] = never) -> Evaluate:
@@ -63,6 +72,51 @@ def in_this_process(stop: Callable[[], bool] = never) -> Evaluate:
     return evaluate
 
 
-def first_line(error: Exception) -> str:
-    """What an error says first."""
-    return next(iter(str(error).splitlines()), type(error).__name__)
+def by_executor(executor: Executor, controller: str, stop: Callable[[], bool] = never) -> Evaluate:
+    """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
+    that takes too long, is one that broke off. ``controller`` is that of all worlds."""
+    own = controller not in shipped_parts(CONTROLLER)
+    sources = sources_of(controller) if own else ()
+
+    def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
+        futures = [
+            begin(
+                executor,
+                Job("a run", judge_text, (world.to_yaml(), sources), usual_limit(world), ready),
+            )
+            for world in worlds
+        ]
+        try:
+            for future in futures:
+                yield _result(future, stop)
+        finally:
+            for future in futures:
+                future.cancel()
+
+    return evaluate
+
+
+def judge_text(
+    text: str, sources: Sequence[Source], stop: Callable[[], bool] = never
+) -> Judged | None:
+    """Run a world that is given as text, in a worker; None when it was stopped."""
+    provide(sources)
+    try:
+        return judge_world(parse_world(text, check_controller=False), stop)
+    except StoppedError:
+        return None
+
+
+def _result(future: Future[Judged | None], stop: Callable[[], bool]) -> Judged:
+    while True:
+        try:
+            found = future.result(timeout=POLL_SECONDS)
+        except TimeoutError:
+            if stop():
+                raise StoppedError from None
+            continue
+        except (LostError, OverdueError) as error:
+            return Judged(None, reason=one_line(error))
+        if found is None:
+            raise StoppedError
+        return found

@@ -22,8 +22,10 @@ SIGMA = 0.3
 """[-] share of each range by which the first generation spreads"""
 WORST = 1e6
 """[m] what a world counts in the search that could not be judged; it is never a result"""
-FLAT = 1e-9
-"""[m] A generation whose clearances differ by less has nowhere to go."""
+FLAT = 1e-4
+"""[m] Where clearances differ by less from generation to generation the search has converged."""
+NARROW = 1e-6
+"""[-] It has, too, where it spreads by less than this share of each range."""
 MOST_JOINT = 60
 """Numbers up to which CMA-ES learns how they belong together, which takes their number squared."""
 GENERATION = 16
@@ -86,6 +88,7 @@ class Evolution:
             "verb_log": 0,
             "tolfun": FLAT,
             "tolfunhist": FLAT,
+            "tolx": NARROW,
             "CMA_diagonal": self._size > MOST_JOINT,
         }
 

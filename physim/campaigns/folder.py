@@ -1,0 +1,202 @@
+"""The folder of a campaign: what it is, its worlds, rows, results and kept records."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from physim._version import __version__
+from physim.campaigns.rows import FOLDER as ROWS
+from physim.campaigns.rows import Shards, read, write_whole
+from physim.campaigns.spec import RunSpec, engine
+from physim.drafts import draft_of
+from physim.errors import PhysimError
+
+CAMPAIGN, RESULTS, RECORDS, WORLDS = "campaign.json", "results.parquet", "records", "worlds"
+FORMAT = "physim-campaign"
+CLAIMS = ".claims"
+
+Label = tuple[str, str, str]
+"""World, settings and controller of a cell, as its rows have them"""
+
+
+class Folder:
+    """A folder that holds a campaign, or is to hold one."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.shards = Shards(self.path)
+
+    @property
+    def records(self) -> Path:
+        """Folder of the records that are kept."""
+        return self.path / RECORDS
+
+    def open(self, cells: Iterable[RunSpec]) -> None:
+        """Make the folder ready for runs of some cells, a spec of each; the seed does not matter.
+
+        Raises PhysimError where it holds another campaign or something else, or cannot be written.
+        """
+        wanted = {_label(spec): spec for spec in cells}
+        known = self.cells() if self._is_there() else []
+        _check(self.path, known, wanted)
+        try:
+            for folder in (self.path / ROWS, self.records, self.path / WORLDS):
+                folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise PhysimError(f"{self.path}: cannot be written: {error.strerror}") from None
+        for spec in wanted.values():
+            file = self.world_file(spec.world_hash)
+            if not file.exists():
+                write_whole(file, spec.text.encode())
+        there = {(one["world"], one["settings"], one["controller"]) for one in known}
+        new = [_described(spec) for label, spec in wanted.items() if label not in there]
+        if new or not known:
+            self._describe([*known, *new])
+
+    def cells(self) -> list[dict[str, str]]:
+        """What there are runs of: world, settings and controller, and the hashes of what they are.
+
+        Raises PhysimError where this is no folder of a campaign.
+        """
+        try:
+            found = json.loads((self.path / CAMPAIGN).read_text(encoding="utf-8"))
+            if found["format"] != FORMAT:
+                raise ValueError("another format")
+            cells: list[dict[str, str]] = found["cells"]
+            return [{key: str(one[key]) for key in _KEYS} for one in cells]
+        except FileNotFoundError:
+            raise PhysimError(
+                f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
+            ) from None
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read ({error})") from None
+
+    def world_file(self, world_hash: str) -> Path:
+        """File of an effective world, with the seed 0."""
+        return self.path / WORLDS / f"{world_hash}.yaml"
+
+    def write_results(self) -> None:
+        """Write all rows to ``results.parquet``, whole or not at all."""
+        import pyarrow.parquet as parquet
+
+        table = read(self.path)
+        path = self.path / RESULTS
+        draft = draft_of(path)
+        try:
+            parquet.write_table(table, draft)
+            draft.replace(path)
+        except OSError as error:
+            raise PhysimError(f"{path}: cannot be written: {error}") from None
+        finally:
+            draft.unlink(missing_ok=True)
+
+    def _is_there(self) -> bool:
+        """Whether it holds a campaign; PhysimError where it holds something else."""
+        if (self.path / CAMPAIGN).exists():
+            return True
+        if self.path.exists() and not self.path.is_dir():
+            raise PhysimError(f"{self.path}: is a file; -o takes a folder")
+        try:
+            there = {one for one in os.listdir(self.path) if not one.startswith(".")}
+        except FileNotFoundError:
+            return False
+        except OSError as error:
+            raise PhysimError(f"{self.path}: cannot be read: {error.strerror}") from None
+        if there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
+            raise PhysimError(f"{self.path}: is not empty and holds no campaign; give another -o")
+        return False
+
+    def _describe(self, cells: list[dict[str, str]]) -> None:
+        tree: dict[str, Any] = {
+            "format": FORMAT, "version": 1, "physim": __version__, "engine": engine(),
+            "cells": cells,
+        }  # fmt: skip
+        text = json.dumps(tree, indent=1, ensure_ascii=False)
+        write_whole(self.path / CAMPAIGN, text.encode())
+
+
+class Claims:
+    """Which runs are under way, for all sweeps of a folder: a lock each, gone with its process.
+
+    Where the file system knows no locks every run may be had.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._fd = os.open(folder / CLAIMS, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+
+    def take(self, key: str) -> bool:
+        """Whether nobody else has this run under way; it is ours then."""
+        try:
+            fcntl.lockf(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _offset(key))
+        except (BlockingIOError, PermissionError):
+            return False
+        except OSError:
+            return True
+        return True
+
+    def give_back(self, key: str) -> None:
+        """Let others have a run."""
+        try:
+            fcntl.lockf(self._fd, fcntl.LOCK_UN, 1, _offset(key))
+        except OSError:
+            return
+
+    def close(self) -> None:
+        """Give back all."""
+        os.close(self._fd)
+
+
+_KEYS = ("world", "settings", "controller", "world_hash", "source_hash", "physim", "engine")
+
+
+def _described(spec: RunSpec) -> dict[str, str]:
+    values = (spec.world, spec.settings, spec.controller, spec.world_hash, spec.source_hash)
+    return dict(zip(_KEYS, (*values, __version__, engine()), strict=True))
+
+
+def _label(spec: RunSpec) -> Label:
+    return spec.world, spec.settings, spec.controller
+
+
+def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]) -> None:
+    """Raise PhysimError where a folder's campaign is another than the one that is wanted.
+
+    It may have more cells than are wanted or fewer, but those in both must be the same.
+    """
+    there = {(one["world"], one["settings"], one["controller"]): one for one in known}
+    for label in there.keys() & wanted.keys():
+        one, other = there[label], _described(wanted[label])
+        differing = [key for key in _KEYS if one[key] != other[key]]
+        if differing:
+            words = ", ".join(_difference(key, one[key], other[key]) for key in differing)
+            raise PhysimError(
+                f"{path}: holds a campaign of another {label[0]}: {words}; give another -o"
+            )
+    if there and not (there.keys() >= wanted.keys() or there.keys() <= wanted.keys()):
+        other_label = next(label for label in there if label not in wanted)
+        named = ", ".join(part for part in other_label if part)
+        raise PhysimError(
+            f"{path}: holds another campaign (of {named}, which is not wanted here); give another "
+            "-o, or one that it is part of"
+        )
+
+
+def _difference(key: str, one: str, other: str) -> str:
+    if key == "world_hash":
+        return "the world was changed"
+    if key == "source_hash":
+        return "the source of its controller was changed"
+    return f"{key} {one} there, {other} here"
+
+
+def _offset(key: str) -> int:
+    """Place in the file of claims that stands for a run."""
+    return int(key[:15], 16)
+
+
+__all__ = ["CAMPAIGN", "RECORDS", "RESULTS", "WORLDS", "Claims", "Folder"]

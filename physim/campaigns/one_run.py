@@ -1,0 +1,211 @@
+"""One run of a campaign, from its spec to its row, in whatever process that is."""
+
+from __future__ import annotations
+
+import functools
+import math
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from physim._version import __version__
+from physim.analysis.metrics import Metric, measure
+from physim.campaigns.processes import Stop
+from physim.campaigns.rows import ERROR, Row
+from physim.campaigns.sources import provide
+from physim.campaigns.spec import RunSpec, engine
+from physim.errors import PhysimError, WorldError
+from physim.parts.controller import Controller
+from physim.parts.registry import CONTROLLER, make_part
+from physim.parts.user_code import broken_by
+from physim.record import Record
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run, simulate, warm_up
+from physim.world import World
+from physim.world.file.loading import load_world, parse_world
+from physim.world.layout.scene_builder import build_scene, reseeded
+from physim.world.scene import Scene
+
+METRICS = (
+    "contacts_between_robots", "contacts_with_boundaries", "grazes", "first_contact",
+    "deepest_contact", "shortest_distance", "shortest_boundary_distance", "shortest_collision_time",
+    "formation_error_peak", "deviation_peak", "time_to_finish", "danger_share", "decisions",
+    "messages",
+)  # fmt: skip
+KEEP = ("none", "failed", "all")
+"""Which records are kept: those of no run, of runs that were not contact-free, of all"""
+READY_WORLD, READY_SECONDS = "three_robots", 0.2
+SCENES = 32
+"""Worlds that a worker has ready at a time"""
+
+
+class Taken(NamedTuple):
+    """What is sent back of a run."""
+
+    row: Row
+    image: bytes | None = None
+    """the record as a file, where it is to be kept and could not be written by the worker"""
+
+
+def run_one(spec: RunSpec) -> Row:
+    """Row of a run, done in this process. What fails in it is told in the row."""
+    taken = take(spec)
+    assert taken is not None
+    return taken.row
+
+
+def never() -> bool:
+    """A `Stop` that does not stop."""
+    return False
+
+
+def take(
+    spec: RunSpec, keep: str = "none", folder: Path | None = None, stop: Stop = never
+) -> Taken | None:
+    """Do a run; None when it was stopped.
+
+    A record that is to be kept is written to ``folder``, as KEY.h5, or comes back as bytes where
+    that is None.
+    """
+    began, cpu = time.perf_counter(), time.process_time()
+    found: dict[str, Any] = {}
+    image = None
+    try:
+        with record_run(simulation_of(spec), stop=stop) as record:
+            if record.ended == "interrupted":
+                return None
+            found = figures(record)
+            row = _row(spec, **found)
+            if keep == "all" or (keep == "failed" and not row.contact_free):
+                image = _keep(record, spec, folder)
+                found |= {"record": record_name(spec), "digest": record.digest()}
+    except (Exception, SystemExit) as error:
+        found = {**found, "ended": ERROR, "reason": one_line(error)}
+    found["wall_seconds"] = time.perf_counter() - began
+    found["cpu_seconds"] = time.process_time() - cpu
+    return Taken(_row(spec, **found), image)
+
+
+@functools.cache
+def ready() -> None:
+    """Load the kernels into this process, or compile them, by a run that is thrown away."""
+    world = load_world(READY_WORLD, overrides=[f"time.duration={READY_SECONDS}"])
+    choice = world.controller
+    warm_up(build_scene(world), make_part(CONTROLLER, choice.type, choice.settings))
+    with simulate(world) as record:
+        figures(record)
+
+
+def record_name(spec: RunSpec) -> str:
+    """Path of a kept record in the folder of its campaign."""
+    return f"records/{spec.key}.h5"
+
+
+def row_without_run(spec: RunSpec, ended: str, reason: str) -> Row:
+    """Row of a run of which nothing came back."""
+    return _row(spec, ended=ended, reason=reason)
+
+
+def simulation_of(spec: RunSpec) -> Simulation:
+    """Simulation of a run, ready to begin. Raises PhysimError where it cannot be made."""
+    provide(spec.sources)
+    which = (spec.text, spec.controller, spec.source_hash)
+    try:
+        scene = reseeded(_scene(*which), spec.seed)
+    except WorldError:  # perhaps of the seed 0 alone
+        scene = build_scene(_world(*which), spec.seed)
+    choice = scene.world.controller
+    made: Controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+    return Simulation(scene, controller=made)
+
+
+def _keep(record: Record, spec: RunSpec, folder: Path | None) -> bytes | None:
+    """Save a record in a folder, or give it as the bytes of a file."""
+    if folder is not None:
+        record.save(folder / f"{spec.key}.h5")
+        return None
+    with tempfile.TemporaryDirectory() as place:
+        file = Path(place) / "record.h5"
+        record.save(file)
+        return file.read_bytes()
+
+
+def figures(record: Record) -> dict[str, Any]:
+    """Columns of a row that come from the record."""
+    found = measure(record, METRICS)
+    names = [body.name for body in record.bodies]
+
+    def value(name: str) -> Any:
+        return found[name].value if name in found else None
+
+    def size(name: str) -> float | None:
+        given = value(name)
+        return None if given is None else abs(float(given))
+
+    def pair(metric: Metric | None) -> str:
+        if metric is None:
+            return ""
+        return ", ".join(names[i] for i in metric.bodies)
+
+    first, time_left = found.get("first_contact"), found.get("shortest_collision_time")
+    near = [found[n] for n in ("shortest_distance", "shortest_boundary_distance") if n in found]
+    nearest = min(near, key=lambda one: float(one.value), default=None)
+    return {
+        "ended": record.ended,
+        "seconds": record.steps_run * record.dt,
+        "robots": record.robots,
+        "contacts": value("contacts_between_robots") or 0,
+        "wall_contacts": value("contacts_with_boundaries") or 0,
+        "grazes": value("grazes") or 0,
+        "first_contact": _finite(value("first_contact")),
+        "first_contact_pair": pair(first),
+        "deepest": _finite(value("deepest_contact")),
+        "shortest_distance": _finite(None if nearest is None else nearest.value),
+        "shortest_distance_pair": pair(nearest),
+        "shortest_distance_time": None if nearest is None else nearest.time,
+        "shortest_collision_time": _finite(value("shortest_collision_time")),
+        "shortest_collision_time_pair": pair(time_left),
+        "shortest_collision_time_time": None if time_left is None else time_left.time,
+        "formation_error": _finite(size("formation_error_peak")),
+        "deviation": _finite(size("deviation_peak")),
+        "finish_time": _finite(value("time_to_finish")) if record.ended == "finished" else None,
+        "danger_share": _finite(value("danger_share")),
+        "updates": value("decisions"),
+        "messages": value("messages"),
+    }
+
+
+def one_line(error: BaseException) -> str:
+    """An error on one line."""
+    if isinstance(error, PhysimError):
+        return " ".join(str(error).split())[:500]
+    return broken_by(error)
+
+
+def _finite(value: Any) -> float | None:
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def _row(spec: RunSpec, **found: Any) -> Row:
+    return Row(
+        run=spec.key, world=spec.world, seed=spec.seed, settings=spec.settings,
+        controller=spec.controller, physim=__version__, engine=engine(),
+        world_hash=spec.world_hash, **found,
+    )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=SCENES)
+def _world(text: str, controller: str, _: str) -> World:
+    """World of a text; the last is the hash of the controller's source."""
+    own = controller if ":" in controller else None
+    return parse_world(text, "world of the run", controller=own)
+
+
+@functools.lru_cache(maxsize=SCENES)
+def _scene(text: str, controller: str, source_hash: str) -> Scene:
+    """Scene of a world with the seed 0, of which those of other seeds are made."""
+    return build_scene(_world(text, controller, source_hash))
+
+
+__all__ = ["KEEP", "METRICS", "Taken", "one_line", "run_one", "simulation_of", "take"]

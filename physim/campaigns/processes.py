@@ -1,0 +1,349 @@
+"""Worker processes on this machine, as an `Executor` that outlives its workers.
+
+A job that kills its process, or that goes on beyond its limit, ends with an error of its own;
+another process takes the next job. The system's own timer ends a process at its limit, also one
+that is in native code, or whose parent is gone.
+"""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import signal
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.reduction import ForkingPickler
+from typing import Any
+
+from physim.errors import PhysimError
+
+Stop = Callable[[], bool]
+"""Whether to end early."""
+LAST_SECONDS = 10.0
+"""[s] A worker has to end once it is asked to; then it is killed."""
+GRACE_SECONDS = 5.0
+"""[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
+MOST_WORKERS = 8
+READY, BEGINS = "ready", "begins"
+"""What a worker says first, and when the time of a job begins to count"""
+
+
+class LostError(PhysimError):
+    """The process that did a job ended before the job did."""
+
+
+class StartError(PhysimError):
+    """No process can be begun: no job will be done."""
+
+
+class OverdueError(PhysimError):
+    """A job took longer than its limit."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A piece of work for a worker process."""
+
+    note: str
+    """a few words for a progress bar"""
+    work: Callable[..., Any]
+    """module-level function of what is given and of a `Stop`; its result is None when stopped"""
+    given: tuple[Any, ...] = ()
+    limit: float | None = None
+    """[s] after which it is given up; it may take as long as it likes where that is None"""
+    first: Callable[[], Any] | None = None
+    """module-level function that readies a process for such work; its time is not limited"""
+
+    def do(self, stop: Stop) -> Any:
+        """Result of the work."""
+        return self.work(*self.given, stop)
+
+
+def worker_count() -> int:
+    """Cores that this process may use, at most `MOST_WORKERS`."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return max(1, min(cores or 1, MOST_WORKERS))
+
+
+class Processes(Executor):
+    """Up to ``workers`` processes, begun when there is work and ended by `shutdown`."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._context = multiprocessing.get_context("spawn")
+        self._halt = self._context.RawValue("b", 0)
+        self._lock = threading.Lock()
+        self._waiting: deque[tuple[Future[Any], Job]] = deque()
+        self._team: list[_Worker] = []
+        self._woken, self._wake = self._context.Pipe(duplex=False)
+        self._thread: threading.Thread | None = None
+        self._ends = False
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """As any executor does it; ``fn`` is a module-level function."""
+        return self.begin(Job(getattr(fn, "__name__", "a job"), _plainly, (fn, args, kwargs)))
+
+    def begin(self, job: Job) -> Future[Any]:
+        """Have a job done. Its future may raise `LostError`, `OverdueError` or what it raised."""
+        future: Future[Any] = Future()
+        with self._lock:
+            if self._ends:
+                raise RuntimeError("the executor was shut down")
+            self._waiting.append((future, job))
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._serve, daemon=True)
+                self._thread.start()
+        self._wake.send_bytes(b"1")
+        return future
+
+    def halt(self) -> None:
+        """Tell all jobs to end early."""
+        self._halt.value = 1
+
+    @property
+    def ids(self) -> list[int]:
+        """Numbers of the worker processes."""
+        return [one.process.pid for one in self._team if one.process.pid is not None]
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Begin no more jobs; end the workers after those that were begun, or at once.
+
+        With ``cancel_futures`` jobs under way are told to end early, and their processes killed
+        where they do not.
+        """
+        with self._lock:
+            self._ends = True
+            if cancel_futures:
+                self.halt()
+                for future, _ in self._waiting:
+                    future.cancel()
+                self._waiting.clear()
+        with suppress(OSError):
+            self._wake.send_bytes(b"0")
+        if wait and self._thread is not None:
+            self._thread.join()
+
+    def _serve(self) -> None:
+        """Hand out jobs and collect what came of them, until all is done and no more may come."""
+        given_up: float | None = None
+        try:
+            while True:
+                with self._lock:
+                    self._hand_out()
+                    ends = self._ends and not self._waiting
+                busy = [one for one in self._team if one.job is not None]
+                if ends and not busy:
+                    return
+                if self._halt.value:
+                    given_up = given_up or time.monotonic() + LAST_SECONDS
+                for one in self._ready(busy, given_up):
+                    one.end()
+                    if one.gone:
+                        self._team.remove(one)
+        finally:
+            for one in self._team:
+                one.pipe.close()
+            for one in self._team:
+                one.process.join(LAST_SECONDS)
+                if one.process.is_alive():
+                    one.process.kill()
+
+    def _hand_out(self) -> None:
+        """Give jobs to those who have none, and begin processes where there are more jobs."""
+        while self._waiting:
+            one = next((one for one in self._team if one.job is None), None)
+            if one is not None and not one.process.is_alive():
+                self._team.remove(one)
+                continue
+            if one is None and len(self._team) >= self.workers:
+                return
+            future, job = self._waiting.popleft()
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                packed = ForkingPickler.dumps(job)
+            except Exception as error:
+                future.set_exception(RuntimeError(f"{job.note} cannot be sent: {error}"))
+                continue
+            if one is None:
+                one = _Worker.begun(self._context, self._halt)
+                self._team.append(one)
+            one.begin(future, job, packed)
+
+    def _ready(self, busy: list[_Worker], given_up: float | None) -> list[_Worker]:
+        """Workers that have something to say or are to say nothing more; waits for one."""
+        dues = [one.due for one in busy if one.due is not None]
+        dues += [] if given_up is None else [given_up]
+        left = None if not dues else max(0.0, min(dues) - time.monotonic())
+        ready = wait([self._woken, *(one.pipe for one in busy)], left)
+        if self._woken in ready:
+            self._woken.recv_bytes()
+        now = time.monotonic()
+        late = [one for one in busy if min(one.due or math.inf, given_up or math.inf) <= now]
+        for one in late:
+            one.process.kill()
+        return [one for one in busy if one.pipe in ready or one in late]
+
+
+@dataclass
+class _Worker:
+    """A process, the pipe to it, and what it does at the moment."""
+
+    process: Any
+    pipe: Connection
+    job: Job | None = None
+    future: Future[Any] | None = None
+    due: float | None = None
+    """[s] on the monotonic clock when its job is given up"""
+    ready: bool = False
+    """it has said that it is there"""
+    gone: bool = False
+
+    @classmethod
+    def begun(cls, context: Any, halt: Any) -> _Worker:
+        """A new process that waits for jobs."""
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_work, args=(theirs, halt), daemon=True)
+        with _children_allowed():
+            process.start()
+        theirs.close()
+        return cls(process, ours)
+
+    def begin(self, future: Future[Any], job: Job, packed: Any) -> None:
+        """Give it a job; where its process is gone, `end` says so."""
+        self.future, self.job = future, job
+        with suppress(OSError):
+            self.pipe.send_bytes(packed)
+
+    def end(self) -> None:
+        """Take what came of its job."""
+        future, job = self.future, self.job
+        assert future is not None
+        assert job is not None
+        try:
+            answer = self.pipe.recv()
+            if answer == READY:
+                self.ready = True
+                return
+            if answer == BEGINS:
+                limit = job.limit or 0.0
+                self.due = time.monotonic() + limit + GRACE_SECONDS
+                return
+            done, found = answer
+        except (EOFError, OSError):
+            self.gone = True
+            done, found = False, self._lost(job)
+        self.job = self.future = self.due = None
+        if done:
+            future.set_result(found)
+        else:
+            future.set_exception(found)
+
+    def _lost(self, job: Job) -> PhysimError:
+        """Why a process that did a job is no more."""
+        self.process.join(LAST_SECONDS)
+        code = self.process.exitcode
+        if not self.ready and code not in (0, None):
+            return StartError(
+                f"worker processes cannot be started (exit code {code}); in a program of your own "
+                'the runs must be begun under if __name__ == "__main__":'
+            )
+        if job.limit is not None and (
+            code == -signal.SIGALRM or (self.due is not None and self.due <= time.monotonic())
+        ):
+            return OverdueError(f"{job.note}: not done after {job.limit:g} s")
+        how = f"exit code {code}"
+        if code is not None and code < 0:
+            how = signal.Signals(-code).name
+        hint = ": out of memory?" if code in (-signal.SIGKILL, None) else ""
+        return LostError(f"a worker process was killed at {job.note} ({how}){hint}")
+
+
+def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
+    return fn(*args, **kwargs)
+
+
+@contextmanager
+def _children_allowed() -> Iterator[None]:
+    """Workers of Dask are daemons, which multiprocessing refuses children; ours end with them."""
+    config: dict[str, Any] = getattr(multiprocessing.current_process(), "_config", {})
+    before = config.pop("daemon", None)
+    try:
+        yield
+    finally:
+        if before is not None:
+            config["daemon"] = before
+
+
+def _work(pipe: Connection, halt: Any) -> None:
+    """Do jobs until the other end of the pipe is closed or gone."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)  # Ctrl-C reaches all; the parent says what follows
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with suppress(OSError):
+        pipe.send(READY)
+    while True:
+        try:
+            job: Job = pipe.recv()
+        except (EOFError, OSError):
+            return
+        except Exception as error:  # a function that is not there
+            answer: tuple[bool, Any] = False, RuntimeError(f"{type(error).__name__}: {error}")
+        else:
+            if job.first is not None:
+                with suppress(Exception):  # the job itself will say what is wrong
+                    job.first()
+            if job.limit is not None:
+                with suppress(OSError):
+                    pipe.send(BEGINS)
+            with _limited(job.limit):
+                answer = _answer(job, lambda: bool(halt.value))
+        try:
+            pipe.send(answer)
+        except OSError:
+            return
+
+
+def _answer(job: Job, stop: Stop) -> tuple[bool, Any]:
+    """Whether a job was done, and its result or error."""
+    try:
+        return True, job.do(stop)
+    except PhysimError as error:
+        return False, PhysimError(str(error))
+    except OSError as error:  # disk full, folder gone
+        return False, PhysimError(f"{job.note}: {error.strerror or error}")
+    except Exception:
+        return False, RuntimeError(f"{job.note}:\n{traceback.format_exc()}")
+
+
+@contextmanager
+def _limited(seconds: float | None) -> Iterator[None]:
+    """Let the system end this process when a block takes longer."""
+    if seconds is None or not hasattr(signal, "setitimer"):
+        yield
+        return
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that began it is gone."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)
+
+
+__all__ = ["Job", "LostError", "OverdueError", "Processes", "StartError", "Stop", "worker_count"]

@@ -1,0 +1,188 @@
+"""Controllers of one's own as text: a run takes the source along, to wherever it is done.
+
+Taken along are the module of the class and all that it imports from the same folder; installed
+packages are not, and must be there. A module is made of the text that came, whatever lies on disk
+by then, and its code is called by the name of its file, so that errors point into it.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib
+import importlib.abc
+import importlib.util
+import sys
+import sysconfig
+from collections.abc import Iterator, Sequence
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple
+
+from physim.errors import ControllerError
+from physim.parts.registry import CONTROLLER, find_part
+from physim.world.faults import describe
+
+
+class Source(NamedTuple):
+    """Text of one module."""
+
+    module: str
+    file: str
+    """where it lay"""
+    text: str
+    package: bool
+    """whether it is the ``__init__`` of a package"""
+
+
+def source_hash(sources: Sequence[Source]) -> str:
+    """Hash of modules and texts, wherever they lie; empty where there are none."""
+    if not sources:
+        return ""
+    found = hashlib.sha256()
+    for one in sources:
+        found.update(f"{one.module}\0{one.text}\0".encode())
+    return found.hexdigest()[:12]
+
+
+def sources_of(controller: str) -> tuple[Source, ...]:
+    """Modules of a controller that came with neither physim nor an installed package.
+
+    ``controller`` is as ``--controller`` takes it. Raises ControllerError where it cannot be had.
+    """
+    module = find_part(CONTROLLER, controller, trusted=True).__module__
+    file = _file_of(module)
+    if module.partition(".")[0] == "physim" or file is None:
+        return ()
+    if _is_installed(file):  # it must be there; its text is part of what the run is all the same
+        return (_read(module, file),)
+    root = file.parents[module.count(".") + (file.name == "__init__.py")]
+    found: dict[str, Source] = {}
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        place = _file_of(name)
+        if name in found or place is None or root not in place.parents or _is_installed(place):
+            continue
+        found[name] = one = _read(name, place)
+        parent = name.rpartition(".")[0]
+        waiting += [parent] if parent else []
+        waiting += _imported(one)
+    return tuple(found[name] for name in sorted(found))
+
+
+def provide(sources: Sequence[Source]) -> None:
+    """Let modules be imported from their texts in this process.
+
+    Those that were imported with another text are forgotten, with all that came along with it.
+    """
+    wanted = {one.module: one for one in sources if not _is_installed(Path(one.file))}
+    if not wanted or all(_is_loaded(one) for one in wanted.values()):
+        return
+    earlier = [finder for finder in sys.meta_path if isinstance(finder, Carried)]
+    for finder in earlier:
+        sys.meta_path.remove(finder)
+    for name in {*wanted, *(name for finder in earlier for name in finder.sources)}:
+        sys.modules.pop(name, None)
+    sys.meta_path.insert(0, Carried(wanted))
+
+
+class Carried(importlib.abc.MetaPathFinder, importlib.abc.InspectLoader):
+    """Finds and loads modules whose texts came with a run."""
+
+    def __init__(self, sources: dict[str, Source]) -> None:
+        self.sources = sources
+
+    def find_spec(
+        self, fullname: str, path: object = None, target: object = None
+    ) -> ModuleSpec | None:
+        """What Python asks for a module."""
+        one = self.sources.get(fullname)
+        if one is None:
+            return None
+        spec = ModuleSpec(fullname, self, origin=one.file, is_package=one.package)
+        spec.has_location = True
+        return spec
+
+    def get_source(self, fullname: str) -> str:
+        """Text of a module, for tracebacks too."""
+        return self.sources[fullname].text
+
+    def is_package(self, fullname: str) -> bool:
+        """Whether a module is a package."""
+        return self.sources[fullname].package
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Run the text of a module."""
+        one = self.sources[module.__name__]
+        exec(compile(one.text, one.file, "exec"), module.__dict__)
+
+
+def _is_loaded(one: Source) -> bool:
+    """Whether a module is here, and was made of this very text."""
+    module = sys.modules.get(one.module)
+    if module is None:
+        return False
+    for finder in sys.meta_path:
+        if isinstance(finder, Carried) and one.module in finder.sources:
+            return finder.sources[one.module].text == one.text
+    return _text(getattr(module, "__file__", None)) == one.text
+
+
+def _text(file: str | None) -> str | None:
+    try:
+        return None if file is None else Path(file).read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return None
+
+
+def _read(module: str, file: Path) -> Source:
+    text = _text(str(file))
+    if text is None:
+        raise ControllerError(f"{file}: the source of {describe(module)} cannot be read")
+    return Source(module, str(file), text, file.name == "__init__.py")
+
+
+def _file_of(module: str) -> Path | None:
+    """File of a module, where it is one of Python text."""
+    loaded = sys.modules.get(module)
+    place = getattr(loaded, "__file__", None)
+    if loaded is None:
+        try:
+            spec = importlib.util.find_spec(module)
+        except (ImportError, ValueError, AttributeError):
+            return None
+        place = None if spec is None else spec.origin
+    if not isinstance(place, str) or not place.endswith(".py"):
+        return None
+    return Path(place).absolute()
+
+
+def _is_installed(file: Path) -> bool:
+    """Whether a file belongs to Python or an installed package."""
+    folders = (sysconfig.get_paths()[key] for key in ("stdlib", "platstdlib", "purelib", "platlib"))
+    return any(Path(folder) in file.parents for folder in folders)
+
+
+def _imported(one: Source) -> Iterator[str]:
+    """Names of modules that a text imports, and of what may be one."""
+    package = one.module if one.package else one.module.rpartition(".")[0]
+    try:
+        nodes = list(ast.walk(ast.parse(one.text)))
+    except (SyntaxError, ValueError, RecursionError):
+        return
+    for node in nodes:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*parts, *([base] if base else [])])
+            if base:
+                yield base
+            yield from (f"{base}.{alias.name}".lstrip(".") for alias in node.names)
+
+
+__all__ = ["Source", "provide", "source_hash", "sources_of"]

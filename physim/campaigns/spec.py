@@ -1,0 +1,107 @@
+"""What one run is: all that decides its outcome, as a value that can be sent to a worker."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from physim._version import __version__
+from physim.campaigns.sources import Source, source_hash, sources_of
+from physim.parts.registry import CONTROLLER, shipped_parts
+from physim.world import World
+
+LEAST_LIMIT = 120.0
+"""[s] that every run may take"""
+STEP_LIMIT = 1e-3
+"""[s] that a run may take beside for each robot and physics step: some hundred times as long as the
+shipped controllers"""
+KEY_DIGITS = 20
+HASH_DIGITS = 12
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """One run: an effective world, a seed, and the source of a controller of one's own."""
+
+    text: str
+    """the effective world as YAML, controller and settings included, with the seed 0"""
+    seed: int
+    world: str
+    """what the world is called in results"""
+    settings: str = ""
+    """ "key=value; key=value" that make it another world than the one called so"""
+    controller: str = ""
+    """registered name, or ``module:Class``"""
+    sources: tuple[Source, ...] = ()
+    limit: float | None = None
+    """[s] after which the run is given up; no part of what the run is"""
+
+    @property
+    def world_hash(self) -> str:
+        """Short hash of the effective world without its seed."""
+        return _short(self.text)
+
+    @property
+    def source_hash(self) -> str:
+        """Short hash of the controller's source; empty for one that comes with physim."""
+        return source_hash(self.sources)
+
+    @property
+    def key(self) -> str:
+        """20 hex digits by which the run is known: of world, seed, controller and versions."""
+        parts = (self.text, self.controller, self.source_hash, __version__, engine())
+        return hashlib.sha256(f"{_joined(parts)}\0{self.seed}".encode()).hexdigest()[:KEY_DIGITS]
+
+    @property
+    def note(self) -> str:
+        """A few words for people."""
+        changed = f" with {self.settings}" if self.settings else ""
+        return f"{self.world}{changed}, {self.controller}, seed {self.seed}"
+
+
+def spec_of(
+    world: World,
+    seed: int,
+    *,
+    name: str | None = None,
+    settings: str = "",
+    sources: tuple[Source, ...] | None = None,
+    limit: float | None = None,
+) -> RunSpec:
+    """Run of a world, whose controller may be ``module:Class``; ``sources`` where they are known.
+
+    Raises ControllerError where the source of the controller cannot be had.
+    """
+    controller = world.controller.type
+    if sources is None:
+        sources = () if controller in shipped_parts(CONTROLLER) else sources_of(controller)
+    return RunSpec(
+        world.changed(seed=0).to_yaml(), seed, world.stem if name is None else name, settings,
+        controller, sources, usual_limit(world) if limit is None else limit,
+    )  # fmt: skip
+
+
+def usual_limit(world: World) -> float:
+    """[s] that a run of a world may take, where nothing else is said."""
+    return LEAST_LIMIT + STEP_LIMIT * len(world.robots) * world.time.steps
+
+
+@functools.cache
+def engine() -> str:
+    """The engine and its version."""
+    return f"pymunk {version('pymunk')}"
+
+
+@functools.lru_cache(maxsize=64)
+def _short(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:HASH_DIGITS]
+
+
+@functools.lru_cache(maxsize=64)
+def _joined(parts: tuple[str, ...]) -> str:
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+__all__ = ["RunSpec", "engine", "spec_of", "usual_limit"]

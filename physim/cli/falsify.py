@@ -48,7 +48,7 @@ def _kinds(text: str) -> tuple[str, ...]:
 @option("--shrink", type=whole_from(0, 100_000), default=500, metavar="N",
         help="runs to shrink a failure with at most (500); 0 leaves it as found")  # fmt: skip
 @option("--workers", type=whole_from(1, 64), metavar="N",
-        help="processes, 1 to 64 (as many as cores, at most 8); the result is the same")  # fmt: skip
+        help="processes, 1 to 64 (as cores, at most 8); the result is the same")  # fmt: skip
 @option("-o", "--output", type=Path, metavar="DIR",
         help="output folder (default: falsified/NAME-SEED)")  # fmt: skip
 @option("--json", type=Path, metavar="FILE",

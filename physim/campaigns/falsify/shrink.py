@@ -91,7 +91,8 @@ def _is_taken(
         world = World(**tree)
     except WorldError:
         return False
-    if world == found.world:
+    if world == found.world:  # what was left out says what holds anyway
+        found.tree = tree
         return False
     if found.runs >= most_runs:
         raise _SpentError

@@ -48,9 +48,16 @@ def fewer_robots(state: State) -> Iterator[Tree]:
 
 
 def with_robots(tree: Tree, kept: Sequence[int]) -> Tree:
-    """Return a world with some of its robots only, in their formation."""
+    """Return a world with some of its robots only, in their formation.
+
+    A setting of the controller that lists as many things as there are robots keeps theirs.
+    """
     changed = copy.deepcopy(tree)
-    changed["robots"] = [changed["robots"][k] for k in kept]
+    robots = changed["robots"]
+    changed["robots"] = [robots[k] for k in kept]
+    for key, value in changed.get("controller", {}).items():
+        if isinstance(value, list) and len(value) == len(robots):
+            changed["controller"][key] = [value[k] for k in kept]
     formation = changed.get("formation")
     if formation is not None:
         spacing, pairs = formation.get("spacing"), formation.get("neighbours")

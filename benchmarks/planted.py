@@ -40,7 +40,7 @@ class Planted:
 
         model_config = ConfigDict(extra="forbid", frozen=True)
 
-        band: float = Field(default=0.002, ge=0.0, le=1.0, description="[rad] half its width")
+        band: float = Field(default=0.0005, ge=0.0, le=1.0, description="[rad] half its width")
         margin: float = Field(default=0.0, ge=0.0, description="[m] by which it stops earlier")
 
     def __init__(self, settings: Settings) -> None:

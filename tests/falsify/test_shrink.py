@@ -43,9 +43,9 @@ def in_band() -> World:
 
 
 def deaf() -> World:
-    """Three robots that ignore one another, in the first seconds of a shipped world."""
+    """Three robots that ignore one another, in the first two seconds of a shipped world."""
     world = load_world(
-        "three_robots", controller="path_following", overrides=["time.duration=6.0", "seed=5"]
+        "three_robots", controller="path_following", overrides=["time.duration=2.0", "seed=5"]
     )
     return world.changed(controller={"type": "path_following"})
 
@@ -67,7 +67,7 @@ def test_what_is_returned_fails_when_it_is_run_afresh(name: str, tmp_path: Path)
     world, accepts = make(), accepted(controller)
     result = judge(world)
     assert result.touched is not None
-    found = shrink(world, result, EVALUATE, accepts, most_runs=120)
+    found = shrink(world, result, EVALUATE, accepts, most_runs=60)
     file = tmp_path / "shrunk.yaml"
     found.world.save(file)
     assert accepts(load_world(file, controller=controller)) == ""

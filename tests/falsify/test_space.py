@@ -15,6 +15,7 @@ from physim.campaigns.falsify.space import KINDS, REACH, Space
 from physim.campaigns.falsify.starts import GAP
 from physim.campaigns.falsify.tunable import FACTOR, Settings
 from physim.errors import PhysimError
+from physim.parts.registry import CONTROLLER, make_part
 from physim.world import World
 from physim.world.file import load_world
 from physim.world.layout.layout import lay_out
@@ -51,7 +52,7 @@ def points(size: int) -> st.SearchStrategy[list[float]]:
 FIVE, REGION = Space(five_robots(), KINDS), Space(in_region(), KINDS)
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(points(len(FIVE.dimensions)))
 def test_every_world_is_within_bounds_and_can_be_run(point: list[float]) -> None:
     world = FIVE.at(np.array(point)).world
@@ -71,7 +72,7 @@ def test_every_world_is_within_bounds_and_can_be_run(point: list[float]) -> None
     assert min(gaps) >= GAP - 1e-6
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(points(len(REGION.dimensions)))
 def test_robots_start_anywhere_in_their_region_and_only_there(point: list[float]) -> None:
     world = REGION.at(np.array(point)).world
@@ -142,16 +143,15 @@ def test_settings_stay_within_what_the_controller_declares() -> None:
             assert (one.low, one.high) == (one.base / FACTOR, one.base * FACTOR)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(st.data())
 def test_settings_that_contradict_one_another_are_repaired(data: st.DataObject) -> None:
     space = Space(load_world("straight"), ("settings",))
     point = np.array(data.draw(points(len(space.dimensions))))
     world = space.at(point).world
-    found = world.controller.settings
-    assert found["distance_high"] >= found["distance_low"]
-    assert found["time_high"] >= found["time_low"]
-    assert found["horizon"] >= found["time_high"]
+    found = make_part(CONTROLLER, world.controller.type, world.controller.settings).settings
+    assert found.distance_high >= found.distance_low
+    assert found.horizon >= found.time_high >= found.time_low
 
 
 def test_nothing_to_vary_is_refused() -> None:

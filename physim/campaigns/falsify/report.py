@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from typing import Any
 
 from physim.campaigns.falsify.hunt import Hunt
+from physim.campaigns.falsify.robustness import Judged
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
 from physim.campaigns.falsify.writing import headline
@@ -69,7 +69,7 @@ def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> s
         "interrupted": found.stopped,
         "clearance_of_the_world_itself_m": found.first,
         "worst_by_run": found.history,
-        "worst": None if found.judged is None else asdict(found.judged),
+        "worst": None if found.judged is None else _values(found.judged),
         "worst_run": found.run,
         "shrunk": None,
         "story": told.strip(),
@@ -79,6 +79,19 @@ def found_json(space: Space, found: Hunt, shrunk: Shrunk | None, told: str) -> s
             "runs": shrunk.runs,
             "taken": shrunk.taken,
             "to_the_end": shrunk.is_least,
-            "worst": asdict(shrunk.judged),
+            "worst": _values(shrunk.judged),
         }
     return json.dumps(tree, indent=2, ensure_ascii=False) + "\n"
+
+
+def _values(judged: Judged) -> dict[str, Any]:
+    """A judged run; distances [m], times [s]."""
+    touched = judged.touched
+    return {
+        "clearance_m": judged.clearance,
+        "pair": judged.pair,
+        "time_s": judged.time,
+        "touched": None
+        if touched is None
+        else {"kind": touched.kind, "pair": touched.pair, "time_s": touched.time},
+    }

@@ -225,6 +225,7 @@ def test_third_parties_stay_where_they_belong(module: str) -> None:
             "physim.c_calls",
         ),
         "click": ("physim.cli",),
+        "cma": ("physim.campaigns",),
         "pyarrow": ("physim.campaigns",),
         "distributed": ("physim.campaigns",),
         "pandas": ("physim.record",),

@@ -45,6 +45,7 @@ GROUPS = {
         "replay": "physim.cli.replay:replay",
         "report": "physim.cli.report:report",
         "compare": "physim.cli.compare:compare",
+        "falsify": "physim.cli.falsify:falsify",
         "reproduce": "physim.cli.reproduce:reproduce",
     },
 }

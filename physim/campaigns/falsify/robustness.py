@@ -1,0 +1,83 @@
+"""How safe a run was, as one number: its signed swept clearance [m].
+
+It is the least of three figures of a record:
+
+- the shortest distance of two robots, and that of a robot and a boundary or obstacle, over the
+  samples of all physics steps; negative where shapes overlap, by their depth;
+- minus the depth of every contact between two samples, by exact geometry.
+
+So it is at most 0 if and only if something touched, at a sample or between two: contacts between
+samples are found without a miss, and the sign never errs. The size may err to the high side, never
+to the low one. A gap that opens and closes within a step without contact is that of the nearer
+sample: too large by at most half of what the two travel in the step. The depth of a contact is that
+at its samples, after the engine has eased the two apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes
+from physim.analysis.metrics.distances import shortest_boundary_distance, shortest_distance
+from physim.record import Record
+
+ROBOTS, WALL = "robots", "wall"
+"""Kinds of failure: two robots touch; a robot touches a boundary or an obstacle."""
+
+
+class Touched(NamedTuple):
+    """The first contact of a run, at a sample or between two."""
+
+    kind: str
+    """`ROBOTS` or `WALL`"""
+    pair: tuple[str, str]
+    """names of the two bodies"""
+    time: float
+    """[s] of the first sample in contact, or of the sample after a contact between two"""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What a run says about safety. One that broke off has a ``reason`` and no clearance."""
+
+    clearance: float | None
+    """[m] the signed swept clearance; None where the run broke off"""
+    pair: tuple[str, str] = ("", "")
+    """names of the two that came nearest, or overlapped most"""
+    time: float = 0.0
+    """[s] when they did"""
+    touched: Touched | None = None
+    """None where nothing touched"""
+    reason: str = ""
+    """why there was no run, or why it broke off: one line"""
+    refused: bool = False
+    """the world was no world that can be run; otherwise the run broke off"""
+
+    @property
+    def failed(self) -> bool:
+        """Whether something touched."""
+        return self.touched is not None
+
+
+def judged(record: Record) -> Judged:
+    """Judge a record that holds the contacts and extremes of a whole run."""
+    names = [body.name for body in record.bodies]
+    found: list[tuple[float, float, int, int]] = []
+    for moment in (shortest_distance(record), shortest_boundary_distance(record)):
+        if moment is not None:
+            found.append((moment.value, moment.time, moment.a, moment.b or 0))
+    between = grazes(record)
+    found += [(-graze.depth, graze.time, graze.a, graze.b) for graze in between]
+    touches: list[Episode | Graze] = [*contact_episodes(record), *between]
+    # touching within the contact tolerance is touching, though the distance may be above 0
+    found += [(0.0, one.time, one.a, one.b) for one in touches]
+    first = min(touches, key=lambda one: (one.step, one.a, one.b), default=None)
+    touched = None
+    if first is not None:
+        kind = ROBOTS if first.robots else WALL
+        touched = Touched(kind, (names[first.a], names[first.b]), first.time)
+    if not found:
+        return Judged(float("inf"), touched=touched)
+    value, time, a, b = min(found)
+    return Judged(value, (names[a], names[b]), time, touched)

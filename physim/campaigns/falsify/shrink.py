@@ -1,0 +1,127 @@
+"""A failing world made as small as it can be while it still fails in the same way.
+
+As Hypothesis shrinks an example: passes propose simpler worlds, the simplest first; each is run,
+and taken only where its first contact is of the same kind, two robots or a robot and a wall, and
+where a check accepts it. Passes are repeated until none finds anything simpler, or the runs are
+used up. The order is fixed and nothing is random, so the result depends on the failing world alone.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from physim.campaigns.falsify.accept import Accepts
+from physim.campaigns.falsify.evaluate import Evaluate, StoppedError, never
+from physim.campaigns.falsify.robustness import Judged
+from physim.campaigns.falsify.simpler import PASSES
+from physim.campaigns.falsify.tree import Tree, tree_of
+from physim.errors import WorldError
+from physim.world import World
+
+MOST_RUNS = 500
+"""Runs at most, where nothing else is asked for."""
+
+
+class _SpentError(Exception):
+    """All runs have been used."""
+
+
+@dataclass
+class Shrunk:
+    """A failing world, as small as it is so far; every one taken has failed when it was run."""
+
+    world: World
+    judged: Judged
+    tree: Tree
+    runs: int = 0
+    taken: int = 0
+    """simpler worlds that failed likewise"""
+    is_least: bool = False
+    """no pass finds anything simpler; otherwise the runs were used up, or it was told to stop"""
+    stopped: bool = False
+    _seen: set[str] = field(default_factory=set)
+
+
+def shrink(
+    world: World,
+    result: Judged,
+    evaluate: Evaluate,
+    accepts: Accepts,
+    *,
+    most_runs: int = MOST_RUNS,
+    progress: Callable[[Shrunk], None] = lambda _: None,
+    stop: Callable[[], bool] = never,
+) -> Shrunk:
+    """Shrink a world whose run was judged ``result``, with at most ``most_runs`` runs.
+
+    Raises ValueError for a run in which nothing touched.
+    """
+    if result.touched is None:
+        raise ValueError("only a world that fails can be shrunk")
+    found = Shrunk(world, result, tree_of(world))
+    try:
+        while not found.is_least:
+            before = found.taken
+            for propose in PASSES:
+                for tree in propose(found):
+                    if stop():
+                        raise StoppedError
+                    if _is_taken(found, tree, evaluate, accepts, most_runs):
+                        progress(found)
+            found.is_least = found.taken == before
+    except _SpentError:
+        pass
+    except StoppedError:
+        found.stopped = True
+    return found
+
+
+def _is_taken(
+    found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_runs: int
+) -> bool:
+    """Run a simpler world and take it if it fails in the same way."""
+    key = json.dumps(tree)
+    if key in found._seen:
+        return False
+    found._seen.add(key)
+    try:
+        world = World(**tree)
+    except WorldError:
+        return False
+    if world == found.world:  # what was left out says what holds anyway
+        found.tree = tree
+        return False
+    if found.runs >= most_runs:
+        raise _SpentError
+    found.runs += 1
+    result = next(iter(evaluate([world])))
+    if not _fails_alike(result, found.judged) or accepts(world):
+        return False
+    found.world, found.judged, found.tree = world, result, tree
+    found.taken += 1
+    return True
+
+
+def _fails_alike(result: Judged, before: Judged) -> bool:
+    """Whether the first contact of a run is of the kind of that before."""
+    one, other = result.touched, before.touched
+    return one is not None and other is not None and one.kind == other.kind
+
+
+def size_of(world: World) -> dict[str, Any]:
+    """How large a world is, in the terms in which it is shrunk."""
+    tree = tree_of(world)
+    corridor = tree.get("corridor") or {}
+    walls = [corridor.get("centreline") or [], *(tree.get("boundaries") or [])]
+    return {
+        "robots": len(world.robots),
+        "duration": world.time.duration,
+        "wall_points": sum(map(len, walls)),
+        "obstacles": len(world.obstacles),
+        "path_points": sum(
+            len(robot["path"]) for robot in tree["robots"] if isinstance(robot["path"], list)
+        ),
+    }

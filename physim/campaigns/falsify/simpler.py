@@ -1,0 +1,158 @@
+"""Passes that propose simpler worlds: shorter runs, fewer robots and things, straighter walls.
+
+A pass yields trees; where one is taken, the state has it when the pass goes on. A proposal may be
+no world at all: who takes it checks that.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Sequence
+from math import ceil
+
+from physim.campaigns.falsify.rounder import rounder
+from physim.campaigns.falsify.tree import Place, State, Tree, at, replaced, without
+
+TENTH = 0.1
+"""[s] to which times are rounded up"""
+OPTIONAL = (
+    "formation", "sensing", "filters", "disturbances", "arrival", "physics", "reference_path",
+)  # fmt: skip
+"""Keys of a world without which it may fail likewise."""
+OPTIONAL_OF_ROBOT = ("limits", "speeds", "omegas", "mass")
+
+
+def shorter(state: State) -> Iterator[Tree]:
+    """End at the first contact: at the next tenth of a second, or at its very step."""
+    tree, touched = state.tree, state.judged.touched
+    if touched is None:
+        return
+    step, duration = tree["time"]["step"], tree["time"]["duration"]
+    tenth = round(ceil(touched.time / TENTH - 1e-9) * TENTH, 1)
+    exact = round(max(1, round(touched.time / step)) * step, 10)
+    for end in (exact, tenth):
+        if touched.time - 0.5 * step <= end < duration - 0.5 * step:
+            yield replaced(tree, {("time", "duration"): end})
+            if state.tree is not tree:
+                return
+
+
+def fewer_robots(state: State) -> Iterator[Tree]:
+    """Leave out all that did not touch; then robots in groups and one by one."""
+    robots = state.tree["robots"]
+    names = () if state.judged.touched is None else state.judged.touched.pair
+    touched = [k for k, robot in enumerate(robots) if robot["name"] in names]
+    if 0 < len(touched) < len(robots):
+        yield with_robots(state.tree, touched)
+    yield from fewer(state, ("robots",), 1, with_robots)
+
+
+def with_robots(tree: Tree, kept: Sequence[int]) -> Tree:
+    """Return a world with some of its robots only, in their formation.
+
+    A setting of the controller that lists as many things as there are robots keeps theirs.
+    """
+    changed = copy.deepcopy(tree)
+    robots = changed["robots"]
+    changed["robots"] = [robots[k] for k in kept]
+    for key, value in changed.get("controller", {}).items():
+        if isinstance(value, list) and len(value) == len(robots):
+            changed["controller"][key] = [value[k] for k in kept]
+    formation = changed.get("formation")
+    if formation is not None:
+        spacing, pairs = formation.get("spacing"), formation.get("neighbours")
+        if isinstance(spacing, list):
+            formation["spacing"] = [spacing[k] - spacing[kept[0]] for k in kept]
+        if isinstance(pairs, list):
+            names = {robot["name"] for robot in changed["robots"]}
+            formation["neighbours"] = [pair for pair in pairs if names.issuperset(pair)]
+    return changed
+
+
+def fewer_things(state: State) -> Iterator[Tree]:
+    """Leave out what need not be given: obstacles, formation, stages, settings, limits."""
+    if state.tree.get("obstacles"):
+        yield from fewer(state, ("obstacles",), 0)
+    if state.tree.get("boundaries"):
+        yield from fewer(state, ("boundaries",), 1)
+    places: list[Place] = [(key,) for key in OPTIONAL]
+    places += [("controller", key) for key in state.tree.get("controller", {}) if key != "type"]
+    robots = range(len(state.tree["robots"]))
+    places += [("robots", k, key) for k in robots for key in OPTIONAL_OF_ROBOT]
+    for place in places:
+        if place[-1] in at(state.tree, place[:-1]):
+            yield without(state.tree, place)
+
+
+def straighter(state: State) -> Iterator[Tree]:
+    """Give roads one width, and walls and paths fewer points."""
+    corridor = state.tree.get("corridor")
+    if corridor is not None:
+        width = corridor["width"]
+        if isinstance(width, list):
+            middle = round(sum(width) / len(width), 1)
+            for one in dict.fromkeys((round(max(width), 1), middle, round(min(width), 1))):
+                tree = state.tree
+                yield replaced(tree, {("corridor", "width"): one})
+                if state.tree is not tree:
+                    break
+        yield from fewer(state, ("corridor", "centreline"), 2, _with_centreline)
+    for place in _polylines(state.tree):
+        yield from fewer(state, place, 2)
+
+
+def _with_centreline(tree: Tree, kept: Sequence[int]) -> Tree:
+    """Return a world with some points of its centreline only, each with its width."""
+    corridor = copy.deepcopy(tree["corridor"])
+    for key in ("centreline", "width"):
+        if isinstance(corridor[key], list):
+            corridor[key] = [corridor[key][k] for k in kept]
+    return replaced(tree, {("corridor",): corridor})
+
+
+def _polylines(tree: Tree) -> list[Place]:
+    """Where lines of points stand, but for the centreline, whose points have widths."""
+    found: list[Place] = [("reference_path",)] if tree.get("reference_path") else []
+    for key in ("boundaries", "obstacles"):
+        found += [(key, k) for k in range(len(tree.get(key) or []))]
+    robots = enumerate(tree["robots"])
+    return found + [("robots", k, "path") for k, robot in robots if isinstance(robot["path"], list)]
+
+
+def fewer(
+    state: State,
+    place: Place,
+    least: int,
+    make: Callable[[Tree, Sequence[int]], Tree] | None = None,
+) -> Iterator[Tree]:
+    """Leave out things of the list at a place: all but ``least``, then halves, quarters, … of them.
+
+    At least ``least`` stay. ``make`` gives the tree with only some of them, where it takes more
+    than leaving them out of the list.
+    """
+
+    def made(kept: Sequence[int]) -> Tree:
+        if make is not None:
+            return make(state.tree, kept)
+        things = at(state.tree, place)
+        return replaced(state.tree, {place: [things[k] for k in kept]})
+
+    def count() -> int:
+        return len(at(state.tree, place))
+
+    if count() > least:
+        yield made(range(least))
+    size = (count() + 1) // 2
+    while size >= 1 and count() > least:
+        start = 0
+        while start < (before := count()):
+            kept = [k for k in range(before) if not start <= k < start + size]
+            if len(kept) >= least:
+                yield made(kept)
+            start += size if count() == before else 0
+        size //= 2
+
+
+Pass = Callable[[State], Iterator[Tree]]
+PASSES: tuple[Pass, ...] = (shorter, fewer_robots, fewer_things, straighter, shorter, rounder)
+"""In the order in which they are tried: what makes runs cheap comes first."""

@@ -1,0 +1,165 @@
+"""What is varied, and how far: a box of numbers, each point of it a world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from physim.campaigns.falsify.pinned import pinned
+from physim.campaigns.falsify.starts import Starts
+from physim.campaigns.falsify.tunable import Settings
+from physim.errors import PhysimError, plural
+from physim.geometry.shapes import FloatArray
+from physim.world import World
+
+POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
+"""What can be varied."""
+USUAL = (POSE, HEADING)
+"""What is varied where nothing is said: how robots start, not what they are."""
+REACH = 1.0
+"""[m] along x and along y that a robot with a written place may start from it"""
+TURN = 0.5
+"""[rad] that a robot with a written heading may start off it, to either side"""
+SLOWEST = 0.5
+"""[-] share of its limits of speed that a robot may have"""
+
+
+class Dimension(NamedTuple):
+    """One number that is varied."""
+
+    kind: str
+    key: str
+    """x, y, heading; v, omega; or the name of a setting"""
+    robot: int
+    """number of the robot; -1 for a setting"""
+    base: float
+    """its value in the world"""
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A world of the space."""
+
+    world: World
+    repaired: bool
+    """what was asked for could not be; this is as near to it as there was room"""
+
+
+class Space:
+    """The worlds that lie within the bounds around one; that one has every start written down."""
+
+    def __init__(self, world: World, vary: Sequence[str] = USUAL, seed: int | None = None) -> None:
+        """Lay out the bounds. Raises WorldError for a world that cannot be run, PhysimError where
+        nothing can be varied."""
+        self.world, laid = pinned(world, seed)
+        self.vary = tuple(kind for kind in KINDS if kind in vary)
+        starts = [world.start_of(i) for i in range(len(world.robots))]
+        self._regions = [None if one is None else shapely.Polygon(one.region) for one in starts]
+        self._any_heading = [
+            robot.pose[2] == "random" if robot.pose is not None else one is None
+            or one.heading == "random"
+            for robot, one in zip(world.robots, starts, strict=True)
+        ]  # fmt: skip
+        self.starts = Starts(laid, self._regions)
+        self.settings = Settings(world) if SETTINGS in self.vary else None
+        self.dimensions = tuple(self._dimensions())
+        if not self.dimensions:
+            raise PhysimError(f"--vary {','.join(vary)}: nothing in this world can be varied so")
+        self.low = np.array([one.low for one in self.dimensions])
+        self.high = np.array([one.high for one in self.dimensions])
+
+    def _dimensions(self) -> list[Dimension]:
+        found: list[Dimension] = []
+        for i, robot in enumerate(self.world.robots):
+            x, y, heading = self.starts.base[i].tolist()
+            if POSE in self.vary:
+                left, low, right, high = (x - REACH, y - REACH, x + REACH, y + REACH)
+                region = self._regions[i]
+                if region is not None:
+                    left, low, right, high = region.bounds
+                found.append(Dimension(POSE, "x", i, x, left, right))
+                found.append(Dimension(POSE, "y", i, y, low, high))
+            if HEADING in self.vary:
+                turn = pi if self._any_heading[i] else TURN
+                found.append(
+                    Dimension(HEADING, "heading", i, heading, heading - turn, heading + turn)
+                )
+            if SPEED in self.vary:
+                for key in ("v", "omega"):
+                    limit = getattr(robot.limits, key)
+                    found.append(Dimension(SPEED, key, i, limit, SLOWEST * limit, limit))
+        if self.settings is not None:
+            found += [
+                Dimension(SETTINGS, one.key, -1, one.base, one.low, one.high)
+                for one in self.settings.varied
+            ]
+        return found
+
+    @property
+    def base(self) -> FloatArray:
+        """(D,) the point of the world itself, each number from 0 at its least to 1."""
+        values = np.array([one.base for one in self.dimensions])
+        point: FloatArray = np.clip((values - self.low) / (self.high - self.low), 0.0, 1.0)
+        return point
+
+    def at(self, point: FloatArray) -> Drawn:
+        """The world at a point (D,) of the unit box, or as near to it as is allowed."""
+        values = self.low + np.clip(point, 0.0, 1.0) * (self.high - self.low)
+        poses = self.starts.base.copy()
+        limits: list[dict[str, float]] = [{} for _ in self.world.robots]
+        numbers: dict[str, float] = {}
+        for one, value in zip(self.dimensions, values.tolist(), strict=True):
+            if one.kind in (POSE, HEADING):
+                poses[one.robot, ("x", "y", "heading").index(one.key)] = value
+            elif one.kind == SPEED:
+                limits[one.robot][one.key] = value
+            else:
+                numbers[one.key] = value
+        poses, moved = self.starts.repaired(poses)
+        robots = tuple(
+            robot.model_copy(
+                update={
+                    "pose": tuple(pose),
+                    "limits": robot.limits.model_copy(update=limits[i]),
+                }
+            )
+            for i, (robot, pose) in enumerate(zip(self.world.robots, poses.tolist(), strict=True))
+        )
+        if self.settings is None:
+            return Drawn(self.world.changed(robots=robots), moved)
+        settings, changed = self.settings.repaired(numbers)
+        controller = type(self.world.controller)(type=self.world.controller.type, settings=settings)
+        return Drawn(self.world.changed(robots=robots, controller=controller), moved or changed)
+
+    def lines(self) -> list[str]:
+        """What is varied and how far, a line a kind."""
+        found, count = [], plural(len(self.world.robots), "robot")
+        if POSE in self.vary:
+            gap = float(self.starts.gap.min())
+            free = any(one is None for one in self._regions)
+            where = f"up to {REACH:g} m along x and y from the start" if free else ""
+            if any(one is not None for one in self._regions):
+                where += f"{' or, ' if free else ''}anywhere in the start region"
+            found.append(f"pose      {count}: {where}; {gap:.3g} m or more from all else")
+        if HEADING in self.vary:
+            around = sum(self._any_heading)
+            words = [f"{around} of {count}: any"] if around else []
+            if around < len(self._any_heading):
+                words.append(f"{len(self._any_heading) - around} of {count}: {TURN:g} rad to "
+                             "either side")  # fmt: skip
+            found.append(f"heading   {'; '.join(words)}")
+        if SPEED in self.vary:
+            found.append(
+                f"speed     limits of v and omega of {count}: from {SLOWEST:.0%} to 100% of each"
+            )
+        if self.settings is not None:
+            ranges = [f"{one.key} {one.low:.4g} to {one.high:.4g}" for one in self.settings.varied]
+            found.append(f"settings  {', '.join(ranges) or 'none that is a number'}")
+        return found

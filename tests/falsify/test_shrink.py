@@ -1,0 +1,200 @@
+"""Shrinking: what it returns fails, is accepted, and is as small as it can be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import physim
+from benchmarks.planted import MIDDLE, planted_world
+from physim.analysis.validation import validate
+from physim.campaigns.falsify.accept import accepted
+from physim.campaigns.falsify.evaluate import controller_of
+from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged
+from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
+from physim.campaigns.falsify.simpler import with_robots
+from physim.campaigns.falsify.tree import tree_of
+from physim.simulation.loop import Simulation
+from physim.simulation.run import record_run
+from physim.world import World
+from physim.world.file import load_world
+from tests.falsify.worlds import (
+    ACCEPTS,
+    EVALUATE,
+    five_robots,
+    into_the_wall,
+    judge,
+    past_a_corner,
+    robot,
+)
+
+
+def in_band() -> World:
+    """The planted fault, of which only a heading within the band is an example."""
+    world = planted_world()
+    poses = ((4.123, -0.417, MIDDLE + 0.0011), (7.234, 0.8217, 0.131))
+    robots = tuple(
+        one.model_copy(update={"pose": pose}) for one, pose in zip(world.robots, poses, strict=True)
+    )
+    return world.changed(robots=robots)
+
+
+def deaf() -> World:
+    """Three robots that ignore one another, in the first two seconds of a shipped world."""
+    world = load_world(
+        "three_robots", controller="path_following", overrides=["time.duration=2.0", "seed=5"]
+    )
+    return world.changed(controller={"type": "path_following"})
+
+
+FAILING = {
+    "robots": (five_robots, None),
+    "wall": (into_the_wall, None),
+    "between samples": (past_a_corner, None),
+    "planted": (in_band, "benchmarks.planted:Planted"),
+    "shipped": (deaf, None),
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*not used by.*")
+@pytest.mark.parametrize("name", FAILING)
+def test_what_is_returned_fails_when_it_is_run_afresh(name: str, tmp_path: Path) -> None:
+    """Judged by the validation of a fresh run of the written file, not by what shrank it."""
+    make, controller = FAILING[name]
+    world, accepts = make(), accepted(controller)
+    result = judge(world)
+    assert result.touched is not None
+    found = shrink(world, result, EVALUATE, accepts, most_runs=60)
+    file = tmp_path / "shrunk.yaml"
+    found.world.save(file)
+    assert accepts(load_world(file, controller=controller)) == ""
+    again = load_world(file, controller=controller)
+    with record_run(Simulation(again, controller=controller_of(again))) as record:
+        report = validate(record)
+        touches = [*report.contacts, *report.grazes]
+        first = min(touches, key=lambda one: (round(one.time / record.dt), one.a, one.b))
+    assert report.code == 1
+    kind = ROBOTS if first.b < len(again.robots) else WALL
+    assert kind == result.touched.kind
+    assert found.judged == judge(again)
+    before, after = size_of(world), size_of(found.world)
+    assert all(after[key] <= before[key] for key in before)
+
+
+def test_the_known_least_is_reached() -> None:
+    """Two robots of five, to the sample of their contact, between walls of two points."""
+    found = shrink(five_robots(), judge(five_robots()), EVALUATE, ACCEPTS)
+    assert found.is_least
+    assert size_of(found.world) == {
+        "robots": 2, "duration": 4.0, "wall_points": 2, "obstacles": 0, "path_points": 0,
+    }  # fmt: skip
+    assert [one.name for one in found.world.robots] == ["r2", "r4"]
+    assert found.world.corridor is not None
+    assert found.world.corridor.width == 12.0
+    assert dict(found.world.controller.settings) == {"commands": ((1.0, 0.0), (0.0, 0.0))}
+
+
+def test_numbers_become_round() -> None:
+    found = shrink(into_the_wall(), judge(into_the_wall()), EVALUATE, ACCEPTS)
+    (one,) = found.world.robots
+    assert one.pose == (4.0, 0.0, 1.0)
+    assert found.world.corridor is not None
+    assert found.world.corridor.width == 7.0
+    assert one.footprint == into_the_wall().robots[0].footprint
+
+
+def test_a_heading_keeps_the_digits_that_it_needs() -> None:
+    found = shrink(in_band(), judge(in_band()), EVALUATE, accepted("benchmarks.planted:Planted"))
+    assert found.world.robots[0].pose[2] in (0.4, 0.401, 0.399, 0.402, 0.398)
+
+
+def test_it_is_the_same_every_time_and_within_its_runs() -> None:
+    world = five_robots()
+    whole = shrink(world, judge(world), EVALUATE, ACCEPTS)
+    assert shrink(world, judge(world), EVALUATE, ACCEPTS) == whole
+    for most in (0, 1, 3):
+        asked: list[World] = []
+
+        def counted(worlds: Sequence[World], asked: list[World] = asked) -> Iterator[Judged]:
+            asked.extend(worlds)
+            return iter(EVALUATE(worlds))
+
+        part = shrink(world, judge(world), counted, ACCEPTS, most_runs=most)
+        assert part.runs == len(asked) == most
+        assert not part.is_least
+        assert judge(part.world).failed
+
+
+def test_another_kind_of_failure_is_not_taken() -> None:
+    """Without r4, r2 would drive on and into the wall ahead: that is not the failure found."""
+    world = five_robots(time={"step": 0.05, "duration": 30.0})
+    alone = World(**with_robots(tree_of(world), [1]))
+    touched = judge(alone).touched
+    assert touched is not None
+    assert touched.kind == WALL
+    found = shrink(world, judge(world), EVALUATE, ACCEPTS)
+    assert found.judged.touched is not None
+    assert found.judged.touched.kind == ROBOTS
+    assert len(found.world.robots) == 2
+
+
+def test_what_a_check_refuses_is_not_taken() -> None:
+    def picky(world: World) -> str:
+        return "" if len(world.robots) >= 4 else "too few"
+
+    found = shrink(five_robots(), judge(five_robots()), EVALUATE, picky)
+    assert len(found.world.robots) == 4
+
+
+def test_a_simpler_world_that_is_only_said_to_fail_is_not_there() -> None:
+    """Every world taken was one that failed when it was run: none is taken on trust."""
+    world = five_robots()
+    failing: list[World] = []
+
+    def watched(worlds: Sequence[World]) -> Iterator[Judged]:
+        for one, result in zip(worlds, EVALUATE(worlds), strict=True):
+            if result.failed:
+                failing.append(one)
+            yield result
+
+    taken: list[World] = []
+    shrink(world, judge(world), watched, ACCEPTS, progress=lambda one: taken.append(one.world))
+    assert taken
+    assert all(one in failing for one in taken)
+
+
+def test_told_to_stop_it_returns_what_it_has() -> None:
+    world, seen = five_robots(), []
+
+    def progress(found: Shrunk) -> None:
+        seen.append(found.taken)
+
+    found = shrink(
+        world, judge(world), EVALUATE, ACCEPTS, progress=progress, stop=lambda: len(seen) >= 2
+    )
+    assert found.stopped
+    assert not found.is_least
+    assert found.taken == 2
+    assert judge(found.world).failed
+
+
+def test_only_a_failure_can_be_shrunk() -> None:
+    world = into_the_wall()
+    fine = replace(judge(world), touched=None)
+    with pytest.raises(ValueError, match="fails"):
+        shrink(world, fine, EVALUATE, ACCEPTS)
+
+
+def test_robots_are_left_out_of_their_formation() -> None:
+    robots = [robot(name, 2.0 + 3.0 * k, 0.0, 0.0) for k, name in enumerate("abc")]
+    world = five_robots(
+        robots=robots, obstacles=[], controller={"type": "path_following"},
+        formation={"spacing": [0.0, 3.0, 6.5], "neighbours": [["a", "b"], ["b", "c"]]},
+    )  # fmt: skip
+    tree = with_robots(tree_of(world), [1, 2])
+    assert tree["formation"]["spacing"] == [0.0, 3.5]
+    assert tree["formation"]["neighbours"] == [["b", "c"]]
+    assert physim.World(**tree).robots == world.robots[1:]

@@ -1,0 +1,159 @@
+"""Every world of a space lies within its bounds and can be run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physim.campaigns.falsify.pinned import pinned
+from physim.campaigns.falsify.space import KINDS, REACH, Space
+from physim.campaigns.falsify.starts import GAP
+from physim.campaigns.falsify.tunable import FACTOR, Settings
+from physim.errors import PhysimError
+from physim.parts.registry import CONTROLLER, make_part
+from physim.world import World
+from physim.world.file import load_world
+from physim.world.layout.layout import lay_out
+from physim.world.layout.scene_builder import build_scene
+from physim.world.layout.shape_checks import placed_outline
+from tests.falsify.worlds import BOX, five_robots, robot
+
+
+def in_region(**changes: Any) -> World:
+    """Four robots in a region that the seed fills, along a narrow road."""
+    values: dict[str, Any] = {
+        "name": "in a region",
+        "seed": 3,
+        "time": {"step": 0.05, "duration": 2.0},
+        "corridor": {"centreline": [[0.0, 0.0], [20.0, 0.0]], "width": 6.0},
+        "start": {"region": [[0.0, -2.5], [9.0, -2.5], [9.0, 2.5], [0.0, 2.5]], "min_gap": 0.2},
+        "robots": [{"count": 4, "footprint": BOX, "path": {"offset": 0.0}}],
+    }
+    return World(**{**values, **changes})
+
+
+def outlines(world: World) -> list[Any]:
+    laid = lay_out(world)
+    return [
+        placed_outline(pose, outline)
+        for pose, outline in zip(laid.start, laid.footprints, strict=True)
+    ]
+
+
+def points(size: int) -> st.SearchStrategy[list[float]]:
+    return st.lists(st.floats(0.0, 1.0), min_size=size, max_size=size)
+
+
+FIVE, REGION = Space(five_robots(), KINDS), Space(in_region(), KINDS)
+
+
+@settings(max_examples=20)
+@given(points(len(FIVE.dimensions)))
+def test_every_world_is_within_bounds_and_can_be_run(point: list[float]) -> None:
+    world = FIVE.at(np.array(point)).world
+    build_scene(world)
+    base = FIVE.world.robots
+    for one, was in zip(world.robots, base, strict=True):
+        assert one.pose is not None
+        assert was.pose is not None
+        assert np.abs(np.subtract(one.pose[:2], was.pose[:2])).max() <= REACH + 1e-9
+        assert abs(one.pose[2] - was.pose[2]) <= 0.5 + 1e-9
+        for key in ("v", "omega"):
+            share = getattr(one.limits, key) / getattr(was.limits, key)
+            assert 0.5 - 1e-9 <= share <= 1.0
+        assert one.footprint == was.footprint
+    shapes = outlines(world)
+    gaps = [a.distance(b) for k, a in enumerate(shapes) for b in shapes[:k]]
+    assert min(gaps) >= GAP - 1e-6
+
+
+@settings(max_examples=20)
+@given(points(len(REGION.dimensions)))
+def test_robots_start_anywhere_in_their_region_and_only_there(point: list[float]) -> None:
+    world = REGION.at(np.array(point)).world
+    region = shapely.Polygon([[0.0, -2.5], [9.0, -2.5], [9.0, 2.5], [0.0, 2.5]]).buffer(1e-9)
+    shapes = outlines(world)
+    assert all(region.covers(shape) for shape in shapes)
+    least = float(REGION.starts.gap.min())
+    assert least >= 0.2 - 1e-6
+    assert min(a.distance(b) for k, a in enumerate(shapes) for b in shapes[:k]) >= least - 1e-6
+
+
+def test_the_middle_is_the_world_itself() -> None:
+    drawn = FIVE.at(FIVE.base)
+    assert not drawn.repaired
+    for one, was in zip(drawn.world.robots, FIVE.world.robots, strict=True):
+        assert one.pose == pytest.approx(was.pose, abs=1e-12)
+
+
+def test_starts_that_overlap_are_moved_apart_and_counted() -> None:
+    world = five_robots(robots=[robot("a", 4.0, 0.0, 0.0), robot("b", 5.5, 0.0, 0.0)],
+                        controller={"type": "path_following"})  # fmt: skip
+    space = Space(world, ("pose",))
+    together = np.array([1.0, 0.5, 0.0, 0.5])  # each a metre towards the other
+    drawn = space.at(together)
+    assert drawn.repaired
+    build_scene(drawn.world)
+    a, b = outlines(drawn.world)
+    assert a.distance(b) >= float(space.starts.gap.max()) - 1e-6
+    assert not space.at(np.array([0.0, 0.5, 1.0, 0.5])).repaired
+
+
+def test_what_is_not_varied_stays() -> None:
+    space = Space(five_robots(), ("heading",))
+    assert [one.key for one in space.dimensions] == ["heading"] * 5
+    world = space.at(np.ones(5)).world
+    for one, was in zip(world.robots, space.world.robots, strict=True):
+        assert one.pose is not None
+        assert was.pose is not None
+        assert one.pose[:2] == was.pose[:2]
+        assert one.limits == was.limits
+    assert world.controller == space.world.controller
+
+
+def test_a_random_heading_may_be_any() -> None:
+    space = Space(load_world("three_robots"), ("heading",))
+    for one in space.dimensions:
+        assert one.high - one.low == pytest.approx(2.0 * np.pi)
+
+
+def test_pinned_it_is_the_same_run() -> None:
+    for world in (in_region(), load_world("three_robots"), load_world("hundred_robots")):
+        fixed, laid = pinned(world, 7)
+        assert np.array_equal(lay_out(fixed).start, laid.start)
+        assert np.array_equal(lay_out(world, 7).start, laid.start)
+        assert fixed.start is None
+
+
+def test_settings_stay_within_what_the_controller_declares() -> None:
+    found = Settings(load_world("doorway"))
+    keys = {one.key for one in found.varied}
+    assert {"look_ahead", "safe_distance", "distance_low", "time_high", "beta"} <= keys
+    assert "update_period" not in keys  # dwell_times must add up to it
+    assert not {"speeds", "avoidance", "event_triggered"} & keys
+    for one in found.varied:
+        if one.key == "beta":
+            assert (one.low, one.high) == (0.0, 1.0)
+        else:
+            assert (one.low, one.high) == (one.base / FACTOR, one.base * FACTOR)
+
+
+@settings(max_examples=20)
+@given(st.data())
+def test_settings_that_contradict_one_another_are_repaired(data: st.DataObject) -> None:
+    space = Space(load_world("straight"), ("settings",))
+    point = np.array(data.draw(points(len(space.dimensions))))
+    world = space.at(point).world
+    found = make_part(CONTROLLER, world.controller.type, world.controller.settings).settings
+    assert found.distance_high >= found.distance_low
+    assert found.horizon >= found.time_high >= found.time_low
+
+
+def test_nothing_to_vary_is_refused() -> None:
+    with pytest.raises(PhysimError, match="settings"):
+        Space(five_robots(), ("settings",))

@@ -53,12 +53,10 @@ GROUPS = {
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}
 
 HEAD = """\
-Usage: physim [-h] [--version] COMMAND ...
-Run worlds of polygon robots in corridors on rigid-body physics; judge the runs.
+Usage: physim COMMAND ...    polygon robots in corridors on rigid-body physics
 """
-TAIL = """
-exit codes: 0 success, 1 contact or not as expected, 2 bad input, 3 the checks
-            disagree, 70 a fault in physim, 130 interrupted (Ctrl-C)
+TAIL = """\
+exit codes: 0 success, 1 contact or unexpected, 2 bad input, 3 checks disagree
 To begin: physim run three_robots. A command explained: physim COMMAND --help
 """
 

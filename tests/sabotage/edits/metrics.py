@@ -27,8 +27,8 @@ EDITS = (
         "metrics",
         "physim/analysis/metrics/contacts.py",
         "deep_contacts",
-        'rows["depth"] > DEEP',
-        'rows["depth"] > 2.0 * DEEP',
+        'rows["depth"] > allowed',
+        'rows["depth"] > 2.0 * allowed',
         "a contact that is too deep to be true is told",
         "tests/metrics/test_deep.py::"
         "test_no_contact_may_be_deeper_than_the_tolerance_however_fast_the_bodies_are",

@@ -112,6 +112,9 @@ class Label(NamedTuple):
 
 ANGLES = np.radians([90, 270, 45, 135, 0, 180, 315, 225, 67, 112, 22, 157, 247, 292, 202, 337])
 """Directions, y up, the preferred first."""
+DIRECTIONS = np.column_stack((np.cos(ANGLES), np.sin(ANGLES)))
+SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+"""Normals of the sides of a box"""
 TURNS = np.arange(len(ANGLES)) / len(ANGLES)
 """How little they are preferred, from 0 to 1."""
 DISC = 0.6
@@ -123,7 +126,7 @@ def places(label: Label, gaps: tuple[float, ...], up: float = 1.0) -> FloatArray
 
     ``up`` is -1 where y goes down.
     """
-    direction = np.column_stack((np.cos(ANGLES), up * np.sin(ANGLES)))
+    direction = DIRECTIONS * (1.0, up)
     half = np.array(label.size) / 2.0
     if label.shape is None:
         out = label.reach + np.min(half / np.maximum(np.abs(direction), 1e-9), axis=1)
@@ -137,9 +140,9 @@ def exit_distance(direction: FloatArray, shape: FloatArray, half: FloatArray) ->
 
     Exact for a convex ``shape`` (n, 2) round the origin; of others the hull is cleared.
     """
-    edges = np.roll(shape, -1, axis=0) - shape
-    normals = np.column_stack((edges[:, 1], -edges[:, 0]))
-    axes = np.concatenate((normals, -normals, np.eye(2), -np.eye(2)))
+    edges = np.concatenate((shape[1:], shape[:1])) - shape
+    normals = edges[:, ::-1] * (1.0, -1.0)
+    axes = np.concatenate((normals, -normals, SIDES))
     support = (shape @ axes.T).max(axis=0) + np.abs(axes) @ half
     along = direction @ axes.T
     exits = np.where(along > 1e-9, support / np.maximum(along, 1e-9), np.inf)

@@ -69,6 +69,7 @@ def rgb(colour: str) -> Colour:
 
 
 @functools.lru_cache(maxsize=4096)
+@functools.lru_cache(maxsize=1024)
 def mix(a: Colour, b: Colour, share: float) -> Colour:
     """Return ``a`` with ``share`` (0 to 1) of ``b``."""
     red, green, blue = (round(x + (y - x) * share) for x, y in zip(a, b, strict=True))

@@ -75,12 +75,14 @@ class Closest:
             a, b = pairs_within(pose[:, :2], float(most + 2.0 * self._reach.max()))
         least, most = self._bounds(pose, a, b)
         kept = np.flatnonzero(least <= most.min())
-        kept = kept[np.lexsort((b[kept], a[kept], least[kept]))]
-        return a[kept], b[kept], least[kept]
+        a, b, least = a[kept], b[kept], least[kept]
+        order = np.lexsort((b, a, least))
+        return a[order], b[order], least[order]
 
     def _bounds(self, pose: FloatArray, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
         """Least and greatest distance (M,) [m] that pairs of robots may have."""
-        x, y = (pose[a, :2] - pose[b, :2]).T
+        x, y = pose[:, 0].copy(), pose[:, 1].copy()
+        x, y = x[a] - x[b], y[a] - y[b]
         gap, reach = np.sqrt(x * x + y * y), self._reach[a] + self._reach[b]
         return gap - reach, gap + reach
 

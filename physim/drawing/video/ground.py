@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import chain
 
 import cv2
 import numpy as np
@@ -212,7 +213,8 @@ class Overview:
         """A dot of 2 x 2 px for each robot of a crowd, over all others those in danger."""
         order = np.argsort(self._dangerous[now.modes], kind="stable")
         places = np.rint(self._lens.pixels(now.pose[order, :2])).astype(int) - 1
-        colours = np.array(now.colours, np.uint8)[order]
+        colours = np.frombuffer(bytes(chain.from_iterable(now.colours)), np.uint8)
+        colours = colours.reshape(-1, 3)[order]
         for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
             x, y = (places + (dx, dy)).T
             seen = (x >= 0) & (y >= 0) & (x < image.shape[1]) & (y < image.shape[0])

@@ -95,8 +95,8 @@ class Fleet:
         """Divide vertices (V, 2) into the outlines of all robots, or of some."""
         outlines = []
         for robot in range(len(self.figures)) if robots is None else robots:
-            *rings, mark = (vertices[a:b] for a, b in self._spans[robot])
-            outlines.append(Outline(rings, mark))
+            pieces = [vertices[a:b] for a, b in self._spans[robot]]
+            outlines.append(Outline(pieces[:-1], pieces[-1]))
         return outlines
 
     def boxes(self, vertices: NDArray[np.int32]) -> FloatArray:
@@ -115,9 +115,10 @@ def draw_robots(
     are drawn together: calls cost more than pixels.
     """
     edges: dict[tuple[Colour, int], list[NDArray[np.int32]]] = {}
+    dark = {colour: palette.mix(colour, (0, 0, 0), 0.6) for colour in set(colours)}
     for outline, colour, touches in zip(outlines, colours, touching, strict=True):
         cv2.fillPoly(view, outline.rings, colour, cv2.LINE_AA, SHIFT)
-        edge = (palette.CONTACT, 3) if touches else (palette.mix(colour, (0, 0, 0), 0.6), 1)
+        edge = (palette.CONTACT, 3) if touches else (dark[colour], 1)
         edges.setdefault(edge, []).extend(outline.rings)
     for (colour, width), rings in sorted(edges.items(), key=lambda edge: edge[0][1]):
         cv2.polylines(view, rings, True, colour, width, cv2.LINE_AA, SHIFT)

@@ -40,7 +40,14 @@ class Planes:
     """A frame as the encoder takes it; its memory is used again and again."""
 
     def __init__(self, size: tuple[int, int]) -> None:
-        self.frame: Any = av.VideoFrame(*size, "yuv420p")
+        wide, high = size
+        self._memory: Image = np.empty((high * 3 // 2, wide), np.uint8)
+        self._planes: list[Image] = []
+        if high % 4 == 0:
+            self.frame: Any = av.VideoFrame.from_numpy_buffer(self._memory, "yuv420p")
+            return
+        # other heights PyAV divides wrongly into planes
+        self.frame = av.VideoFrame(*size, "yuv420p")
         self._planes = [
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[
                 :, : plane.width
@@ -48,10 +55,10 @@ class Planes:
             for plane in self.frame.planes
         ]
 
-    def fill(self, frame: Image, converted: Image) -> None:
-        """Convert a frame (h, w, 3) RGB; ``converted`` (3 h / 2, w) is overwritten."""
-        cv2.cvtColor(frame, cv2.COLOR_RGB2YUV_I420, converted)
-        flat, first = converted.reshape(-1), 0
+    def fill(self, frame: Image) -> None:
+        """Convert a frame (h, w, 3) RGB, where possible right into what the encoder reads."""
+        cv2.cvtColor(frame, cv2.COLOR_RGB2YUV_I420, self._memory)
+        flat, first = self._memory.reshape(-1), 0
         for plane in self._planes:
             plane[:] = flat[first : first + plane.size].reshape(plane.shape)
             first += plane.size
@@ -75,8 +82,6 @@ class VideoFile:
         self._free: queue.SimpleQueue[Planes] = queue.SimpleQueue()
         for _ in range(WAITING):
             self._free.put(Planes(self._size))
-        wide, high = self._size
-        self._converted: Image = np.empty((high * 3 // 2, wide), np.uint8)
         self._fault: BaseException | None = None
         self._count = 0
         self._thread = threading.Thread(target=self._work, name="video encoder", daemon=True)
@@ -112,7 +117,7 @@ class VideoFile:
         """Take one frame, which may be changed afterwards. Raises what the encoder met."""
         self._check()
         planes = self._free.get()
-        planes.fill(resized(frame, self._size), self._converted)
+        planes.fill(resized(frame, self._size))
         self._frames.put(planes)
 
     def hold(self) -> None:

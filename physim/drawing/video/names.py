@@ -125,7 +125,8 @@ def _costs(
 ) -> FloatArray:
     """Return what each place (k, n, 4) costs for itself: gap, direction, walls, other robots."""
     alone = np.add.outer(PRICES, TURN * (1.0 - np.sin(ANGLES)) / 2.0).ravel()
-    cost = alone + ON_WALL * np.array([covered(boxes_of, walls) > 0.0 for boxes_of in room])
+    on_wall = covered(room.reshape(-1, 4), walls) > 0.0
+    cost = alone + ON_WALL * on_wall.reshape(room.shape[:2])
     low, high = room[..., :2], room[..., 2:]
     over = np.maximum(-low, 0.0) + np.maximum(high - area, 0.0)
     outside = over[..., 0] + over[..., 1]

@@ -165,9 +165,9 @@ class View:
     def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
         """Trails of the robots, those of a crowd in one colour; only what reaches into the view."""
         trails = lens.pixels(self._trails(now))
-        low, high = trails.min(axis=1), trails.max(axis=1)
+        low, high = trails.min(axis=0), trails.max(axis=0)
         seen = np.flatnonzero(((high > -3.0) & (low < self.box.size + 3.0)).all(axis=1))
-        lines = fixed(trails[seen])
+        lines = np.ascontiguousarray(fixed(trails[:, seen]).transpose(1, 0, 2))
         if self._crowd:
             draw_trails(view, lines, palette.BAND, FADING, 1)
             return
@@ -176,11 +176,10 @@ class View:
             draw_trails(view, line[None], palette.robot_colour(index), bands)
 
     def _trails(self, now: Moment) -> FloatArray:
-        """Return the robots' places of the last seconds, (N, T, 2) [m], old to new."""
+        """Return the robots' places of the last seconds, (T, N, 2) [m], old to new."""
         first = int(np.ceil(max(now.time - self._trail, 0.0) / self._period - 1e-9))
         last = int(np.floor(now.time / self._period + 1e-9)) + 1
-        places = np.concatenate((self._history[first:last], now.pose[None, :, :2]))
-        return np.ascontiguousarray(places.transpose(1, 0, 2))
+        return np.concatenate((self._history[first:last], now.pose[None, :, :2]))
 
     def _write_labels(
         self,

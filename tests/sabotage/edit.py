@@ -69,6 +69,7 @@ ROOMS = MappingProxyType(
         "importing": ("tests/importing",),
         "templates": ("tests/templates",),
         "crashtest": ("tests/crashtest",),
+        "falsify": ("tests/falsify",),
         "reproduction": ("tests/reproduction",),
         "cli": ("tests/cli",),
     }

@@ -9,6 +9,7 @@ from tests.sabotage.edits import (
     cli,
     controllers,
     crashtest,
+    falsify,
     geometry,
     importing,
     loop,
@@ -33,7 +34,7 @@ EDITS: tuple[Edit, ...] = tuple(
     for room in (
         basics, geometry, world, world_file, scene, checking, physics, controllers, loop, work, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
-        reproduction, cli,
+        falsify, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

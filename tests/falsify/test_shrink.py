@@ -141,6 +141,25 @@ def test_another_kind_of_failure_is_not_taken() -> None:
     assert len(found.world.robots) == 2
 
 
+def test_a_robot_in_another_mode_is_another_failure() -> None:
+    """As where its path is cut so that it has arrived, and stands in the way for that reason."""
+    world = five_robots()
+
+    def moody(worlds: Sequence[World]) -> Iterator[Judged]:
+        """The robot that is hit is in danger mode while there are obstacles."""
+        for one, result in zip(worlds, EVALUATE(worlds), strict=True):
+            modes = ("safe", "danger" if one.obstacles else "arrived")
+            touched = result.touched
+            yield replace(result, touched=touched and touched._replace(modes=modes))
+
+    before = next(moody([world]))
+    found = shrink(world, before, moody, ACCEPTS)
+    assert len(found.world.robots) == 2
+    assert found.world.obstacles
+    assert found.judged.touched is not None
+    assert found.judged.touched.modes == ("safe", "danger")
+
+
 def test_what_a_check_refuses_is_not_taken() -> None:
     def picky(world: World) -> str:
         return "" if len(world.robots) >= 4 else "too few"

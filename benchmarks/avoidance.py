@@ -24,13 +24,13 @@ import numpy as np
 
 import physim
 from physim.analysis import metrics
+from physim.campaigns.runner import Job, do_all
 from physim.cli.values import seed_range
 from physim.contacts import Phase
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.reproduction.estimates import figures, rule_shares
 from physim.reproduction.plan import run
-from physim.reproduction.runner import Job, do_all
 from physim.reproduction.study import Arm
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.scene_builder import is_random

@@ -1,6 +1,6 @@
 """How each shipped world fares over other seeds: contacts, arrivals, shortest distances.
 
-python benchmarks/seeds.py [WORLD ...] [--seeds A:B]
+python benchmarks/seeds.py [WORLD ...] [--seeds A:B] [--workers N]
 
 Without names: every shipped world, seeds 100 to 119. Contacts are told one by one, and so are runs
 that do not finish. A world is the name of a shipped one or a file.
@@ -11,38 +11,65 @@ from __future__ import annotations
 import argparse
 import math
 import statistics
+from concurrent.futures import Executor
+from typing import NamedTuple
 
-import physim
 from physim.analysis.metrics import contact_episodes, grazes
+from physim.campaigns.executors import executor
+from physim.campaigns.grid import make_grid
+from physim.campaigns.one_run import simulation_of
+from physim.campaigns.processes import Job, Stop, worker_count
+from physim.campaigns.runner import outcomes
+from physim.campaigns.spec import RunSpec
 from physim.cli.values import seed_range
 from physim.record import Record
-from physim.world.file.files import find_world, shipped_worlds
-from physim.world.layout.scene_builder import is_random
+from physim.simulation.run import record_run
+from physim.world.file.files import shipped_worlds
 
 
-def study(name: str, first: int, end: int) -> None:
-    """Run a world with the seeds ``first`` to ``end - 1`` and print what came of it."""
-    world = physim.load_world(find_world(name))
-    random = is_random(world)
-    seeds = range(first, end) if random else [world.seed]
-    free = finished = 0
-    distances, walls = [], []
-    for seed in seeds:
-        record = physim.simulate(world, seed=seed)
-        contacts = told_contacts(record)
-        free += not contacts
-        finished += record.ended == "finished"
-        distances.append(float(record.extremes["clearance"].min()))
-        walls.append(float(record.extremes["boundary_clearance"].min()))
-        late = [f"not finished after {record.time[-1]:.0f} s"] * (record.ended != "finished")
-        for message in contacts + late:
+class Fared(NamedTuple):
+    """What is told of a run."""
+
+    contacts: list[str]
+    ended: str
+    seconds: float
+    distance: float
+    wall: float
+
+
+def run(spec: RunSpec, stop: Stop) -> Fared:
+    """Run a seed, in a worker."""
+    with record_run(simulation_of(spec), stop=stop) as record:
+        return Fared(
+            told_contacts(record), record.ended, float(record.time[-1]),
+            float(record.extremes["clearance"].min()),
+            float(record.extremes["boundary_clearance"].min()),
+        )  # fmt: skip
+
+
+def study(name: str, seeds: range, workers: Executor) -> None:
+    """Run a world with seeds and print what came of it."""
+    grid = make_grid([name], seeds)
+    jobs = ((spec.seed, Job(spec.note, run, (spec,))) for spec in grid)
+    found: dict[int, Fared] = {}
+    for outcome in outcomes(jobs, workers, lambda: False):
+        if outcome.error is not None:
+            raise outcome.error
+        found[outcome.key] = outcome.result
+    for seed, one in sorted(found.items()):
+        late = [f"not finished after {one.seconds:.0f} s"] * (one.ended != "finished")
+        for message in one.contacts + late:
             print(f"  seed {seed}: {message}", flush=True)
-    of = f"of {len(seeds)}"
+    cell = grid.cells[0]
+    world = simulation_of(cell).scene.world
+    of = f"of {len(found)}"
     print(
         f"{name}: {len(world.robots)} robots, {world.time.duration:g} s, "
-        f"{free} {of} contact-free, {finished} {of} finished, "
-        f"shortest distance {spread(distances)}, to a wall {spread(walls)}"
-        f"{'' if random else ', nothing in it is random'}",
+        f"{sum(not one.contacts for one in found.values())} {of} contact-free, "
+        f"{sum(one.ended == 'finished' for one in found.values())} {of} finished, "
+        f"shortest distance {spread([one.distance for one in found.values()])}, "
+        f"to a wall {spread([one.wall for one in found.values()])}"
+        f"{', nothing in it is random' if grid.fixed else ''}",
         flush=True,
     )
 
@@ -78,9 +105,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("worlds", nargs="*", default=list(shipped_worlds()), metavar="WORLD")
     parser.add_argument("--seeds", type=seed_range, default=(100, 120), metavar="A:B")
+    parser.add_argument("--workers", type=int, default=worker_count(), metavar="N")
     options = parser.parse_args()
-    for name in options.worlds:
-        study(name, *options.seeds)
+    with executor(options.workers) as workers:
+        for name in options.worlds:
+            study(name, range(*options.seeds), workers)
 
 
 if __name__ == "__main__":

@@ -251,7 +251,7 @@ class _Worker:
         """Why a process that did a job is no more."""
         self.process.join(LAST_SECONDS)
         code = self.process.exitcode
-        if not self.ready and code not in (0, None):
+        if not self.ready and code is not None and code > 0:
             return StartError(
                 f"worker processes cannot be started (exit code {code}); in a program of your own "
                 'the runs must be begun under if __name__ == "__main__":'

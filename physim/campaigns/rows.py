@@ -207,9 +207,16 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
     rows = list(Shards(Path(folder)).read())
     if not rows and not (Path(folder) / FOLDER).is_dir():
         raise PhysimError(f"{folder}: holds no campaign (physim sweep WORLD -o {folder} makes one)")
-    rows.sort(key=lambda row: (row.world, row.settings, row.controller, row.seed, row.run))
+    rows = in_order(rows)
     columns = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
     return pa.table(columns, schema=schema())
+
+
+def in_order(rows: Iterable[Row]) -> list[Row]:
+    """Rows in the order of world, settings, controller and seed."""
+    return sorted(
+        rows, key=lambda row: (row.world, row.settings, row.controller, row.seed, row.run)
+    )
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -266,4 +273,14 @@ def _stamp() -> str:
     return f"{time.time_ns():020d}"
 
 
-__all__ = ["COLUMNS", "FAILED", "TIMES", "Row", "Shards", "read", "schema", "write_whole"]
+__all__ = [
+    "COLUMNS",
+    "FAILED",
+    "TIMES",
+    "Row",
+    "Shards",
+    "in_order",
+    "read",
+    "schema",
+    "write_whole",
+]

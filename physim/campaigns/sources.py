@@ -8,6 +8,7 @@ by then, and its code is called by the name of its file, so that errors point in
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
 import importlib
 import importlib.abc
@@ -36,7 +37,8 @@ class Source(NamedTuple):
     """whether it is the ``__init__`` of a package"""
 
 
-def source_hash(sources: Sequence[Source]) -> str:
+@functools.lru_cache(maxsize=64)
+def source_hash(sources: tuple[Source, ...]) -> str:
     """Hash of modules and texts, wherever they lie; empty where there are none."""
     if not sources:
         return ""

@@ -41,6 +41,8 @@ GROUPS = {
         "schema": "physim.cli.new:schema",
     },
     "study": {
+        "sweep": "physim.cli.sweep:sweep",
+        "replay": "physim.cli.replay:replay",
         "falsify": "physim.cli.falsify:falsify",
         "reproduce": "physim.cli.reproduce:reproduce",
     },

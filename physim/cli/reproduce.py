@@ -67,10 +67,10 @@ def reproduce(options: Options) -> int:
     """
     if options.figure is not None and options.study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
+    from physim.campaigns.runner import worker_count
     from physim.reproduction.plan import make_plan
     from physim.reproduction.reproduce import PAGES, pages
     from physim.reproduction.reproduce import reproduce as run_all
-    from physim.reproduction.runner import worker_count
 
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     folder = _folder(options.output, plan, options.force)

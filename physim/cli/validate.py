@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -11,14 +12,15 @@ import click
 
 from physim.cli.output import inputs, new_json, text_stream, write_json
 from physim.cli.parser import Options, changes, command, flag, option
-from physim.cli.progress import announce_compiling, interrupts
+from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import Value, seed_range
+from physim.cli.values import Value, seed_range, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.analysis.validation import Validation
     from physim.analysis.validation.seeds import SeedStudy
+    from physim.campaigns.judged import Judged
     from physim.record import Record
     from physim.world import World
     from physim.world.file.nodes import Document
@@ -49,6 +51,12 @@ COMPILING = 15
 )
 @flag("--rerun", "simulate the world inside RECORD again: does it give the same run?")
 @changes()
+@option(
+    "--workers",
+    type=whole_from(1, 64),
+    metavar="N",
+    help="with --seeds, processes, 1 to 64 (as many as cores, at most 8)",
+)
 @flag("--verbose", "with --seeds, report every seed that is not as it should be, not one only")
 @flag("--quiet", "print only the verdict")  # fmt: skip
 def validate_command(options: Options) -> int:
@@ -146,26 +154,33 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
 
 def _validate_seeds(world: World, document: Document, options: Options) -> int:
     """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
-    from physim.analysis.validation import report
     from physim.analysis.validation.seeds import SeedResult, SeedStudy, seed_line
-    from physim.cli import simulating as rerun
+    from physim.campaigns.executors import executor
+    from physim.campaigns.judged import judged
+    from physim.campaigns.spec import spec_of
 
     out = text_stream(options.json)
     first, last = options.seeds
     results: list[SeedResult] = []
-    worst: Validation | None = None
-    with interrupts() as interrupt:
-        for seed in range(first, last):
-            with rerun.run_world(world, document, seed, options, stop=interrupt) as record:
-                if interrupt():  # half a run says nothing about its seed
-                    break
-                found = _judged(record, f"simulated just now from {document.source}", options)
-            results.append(SeedResult.of(seed, found))
-            if worst is None or found.code > worst.code:
+    worst: Judged | None = None
+    _warm_up(world, document, options)
+    with (
+        interrupts() as interrupt,
+        Bar(world.name, last - first, "seeds", options.quiet) as bar,
+        executor(options.workers) as workers,
+    ):
+        specs = (spec_of(world, seed, limit=math.inf) for seed in range(first, last))
+        source = f"simulated just now from {document.source}"
+        for seed, found in judged(specs, source, workers, interrupt, bar.update):
+            if isinstance(found, PhysimError):
+                _run_and_validate(world, document, seed, options)  # tells it with its place
+                raise found
+            results.append(found.result)
+            if worst is None or found.result.code > worst.result.code:
                 worst = found
             if not options.quiet:
-                page = "\n" + report(found) + "\n" if options.verbose and found.code else ""
-                print(seed_line(results[-1]) + "\n" + page, end="", flush=True, file=out)
+                page = f"\n{found.report}\n" if options.verbose and found.report else ""
+                print(seed_line(found.result) + "\n" + page, end="", flush=True, file=out)
             if interrupt():
                 break
     study = SeedStudy(world.name, tuple(results), last - first)
@@ -177,13 +192,22 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
     return INTERRUPTED if interrupt() else study.code
 
 
-def _report_study(study: SeedStudy, worst: Validation | None, options: Options) -> None:
-    from physim.analysis.validation import report
+def _warm_up(world: World, document: Document, options: Options) -> None:
+    """Compile the kernels once, before workers would each do so."""
+    from physim.analysis.validation import is_warm as checks_are_warm
+    from physim.simulation.run import is_warm
+
+    if not (is_warm() and checks_are_warm()):
+        short = world.changed(time={"step": world.time.step, "duration": world.time.step})
+        _run_and_validate(short, document, options.seeds[0], options)
+
+
+def _report_study(study: SeedStudy, worst: Judged | None, options: Options) -> None:
     from physim.analysis.validation.seeds import json_of_seeds, seeds_text
 
     out = text_stream(options.json)
-    if worst is not None and worst.code and not options.quiet and not options.verbose:
-        print("\n" + report(worst), end="", file=out)
+    if worst is not None and worst.report and not options.quiet and not options.verbose:
+        print("\n" + worst.report, end="", file=out)
     print(("" if options.quiet else "\n") + seeds_text(study), end="", file=out)
     write_json(options.json, json_of_seeds(study))
 

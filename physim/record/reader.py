@@ -25,6 +25,8 @@ from physim.record.scene import read_declared
 from physim.record.setup import Setup, setup_of
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from physim.world import World
 
 
@@ -201,6 +203,16 @@ class Record(RecordedHistory):
     def digest(self) -> str:
         """SHA-256 of all but the wall clock and the versions, see `physim.record.layout`."""
         return digest(self, self._file)
+
+    def to_pandas(self, table: str = "steps") -> pd.DataFrame:
+        """Data frame of a table: "steps" (a row for each sample and robot), "updates" (decisions),
+        "contacts"; columns and units as in the record, with times [s] and names.
+
+        Raises PhysimError for another table, and where pandas is not installed.
+        """
+        from physim.record.frames import frame
+
+        return frame(self, table)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a copy of the whole record to a file.

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from physim.campaigns.runner import Job, Stop
 from physim.drawing.plots.maps import trajectories
 from physim.drawing.plots.pictures import PICTURES as PLOTS
 from physim.errors import PhysimError, nearest
 from physim.record import Record
 from physim.reproduction.claims import measures, parts
 from physim.reproduction.pictures import pair_times, picture
-from physim.reproduction.runner import Job, Stop
 from physim.reproduction.studies import studies
 from physim.reproduction.study import PAIR_TIMES, WORDS, Arm, Measures, Part, Study, Table
 from physim.simulation.run import simulate

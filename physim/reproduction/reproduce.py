@@ -10,6 +10,7 @@ from pathlib import Path
 
 from physim._version import __version__
 from physim.analysis.metrics.distances import shortest_pair_collision_time
+from physim.campaigns.runner import do_all
 from physim.compiled import is_cached
 from physim.errors import plural
 from physim.geometry.queries import fill_times
@@ -18,7 +19,6 @@ from physim.reproduction.claims import measures
 from physim.reproduction.page import TITLE, html, markdown
 from physim.reproduction.plan import Found, Plan, film_of, picture_of
 from physim.reproduction.report import Report, Section
-from physim.reproduction.runner import do_all
 from physim.reproduction.study import PAIR_TIMES, WORDS, Part, Study
 from physim.simulation.run import is_warm as runs_are_warm
 from physim.simulation.run import simulate

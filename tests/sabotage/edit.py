@@ -69,6 +69,7 @@ ROOMS = MappingProxyType(
         "importing": ("tests/importing",),
         "templates": ("tests/templates",),
         "crashtest": ("tests/crashtest",),
+        "campaigns": ("tests/campaigns",),
         "falsify": ("tests/falsify",),
         "reproduction": ("tests/reproduction",),
         "cli": ("tests/cli",),

@@ -95,22 +95,4 @@ EDITS = (
         "every seed is a run of its own",
         "tests/reproduction/test_claims.py::test_runs_that_several_need_are_done_once",
     ),
-    Edit(
-        "reproduction",
-        "physim/reproduction/runner.py",
-        "do_all",
-        "waiting.extendleft(reversed(list(follow(key, done))))",
-        "pass",
-        "jobs that follow are done",
-        "tests/reproduction/test_runner.py::test_jobs_that_follow",
-    ),
-    Edit(
-        "reproduction",
-        "physim/reproduction/runner.py",
-        "_Worker.end",
-        "raise answer",
-        "pass",
-        "a fault of the program ends the work",
-        "tests/reproduction/test_runner.py::test_a_fault_of_the_program_tells_where",
-    ),
 )

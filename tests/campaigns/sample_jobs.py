@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import os
+import signal
 import time
+from contextlib import suppress
 
+from physim.campaigns.processes import Stop, _limited
 from physim.errors import PhysimError
-from physim.reproduction.runner import Stop
 
 
 def echo(value: int, stop: Stop) -> int:
@@ -45,3 +48,31 @@ def faulty(stop: Stop) -> float:
 def killed(stop: Stop) -> None:
     """Its process goes, as when memory runs out."""
     os._exit(9)
+
+
+def killed_by_the_system(stop: Stop) -> None:
+    """Its process is killed."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def hangs(stop: Stop) -> None:
+    """Cannot be broken off from within."""
+    while True:
+        with suppress(BaseException):
+            time.sleep(0.001)
+
+
+def hangs_in_native_code(stop: Stop) -> None:
+    """Holds the lock of the interpreter."""
+    ctypes.PyDLL(None).sleep(100_000)
+
+
+def takes_two_seconds() -> None:
+    """Readies a process, slowly."""
+    time.sleep(2.0)
+
+
+def limited_native_code() -> None:
+    """Beyond its limit, where the interpreter cannot be asked."""
+    with _limited(1.0):
+        hangs_in_native_code(lambda: False)

@@ -1,0 +1,132 @@
+"""A run of a campaign again, bit by bit, with its record."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from physim._version import __version__
+from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import figures, one_line, ready, simulation_of
+from physim.campaigns.processes import Job, Processes, Stop
+from physim.campaigns.rows import ERROR, Row, Shards, in_order
+from physim.campaigns.runner import outcomes
+from physim.campaigns.sources import source_hash, sources_of
+from physim.campaigns.spec import RunSpec, engine, usual_limit
+from physim.errors import PhysimError
+from physim.parts.registry import CONTROLLER, shipped_parts
+from physim.record import Record
+from physim.simulation.run import record_run
+from physim.world.file.loading import parse_world
+
+LONGEST_NUMBER = 8
+"""Digits of the number of a row; more are those of a run"""
+
+
+def find_row(folder: Folder, which: str) -> Row:
+    """Row by its number, from 0 in the order of ``results.parquet``, or by the digits of its run.
+
+    Raises PhysimError where there is none, or several begin with these digits.
+    """
+    folder.cells()  # says where there is no campaign
+    rows = in_order(Shards(folder.path).read())
+    if re.fullmatch("[0-9]+", which) and len(which) <= LONGEST_NUMBER:
+        if int(which) < len(rows):
+            return rows[int(which)]
+        raise PhysimError(f"{folder.path}: has no row {which}; there are 0 to {len(rows) - 1}")
+    found = [row for row in rows if row.run.startswith(which)]
+    if len(found) == 1 and which:
+        return found[0]
+    what = "has no run" if not found else f"has {len(found)} runs"
+    raise PhysimError(
+        f"{folder.path}: {what} whose digits begin with {which[:40]!r}; give a number of a row "
+        "(from 0) or the digits in its column run"
+    )
+
+
+def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunSpec:
+    """The spec of a row, where the same run can be made here.
+
+    ``controller`` allows a class of one's own, which is code, to be imported. Raises PhysimError
+    where versions or the source of the controller are others now, with all that is.
+    """
+    label = (row.world, row.settings, row.controller)
+    cells = folder.cells()
+    cell = next((c for c in cells if (c["world"], c["settings"], c["controller"]) == label), None)
+    if cell is None:
+        raise PhysimError(f"{folder.path}: its campaign.json does not tell of run {row.run}")
+    if ":" in row.controller and controller != row.controller:
+        raise PhysimError(
+            f"run {row.run}: its controller {row.controller} is code of your own; give it again by "
+            f"--controller {row.controller}"
+        )
+    try:
+        text = folder.world_file(row.world_hash).read_text(encoding="utf-8")
+    except OSError as error:
+        raise PhysimError(
+            f"{folder.path}: the world of run {row.run} is missing: {error}"
+        ) from None
+    shipped = row.controller in shipped_parts(CONTROLLER)
+    sources = () if shipped else sources_of(row.controller)
+    differing = [
+        f"{what} {there or 'unknown'} there, {here or 'unknown'} here"
+        for what, there, here in (
+            ("physim", row.physim, __version__),
+            ("engine", row.engine, engine()),
+            (f"source of {row.controller}", cell["source_hash"], source_hash(sources)),
+        )
+        if there != here
+    ]
+    own = row.controller if ":" in row.controller else None
+    spec = RunSpec(
+        text, row.seed, row.world, row.settings, row.controller, sources,
+        usual_limit(parse_world(text, str(folder.world_file(row.world_hash)), controller=own)),
+    )  # fmt: skip
+    if not differing and spec.key != row.run:
+        differing = [f"{folder.world_file(row.world_hash)} was changed"]
+    if differing:
+        raise PhysimError(f"run {row.run} would not be the same again: {'; '.join(differing)}")
+    return spec
+
+
+def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
+    """Run a spec again with its record at ``path``; says why it broke off, "" where it did not.
+
+    It is done by another process, since it may be a run that kills its own.
+    """
+    executor = Processes(1)
+    job = Job(spec.note, _record, (spec, path), spec.limit, ready)
+    try:
+        for outcome in outcomes(iter([(spec, job)]), executor, stop):
+            if outcome.error is not None:
+                return one_line(outcome.error)
+            return str(outcome.result or "")
+    finally:
+        executor.shutdown(cancel_futures=True)
+    return ""
+
+
+def check(record: Record, row: Row) -> list[str]:
+    """What a record has otherwise than the row of its run; nothing where it is the same run."""
+    if row.failed:
+        return [] if row.ended != ERROR or record.ended == ERROR else [f"ended {record.ended} here"]
+    if row.digest and record.digest() != row.digest:
+        return [f"digest {row.digest[:12]} there, {record.digest()[:12]} here"]
+    found = figures(record)
+    return [
+        f"{key} {getattr(row, key)} there, {value} here"
+        for key, value in found.items()
+        if getattr(row, key) != value
+    ]
+
+
+def _record(spec: RunSpec, path: Path, stop: Stop) -> str:
+    """In the other process: the run, and the error that ended it."""
+    try:
+        record_run(simulation_of(spec), path=path, overwrite=True, stop=stop).close()
+    except (Exception, SystemExit) as error:
+        return one_line(error)
+    return ""
+
+
+__all__ = ["check", "find_row", "replay", "spec_of_row"]

@@ -1,0 +1,77 @@
+"""Worker processes that are killed, hang, or cannot be begun: every job ends, and others go on."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterator
+from concurrent.futures import Executor, wait
+
+import pytest
+
+from physim.campaigns.processes import Job, LostError, OverdueError, Processes
+from tests.campaigns import sample_jobs as sample
+
+
+@pytest.fixture
+def executor() -> Iterator[Processes]:
+    made = Processes(2)
+    yield made
+    made.shutdown(cancel_futures=True)
+    assert not multiprocessing.active_children()
+
+
+def test_it_is_an_executor(executor: Processes) -> None:
+    assert isinstance(executor, Executor)
+    assert executor.submit(divmod, 7, 2).result() == (3, 1)
+    assert list(executor.map(abs, [-1, 2, -3])) == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("work", "limit", "error", "text"),
+    [
+        (sample.killed, None, LostError, "exit code 9"),
+        (sample.killed_by_the_system, None, LostError, "SIGKILL"),
+        (sample.hangs, 1.0, OverdueError, "not done after 1 s"),
+        (sample.hangs_in_native_code, 1.0, OverdueError, "not done after 1 s"),
+    ],
+)
+def test_whatever_a_job_does_to_its_process_the_next_is_done(
+    executor: Processes, work, limit, error, text
+) -> None:
+    bad = [executor.begin(Job("bad", work, (), limit)) for _ in range(2)]
+    good = [executor.begin(Job("good", sample.echo, (k,), 60.0)) for k in range(3)]
+    for future in bad:
+        with pytest.raises(error, match=text):
+            future.result()
+    assert [future.result() for future in good] == [0, 1, 2]
+
+
+def test_the_limit_counts_from_when_a_process_is_ready(executor: Processes) -> None:
+    job = Job("slow to begin", sample.echo, (5,), 1.0, sample.takes_two_seconds)
+    assert executor.begin(job).result() == 5
+
+
+def test_a_worker_killed_from_outside(executor: Processes) -> None:
+    future = executor.begin(Job("long", sample.endless))
+    quick = executor.submit(os.getpid)
+    other = quick.result()
+    (victim,) = set(executor.ids) - {other}
+    os.kill(victim, signal.SIGKILL)
+    with pytest.raises(LostError, match="SIGKILL"):
+        future.result()
+    assert executor.submit(abs, -4).result() == 4
+
+
+def test_jobs_end_early_when_told_to(executor: Processes) -> None:
+    futures = [executor.begin(Job("long", sample.endless)) for _ in range(2)]
+    executor.halt()
+    assert not wait(futures, timeout=300).not_done
+    assert [future.result() for future in futures] == [None, None]
+
+
+def test_what_cannot_be_sent_is_told(executor: Processes) -> None:
+    with pytest.raises(RuntimeError, match="cannot be sent"):
+        executor.begin(Job("odd", sample.echo, (lambda: 1,))).result()
+    assert executor.submit(abs, -4).result() == 4

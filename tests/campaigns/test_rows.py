@@ -1,0 +1,146 @@
+"""Rows on disk: whole or not there, each once, in few files, readable by others."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as parquet
+import pytest
+
+from physim.campaigns import rows as module
+from physim.campaigns.folder import Folder
+from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, read, schema
+from physim.errors import PhysimError
+
+
+def row(number: int, ended: str = "finished", **more: object) -> Row:
+    values = {"world": "w", "seed": number, "physim": "1", "engine": "e", **more}
+    return Row(run=f"{number:020x}", ended=ended, **values)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "rows").mkdir()
+    return tmp_path
+
+
+def test_rows_come_back_as_they_were(folder: Path) -> None:
+    given = [row(1, contacts=0, first_contact=0.1 + 0.2, reason="ä\n;"), row(2, "error")]
+    Shards(folder).write(given)
+    assert list(Shards(folder).read()) == given
+
+
+def test_many_rows_are_few_files_and_each_is_there_once(folder: Path) -> None:
+    shards = Shards(folder)
+    count = 3 * TOGETHER + 5
+    for number in range(count):
+        shards.write([row(number)])
+    assert len(list((folder / "rows").iterdir())) == 3 + 5
+    assert {one.seed for one in Shards(folder).read()} == set(range(count))
+    shards.put_together()
+    assert len(list((folder / "rows").iterdir())) == 1
+    assert len(list(Shards(folder).read())) == count
+
+
+def test_shards_that_are_there_twice_count_once(folder: Path) -> None:
+    Shards(folder).write([row(1), row(2)])
+    Shards(folder).write([row(2), row(3)])  # as after a kill between merging and removing
+    assert sorted(one.seed for one in Shards(folder).read()) == [1, 2, 3]
+    assert read(folder).num_rows == 3
+
+
+def test_what_came_to_its_end_stands_whatever_was_written_later(folder: Path) -> None:
+    Shards(folder).write([row(1, "killed"), row(2)])
+    Shards(folder).write([row(1), row(2, "timeout")])
+    assert [one.ended for one in Shards(folder).read()] == ["finished", "finished"]
+
+
+def test_only_new_shards_are_read_again(folder: Path) -> None:
+    known: set[str] = set()
+    one, other = Shards(folder), Shards(folder)
+    known.update(one.write([row(1)]))
+    other.write([row(2)])
+    assert [found.seed for found in one.read(known)] == [2]
+    assert list(one.read(known)) == []
+
+
+def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    writer = Shards(folder)
+    for number in range(5):
+        writer.write([row(number)])
+    true, merged = module._read, []
+
+    def read_while_another_merges(file: Path) -> list[Row]:
+        if not merged:
+            merged.append(True)
+            Shards(folder).put_together()
+        return true(file)
+
+    monkeypatch.setattr(module, "_read", read_while_another_merges)
+    assert sorted(one.seed for one in Shards(folder).read()) == list(range(5))
+
+
+def test_of_what_could_not_be_written_nothing_is_left(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shards = Shards(folder)
+    shards.write([row(1)])
+
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(module.os, "fsync", full)
+    with pytest.raises(PhysimError, match="No space left"):
+        shards.write([row(2)])
+    assert [one.seed for one in Shards(folder).read()] == [1]
+    assert len(list((folder / "rows").iterdir())) == 1
+
+
+def test_a_damaged_shard_is_named(folder: Path) -> None:
+    (folder / "rows" / "1-0-x-1.jsonl").write_text("{half")
+    with pytest.raises(PhysimError, match="1-0-x-1"):
+        read(folder)
+
+
+def test_results_open_elsewhere(folder: Path) -> None:
+    Shards(folder).write([row(2, "error", reason="x"), row(1, contacts=3, deepest=0.01)])
+    Folder(folder).write_results()
+    table = parquet.read_table(folder / "results.parquet")
+    assert table.schema.remove_metadata() == schema()
+    assert tuple(table.column_names) == COLUMNS
+    assert table.schema.field("seed").type == pa.int64()
+    frame = pd.read_parquet(folder / "results.parquet")
+    assert frame["seed"].tolist() == [1, 2]
+    assert frame["contacts"].isna().tolist() == [False, True]
+    assert frame["deepest"][0] == 0.01
+    assert not list(folder.glob(".*"))
+
+
+def test_a_folder_without_rows_is_none(tmp_path: Path) -> None:
+    with pytest.raises(PhysimError, match="no campaign"):
+        read(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("ended", "touches", "free", "safe"),
+    [
+        ("finished", (0, 0, 0), True, True),
+        ("duration", (0, 0, 0), True, False),
+        ("finished", (1, 0, 0), False, False),
+        ("finished", (0, 1, 0), False, False),
+        ("finished", (0, 0, 1), False, False),
+        ("timeout", (0, 0, 0), False, False),
+        ("killed", (None, None, None), False, False),
+        ("error", (None, None, None), False, False),
+    ],
+)
+def test_contact_free_and_safe(ended: str, touches, free: bool, safe: bool) -> None:
+    contacts, walls, grazes = touches
+    one = row(1, ended, contacts=contacts, wall_contacts=walls, grazes=grazes)
+    assert (one.contact_free, one.safe) == (free, safe)

@@ -28,6 +28,7 @@ from physim.campaigns.falsify.accept import accepted
 from physim.campaigns.falsify.evaluate import in_this_process, judge_world
 from physim.campaigns.falsify.hunt import Hunt, hunt
 from physim.campaigns.falsify.space import Space
+from physim.errors import PhysimError
 from physim.world.file.files import shipped_worlds
 
 MOST_ROBOTS = 20
@@ -115,7 +116,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(HEAD, flush=True)
     for name in names:
         for controller in given.controllers.split(","):
-            print(compare(name, controller, given.budget, given.seconds), flush=True)
+            try:
+                row = compare(name, controller, given.budget, given.seconds)
+            except PhysimError as error:
+                row = f"| {name} | {controller} | refused | {str(error)[:90]}… | |"
+            print(row, flush=True)
     return 0
 
 

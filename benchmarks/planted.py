@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
 from physim import Decision, Observation, World
+from physim.campaigns.falsify.evaluate import controller_of
 from physim.campaigns.falsify.robustness import ROBOTS, Judged, Touched
 from physim.geometry.clearance import clearances
 from physim.geometry.shapes import FloatArray
@@ -104,7 +105,7 @@ class Twin:
 
     def __init__(self, world: World) -> None:
         self.scene = build_scene(world)
-        self.settings = Planted.Settings(**dict(world.controller.settings))
+        self.settings = controller_of(world).settings  # type: ignore[attr-defined]
 
     def poses(self, world: World) -> FloatArray:
         """(K, 2, 3) poses of all samples."""

@@ -32,7 +32,7 @@ def test_the_twin_is_the_simulator_up_to_the_first_contact(space: Space) -> None
     for k in range(24):
         point = random.random(6)
         if k % 2:  # towards the band, from where the other lies ahead
-            point[:3] = 0.4 + 0.3 * point[0], 0.1, near + 1e-3 * (point[2] - 0.5)
+            point[:3] = 0.4 + 0.3 * point[0], 0.1, near + 2e-4 * (point[2] - 0.5)
             point[4] = 0.9
         world = space.at(point).world
         run, twins = judge_world(world), twin.judge(world)
@@ -80,8 +80,8 @@ def test_chance_seldom_finds_it(space: Space) -> None:
 
 def test_the_result_is_the_same_whoever_does_the_runs(space: Space) -> None:
     accepts = accepted(NAME)
-    here = hunt(space, in_this_process(), accepts, budget=120, seed=1)
-    assert here.failed
+    here = hunt(space, in_this_process(), accepts, budget=60, seed=1)
+    assert len(here.history) > 1
     with executor(2) as workers:
-        there = hunt(space, by_executor(workers, NAME), accepts, budget=120, seed=1)
+        there = hunt(space, by_executor(workers, NAME), accepts, budget=60, seed=1)
     assert there == here

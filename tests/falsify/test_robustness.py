@@ -34,7 +34,7 @@ def test_a_contact_is_negative_by_its_depth() -> None:
     deepest = max(episodes, key=lambda one: one.depth)
     assert found.clearance == pytest.approx(-deepest.depth, abs=1e-9)
     assert found.pair == tuple(record.bodies[i].name for i in (deepest.a, deepest.b))
-    assert found.touched == (ROBOTS, ("r2", "r4"), episodes[0].time)
+    assert found.touched == (ROBOTS, ("r2", "r4"), episodes[0].time, ("", ""))
 
 
 def test_a_wall_counts_as_another_kind() -> None:
@@ -53,7 +53,7 @@ def test_a_contact_between_two_samples_counts() -> None:
     assert record.clearance.min() > 0.0
     found = judged(record)
     assert found.clearance == -graze.depth < 0.0
-    assert found.touched == (ROBOTS, ("stands", "passes"), graze.time)
+    assert found.touched == (ROBOTS, ("stands", "passes"), graze.time, ("", ""))
 
 
 def test_without_contact_between_samples_it_errs_to_the_high_side() -> None:
@@ -68,10 +68,21 @@ def test_without_contact_between_samples_it_errs_to_the_high_side() -> None:
 def test_every_step_counts_whatever_is_recorded() -> None:
     world = five_robots()
     every, few = (
-        judged(physim.simulate(world, save=SaveAt(every=step, tables=("contacts",))))
+        judged(physim.simulate(world, save=SaveAt(every=step, tables=("contacts", "updates"))))
         for step in (1, 7)
     )
     assert every == few
+
+
+def test_the_modes_of_the_two_are_those_of_their_last_decisions() -> None:
+    record = physim.simulate(
+        physim.load_world("three_robots", overrides=["time.duration=3.0"]),
+        controller="path_following",
+    )
+    found = judged(record).touched
+    assert found is not None
+    assert set(found.pair) == {"r2", "r3"}
+    assert found.modes == ("safe", "safe")
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,12 @@ def test_the_generator_of_numpy_is_left_alone() -> None:
     assert np.random.get_state()[1].tolist() == before
 
 
+def test_it_begins_where_it_is_told() -> None:
+    for base in (np.array([0.7, 0.4, 0.6]), np.array([0.3, 0.6, 0.5])):
+        middle = np.mean([np.mean(Evolution(base, seed).ask(), axis=0) for seed in range(60)], 0)
+        assert np.abs(middle - base).max() < 0.1
+
+
 def test_it_begins_anew_where_there_is_nowhere_to_go() -> None:
     search, spread = Evolution(np.full(2, 0.5), 1), []
     for _ in range(60):

@@ -70,6 +70,8 @@ ROOMS = MappingProxyType(
         "importing": ("tests/importing",),
         "templates": ("tests/templates",),
         "crashtest": ("tests/crashtest",),
+        "campaigns": ("tests/campaigns",),
+        "falsify": ("tests/falsify",),
         "reproduction": ("tests/reproduction",),
         "cli": ("tests/cli",),
     }

@@ -24,7 +24,7 @@ Evaluate = Callable[[Sequence[World]], Iterable[Judged]]
 """Runs worlds and judges them, in their order. Whoever asks may look at the first few only. Raises
 `StoppedError`."""
 
-CONTACTS_ALONE = SaveAt(tables=("contacts",))
+NEEDED = SaveAt(tables=("contacts", "updates"))
 
 
 class StoppedError(Exception):
@@ -53,7 +53,7 @@ def judge_world(world: World, stop: Callable[[], bool] = never) -> Judged:
     except (Exception, SystemExit) as error:
         return Judged(None, reason=one_line(error))
     try:
-        with record_run(simulation, save=CONTACTS_ALONE, stop=stop) as record:
+        with record_run(simulation, save=NEEDED, stop=stop) as record:
             if record.ended == "interrupted":
                 raise StoppedError
             return judged(record)

@@ -93,5 +93,10 @@ def _values(judged: Judged) -> dict[str, Any]:
         "time_s": judged.time,
         "touched": None
         if touched is None
-        else {"kind": touched.kind, "pair": touched.pair, "time_s": touched.time},
+        else {
+            "kind": touched.kind,
+            "pair": touched.pair,
+            "time_s": touched.time,
+            "modes": touched.modes,
+        },
     }

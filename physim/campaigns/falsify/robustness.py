@@ -18,8 +18,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from physim.analysis.metrics import Episode, Graze, contact_episodes, grazes
 from physim.analysis.metrics.distances import shortest_boundary_distance, shortest_distance
+from physim.parts.declarations import NO_NUMBER
 from physim.record import Record
 
 ROBOTS, WALL = "robots", "wall"
@@ -35,6 +38,8 @@ class Touched(NamedTuple):
     """names of the two bodies"""
     time: float
     """[s] of the first sample in contact, or of the sample after a contact between two"""
+    modes: tuple[str, str] = ("", "")
+    """names of the modes in which the two were by their last decisions; "" where there is none"""
 
 
 @dataclass(frozen=True)
@@ -76,8 +81,18 @@ def judged(record: Record) -> Judged:
     touched = None
     if first is not None:
         kind = ROBOTS if first.robots else WALL
-        touched = Touched(kind, (names[first.a], names[first.b]), first.time)
+        modes = _mode(record, first.a, first.step), _mode(record, first.b, first.step)
+        touched = Touched(kind, (names[first.a], names[first.b]), first.time, modes)
     if not found:
         return Judged(float("inf"), touched=touched)
     value, time, a, b = min(found)
     return Judged(value, (names[a], names[b]), time, touched)
+
+
+def _mode(record: Record, body: int, step: int) -> str:
+    """Name of the mode of a body's last decision before a step; "" where it made none."""
+    if body >= record.robots or "updates" not in record.tables:
+        return ""
+    rows = record.updates[: int(np.searchsorted(record.updates["step"], step))]
+    mine = rows["mode"][rows["robot"] == body]
+    return "" if not len(mine) or mine[-1] == NO_NUMBER else record.modes[mine[-1]].name

@@ -1,9 +1,10 @@
 """A failing world made as small as it can be while it still fails in the same way.
 
 As Hypothesis shrinks an example: passes propose simpler worlds, the simplest first; each is run,
-and taken only where its first contact is of the same kind, two robots or a robot and a wall, and
-where a check accepts it. Passes are repeated until none finds anything simpler, or the runs are
-used up. The order is fixed and nothing is random, so the result depends on the failing world alone.
+and taken only where its first contact is of the same kind, two robots or a robot and a wall, with
+the robots in the same modes, and where a check accepts it. Passes are repeated until none finds
+anything simpler, or the runs are used up. The order is fixed and nothing is random, so the result
+depends on the failing world alone.
 """
 
 from __future__ import annotations
@@ -106,9 +107,11 @@ def _is_taken(
 
 
 def _fails_alike(result: Judged, before: Judged) -> bool:
-    """Whether the first contact of a run is of the kind of that before."""
+    """Whether the first contact of a run is of the kind of that before, in the same modes."""
     one, other = result.touched, before.touched
-    return one is not None and other is not None and one.kind == other.kind
+    if one is None or other is None:
+        return False
+    return one.kind == other.kind and sorted(one.modes) == sorted(other.modes)
 
 
 def size_of(world: World) -> dict[str, Any]:

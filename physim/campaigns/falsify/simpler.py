@@ -144,12 +144,13 @@ def fewer(
         yield made(range(least))
     size = (count() + 1) // 2
     while size >= 1 and count() > least:
-        start = 0
-        while start < (before := count()):
-            kept = [k for k in range(before) if not start <= k < start + size]
+        end = count()
+        while end > 0:  # from the end: most roads and paths go on beyond where it fails
+            start = max(0, end - size)
+            kept = [k for k in range(count()) if not start <= k < end]
             if len(kept) >= least:
                 yield made(kept)
-            start += size if count() == before else 0
+            end = start
         size //= 2
 
 

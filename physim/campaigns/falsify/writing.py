@@ -47,7 +47,12 @@ def write_world(
     """
     named = ["--controller", controller] if controller and ":" in controller else []
     run = shlex.join(["physim", "run", path.name, *named])
-    lines = [f"{headline(result)}.", *said, f"To see it: {run}"]
+    head = headline(result)
+    lines = [
+        f"{head[:1].upper() if head.startswith('nothing') else head[:1]}{head[1:]}.",
+        *said,
+        f"To see it: {run}",
+    ]
     head = "".join(f"# {line}\n" for line in lines)
     write_atomically(path, head + world.to_yaml())
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from tests.sabotage.edit import Edit
 from tests.sabotage.edits import (
     basics,
+    campaigns,
     checking,
     cli,
     controllers,
     crashtest,
+    falsify,
     geometry,
     importing,
     loop,
@@ -34,7 +36,7 @@ EDITS: tuple[Edit, ...] = tuple(
     for room in (
         basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop, work, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
-        reproduction, cli,
+        campaigns, falsify, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

@@ -9,7 +9,7 @@ from physim._version import __version__
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.processes import Job, Processes, Stop
-from physim.campaigns.rows import KILLED, TIMEOUT, Row, Shards, in_order
+from physim.campaigns.rows import ERROR, Row, Shards, in_order
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
@@ -108,15 +108,15 @@ def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
 
 def check(record: Record, row: Row) -> list[str]:
     """What a record has otherwise than the row of its run; nothing where it is the same run."""
-    if row.ended in (TIMEOUT, KILLED):
-        return []
+    if row.failed:
+        return [] if row.ended != ERROR or record.ended == ERROR else [f"ended {record.ended} here"]
     if row.digest and record.digest() != row.digest:
         return [f"digest {row.digest[:12]} there, {record.digest()[:12]} here"]
     found = figures(record)
     return [
         f"{key} {getattr(row, key)} there, {value} here"
         for key, value in found.items()
-        if row.ended == found["ended"] and getattr(row, key) != value
+        if getattr(row, key) != value
     ]
 
 

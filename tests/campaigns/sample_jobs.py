@@ -7,8 +7,9 @@ import errno
 import os
 import signal
 import time
+from contextlib import suppress
 
-from physim.campaigns.runner import Stop
+from physim.campaigns.processes import Stop, _limited
 from physim.errors import PhysimError
 
 
@@ -57,10 +58,8 @@ def killed_by_the_system(stop: Stop) -> None:
 def hangs(stop: Stop) -> None:
     """Cannot be broken off from within."""
     while True:
-        try:
+        with suppress(BaseException):
             time.sleep(0.001)
-        except BaseException:
-            pass
 
 
 def hangs_in_native_code(stop: Stop) -> None:
@@ -71,3 +70,9 @@ def hangs_in_native_code(stop: Stop) -> None:
 def takes_two_seconds() -> None:
     """Readies a process, slowly."""
     time.sleep(2.0)
+
+
+def limited_native_code() -> None:
+    """Beyond its limit, where the interpreter cannot be asked."""
+    with _limited(1.0):
+        hangs_in_native_code(lambda: False)

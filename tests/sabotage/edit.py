@@ -70,6 +70,7 @@ ROOMS = MappingProxyType(
         "importing": ("tests/importing",),
         "templates": ("tests/templates",),
         "crashtest": ("tests/crashtest",),
+        "campaigns": ("tests/campaigns",),
         "reproduction": ("tests/reproduction",),
         "cli": ("tests/cli",),
     }

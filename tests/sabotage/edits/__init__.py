@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.sabotage.edit import Edit
 from tests.sabotage.edits import (
     basics,
+    campaigns,
     checking,
     cli,
     controllers,
@@ -34,7 +35,7 @@ EDITS: tuple[Edit, ...] = tuple(
     for room in (
         basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop, work, record,
         metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
-        reproduction, cli,
+        campaigns, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

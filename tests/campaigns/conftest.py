@@ -1,0 +1,33 @@
+"""Two worker processes for all tests of a file, and a folder with a world and a controller."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from physim.campaigns.processes import Processes
+from physim.campaigns.sources import Carried
+from tests.campaigns.samples import write
+
+
+@pytest.fixture(scope="module")
+def two() -> Iterator[Processes]:
+    made = Processes(2)
+    yield made
+    made.shutdown(cancel_futures=True)
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    write(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(
+        sys, "meta_path", [one for one in sys.meta_path if not isinstance(one, Carried)]
+    )
+    for name in ("awkward", "helper"):  # those of another test's folder
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    return tmp_path

@@ -1,0 +1,162 @@
+"""``physim sweep`` as a user types it: killed, interrupted, twice at once, with bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns.samples import lines_on_disk, rows_in, without_times
+from tests.cli.commands import Done, physim, shell, started, tree
+
+
+def begun(folder: Path, process: subprocess.Popen[str], rows: int) -> None:
+    """Wait until a sweep has some rows on disk."""
+    while len(rows_in(folder)) < rows:
+        if process.poll() is not None:
+            raise AssertionError(process.communicate()[1])
+        time.sleep(0.02)
+
+
+def as_json(done: Done) -> dict[str, object]:
+    assert done.code == 0, done.err
+    found: dict[str, object] = json.loads(done.out)
+    return found
+
+
+COMMAND = ("sweep", "small.yaml", "--seeds", "0:150", "-o", "out", "--workers", "2", "--json")
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, object]]:
+    """Rows of the same sweep when nothing happens to it."""
+    from tests.campaigns.samples import write
+
+    folder = tmp_path_factory.mktemp("undisturbed")
+    write(folder)
+    assert as_json(shell(*COMMAND, folder=folder))["run_now"] == 150
+    return without_times(rows_in(folder / "out"))
+
+
+def test_killed_half_way_it_goes_on_and_repeats_nothing(
+    here: Path, undisturbed: list[dict[str, object]]
+) -> None:
+    process = started(*COMMAND, folder=here)
+    try:
+        begun(here / "out", process, 20)
+    finally:
+        process.kill()
+        process.communicate()
+    kept = rows_in(here / "out")
+    assert 20 <= len(kept) < 150
+    found = as_json(shell(*COMMAND, folder=here))
+    assert (found["there_before"], found["run_now"]) == (len(kept), 150 - len(kept))
+    assert without_times(rows_in(here / "out")) == undisturbed
+    assert lines_on_disk(here / "out") == 150
+    assert set(kept) <= set(rows_in(here / "out"))
+
+
+def test_two_at_once_share_the_runs(here: Path, undisturbed: list[dict[str, object]]) -> None:
+    both = [started(*COMMAND, folder=here) for _ in range(2)]
+    ends = [(process.communicate(timeout=600), process.returncode) for process in both]
+    found = [as_json(Done(code, *texts)) for texts, code in ends]
+    assert sum(int(str(one["run_now"])) for one in found) == 150
+    assert all(one["cells"] == found[0]["cells"] for one in found)
+    assert without_times(rows_in(here / "out")) == undisturbed
+
+
+def test_interrupted_it_says_how_to_go_on(here: Path) -> None:
+    process = started(*COMMAND[:-1], folder=here)
+    begun(here / "out", process, 3)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=300)
+    assert process.returncode == 130
+    assert "the same command goes on" in err
+    assert f"{len(rows_in(here / 'out'))} runs" in out
+    assert (here / "out/results.parquet").exists()
+
+
+def test_shards_come_together(here: Path) -> None:
+    for part in ("1/2", "2/2"):
+        done = shell("sweep", "small.yaml", "--seeds", "0:5", "--shard", part, folder=here)
+        assert done.code == 0
+    assert [row.seed for row in rows_in(here / "sweeps/small")] == list(range(5))
+
+
+def test_what_is_not_random_is_run_once(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("sweep", "fixed.yaml", "--seeds", "5:9", capture=capsys)
+    assert done.code == 0
+    assert "random" in done.err
+    assert "1 run," in done.out
+    assert "runs/s" not in done.err  # no bar in a pipe
+
+
+def test_a_controller_of_ones_own_and_what_fails(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = physim(
+        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward,constant",
+        "--set", "controller.speed=0.5", capture=capsys,
+    )  # fmt: skip
+    assert done.code == 2  # a setting that one of them does not have
+    done = physim(
+        "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward",
+        "--set", "controller.how=fine,raise", capture=capsys,
+    )  # fmt: skip
+    assert done.code == 0
+    assert "2 failed (2 error)" in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("small.yaml", "--seeds", "0:2", "--set", "time.stop=1"), "stop"),
+        (("small.yaml", "--seeds", "0:2", "--set", "time.duration="), "no value"),
+        (("small.yaml", "--seeds", "2:2"), "A below B"),
+        (("small.yaml", "--seeds", "0:1000001"), "--yes"),
+        (("small.yaml", "--shard", "3/2"), "I of N"),
+        (("small.yaml", "--controller", "constant,"), "missing"),
+        (("small.yaml", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"), "--scheduler"),
+        (("small.yaml", "--scheduler", "tcp://127.0.0.1:1"), "cannot be reached"),
+        (("small.yaml", "-o", "small.yaml"), "is a file"),
+        (("small.yaml", "-o", "."), "no campaign"),
+        (("small.yaml", "--limit", "0"), "--limit"),
+    ],
+)
+def test_bad_input_is_one_message_and_nothing_is_written(
+    here: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], text: str
+) -> None:
+    before = tree(here)
+    done = physim("sweep", *arguments, capture=capsys)
+    assert done.code == 2
+    assert text in done.err
+    assert len(done.err.strip().splitlines()) == 1
+    assert tree(here) == before
+
+
+def test_a_folder_of_another_campaign(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert physim("sweep", "fixed.yaml", "-o", "out", capture=capsys).code == 0
+    done = physim("sweep", "small.yaml", "-o", "out", capture=capsys)
+    assert done.code == 2
+    assert "another campaign" in done.err
+    assert len(rows_in(here / "out")) == 1
+
+
+def test_a_full_disk_is_one_message(here: Path) -> None:
+    def small_files() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
+
+    done = subprocess.run(
+        [sys.executable, "-m", "physim", "sweep", "small.yaml", "-o", "out"],
+        cwd=here, capture_output=True, text=True, preexec_fn=small_files, env=dict(os.environ),
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert "cannot be written" in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1

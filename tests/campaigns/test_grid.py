@@ -1,0 +1,81 @@
+"""Grids: every combination once, every fault before anything is run."""
+
+from __future__ import annotations
+
+from itertools import chain
+from pathlib import Path
+
+import pytest
+
+from physim.campaigns.grid import Shard, make_grid, settings_of
+from physim.errors import PhysimError
+
+
+@pytest.mark.parametrize(
+    ("axis", "values"),
+    [
+        ("a.b=1,2", ["a.b=1", "a.b=2"]),
+        ("a=1, 1 ,2", ["a=1", "a=2"]),
+        ("a=[1, 2],{x: 1, y: 2}", ["a=[1, 2]", "a={x: 1, y: 2}"]),
+        ("a='1,2',\"3,4\"", ["a='1,2'", 'a="3,4"']),
+        ("a=null,0.5", ["a=null", "a=0.5"]),
+    ],
+)
+def test_values_of_an_axis(axis: str, values: list[str]) -> None:
+    assert settings_of(axis) == values
+
+
+def test_every_combination_once(here: Path) -> None:
+    grid = make_grid(
+        ["small.yaml", "fixed.yaml"], range(3, 6), ["time.duration=1.0,2.0"],
+        ["constant", "path_following"],
+    )  # fmt: skip
+    found = [(one.world, one.settings, one.controller, one.seed) for one in grid]
+    assert len(grid) == len(found) == len(set(found)) == 4 * 3 + 4  # nothing in fixed is random
+    assert len({one.key for one in grid}) == len(found)
+    assert {seed for world, *_, seed in found if world == "fixed"} == {1}
+    assert {seed for world, *_, seed in found if world == "small"} == {3, 4, 5}
+    assert {settings for _, settings, *_ in found} == {"time.duration=1.0", "time.duration=2.0"}
+
+
+def test_without_seeds_each_world_has_its_own(here: Path) -> None:
+    assert [one.seed for one in make_grid(["small.yaml"], None)] == [1]
+
+
+def test_shards_are_the_whole_without_overlap(here: Path) -> None:
+    worlds = (["small.yaml", "fixed.yaml"], range(10))
+    shards = [make_grid(*worlds, shard=Shard(k, 3)) for k in (1, 2, 3)]
+    keys = [[one.key for one in shard] for shard in shards]
+    assert [len(shard) for shard in shards] == [len(mine) for mine in keys]
+    assert sorted(chain(*keys)) == sorted(one.key for one in make_grid(*worlds))
+
+
+def test_two_files_of_one_name_are_told_apart(here: Path) -> None:
+    (here / "other").mkdir()
+    (here / "other/small.yaml").write_text((here / "small.yaml").read_text().replace("1.8", "1.7"))
+    grid = make_grid(["small.yaml", "other/small.yaml"], range(2))
+    assert {one.world for one in grid} == {"small.yaml", "other/small.yaml"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        ((["small.yaml"], range(2), ["time.stop=1"]), "stop"),
+        ((["small.yaml"], range(2), ["time.duration="]), "no value"),
+        ((["small.yaml"], range(2), ["time.duration"]), "KEY=VALUE"),
+        ((["small.yaml"], range(2), ["time.step=0.02", "time.step=0.1"]), "given twice"),
+        ((["small.yaml"], range(2), ["time.duration=-1"]), "time.duration"),
+        ((["small.yaml"], range(0)), "nothing to run"),
+        ((["small.yaml"], range(1_000_001)), "1,000,001 runs; --yes"),
+        ((["smal"], range(2)), "smal"),
+        ((["small.yaml"], range(2), [], ["awkward:Nobody"]), "Nobody"),
+        ((["small.yaml"], range(2), ["robots.0.pose=[50, 0, random]"]), "robots"),
+    ],
+)
+def test_faults_are_told_before_anything_is_run(here: Path, arguments, text: str) -> None:
+    with pytest.raises(PhysimError, match=text):
+        make_grid(*arguments)
+
+
+def test_more_than_a_million_if_wanted(here: Path) -> None:
+    assert len(make_grid(["small.yaml"], range(2_000_000), most=None)) == 2_000_000

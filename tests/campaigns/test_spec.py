@@ -1,0 +1,136 @@
+"""What a run is: the same everywhere, another where anything that decides it is another."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import physim
+from physim.campaigns.grid import make_grid
+from physim.campaigns.one_run import run_one, simulation_of
+from physim.campaigns.sources import sources_of
+from physim.campaigns.spec import RunSpec, spec_of
+from physim.simulation.run import record_run
+from physim.world.file import parse_world
+from tests.campaigns.samples import WORLD, specs, without_times
+
+
+def test_what_makes_another_run(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (spec,) = make_grid(["small.yaml"], range(1, 2), (), ["awkward:Awkward"])
+    others = [
+        replace(spec, seed=2),
+        replace(spec, text=spec.text.replace("1.8", "1.9")),
+        replace(spec, controller="awkward:Other"),
+        replace(spec, sources=(spec.sources[0]._replace(text="x"), *spec.sources[1:])),
+        replace(spec, sources=spec.sources[:1]),
+    ]
+    key = spec.key
+    for name, value in (("engine", lambda: "y"), ("__version__", "y")):
+        with monkeypatch.context() as changed:
+            changed.setattr(f"physim.campaigns.spec.{name}", value)
+            assert spec.key != key
+    assert len({one.key for one in [spec, *others]}) == len(others) + 1
+    assert replace(spec, limit=1.0, world="called otherwise").key == spec.key
+    elsewhere = tuple(one._replace(file="/elsewhere.py") for one in spec.sources)
+    assert replace(spec, sources=elsewhere).key == spec.key
+    assert len(spec.key) == 20
+    assert int(spec.key, 16) >= 0
+
+
+def test_the_seed_of_the_world_is_no_part_of_it() -> None:
+    one, other = parse_world(WORLD), parse_world(WORLD.replace("seed: 1", "seed: 5"))
+    assert spec_of(one, 3) == spec_of(other, 3)
+
+
+def test_a_run_of_a_spec_is_that_of_its_world() -> None:
+    world = parse_world(WORLD)
+    spec = pickle.loads(pickle.dumps(spec_of(world, 3)))
+    direct = physim.simulate(world, seed=3)
+    assert record_run(simulation_of(spec)).digest() == direct.digest()
+    row, found = run_one(spec), physim.summarise(direct)
+    assert found.contacts is not None
+    assert row.contacts == found.contacts.between_robots
+    assert row.wall_contacts == found.contacts.with_boundaries
+    assert row.shortest_distance == min(
+        found.value("shortest_distance"), found.value("shortest_boundary_distance")
+    )
+    assert row.updates == found.value("decisions")
+    assert (row.ended, row.seconds, row.robots) == ("duration", 1.0, 2)
+
+
+def test_a_controller_and_what_it_imports_travel(here: Path) -> None:
+    (spec,) = make_grid(["small.yaml"], None, (), ["awkward:Awkward"])
+    assert [one.module for one in spec.sources] == ["awkward", "helper"]
+    row = run_one(spec)
+    packed = here / "spec.pickle"
+    packed.write_bytes(pickle.dumps(spec))
+    for name in ("awkward.py", "helper.py"):
+        (here / name).unlink()  # as on another machine
+    (here / "helper.py").write_text("SPEED = 0.0  # other file of that name\n")
+    script = (
+        "import pickle, sys\nfrom pathlib import Path\nfrom dataclasses import asdict\n"
+        "from physim.campaigns import run_one\n"
+        "row = run_one(pickle.loads(Path(sys.argv[1]).read_bytes()))\n"
+        "Path(sys.argv[2]).write_bytes(pickle.dumps(row))"
+    )
+    found = here / "row.pickle"
+    subprocess.run([sys.executable, "-c", script, packed, found], check=True, cwd=here)
+    other = pickle.loads(found.read_bytes())
+    assert row.ended == "duration"
+    assert without_times([row]) == without_times([other])
+
+
+def test_sources_of_a_package_with_relative_imports(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "my_packet" / "deep"
+    folder.mkdir(parents=True)
+    (folder.parent / "__init__.py").write_text("")
+    (folder.parent / "speeds.py").write_text("FAST = 1.0\n")
+    (folder / "__init__.py").write_text("")
+    (folder / "one.py").write_text(
+        "from ..speeds import FAST\nimport math\n\n\nclass One:\n"
+        "    def decide(self, observation, memory):\n        return None\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    found = sources_of("my_packet.deep.one:One")
+    assert [one.module for one in found] == [
+        "my_packet", "my_packet.deep", "my_packet.deep.one", "my_packet.speeds",
+    ]  # fmt: skip
+    assert sources_of("mode_switching") == ()
+
+
+@pytest.mark.parametrize(
+    ("how", "text"),
+    [("raise", "ValueError: as it was told"), ("leave", "away")],
+)
+def test_a_run_that_raises_is_a_row_that_says_where(here: Path, how: str, text: str) -> None:
+    grid = make_grid(["small.yaml"], None, [f"controller.how={how}"], ["awkward:Awkward"])
+    row = run_one(*grid)
+    assert row.ended == "error"
+    assert text in row.reason
+    assert "awkward.py" in row.reason
+    assert "\n" not in row.reason
+    assert row.contacts is None
+
+
+def test_robots_that_cannot_be_placed_are_a_row() -> None:
+    (good,) = specs(1)
+    text = good.text.replace("20.0", "20.0").replace("6.0, 1.0", "3.0, -1.0")
+    row = run_one(RunSpec(text, 0, "crowded", limit=60.0))
+    assert row.ended == "error"
+    assert row.reason
+
+
+def test_worlds_records_and_summaries_pickle(tmp_path: Path) -> None:
+    world = parse_world(WORLD)
+    record = physim.simulate(world, seed=1, path=tmp_path / "r.h5")
+    assert pickle.loads(pickle.dumps(world)) == world
+    assert pickle.loads(pickle.dumps(record)).digest() == record.digest()
+    summary = physim.summarise(record)
+    assert pickle.loads(pickle.dumps(summary)) == summary

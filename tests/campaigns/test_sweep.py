@@ -1,0 +1,223 @@
+"""Sweeps: each run counts once, whatever is killed, and rows are the same whoever did the runs."""
+
+from __future__ import annotations
+
+import errno
+import multiprocessing
+import os
+import signal
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from physim.campaigns import rows as rows_module
+from physim.campaigns.grid import make_grid
+from physim.campaigns.one_run import run_one
+from physim.campaigns.processes import Processes
+from physim.campaigns.rows import Row
+from physim.campaigns.sweep import Tally, runs, sweep
+from physim.errors import PhysimError
+from physim.record import Record
+from tests.campaigns import sample_jobs as sample
+from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, specs, without_times
+
+
+def test_rows_are_those_of_the_runs(two: Processes, tmp_path: Path) -> None:
+    tally = sweep(specs(6), tmp_path / "out", two)
+    assert (tally.asked, tally.done, tally.before, tally.failed) == (6, 6, 0, 0)
+    expected = [run_one(spec) for spec in specs(6)]
+    assert without_times(rows_in(tmp_path / "out")) == without_times(expected)
+    assert len({row.shortest_distance for row in expected}) == 6
+
+
+def test_rows_do_not_depend_on_the_number_of_workers(two: Processes, tmp_path: Path) -> None:
+    one = Processes(1)
+    try:
+        sweep(specs(5), tmp_path / "one", one)
+    finally:
+        one.shutdown()
+    sweep(specs(5), tmp_path / "two", two)
+    assert without_times(rows_in(tmp_path / "one")) == without_times(rows_in(tmp_path / "two"))
+
+
+def test_what_has_a_row_is_not_run_again(two: Processes, tmp_path: Path) -> None:
+    sweep(specs(3), tmp_path / "out", two)
+    tally = sweep(specs(5), tmp_path / "out", two)
+    assert (tally.before, tally.done, tally.known) == (3, 2, 5)
+    assert lines_on_disk(tmp_path / "out") == 5
+
+
+def test_rows_without_a_folder(two: Processes) -> None:
+    found = dict(runs(specs(3), two))
+    assert {spec.seed: row.seed for spec, row in found.items()} == {0: 0, 1: 1, 2: 2}
+
+
+def test_failed_runs_are_rows_with_their_reasons(two: Processes, here: Path) -> None:
+    axes = ["controller.how=fine,raise,exit,kill"]
+    grid = make_grid(["small.yaml"], range(2), axes, ["awkward:Awkward"])
+    tally = sweep(grid, here / "out", two)
+    found = {(row.settings.partition("=")[2], row.seed): row for row in rows_in(here / "out")}
+    assert (tally.known, tally.failed) == (8, 6)
+    for seed in range(2):
+        assert found["fine", seed].ended == "duration"
+        assert found["raise", seed].ended == "error"
+        assert "as it was told" in found["raise", seed].reason
+        assert found["exit", seed].ended == found["kill", seed].ended == "killed"
+        assert "exit code 7" in found["exit", seed].reason
+        assert "SIGKILL" in found["kill", seed].reason
+    again = sweep(grid, here / "out", two)
+    assert again.done == 0
+    retried = sweep(grid, here / "out", two, retry=True)
+    assert (retried.before, retried.done, retried.failed) == (2, 6, 6)
+
+
+def test_runs_beyond_their_limit_are_rows(two: Processes, here: Path) -> None:
+    axes = ["controller.how=hang,native"]
+    grid = make_grid(["small.yaml"], None, axes, ["awkward:Awkward"], limit=2.0)
+    sweep(grid, here / "out", two)
+    found = rows_in(here / "out")
+    assert [row.ended for row in found] == ["timeout", "timeout"]
+    assert all("2 s" in row.reason for row in found)
+
+
+def test_the_timer_of_the_system_ends_what_nobody_watches() -> None:
+    """As where the parent was killed while a worker was in native code."""
+    context = multiprocessing.get_context("spawn")
+    process = context.Process(target=sample.limited_native_code)
+    process.start()
+    process.join(300)
+    assert process.exitcode == -signal.SIGALRM
+
+
+def test_a_worker_killed_from_outside_is_a_row_and_nothing_else_is_lost(tmp_path: Path) -> None:
+    workers = Processes(2)
+    killed: list[int] = []
+
+    def kill(tally: Tally) -> None:
+        if tally.done and not killed:
+            killed.append(workers.ids[0])
+            os.kill(killed[0], signal.SIGKILL)
+
+    try:
+        tally = sweep(specs(40), tmp_path / "out", workers, progress=kill)
+    finally:
+        workers.shutdown(cancel_futures=True)
+    rows = rows_in(tmp_path / "out")
+    assert killed
+    assert [row.seed for row in rows] == list(range(40))
+    assert tally.failed == sum(row.ended == "killed" for row in rows) <= 1
+    fine = [row for row in rows if not row.failed]
+    expected = [run_one(spec) for spec in specs(40)]
+    assert without_times(fine) == without_times(expected[row.seed] for row in fine)
+
+
+def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(tmp_path: Path) -> None:
+    workers, seen = Processes(2), []
+    try:
+        tally = sweep(
+            specs(60), tmp_path / "out", workers, stop=lambda: len(seen) > 0,
+            progress=lambda now: seen.append(now.done) if now.done >= 5 else None,
+        )  # fmt: skip
+    finally:
+        workers.shutdown(cancel_futures=True)
+    assert tally.interrupted
+    kept = len(rows_in(tmp_path / "out"))
+    assert 5 <= kept == tally.done < 60
+    assert (tmp_path / "out/results.parquet").exists()
+    workers = Processes(2)
+    try:
+        rest = sweep(specs(60), tmp_path / "out", workers)
+    finally:
+        workers.shutdown()
+    assert (rest.before, rest.done) == (kept, 60 - kept)
+    assert lines_on_disk(tmp_path / "out") == 60
+
+
+def test_it_is_decided_in_the_order_of_seeds(two: Processes, tmp_path: Path) -> None:
+    asked: list[list[int]] = []
+
+    def decided(rows: list[Row]) -> bool:
+        asked.append([row.seed for row in rows])
+        return len(rows) == 4
+
+    tally = sweep(specs(200), tmp_path / "out", Processes(2), decided=decided)
+    assert asked == [list(range(k + 1)) for k in range(4)]
+    assert tally.decided == 4
+    assert not tally.interrupted
+    assert {0, 1, 2, 3} <= {row.seed for row in rows_in(tmp_path / "out")}
+    assert tally.done < 200
+
+
+def test_records_are_kept_as_they_would_be_made_again(two: Processes, tmp_path: Path) -> None:
+    touching = WORLD.replace("pose: [3.0, -1.0, random]", "pose: [3.0, 1.0, random]").replace(
+        "duration: 1.0", "duration: 4.0"
+    )
+    wanted = specs(6, touching)
+    sweep(wanted, tmp_path / "failed", two, keep="failed")
+    rows = rows_in(tmp_path / "failed")
+    free = [row for row in rows if row.contact_free]
+    assert {bool(row.record) for row in free} <= {False}
+    sweep(wanted, tmp_path / "all", two, keep="all")
+    for row, spec in zip(rows_in(tmp_path / "all"), wanted, strict=True):
+        assert row.record == f"records/{spec.key}.h5"
+        with Record.load(tmp_path / "all" / row.record) as record:
+            assert record.digest() == row.digest
+            assert record.seed == row.seed
+    kept = {file.stem for file in (tmp_path / "failed/records").iterdir()}
+    assert kept == {row.run for row in rows if not row.contact_free}
+
+
+def test_the_folder_of_another_campaign_is_refused(two: Processes, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    sweep(specs(1), out, two)
+    with pytest.raises(PhysimError, match="the world was changed"):
+        sweep(specs(1, WORLD.replace("1.8", "1.7")), out, two)
+    with pytest.raises(PhysimError, match="another campaign"):
+        sweep(specs(1, WORLD.replace("name: small", "name: other")), out, two)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full/thesis.tex").write_text("")
+    with pytest.raises(PhysimError, match="not empty"):
+        sweep(specs(1), tmp_path / "full", two)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(PhysimError, match="is a file"):
+        sweep(specs(1), tmp_path / "file", two)
+    assert lines_on_disk(out) == 1
+
+
+def test_a_full_disk_loses_nothing_that_was_written(
+    two: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[int] = []
+    true = os.fsync
+
+    def full_after_a_while(number: int) -> None:
+        written.append(number)
+        if len(written) > 4:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        true(number)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(rows_module.os, "fsync", full_after_a_while)
+        patched.setattr(import_module("physim.campaigns.sweep"), "FLUSH_SECONDS", 0.0)
+        with pytest.raises(PhysimError, match="No space left"):
+            sweep(specs(30), tmp_path / "out", two)
+    kept = len(rows_in(tmp_path / "out"))
+    assert 0 < kept < 30
+    tally = sweep(specs(30), tmp_path / "out", two)
+    assert (tally.before, tally.known) == (kept, 30)
+    assert lines_on_disk(tmp_path / "out") == 30
+
+
+def test_a_foreign_executor_does_the_same_runs(tmp_path: Path) -> None:
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(1) as threads:
+        tally = sweep(specs(3), tmp_path / "out", threads, keep="all")
+    assert tally.failed == 0
+    assert without_times(rows_in(tmp_path / "out"))[0]["record"]
+    expected = [run_one(spec) for spec in specs(3)]
+    for row, one in zip(rows_in(tmp_path / "out"), expected, strict=True):
+        assert row.shortest_distance == one.shortest_distance
+        with Record.load(tmp_path / "out" / row.record) as record:
+            assert record.digest() == row.digest

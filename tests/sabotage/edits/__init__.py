@@ -18,6 +18,7 @@ from tests.sabotage.edits import (
     plots,
     preview,
     record,
+    reports,
     reproduction,
     scene,
     statistics,
@@ -33,9 +34,9 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop, work, record,
-        metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
-        campaigns, reproduction, cli,
+        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers,
+        loop, work, record, metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
+        campaigns, reports, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

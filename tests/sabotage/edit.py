@@ -72,6 +72,14 @@ ROOMS = MappingProxyType(
         "crashtest": ("tests/crashtest",),
         "campaigns": ("tests/campaigns",),
         "falsify": ("tests/falsify",),
+        "reports": (
+            "tests/campaigns/test_compare.py",
+            "tests/campaigns/test_outcomes.py",
+            "tests/campaigns/test_reading.py",
+            "tests/campaigns/test_report.py",
+            "tests/campaigns/test_until.py",
+            "tests/cli/test_report.py",
+        ),
         "reproduction": ("tests/reproduction",),
         "cli": ("tests/cli",),
     }

@@ -19,6 +19,7 @@ from tests.sabotage.edits import (
     plots,
     preview,
     record,
+    reports,
     reproduction,
     scene,
     statistics,
@@ -34,9 +35,9 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop, work, record,
-        metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
-        campaigns, falsify, reproduction, cli,
+        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop,
+        work, record, metrics, summary, validation, video, plots, preview, importing, templates,
+        crashtest, campaigns, falsify, reports, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

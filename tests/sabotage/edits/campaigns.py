@@ -62,9 +62,9 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/sweep.py",
-        "_Sweep._jobs",
-        "if key in self.have:",
-        "if False:",
+        "_Sweep._count",
+        "self.have.add(row.run)",
+        "pass",
         "what has a row is not run again",
         "tests/campaigns/test_sweep.py::test_what_has_a_row_is_not_run_again",
     ),

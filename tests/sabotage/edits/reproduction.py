@@ -53,9 +53,9 @@ EDITS = (
     Edit(
         "reproduction",
         "physim/reproduction/estimates.py",
-        "_rank",
-        "if miss > 1.0 - CONFIDENCE:",
-        "if miss > 2.0 * (1.0 - CONFIDENCE):",
+        "estimate",
+        "max(0, rank_beyond(n))",
+        "max(0, rank_beyond(n, 0.9))",
         "an interval covers the median 19 times in 20",
         "tests/reproduction/test_estimates.py::test_ranks_are_those_of_the_sign_test",
     ),

@@ -21,8 +21,8 @@ MOST_COPIES = 100
 """Copies of copies."""
 MOST_NESTED = 2_000_000
 """Elements, each counted as often as groups stand about it: the work of reading them."""
-MOST_PATH = 5_000_000
-"""Characters of all path data."""
+MOST_NUMBERS = 300_000
+"""Numbers of all path data: the work of reading them."""
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
@@ -138,9 +138,13 @@ class _Guard:
                 f"{len(self.open)} groups within each other, with too many elements in them; "
                 "ungroup some of them"
             )
-        self.drawn += len(attributes.get("d", "")) + len(attributes.get("points", ""))
-        if self.drawn > MOST_PATH:
-            raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
+        for key in ("d", "points"):
+            self.drawn += len(NUMBER.findall(attributes.get(key, "")))
+        if self.drawn > MOST_NUMBERS:
+            raise self._refused(
+                f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
+                "or delete what is no wall, obstacle, path or robot"
+            )
         if bad := NO_PATH_DATA.search(attributes.get("d", "")):
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(f'path data: "{escaped(around)}" cannot be read')

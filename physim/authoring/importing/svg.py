@@ -28,7 +28,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.svg_guard import LINE, TAG, SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -151,7 +151,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     drawing = Drawing(kind="SVG drawing")
     drawing.changes += listed(look.left_out)
     try:
-        root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
+        root = svgelements.SVG.parse(io.StringIO(look.marked(text)), reify=True, ppi=96.0)
     except RecursionError:
         raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
@@ -164,7 +164,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
     walls = Walls(frozenset(options.boundary))
     for element, role, name in _shapes(root, "", "", walls):
         label = next(iter(names_of(element)), "")
-        where = escaped(repr(label) if label else f"<{type(element).__name__.lower()}>")
+        own = element.values.get("attributes", {})
+        where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
@@ -174,7 +175,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
                 abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count
             )
         except (ValueError, ArithmeticError) as error:
-            line = look.lines.get(str(element.id or ""))
+            line = int(own[LINE]) if LINE in own else None
             raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
         for points, closed in found:
             placed = rounded(frame.placed(points))

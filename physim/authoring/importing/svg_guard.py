@@ -26,6 +26,8 @@ MOST_NUMBERS = 300_000
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
+LINE, TAG = "physim-line", "physim-tag"
+"""Attributes that tell of an element where it stands; see `SvgLook.marked`."""
 SVG = "http://www.w3.org/2000/svg|"
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
 NUMBERS = {
@@ -47,6 +49,19 @@ class SvgLook:
     lines: dict[str, int] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
     width: str = ""
+    tags: list[tuple[int, str, int]] = field(default_factory=list)
+    """byte at which each element begins, its name as written, and its line"""
+
+    def marked(self, text: str) -> str:
+        """The text with its line and name in every element, as attributes `LINE` and `TAG`."""
+        data, at, parts = text.encode("utf-8"), 0, []
+        for begin, name, line in self.tags:
+            end = begin + 1
+            while data[end : end + 1] not in (b"", b" ", b"\n", b"\t", b"/", b">"):
+                end += 1
+            parts += [data[at:end], f' {LINE}="{line}" {TAG}="{name}"'.encode()]
+            at = end
+        return b"".join([*parts, data[at:]]).decode("utf-8")
 
 
 @dataclass
@@ -125,6 +140,8 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
+        shown = tag if tag.isascii() and tag.isalnum() else "element"
+        self.look.tags.append((self.parser.CurrentByteIndex, shown, line))
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open:

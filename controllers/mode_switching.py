@@ -240,7 +240,9 @@ class ModeSwitching:
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
         """Doubt stops short of arrival, and a sensing range too short for the thresholds."""
-        return [*stop_doubts(self.settings, world), *range_doubts(self.settings, world)]
+        settings = self.settings
+        may_stand = world.formation is None or settings.reverse_in_safe_mode
+        return [*stop_doubts(settings, world, may_stand), *range_doubts(settings, world)]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Decide for one robot from what it sees; ``memory`` is None or a `Memory`."""

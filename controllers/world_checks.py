@@ -62,17 +62,29 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     return [Fault((*where, "speed"), message)]
 
 
-def stop_doubts(settings: ModeSwitchingSettings, world: World) -> list[Fault]:
-    """Warn of robots that stop farther from their stop stations than arrival allows."""
+def stop_doubts(
+    settings: ModeSwitchingSettings, world: World, may_stand: bool = False
+) -> list[Fault]:
+    """Warn of robots that stop farther from their stop stations than arrival allows.
+
+    One that ``may_stand`` rather than go on does so where half a period would take it to its stop,
+    whatever the controller's own tolerance.
+    """
     allowed, short = world.arrival.tolerance, settings.arrival_tolerance
+    why = "controller.arrival_tolerance"
+    fastest = max(robot.limits.v for robot in world.robots)
+    speed = settings.speed if world.formation is None else world.formation.speed
+    half = 0.5 * min(speed, fastest) * settings.update_period
+    if may_stand and half > short:
+        short, why = half, "half of what they move in controller.update_period"
     if allowed >= short:
         return []
-    is_set = "arrival_tolerance" in settings.model_fields_set
+    is_set = "arrival_tolerance" in settings.model_fields_set and allowed > 0.0
     where: Location = ("controller", "arrival_tolerance") if is_set else ("arrival", "tolerance")
     message = (
-        f"robots stop up to {short:g} m (controller.arrival_tolerance) before their stop stations, "
-        f"but count as arrived only within {allowed:g} m (arrival.tolerance), so some may never "
-        f"arrive; set arrival.tolerance to {short:g} m or more"
+        f"robots stop up to {short:g} m ({why}) before their stop stations, but count as arrived "
+        f"only within {allowed:g} m (arrival.tolerance), so some may never arrive; set "
+        f"arrival.tolerance to {short:g} m or more"
     )
     return [Fault(where, message)]
 

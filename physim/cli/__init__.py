@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from physim.cli.signals import INTERRUPTED, Break, breaks
-from physim.cli.streams import gates, silence
+from physim.cli.streams import gates, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
@@ -28,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Every error is a line on standard error that begins with where the fault lies: the
     file with line and column, the file, the option, or the command.
     """
-    with gates(), breaks(last=arguments is None) as broken:
+    with without_warnings(), gates(), breaks(last=arguments is None) as broken:
         try:
             return _with_streams(arguments, broken)
         except KeyboardInterrupt:

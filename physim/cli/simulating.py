@@ -19,7 +19,7 @@ from physim.simulation.run import is_warm, record_run, warm_up
 from physim.simulation.size import check_room, size_of
 from physim.world import World
 from physim.world.file import located, read_world, warning_lines
-from physim.world.file.loading import world_of
+from physim.world.file.loading import unused_settings, world_of
 from physim.world.file.nodes import Document
 from physim.world.file.reading import read_document
 from physim.world.layout.scene_builder import build_scene
@@ -107,7 +107,9 @@ def world_of_record(options: Options, record: Record) -> tuple[World, Document]:
             )
     check_controller_given(record, options.controller is not None)
     overrides = [*options.overrides, EVERY_STEP]
-    return world_of(document, overrides=overrides, controller=options.controller)
+    world, document = world_of(document, overrides=overrides, controller=options.controller)
+    tell_warnings(document)
+    return world, document
 
 
 def run_of_record(record: Record, options: Options) -> Record:
@@ -129,11 +131,14 @@ def run_of_record(record: Record, options: Options) -> Record:
 
 def _controller(record: Record, named: str | None) -> Controller | None:
     """The controller that the command line names; its settings are those inside the record where
-    that names the same."""
+    that names the same. That those of another are left out is told."""
     if named is None:
         return None
     own = record.world.controller
     settings = own.settings if named == own.type else {}
+    if left := [key for key in own.settings if key not in settings]:
+        text = unused_settings(left, own.type, named)
+        print(f"WARNING  world of {record.path}: controller: {text}", file=sys.stderr, flush=True)
     made: Controller = make_part(CONTROLLER, named, settings, trusted=True)
     return made
 

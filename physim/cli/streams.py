@@ -10,11 +10,30 @@ from __future__ import annotations
 import io
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import TextIO, cast
 
 from physim.escaping import escaped_lines
+
+OWN = (
+    "physim|numpy|scipy|shapely|numba|llvmlite|pymunk|h5py|cv2|matplotlib|PIL|imageio|av|yaml|"
+    "pydantic|svgelements|click"
+)
+"""Modules whose warnings are for those who work on physim."""
+
+
+@contextmanager
+def without_warnings() -> Iterator[None]:
+    """Show no warning of a library that physim uses; those of a user's own code are shown.
+
+    All are, where Python was asked for them (``-W``, ``PYTHONWARNINGS``).
+    """
+    with warnings.catch_warnings():
+        if not sys.warnoptions:
+            warnings.filterwarnings("ignore", module=rf"({OWN})(\.|$)")
+        yield
 
 
 class Gate(io.TextIOBase):

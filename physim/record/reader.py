@@ -185,8 +185,8 @@ class Record(RecordedHistory):
         try:
             world = yaml.load(self.world_text, Loader=fast)
         except (yaml.YAMLError, ValueError, RecursionError) as error:
-            line = " ".join(str(error).split())
-            raise RecordError(f"{self.where}: the world inside cannot be read: {line}") from error
+            why = f": {' '.join(str(error).split())}" if isinstance(error, yaml.YAMLError) else ""
+            raise RecordError(f"{self.where}: the world inside cannot be read{why}") from error
         return world if isinstance(world, Mapping) else {}
 
     @cached_property

@@ -34,6 +34,7 @@ from physim.world.kinds import (
     FrozenMapping,
     Label,
     Length,
+    Number,
     Point,
     Polygon,
     Polyline,
@@ -68,7 +69,7 @@ class Corridor(Model):
             lambda value: "<list>" if isinstance(plain(value), list | tuple) else "<value>"
         ),
     ] = Field(description="[m] full width: one number, or one per point of the centreline")
-    end_margin: Length = Field(
+    end_margin: Annotated[Number, Field(ge=1.0e-3, le=1.0e6)] = Field(
         default=3.0, description="[m] from either end of the centreline to the cap that closes it"
     )
 

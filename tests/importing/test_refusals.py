@@ -157,7 +157,7 @@ def maps() -> dict[str, tuple[str, bytes | None, str]]:
         ),
         "header": (yaml, b"P5\n60 forty\n255\n", 'header: … height … "forty"'),
         "header only": (yaml, b"P5\n60", "header: … height … nothing"),
-        "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "100000 x 100000 pixels … 100 000 000"),
+        "huge PGM": (yaml, b"P5\n100000 100000\n255\n", "100000 x 100000 pixels … 50 000 000"),
         "huge PNG": (yaml, huge_png(100_000, 100_000), "100000 x 100000 pixels"),
         "cut PNG": (yaml, png[: len(png) // 2], "cut short … PNG"),
         "damaged PNG": (yaml, png[:60] + b"X" + png[61:], "check sum … PNG"),

@@ -16,12 +16,16 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused
+from physim.authoring.importing.work import thinned
 from physim.geometry.shapes import FloatArray
 
 SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
 """[m] extent below which a place is refused, and above which its scale is doubted"""
-GRAIN = 2.0 * 10.0**-DIGITS
+SPECK = 2.0 * 10.0**-DIGITS
 """[m] extent up to which a shape that became a point or a line was but a grain"""
+MOST_OBSTACLES = 3_000
+DENSE = 5_000
+"""Points of walls and obstacles from which on those that hardly matter are left out."""
 
 
 def check_sound(path: Path, drawing: Drawing) -> None:
@@ -66,12 +70,18 @@ def check_size(path: Path, extent: FloatArray) -> None:
 
 def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
     """Obstacles with area; grains are listed, and what has none otherwise is refused."""
+    if len(drawing.obstacles) > MOST_OBSTACLES:
+        raise refused(
+            path,
+            f"{len(drawing.obstacles)} obstacles; at most {MOST_OBSTACLES} are read; leave out "
+            "small ones, or draw those that touch as one",
+        )
     kept, grains = [], []
     for ring in drawing.obstacles:
         if _has_area(ring):
             _check_simple(path, "an obstacle", ring)
             kept.append(ring)
-        elif len(ring) and np.ptp(ring, axis=0).max() > GRAIN:
+        elif len(ring) and np.ptp(ring, axis=0).max() > SPECK:
             raise refused(path, f"an obstacle {_at(ring)}encloses no area; draw its outline")
         else:
             grains.append(ring)
@@ -100,6 +110,30 @@ def _at(ring: FloatArray) -> str:
 def _has_area(ring: FloatArray) -> bool:
     """Whether an outline (n, 2) [m] is more than a line."""
     return len(ring) > 2 and bool(shapely.MultiPoint(ring).convex_hull.area > 1e-9)
+
+
+def thin_out(drawing: Drawing, within: float) -> None:
+    """Leave out points of walls and obstacles, where there are very many, and say so.
+
+    They stay ``within`` [m] of where they are. Every point would be looked at in every run.
+    """
+    lines = [*drawing.boundaries, *drawing.obstacles]
+    points = sum(map(len, lines))
+    if points <= DENSE or drawing.area is not None:
+        return
+    drawing.boundaries = [thinned(line, within) for line in drawing.boundaries]
+    drawing.obstacles = [_thinned_ring(ring, within) for ring in drawing.obstacles]
+    left = sum(map(len, (*drawing.boundaries, *drawing.obstacles)))
+    if left < points:
+        drawing.changes.append(
+            f"{points - left} of {points} points of walls and obstacles left out, which lie within "
+            f"{within:g} m of a line between others (--tolerance)"
+        )
+
+
+def _thinned_ring(ring: FloatArray, within: float) -> FloatArray:
+    thin = thinned(np.vstack([ring, ring[:1]]), within)[:-1] if len(ring) > 3 else ring
+    return thin if len(thin) > 2 else ring
 
 
 MOST_ENDS = 600

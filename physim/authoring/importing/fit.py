@@ -24,6 +24,7 @@ from physim.authoring.importing.lines import (
     samples,
     stretch,
 )
+from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
 LENGTH, WIDTH = 1.8, 1.0
@@ -66,7 +67,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     reference = _inside(drawing, reference)
     length = length_of(reference)
     at = samples(length, min(0.1, length / 500.0))
-    gaps = clearances(points_at(reference, at), area)
+    gaps = clearances(points_at(reference, at), coarse(area, GRAIN))
     box = _given_box(drawing, options)
     if box is not None:
         size = round(box[0] / LENGTH, 2 if box[0] > 0.2 else 4)
@@ -109,9 +110,12 @@ def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
     """
     line, length = shapely.LineString(reference), length_of(reference)
     parts = shapely.get_parts(line.intersection(drawing.area))
-    within = shapely.points(shapely.get_coordinates(parts[shapely.length(parts) > SLIVER]))
-    if not within.size:
+    pieces = [
+        shapely.get_coordinates(one)[[0, -1]] for one in parts[shapely.length(parts) > SLIVER]
+    ]
+    if not pieces:
         return reference
+    within = shapely.points(np.vstack(pieces))
     at = shapely.line_locate_point(line, within)
     ends_inside = shapely.covers(drawing.area, shapely.points(reference[[0, -1]]))
     begin = 0.0 if ends_inside[0] else float(at.min())

@@ -21,11 +21,18 @@ from physim.authoring.importing.drawing import (
     place,
     refused,
 )
-from physim.authoring.importing.enclosure import LARGEST_PLACE, check_size, check_sound, enclose
+from physim.authoring.importing.enclosure import (
+    LARGEST_PLACE,
+    check_size,
+    check_sound,
+    enclose,
+    thin_out,
+)
 from physim.authoring.importing.fit import Fit, fit
 from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
+from physim.authoring.importing.work import GRAIN
 from physim.errors import WorldError, plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
@@ -150,7 +157,7 @@ READERS = {
     "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
     "svg": ("physim.authoring.importing.svg", "read_svg"),
     "wkt": ("physim.authoring.importing.polygons", "read_wkt"),
-    "geojson": ("physim.authoring.importing.polygons", "read_geojson"),
+    "geojson": ("physim.authoring.importing.geojson", "read_geojson"),
 }
 
 
@@ -181,6 +188,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
+    thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
     check_sound(source, drawing)
     if drawing.area is None:
         enclose(source, drawing, options.origin)

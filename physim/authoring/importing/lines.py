@@ -6,6 +6,7 @@ drawn in towards the reference path where it has too little room.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import atan2
 from typing import Any
@@ -14,6 +15,7 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import rounded
+from physim.authoring.importing.work import MANY
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.shapes import FloatArray
 
@@ -76,14 +78,56 @@ def stretch(line: FloatArray, first: float, last: float) -> FloatArray:
     return np.vstack([ends[:1], inner, ends[1:]])
 
 
+class Outline:
+    """A shapely area whose edge is asked for distances many times.
+
+    The segments of an edge of many points are put into a tree: an edge as a whole takes up to a
+    time in proportion to its points for each distance.
+    """
+
+    def __init__(self, area: Any) -> None:
+        self.area, self.edge = area, area.boundary
+        shapely.prepare(self.area)
+        shapely.prepare(self.edge)
+        lines = map(shapely.get_coordinates, shapely.get_parts(self.edge))
+        self._tree = _tree(lines) if shapely.get_num_coordinates(area) > MANY else None
+
+    def clearances(self, points: FloatArray) -> FloatArray:
+        """(k,) [m] distance of points to the edge; negative outside the area."""
+        at = shapely.points(points)
+        distance = self.distances(at)
+        return np.asarray(np.where(shapely.covers(self.area, at), distance, -distance))
+
+    def distances(self, shapes: Any) -> FloatArray:
+        """(k,) [m] distance of shapely shapes to the edge."""
+        if self._tree is None:
+            return np.asarray(shapely.distance(self.edge, shapes))
+        return _nearest(self._tree, shapes)
+
+
+def _tree(lines: Iterable[FloatArray]) -> shapely.STRtree:
+    ends = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+    return shapely.STRtree(shapely.linestrings(ends))
+
+
+def _nearest(tree: shapely.STRtree, shapes: Any) -> FloatArray:
+    _, found = tree.query_nearest(shapes, return_distance=True, all_matches=False)
+    return np.asarray(found)
+
+
+def distances_to(line: FloatArray, points: FloatArray) -> FloatArray:
+    """(k,) [m] distance of points (k, 2) to a polyline (n, 2)."""
+    at = shapely.points(points)
+    if len(line) > MANY:
+        return _nearest(_tree([line]), at)
+    whole = shapely.LineString(line)
+    shapely.prepare(whole)
+    return np.asarray(shapely.distance(whole, at))
+
+
 def clearances(points: FloatArray, area: Any) -> FloatArray:
     """(k,) [m] distance of points to the edge of an area; negative outside it."""
-    shapely.prepare(area)
-    edge = area.boundary
-    shapely.prepare(edge)
-    at = shapely.points(points)
-    distance = shapely.distance(edge, at)
-    return np.asarray(np.where(shapely.covers(area, at), distance, -distance))
+    return Outline(area).clearances(points)
 
 
 MOST_ROUNDS = 20

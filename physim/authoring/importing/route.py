@@ -18,7 +18,8 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from physim.authoring.importing.drawing import Drawing, Options, place, refused, rounded
 from physim.authoring.importing.fit import LENGTH, ROOM, room_of
-from physim.authoring.importing.lines import clearances, length_of, points_at, samples
+from physim.authoring.importing.lines import Outline, clearances, length_of, points_at, samples
+from physim.authoring.importing.work import GRAIN, coarse
 from physim.geometry.shapes import FloatArray
 
 KEPT = 0.9
@@ -27,26 +28,24 @@ ROUNDS = 60
 """Times that every point moves towards the middle of its neighbours."""
 
 
-def smooth(line: FloatArray, area: Any, room: float) -> FloatArray:
+def smooth(line: FloatArray, area: Outline, room: float) -> FloatArray:
     """Straighten and round a line (n, 2) whose points have clearance ``room`` [m] in ``area``."""
     line = _straightened(line, area, room)
     at = samples(length_of(line), 0.3 * room)
     points = points_at(line, at)
-    low = np.minimum(clearances(points, area), room)
+    low = np.minimum(area.clearances(points), room)
     for _ in range(ROUNDS):
         moved = points.copy()
         moved[1:-1] = 0.5 * points[1:-1] + 0.25 * (points[:-2] + points[2:])
-        allowed = clearances(moved, area) >= low
+        allowed = area.clearances(moved) >= low
         points = np.where(allowed[:, None], moved, points)
     simple = shapely.simplify(shapely.LineString(points), 0.02 * room)
     return np.asarray(shapely.get_coordinates(simple))
 
 
-def _straightened(line: FloatArray, area: Any, room: float) -> FloatArray:
+def _straightened(line: FloatArray, area: Outline, room: float) -> FloatArray:
     """Replace stretches by straight ones that keep away from the walls nearly as well."""
-    edge = area.boundary
-    shapely.prepare(edge)
-    gaps = clearances(line, area)
+    gaps = area.clearances(line)
     kept, k = [0], 0
     while k < len(line) - 1:
         reach = len(line) - 1 - k
@@ -54,7 +53,7 @@ def _straightened(line: FloatArray, area: Any, room: float) -> FloatArray:
             j = k + reach
             there = float(gaps[k : j + 1].min())
             wanted = max(KEPT * min(there, 4.0 * room), min(there, room))
-            if shapely.distance(edge, shapely.LineString(line[[k, j]])) >= wanted:
+            if area.distances(shapely.LineString(line[[k, j]])).min() >= wanted:
                 break
             reach = reach // 2 if reach > 8 else reach - 1
         k += max(reach, 1)
@@ -64,6 +63,8 @@ def _straightened(line: FloatArray, area: Any, room: float) -> FloatArray:
 
 MOST_CELLS = 80_000
 """Cells of the grid within the area"""
+ROUGH = 0.01
+"""[-] of the distance of two cells: to this an outline of many points is taken for the search"""
 WORTH = 0.6
 """[-] A route this share of the longest is long enough: then a wider one counts more."""
 SIZES = (1.0, 0.8, 0.64, 0.5, 0.4, 0.32, 0.25, 0.2, 0.16, 0.125, 0.1, 0.08, 0.06, 0.04, 0.02, 0.01)
@@ -99,7 +100,9 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     other.
     """
     area = drawing.area
-    grid = _grid(area)
+    step = float(np.sqrt(area.area / MOST_CELLS))
+    rough = Outline(coarse(area, ROUGH * step))
+    grid = _grid(rough, step)
     _check_inside(path, area, "--from", options.origin)
     _check_inside(path, area, "--to", options.goal)
     room, a, b = _ends(path, grid, options)
@@ -108,28 +111,27 @@ def find_route(path: Path, drawing: Drawing, options: Options) -> None:
     chain = [b]
     while chain[-1] != a:
         chain.append(int(before[chain[-1]]))
-    line = rounded(smooth(grid.nodes[chain[::-1]], area, room))
+    line = rounded(smooth(grid.nodes[chain[::-1]], rough, room))
     drawing.reference = line
     length = length_of(line)
-    gaps = clearances(points_at(line, samples(length, 0.1 * room)), area)
+    exact = coarse(area, GRAIN)
+    gaps = clearances(points_at(line, samples(length, 0.1 * room)), exact)
     drawing.facts.append(
         f"path found from {place(line[0])} to {place(line[-1])}, {length:.2f} m, at "
         f"least {gaps.min():.2f} m from every boundary (--from, --to)"
     )
 
 
-def _grid(area: Any) -> _Grid:
-    """Square grid of at most ``MOST_CELLS`` nodes inside the area, linked to eight neighbours."""
-    x0, y0, x1, y1 = area.bounds
-    step = float(np.sqrt(area.area / MOST_CELLS))
+def _grid(outline: Outline, step: float) -> _Grid:
+    """Square grid of nodes ``step`` [m] apart inside the area, linked to eight neighbours."""
+    x0, y0, x1, y1 = outline.area.bounds
     xs, ys = np.arange(x0 + step / 2.0, x1, step), np.arange(y0 + step / 2.0, y1, step)
-    shapely.prepare(area)
     gx, gy = np.meshgrid(xs, ys)
-    mask = shapely.contains_xy(area, gx, gy)
+    mask = shapely.contains_xy(outline.area, gx, gy)
     index = np.full(mask.shape, -1)
     index[mask] = np.arange(int(mask.sum()))
     nodes = np.stack([gx[mask], gy[mask]], axis=1)
-    gaps = clearances(nodes, area)
+    gaps = outline.clearances(nodes)
     firsts, seconds, lengths = [], [], []
     for dy, dx in ((0, 1), (1, 0), (1, 1), (1, -1)):
         here = index[: len(ys) - dy, max(-dx, 0) : len(xs) - max(dx, 0)]

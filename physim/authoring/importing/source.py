@@ -123,8 +123,8 @@ def format_of(path: Path) -> str:
     raise refused(path, f"neither name nor content says what it is; --format {'|'.join(FORMATS)}")
 
 
-MOST_PIXELS = 100_000_000
-"""Pixels of an image that is decoded: 10 000 x 10 000."""
+MOST_PIXELS = 50_000_000
+"""Pixels of an image that is decoded, about 7000 x 7000: up to 18 bytes each are needed."""
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 _TOKEN = re.compile(rb"(?:\s|#[^\n\r]*[\n\r])*([^\s#]+)")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
-from math import acos, ceil, hypot, pi, sqrt
+from math import acos, ceil, hypot, isfinite, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_guard import SvgLook, look_at
+from physim.authoring.importing.svg_guard import LINE, TAG, SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -38,11 +38,15 @@ MOST_CHORDS = 10_000
 """Chords of one curve."""
 
 
-def subpaths(shape: Any, tolerance: float) -> list[tuple[FloatArray, bool]]:
+def subpaths(
+    shape: Any, tolerance: float, most: int = MOST_POINTS
+) -> list[tuple[FloatArray, bool]]:
     """Polylines (n, 2) of an svgelements path, in its units, and whether each is closed.
 
-    ``tolerance`` in the same units. A closed one has its first point repeated.
+    ``tolerance`` in the same units. A closed one has its first point repeated. Raises ValueError
+    for coordinates that are not finite, and before there are more than ``most`` points.
     """
+    made = 0
     found: list[tuple[FloatArray, bool]] = []
     points: list[tuple[float, float]] = []
     for segment in shape:
@@ -55,7 +59,14 @@ def subpaths(shape: Any, tolerance: float) -> list[tuple[FloatArray, bool]]:
         else:
             if not points:
                 points = [(segment.start.x, segment.start.y)]
-            points += _chords(segment, tolerance)
+            count = _chords(segment, tolerance)
+            made += count
+            if made > most:
+                raise ValueError(
+                    f"more than {MOST_POINTS} points up to here; use a larger "
+                    "--tolerance, check --scale, or simplify the drawing"
+                )
+            points += _points(segment, count)
     _finish(found, points, False)
     return found
 
@@ -73,11 +84,18 @@ def _finish(
     found.append((line, closed or bool(len(line) > 3 and (line[0] == line[-1]).all())))
 
 
-def _chords(segment: Any, tolerance: float) -> list[tuple[float, float]]:
-    """Points of a segment after its first."""
+def _chords(segment: Any, tolerance: float) -> int:
+    """How many chords stand for a segment."""
     if isinstance(segment, svgelements.Line):
-        return [(segment.end.x, segment.end.y)]
-    count = min(max(ceil(_count(segment, tolerance)), 1), MOST_CHORDS)
+        return 1
+    count = _count(segment, tolerance)
+    if not isfinite(count):
+        raise ValueError("a coordinate is not a finite number")
+    return min(max(ceil(count), 1), MOST_CHORDS)
+
+
+def _points(segment: Any, count: int) -> list[tuple[float, float]]:
+    """Points of a segment after its first, the ends of ``count`` chords."""
     inner = segment.npoint(np.arange(1, count) / count) if count > 1 else ()
     return [*((float(x), float(y)) for x, y in inner), (segment.end.x, segment.end.y)]
 
@@ -133,7 +151,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     drawing = Drawing(kind="SVG drawing")
     drawing.changes += listed(look.left_out)
     try:
-        root = svgelements.SVG.parse(io.StringIO(text), reify=True, ppi=96.0)
+        root = svgelements.SVG.parse(io.StringIO(look.marked(text)), reify=True, ppi=96.0)
     except RecursionError:
         raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
@@ -146,16 +164,19 @@ def read_svg(path: Path, options: Options) -> Drawing:
     walls = Walls(frozenset(options.boundary))
     for element, role, name in _shapes(root, "", "", walls):
         label = next(iter(names_of(element)), "")
-        where = escaped(repr(label) if label else f"<{type(element).__name__.lower()}>")
+        own = element.values.get("attributes", {})
+        where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
             continue
         try:
-            found = subpaths(abs(svgelements.Path(element)), tolerance / frame.metres)
+            found = subpaths(
+                abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count
+            )
         except (ValueError, ArithmeticError) as error:
-            line = look.lines.get(str(element.id or ""))
-            raise refused(path, f"{where}: {escaped(str(error))[:100]}", line) from None
+            line = int(own[LINE]) if LINE in own else None
+            raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
@@ -163,9 +184,6 @@ def read_svg(path: Path, options: Options) -> Drawing:
             else:
                 lines.append(_Line(role, name, placed, closed))
                 count += len(placed)
-        if count > MOST_POINTS:
-            line = look.lines.get(str(element.id or ""))
-            raise refused(path, f"{where}: more than {MOST_POINTS} points up to here", line)
     if unknown := walls.unknown():
         raise refused(path, unknown)
     drawing.changes += listed(left_out)

@@ -21,11 +21,13 @@ MOST_COPIES = 100
 """Copies of copies."""
 MOST_NESTED = 2_000_000
 """Elements, each counted as often as groups stand about it: the work of reading them."""
-MOST_PATH = 5_000_000
-"""Characters of all path data."""
+MOST_NUMBERS = 300_000
+"""Numbers of all path data: the work of reading them."""
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
+LINE, TAG = "physim-line", "physim-tag"
+"""Attributes that tell of an element where it stands; see `SvgLook.marked`."""
 SVG = "http://www.w3.org/2000/svg|"
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
 NUMBERS = {
@@ -47,6 +49,19 @@ class SvgLook:
     lines: dict[str, int] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
     width: str = ""
+    tags: list[tuple[int, str, int]] = field(default_factory=list)
+    """byte at which each element begins, its name as written, and its line"""
+
+    def marked(self, text: str) -> str:
+        """The text with its line and name in every element, as attributes `LINE` and `TAG`."""
+        data, at, parts = text.encode("utf-8"), 0, []
+        for begin, name, line in self.tags:
+            end = begin + 1
+            while data[end : end + 1] not in (b"", b" ", b"\n", b"\t", b"/", b">"):
+                end += 1
+            parts += [data[at:end], f' {LINE}="{line}" {TAG}="{name}"'.encode()]
+            at = end
+        return b"".join([*parts, data[at:]]).decode("utf-8")
 
 
 @dataclass
@@ -125,6 +140,8 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
+        shown = tag if tag.isascii() and tag.isalnum() else "element"
+        self.look.tags.append((self.parser.CurrentByteIndex, shown, line))
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open:
@@ -138,9 +155,13 @@ class _Guard:
                 f"{len(self.open)} groups within each other, with too many elements in them; "
                 "ungroup some of them"
             )
-        self.drawn += len(attributes.get("d", "")) + len(attributes.get("points", ""))
-        if self.drawn > MOST_PATH:
-            raise self._refused(f"more than {MOST_PATH / 1e6:g} million characters of path data")
+        for key in ("d", "points"):
+            self.drawn += len(NUMBER.findall(attributes.get(key, "")))
+        if self.drawn > MOST_NUMBERS:
+            raise self._refused(
+                f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
+                "or delete what is no wall, obstacle, path or robot"
+            )
         if bad := NO_PATH_DATA.search(attributes.get("d", "")):
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(f'path data: "{escaped(around)}" cannot be read')

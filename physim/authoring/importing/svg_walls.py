@@ -9,6 +9,8 @@ from physim.escaping import escaped
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 MOST_ADVISED = 5
+MOST_MEASURED = 2_000
+"""Shapes without a role whose extent is looked up, which takes a millisecond each."""
 
 
 def names_of(element: Any) -> list[str]:
@@ -25,6 +27,7 @@ class Walls:
         self._asked = asked
         self._found: set[str] = set()
         self._known: set[str] = set()
+        self._measured = 0
         self._boxes: dict[str, tuple[float, float, float, float]] = {}
 
     def takes(self, element: Any) -> bool:
@@ -40,8 +43,11 @@ class Walls:
         It goes by its own name, else by that of the group.
         """
         name = next(iter(names_of(element)), "") or group
+        if not name or self._measured >= MOST_MEASURED:
+            return
         box = element.bbox()
-        if not name or box is None:
+        self._measured += 1
+        if box is None:
             return
         x0, y0, x1, y1 = (float(value) * metres for value in box)
         a0, b0, a1, b1 = self._boxes.get(name, (x0, y0, x1, y1))

@@ -12,6 +12,7 @@ from physim.authoring.importing.drawing import Drawing, Options, listed, place, 
 from physim.authoring.importing.enclosure import check_size
 from physim.authoring.importing.lines import (
     CrossingError,
+    distances_to,
     length_of,
     points_at,
     samples,
@@ -20,6 +21,7 @@ from physim.authoring.importing.lines import (
 )
 from physim.authoring.importing.source import read_text
 from physim.authoring.importing.track_file import TrackFile, read_track_file
+from physim.authoring.importing.work import check_work
 from physim.geometry.shapes import FloatArray
 
 CLOSED = 2.0
@@ -75,6 +77,7 @@ def read_track(path: Path, options: Options) -> Drawing:
         f"{width.max():.2f} m wide as stated; {options.unit:g} m per unit"
     )
     road = _road(file, closed)
+    check_work(path, [road.centre, road.left, road.right])
     check_size(path, np.ptp(np.vstack([road.left, road.right]), axis=0))
     if closed:
         road = _opened(path, road, total, options, drawing)
@@ -106,8 +109,7 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
     """
     at = samples(length_of(centre), 0.1)
     points = points_at(centre, at)
-    width = sum(shapely.distance(shapely.LineString(wall), shapely.points(points))
-                for wall in (left, right))  # fmt: skip
+    width = distances_to(left, points) + distances_to(right, points)
     k = int(np.argmin(width))
     if width[k] >= (1.0 - SLIGHTLY) * stated:
         return []
@@ -119,12 +121,9 @@ def _as_made(centre: FloatArray, left: FloatArray, right: FloatArray, stated: fl
 
 def _report_folds(file: TrackFile, drawing: Drawing, road: _Road) -> None:
     """Report where a wall lies much nearer to the centreline than the width that is stated."""
-    at = shapely.points(file.points)
+    on_road = distances_to(road.centre, file.points) < NEAR
     for side, wall, width in (("left", road.left, file.left), ("right", road.right, file.right)):
-        line = shapely.LineString(wall)
-        shapely.prepare(line)
-        gap = shapely.distance(line, at)
-        on_road = shapely.distance(shapely.LineString(road.centre), at) < NEAR
+        gap = distances_to(wall, file.points)
         share = np.where(on_road, gap / width, 1.0)
         k = int(np.argmin(share))
         if share[k] < FOLDED:

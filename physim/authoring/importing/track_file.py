@@ -122,7 +122,7 @@ def _check_count(path: Path, data: tuple[int, str], separator: str, count: int) 
         )
 
 
-MOST_POINTS = 100_000
+MOST_POINTS = 15_000
 
 
 @dataclass(frozen=True)

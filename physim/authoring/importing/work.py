@@ -1,4 +1,4 @@
-"""Bounds on the work of an import, checked before the work: points, crossings, extent.
+"""Bounds on the work of an import, checked before the work: points, crossings, density, extent.
 
 What is beyond them would take minutes or gigabytes, and is hardly a place for robots.
 """
@@ -18,11 +18,18 @@ from physim.geometry.shapes import FloatArray
 
 MOST_POINTS = 50_000
 """Points of all lines together."""
-MOST_MEETINGS = 500_000
+MOST_MEETINGS = 100_000
 """Pairs of segments whose boxes overlap."""
+MOST_ACROSS = 2_000
+"""Lines that a straight line across the place meets, on average: the work of telling inside from
+outside."""
 FARTHEST = 50_000.0
 """[m] extent of a place"""
 BLOCK = 500
+MANY = 2_000
+"""Points from which on an outline is taken coarsely, where that is enough."""
+GRAIN = 1e-3
+"""[m] Worlds are written to the millimetre."""
 
 
 def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
@@ -53,6 +60,30 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
             path,
             f"the lines lie over each other in more than {MOST_MEETINGS} places; draw each once",
         )
+    if pairs and _dense(np.vstack(pairs), extent):
+        raise refused(
+            path,
+            f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
+            "what is no wall",
+        )
+
+
+def thinned(line: FloatArray, within: float) -> FloatArray:
+    """A line (n, 2) [m] with the points left out without which it runs ``within`` [m] of it."""
+    simple = shapely.simplify(shapely.LineString(line), within, preserve_topology=False)
+    return np.asarray(shapely.get_coordinates(simple))
+
+
+def coarse(area: Any, within: float) -> Any:
+    """A shapely area whose outline is ``within`` [m] of that given; the same where it is simple.
+
+    Distances to an outline are looked up by the ten thousand, and each look-up may cost a time in
+    proportion to the points of it.
+    """
+    if shapely.get_num_coordinates(area) <= MANY:
+        return area
+    simple = shapely.simplify(area, within)
+    return simple if simple.is_valid and simple.area > 0.0 else area
 
 
 def lines_of(shape: Any) -> list[FloatArray]:
@@ -64,6 +95,12 @@ def lines_of(shape: Any) -> list[FloatArray]:
 def depth_of(text: str) -> int:
     """Brackets within brackets."""
     return max(accumulate((c == "(") - (c == ")") for c in text), default=0)
+
+
+def _dense(segments: FloatArray, extent: FloatArray) -> bool:
+    """Whether lines across the place meet more segments (n, 4) than allowed."""
+    covered = np.abs(segments[:, 2:] - segments[:, :2]).sum(axis=0)
+    return bool((covered > MOST_ACROSS * np.maximum(extent, 1e-9)).any())
 
 
 def _tangled(segments: FloatArray) -> bool:

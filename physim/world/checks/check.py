@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 
+import numpy as np
 import shapely
 
 from physim.errors import Fault, Position, WorldError
@@ -95,6 +96,7 @@ def _refused(error: WorldError, file: str) -> Findings:
     )
 
 
+@np.errstate(all="ignore")  # see build_scene
 def _check_geometry(checked: Validated, found: Diagnostics) -> tuple[ClearanceProfile, ...]:
     """Everything that lies in where things are; what cannot be read is passed over."""
     whole = checked.world is not None

@@ -174,7 +174,8 @@ def world_of(
     )
     if checked.world is None:
         raise located(checked.faults, checked.document)
-    return checked.world, checked.document
+    warnings = (*checked.document.warnings, *checked.warnings)
+    return checked.world, replace(checked.document, warnings=warnings)
 
 
 @dataclass(frozen=True)
@@ -294,11 +295,8 @@ def _with_controller(document: Document, name: str) -> Document:
     left = [] if chosen == name else [str(key) for key in settings if key != "type"]
     warnings = document.warnings
     if left:
-        many = "settings" if len(left) > 1 else "setting"
-        text = (
-            f"{many} {', '.join(left)} of {describe(chosen)}: not used by {describe(name)} "
-            "(--set controller.KEY=VALUE gives it its own)"
-        )
+        advice = " (--set controller.KEY=VALUE gives it its own)"
+        text = unused_settings(left, chosen, name) + advice
         warnings = (*warnings, Fault(("controller",), text))
     kept = {key: member for key, member in settings.items() if key not in left}
     kept["type"] = Member(1, 1, Node(1, 1, name, override="--controller"))
@@ -306,6 +304,12 @@ def _with_controller(document: Document, name: str) -> Document:
     members["controller"] = Member(line, column, Node(line, column, members=kept))
     chosen_root = Node(root.line, root.column, members=members, size=root.size, height=root.height)
     return replace(document, root=chosen_root, warnings=warnings)
+
+
+def unused_settings(keys: Sequence[str], of: Any, by: str) -> str:
+    """Say that settings of one controller are not used by another."""
+    many = "settings" if len(keys) > 1 else "setting"
+    return f"{many} {', '.join(keys)} of {describe(of)}: not used by {describe(by)}"
 
 
 def _sound_robots(values: dict[str, Any]) -> dict[int, Robot]:

@@ -90,11 +90,9 @@ def _pitfall(text: str) -> str:
     if _OCTAL.fullmatch(text):
         return f"{brief} may be read as octal; write it without leading zeros"
     if _OTHER_BASE.fullmatch(text):
-        return (
-            f"{brief} is not decimal; write {int(text.replace('_', ''), 0)}"
-            if (len(text) < 18)
-            else f"{brief} is not decimal; write it in decimal"
-        )
+        digits = text.replace("_", "")
+        meant = str(int(digits, 0)) if len(text) < 18 and digits[-1] not in "xXbB" else "it"
+        return f"{brief} is not decimal; write {meant}" + (" in decimal" if meant == "it" else "")
     if _GROUPED.fullmatch(text):
         return f"{brief} has underscores; write {brief.replace('_', '')}"
     if _SEXAGESIMAL.fullmatch(text):

@@ -30,6 +30,7 @@ GRID_CELL = 2.0
 """[m] cell of the wall look-up"""
 
 
+@np.errstate(all="ignore")  # GEOS divides by zero on the way, where lengths are as good as none
 def build_scene(world: World, seed: int | None = None) -> Scene:
     """Make a world ready to run, with ``seed`` or else the world's own.
 

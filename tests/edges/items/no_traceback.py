@@ -86,3 +86,35 @@ def try_drawings_in_other_encodings(shell: Shell) -> None:
     for name in ("Shift_JIS", "UTF-7", "UTF-16", "no-such-thing", "rot13"):
         shell.write("d.svg", f'<?xml version="1.0" encoding="{name}"?>{drawing}')
         shell.physim("import", "d.svg", "-o", "w.yaml").refused("d.svg:1:", name, "UTF-8")
+
+
+def try_numbers_of_thousands_of_digits(shell: Shell) -> None:
+    digits = "9" * 5000
+    shell.write("w.yaml", f"name: a\nseed: {digits}\n")
+    done = shell.physim("run", "w.yaml")
+    assert done.code == 2
+    assert "w.yaml:2:7: seed: an integer of 5000 digits" in done.err, done.err
+    for given in (("run", "straight", "--seed", digits),
+                  ("validate", "straight", "--seeds", f"0:{digits}"),
+                  ("run", "straight", "--set", f"seed={digits}"),
+                  ("run", "straight", "--set", "seed=0x_")):  # fmt: skip
+        shell.physim(*given).refused("seed")
+    shell.write("a.geojson", f'{{"type": "Point", "coordinates": [{digits}, 0]}}')
+    shell.physim("import", "a.geojson", "-o", "o.yaml").refused("a.geojson: ", "5000 digits")
+
+    def change(file: h5py.File) -> None:
+        file.attrs["world"] = f"name: a\nseed: {digits}\n"
+
+    damaged(shell, change)
+    done = shell.physim("summary", "record.h5")
+    assert "sys." not in done.err + done.out
+
+
+def try_lengths_that_are_as_good_as_none(shell: Shell) -> None:
+    for value in ("1.0e-320", "1.0e-300", "1.0e+300"):
+        for key in ("corridor.width", "corridor.end_margin", "robots.0.pose"):
+            pose = f"[{value}, {value}, {value}]"
+            given = f"{key}={pose if key.endswith('pose') else value}"
+            done = shell.physim("check", "straight", "--set", given)
+            assert done.code in (0, 2)
+            assert "Warning" not in done.err, done.err

@@ -88,3 +88,10 @@ def try_an_error_names_its_line(shell: Shell) -> None:
     for part in ("own.py:19", "KeyError", "missing"):
         assert part in done.err, done.err
     assert "in decide" in shell.physim(*given, "--traceback").err
+
+
+def try_another_controller_for_a_record_is_told(shell: Shell) -> None:
+    ran(shell, "strength: 0.7")
+    done = shell.physim("validate", "out/record.h5", "--rerun", "--controller", "own:Plain")
+    for part in ("WARNING", "strength", "own:Push", "own:Plain"):
+        assert part in done.err, done.err

@@ -1,0 +1,160 @@
+"""GeoJSON in metres: its polygons and lines, and the roles that features have."""
+
+from __future__ import annotations
+
+import json
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.authoring.importing.drawing import Drawing, Options, refused
+from physim.authoring.importing.polygons import (
+    MOST_DEPTH,
+    MOST_GEOMETRIES,
+    Part,
+    check_count,
+    degrees,
+    drawing_of,
+    flat,
+)
+from physim.authoring.importing.source import read_text
+from physim.errors import nearest
+from physim.escaping import escaped
+
+MOST_DIGITS = 300
+"""Digits of a whole number, about what fits into a float."""
+DEGREES = ("crs84", "epsg:4326", "epsg::4326", "epsg/0/4326", "epsg:4258", "epsg::4258")
+ROLES = ("boundary", "obstacle", "path", "robot")
+COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
+
+
+def read_geojson(path: Path, options: Options) -> Drawing:
+    """Read a GeoJSON file in metres; degrees are refused."""
+    text = read_text(path)
+    try:
+        value = json.loads(text, parse_constant=_not_finite, parse_int=_whole)
+    except json.JSONDecodeError as error:
+        raise refused(path, f"not valid JSON: {error.msg}", error.lineno) from None
+    except RecursionError:
+        raise refused(path, "nested too deeply") from None
+    except ValueError as error:
+        raise refused(path, escaped(str(error))[:100]) from None
+    if not isinstance(value, dict) or "type" not in value:
+        raise refused(path, 'not GeoJSON: an object with "type" is needed')
+    crs = json.dumps(value.get("crs") or "").lower()
+    if any(name in crs for name in DEGREES):
+        raise degrees(path, "the crs of the file")
+    parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
+    check_count(path, parts)
+    if options.scale is None and len(crs) < 3 and parts:
+        _check_degrees(path, parts)
+    return drawing_of(path, "GeoJSON", parts, options)
+
+
+def _whole(digits: str) -> int:
+    if len(digits) > MOST_DIGITS:
+        raise ValueError(
+            f"{digits[:20]}…, a number of {len(digits)} digits; at most {MOST_DIGITS} are read"
+        )
+    return int(digits)
+
+
+def _not_finite(word: str) -> float:
+    raise ValueError(f"{word} is not a finite number; coordinates are finite")
+
+
+def _features(path: Path, value: Any, role: str, name: str, depth: int) -> Any:
+    """Every polygon and line below a GeoJSON object."""
+    if depth > MOST_DEPTH:
+        raise refused(path, f"nested deeper than {MOST_DEPTH} levels")
+    if not isinstance(value, dict):
+        raise refused(path, "not GeoJSON: a feature or geometry is an object")
+    kind = str(value.get("type"))
+    if kind in COLLECTIONS:
+        entries = value.get(COLLECTIONS[kind])
+        if not isinstance(entries, list):
+            raise refused(path, f'not GeoJSON: "{COLLECTIONS[kind]}" must be a list')
+        for one in entries:
+            yield from _features(path, one, role, name, depth + 1)
+    elif kind == "Feature":
+        about = value.get("properties")
+        about = about if isinstance(about, dict) else {}
+        own = _role(path, about)
+        label = escaped(str(about.get("name", value.get("id", "")) or ""))[:80]
+        if value.get("geometry") is not None:
+            yield from _features(path, value["geometry"], own, label, depth + 1)
+    else:
+        for one in flat(_shape(path, value)):
+            _check_role(path, one, role)
+            yield Part(one, role, name)
+
+
+def _role(path: Path, about: dict[str, Any]) -> str:
+    """What a feature is for, by its property ``role``, else by ``layer`` where that is a role.
+
+    A role that is none is refused, and so is a layer that seems to be one misspelt.
+    """
+    given = about.get("role")
+    own = str(given if given is not None else about.get("layer") or "").strip().lower()
+    own = "boundary" if own == "wall" else own
+    near = nearest(own, list(ROLES))
+    if own and own not in ROLES and (given is not None or near):
+        key = "role" if given is not None else "layer"
+        raise refused(path, f'{key}: "{escaped(own)[:40]}" is none of {", ".join(ROLES)}{near}')
+    return own if own in ROLES else ""
+
+
+def _check_role(path: Path, shape: Any, role: str) -> None:
+    """Refuse a line where an outline is needed, and an outline where a line is."""
+    is_line = shape.geom_type in ("LineString", "LinearRing")
+    if is_line and role in ("obstacle", "robot"):
+        raise refused(path, f'a {shape.geom_type} has the role "{role}"; that is a Polygon')
+    if shape.geom_type == "Polygon" and role == "path":
+        raise refused(path, 'a Polygon has the role "path"; that is a LineString')
+
+
+def _shape(path: Path, value: dict[str, Any]) -> Any:
+    """Geometry with coordinates as a shapely one."""
+    kind = escaped(str(value.get("type")))[:40]
+    bad = _no_number(value.get("coordinates"), 0)
+    if bad is not None:
+        quoted = escaped(json.dumps(bad))[:40]
+        raise refused(
+            path, f'geometry "{kind}": {quoted} is not a number; coordinates are lists of [x, y]'
+        )
+    try:
+        return shapely.geometry.shape(value)
+    except (
+        shapely.errors.ShapelyError, ValueError, TypeError, LookupError, AttributeError,
+        OverflowError,
+    ):  # fmt: skip
+        raise refused(
+            path, f'geometry "{kind}" cannot be read; coordinates are lists of [x, y]'
+        ) from None
+
+
+def _no_number(value: Any, depth: int) -> Any:
+    """First text, bool or object within lists of coordinates; None where there is none.
+
+    What is no list at all, or nested too deeply, is for shapely to refuse.
+    """
+    if isinstance(value, list):
+        found = (_no_number(one, depth + 1) for one in value if depth < MOST_DEPTH)
+        return next((one for one in found if one is not None), None)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return None if is_number or depth == 0 else value
+
+
+def _check_degrees(path: Path, parts: list[Part]) -> None:
+    """GeoJSON without a crs is in degrees; numbers that can hardly be metres are refused."""
+    points = np.vstack([shapely.get_coordinates(part.shape) for part in parts])
+    x, y = np.abs(points).max(axis=0)
+    if x <= 180.0 and y <= 90.0 and np.ptp(points, axis=0).max() < 1.0:
+        raise degrees(
+            path,
+            f"all within {np.ptp(points, axis=0).max():.2g} of a unit, and GeoJSON without crs is "
+            "in degrees; --scale 1 if these are metres",
+        )

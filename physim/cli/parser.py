@@ -56,7 +56,7 @@ HEAD = """\
 Usage: physim COMMAND ...    polygon robots in corridors on rigid-body physics
 """
 TAIL = """\
-exit codes: 0 success, 1 contact or unexpected, 2 bad input, 3 checks disagree
+exit: 0 success, 1 contact, 2 bad input, 3 disagreement, 70 bug, 130 interrupted
 To begin: physim run three_robots. A command explained: physim COMMAND --help
 """
 

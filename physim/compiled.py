@@ -8,7 +8,8 @@ of numba whose internals are not known here it does so: results are the same, bi
 
 numba's own cache looks only at the file a function stands in: after an edit of a function that it
 calls from another file, the old code would be used. Here the cache of every kernel is stamped
-with the state of all sources of the package, so any edit compiles anew.
+with the state of all sources of the package but those of `ROOMS_WITHOUT_KERNELS`, so any edit of
+the others compiles anew.
 
 numba keeps compiled code beside the sources or in the user's home. Where neither is writable, as in
 a container, it goes to a temporary folder of the user's, or is not kept at all; a note on stderr
@@ -29,6 +30,11 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+ROOMS_WITHOUT_KERNELS = (
+    "authoring", "campaigns", "cli", "drawing", "reproduction", "statistics", "testing",
+)  # fmt: skip
+"""Rooms in which no kernel stands, nor anything that one calls or reads"""
 
 LINKED_SERIES = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
 """Versions of numba that `physim.linking` was tried with; any other compiles kernels by itself."""
@@ -51,8 +57,11 @@ def source_stamp() -> str:
     controllers = find_spec("physim.controllers")
     if controllers is not None and controllers.origin is not None:
         folders.append(Path(controllers.origin).parent)
+    without = {Path(__file__).resolve().parent / room for room in ROOMS_WITHOUT_KERNELS}
     hasher = hashlib.sha256()
     for file in sorted({file.resolve() for folder in folders for file in folder.rglob("*.py")}):
+        if not without.isdisjoint(file.parents):
+            continue
         hasher.update(f"{file.name}\0".encode() + file.read_bytes())
     return hasher.hexdigest()
 

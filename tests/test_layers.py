@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from physim.compiled import ROOMS_WITHOUT_KERNELS
 from physim.parts.registry import CONTROLLER, controller_names
 from physim.world.file.files import shipped_folder, shipped_worlds
 
@@ -347,3 +348,21 @@ def test_every_controller_on_disk_is_under_contract() -> None:
     registered = {entry.value for entry in entry_points(group=CONTROLLER.group)}
     assert deciding == {value for value in registered if value.startswith("physim.controllers.")}
     assert set(controller_names()) >= {"mode_switching", "path_following"}
+
+
+@every_module
+def test_rooms_left_out_of_the_stamp_hold_nothing_that_kernels_need(module: str) -> None:
+    """Kernels are not compiled anew for edits there: see `physim.compiled.source_stamp`."""
+    left_out = tuple(f"physim.{room}" for room in ROOMS_WITHOUT_KERNELS)
+    is_left_out = module.startswith(tuple(f"{room}." for room in left_out)) or module in left_out
+    decorators = {
+        ast.unparse(one).split("(")[0]
+        for node in ast.walk(tree_of(module))
+        if isinstance(node, ast.FunctionDef)
+        for one in node.decorator_list
+    }
+    if is_left_out:
+        assert not decorators & {"compiled", "callback"}
+    elif decorators & {"compiled", "callback"}:
+        wrong = [name for _, name in imports(module) if name.startswith(left_out)]
+        assert wrong == []

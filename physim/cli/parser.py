@@ -53,7 +53,7 @@ GROUPS = {
 COMMANDS = {name: where for group in GROUPS.values() for name, where in group.items()}
 
 HEAD = """\
-Usage: physim COMMAND ...    polygon robots in corridors on rigid-body physics
+Usage: physim [-h] [--version] COMMAND ...  Run polygon robots; judge the runs.
 """
 TAIL = """\
 exit: 0 success, 1 contact, 2 bad input, 3 disagreement, 70 bug, 130 interrupted

@@ -65,7 +65,9 @@ def sources_of(controller: str) -> tuple[Source, ...]:
     while waiting:
         name = waiting.pop()
         place = _file_of(name)
-        if name in found or place is None or root not in place.parents or _is_installed(place):
+        if name in found or name.partition(".")[0] == "physim" or place is None:
+            continue
+        if root not in place.parents or _is_installed(place):
             continue
         found[name] = one = _read(name, place)
         parent = name.rpartition(".")[0]

@@ -1,0 +1,133 @@
+"""One HTML file of one run or several: `write_page`, and `Page` for a notebook."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from physim._version import __version__
+from physim.analysis.summary import Summary, summarise
+from physim.drafts import draft_of
+from physim.drawing.labels import clean
+from physim.drawing.page.bundle import asset, policy, script, style
+from physim.drawing.page.colours import custom_properties, schemes
+from physim.drawing.page.data import run_data
+from physim.drawing.page.tables import contact_table, summary_table, text_of
+from physim.errors import PhysimError, plural
+from physim.record import Record
+
+MOST_RUNS = 6
+"""Runs in one page"""
+MARK = re.compile(r"\{\{(\w+)\}\}")
+HEIGHT = 760
+"""[px] of a page in a notebook"""
+
+
+@dataclass(frozen=True, repr=False)
+class Page:
+    """A page as text; in a notebook it shows itself."""
+
+    html: str
+
+    def __repr__(self) -> str:
+        """How large it is."""
+        return f"<Page of {len(self.html.encode()) / 1e6:.2f} MB; write(path) makes a file of it>"
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, which reaches nothing outside of it."""
+        return (
+            f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts" '
+            f'style="width:100%;height:{HEIGHT}px;border:0" title="physim"></iframe>'
+        )
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Write it to a file, whole or not at all. Raises PhysimError when it cannot be written."""
+        target = Path(path)
+        draft = draft_of(target)
+        try:
+            draft.write_text(self.html, encoding="utf-8")
+            draft.replace(target)
+        except OSError as error:
+            raise PhysimError(f"{target}: cannot be written ({error.strerror})") from None
+        finally:  # of an error or Ctrl-C nothing is left
+            draft.unlink(missing_ok=True)
+        return target
+
+
+def write_page(records: Sequence[Record], path: str | os.PathLike[str]) -> Path:
+    """Write the page of one run or several to a file.
+
+    Raises PhysimError where there are none or too many, for a record without samples or robots,
+    and when the file cannot be written.
+    """
+    return page_of(*records).write(path)
+
+
+def page_of(*records: Record) -> Page:
+    """Make the page of one run or several, shown in step. Raises PhysimError as `write_page`."""
+    if not 1 <= len(records) <= MOST_RUNS:
+        raise PhysimError(f"a page shows 1 to {MOST_RUNS} records; given {len(records)}")
+    summaries = [summarise(record) for record in records]
+    runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
+    labels = _labels(records)
+    code = script()
+    css = custom_properties() + style("common.css", "page.css")
+    name = clean(records[0].name) if len(records) == 1 else ", ".join(labels)
+    return Page(
+        _filled(
+            policy=policy(code, css), version=__version__, title=text_of(f"{name} – physim"),
+            style=css, heading=text_of(name), about=_about(records), script=code,
+            tables=_tables(labels, summaries), schemes=_json(schemes()), labels=_json(labels),
+            runs="\n".join(
+                f'<script type="text/plain" class="run">{run}</script>' for run in runs
+            ),
+        )
+    )  # fmt: skip
+
+
+def _filled(**parts: str) -> str:
+    """The page with its parts; what they hold is not looked at again."""
+    return MARK.sub(lambda found: parts[found[1]], asset("page.html"))
+
+
+def _json(value: Any) -> str:
+    """JSON that ends no element and begins none."""
+    return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
+
+
+def _labels(records: Sequence[Record]) -> list[str]:
+    """What each run is called: its name, with seed, controller or folder where they differ."""
+    names = [clean(record.name) for record in records]
+    if len(records) == 1 or len(set(names)) == len(names):
+        return names
+    told = [names]
+    for differing in (
+        [f"seed {record.seed}" for record in records],
+        [record.setup.controller.name for record in records],
+        [clean(record.path.parent.name) if record.path else "" for record in records],
+    ):
+        if len(set(differing)) > 1:
+            told.append(differing)
+    return [", ".join(part for part in parts if part) for parts in zip(*told, strict=True)]
+
+
+def _about(records: Sequence[Record]) -> str:
+    if len(records) > 1:
+        return plural(len(records), "run")
+    record = records[0]
+    count = plural(record.robots, "robot")
+    return text_of(f"{count}, seed {record.seed}, {record.setup.controller.name}")
+
+
+def _tables(labels: Sequence[str], summaries: Sequence[Summary]) -> str:
+    parts = []
+    for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
+        title = f"<h2>{text_of(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
+        parts += [title, summary_table(summary), contact_table(summary, run, len(labels))]
+    return "".join(parts)

@@ -10,6 +10,8 @@ from physim.escaping import escaped
 
 MOST_CONTACTS = 200
 """Contacts that have a line; others are counted."""
+OPEN = 12
+"""Contacts up to which their table is open from the start."""
 
 
 def summary_table(summary: Summary) -> str:
@@ -49,8 +51,9 @@ def contact_table(summary: Summary, run: int, runs: int) -> str:
     left = len(found) - MOST_CONTACTS
     more = f"<p>and {left} more, which the record holds</p>" if left > 0 else ""
     return (
-        f'<h2>Contacts</h2><div class="wide"><table><thead><tr>{head}</tr></thead>'
-        f"<tbody>{''.join(lines)}</tbody></table></div>{more}"
+        f"<details{' open' if len(found) <= OPEN else ''}><summary>Contacts: {len(found)}</summary>"
+        f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(lines)}</tbody></table></div>{more}</details>"
     )
 
 

@@ -74,7 +74,7 @@ function distances(runs) {
   const shown = runs.filter((run) => run.header.curves.pair || run.header.curves.wall);
   if (!shown.length) return null;
   const limit = thresholdOf(runs[0], "distance");
-  let most = limit ? 3 * limit.leave : 0.5;
+  let most = limit ? 1.3 * limit.leave : 0.5;
   let least = 0;
   for (const run of shown) {
     for (const name of ["pair", "wall"]) {

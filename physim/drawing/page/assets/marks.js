@@ -59,10 +59,13 @@ export function drawContact(context, x, y, { swept, deep }, colours, small = fal
 }
 
 export function drawContacts(context, shown, lens, colours, speed, crowd) {
+  const rings = [];
   for (const one of shown) {
     const [x, y] = toPixels(lens, one.x, one.y);
     const grown = one.age / (FLASH * Math.max(speed, 1e-6));
-    if (grown < 1) {
+    const isFirst = rings.every(([rx, ry]) => Math.hypot(rx - x, ry - y) > 24);
+    if (grown < 1 && isFirst) {
+      rings.push([x, y]);
       disc(context, x, y, 9 + 25 * grown, null, colours.paper, 7);
       disc(context, x, y, 9 + 25 * grown, null, colours.contact, 4);
     }

@@ -69,10 +69,7 @@ export function legend(view, colours) {
   ];
   const update = (time) => {
     const now = new Map();
-    for (let robot = 0; robot < run.robots; robot++) {
-      const mode = run.modeAt(robot, time);
-      now.set(mode, (now.get(mode) ?? 0) + 1);
-    }
+    for (const mode of run.modesAt(time)) now.set(mode, (now.get(mode) ?? 0) + 1);
     for (const [number, count] of counts) say(count, String(now.get(number) ?? 0));
   };
   return { list, update };

@@ -2,12 +2,13 @@
 
 import { fitted } from "./dom.js";
 import { courses } from "./courses.js";
-import { roundBelow, decimal } from "./words.js";
+import { decimal, roundAbove, roundBelow } from "./words.js";
 
 const LEFT = 52; // [px] for numbers
 const RIGHT = 12;
 const AXIS = 18;
 const HEAD = 15;
+const TICK = 13; // [px] from tick to tick at least
 
 export class Plots {
   /** `seek` is called with a time [s] while the line is dragged. */
@@ -114,7 +115,7 @@ export class Plots {
 
   drawTicks(context, row, frame, colours) {
     const [low, high] = row.limits;
-    const step = roundBelow((high - low) / 2.1);
+    const step = roundAbove(((high - low) * TICK) / frame.height);
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9; k++) {

@@ -4,6 +4,7 @@ import { lastAtMost } from "./run.js";
 
 const MARK_FROM = 5; // [px] size from which heading marks are drawn
 const TRAIL_STEPS = 24;
+const CROWD_STEPS = 4;
 const FADES = 6; // steps in which a trail fades
 
 /** Shapes of the robots of a run, ready to be placed. */
@@ -110,36 +111,44 @@ export function trace(path, ring) {
   path.closePath();
 }
 
-/** Draws where robots went in the last seconds, fading. */
+/** Draws where robots went in the last seconds, fading; those of a crowd in one go. */
 export function drawTrails(context, run, time, lens, seen, colourOf) {
   const from = Math.max(0, time - run.header.trail);
-  const steps = run.header.crowd ? 6 : TRAIL_STEPS;
-  const fades = run.header.crowd ? 2 : FADES;
-  if (time <= from) return;
-  const scratch = new Float64Array(3);
-  context.lineWidth = run.header.crowd ? 1 : 2;
-  for (const robot of seen) {
-    const cursor = run.cursor[robot];
-    const points = [];
-    for (let k = 0; k <= steps; k++) {
-      run.place(robot, from + ((time - from) * k) / steps, scratch, 0);
-      points.push(scratch[0] * lens.scale + lens.x, lens.y - scratch[1] * lens.scale);
-    }
-    run.cursor[robot] = cursor;
-    context.strokeStyle = colourOf(robot);
-    for (let fade = 0; fade < fades; fade++) {
-      const first = Math.floor((fade * steps) / fades);
-      const last = Math.floor(((fade + 1) * steps) / fades);
-      context.globalAlpha = (0.75 * (fade + 1)) / fades;
-      context.beginPath();
-      for (let k = first; k <= last; k++) {
-        if (k === first) context.moveTo(points[2 * k], points[2 * k + 1]);
-        else context.lineTo(points[2 * k], points[2 * k + 1]);
-      }
+  if (time <= from || !seen.length) return;
+  const { crowd } = run.header;
+  const steps = crowd ? CROWD_STEPS : TRAIL_STEPS;
+  const fades = crowd ? 1 : FADES;
+  const lines = seen.map((robot) => trail(run, robot, from, time, steps, lens));
+  context.lineWidth = crowd ? 1 : 2;
+  for (let fade = 0; fade < fades; fade++) {
+    const first = Math.floor((fade * steps) / fades);
+    const last = Math.floor(((fade + 1) * steps) / fades);
+    context.globalAlpha = (0.75 * (fade + 1)) / fades;
+    if (crowd) context.beginPath();
+    lines.forEach((line, k) => {
+      if (!crowd) context.beginPath();
+      context.moveTo(line[2 * first], line[2 * first + 1]);
+      for (let at = first + 1; at <= last; at++) context.lineTo(line[2 * at], line[2 * at + 1]);
+      if (crowd && k < lines.length - 1) return;
+      context.strokeStyle = colourOf(seen[k]);
       context.stroke();
-    }
+    });
   }
   context.globalAlpha = 1;
+}
+
+/** Places [px], flat, of a robot at so many steps between two times. */
+function trail(run, robot, from, to, steps, lens) {
+  const cursor = run.cursor[robot];
+  const place = new Float64Array(3);
+  const line = new Float64Array(2 * steps + 2);
+  for (let k = 0; k <= steps; k++) {
+    run.place(robot, from + ((to - from) * k) / steps, place, 0);
+    line[2 * k] = place[0] * lens.scale + lens.x;
+    line[2 * k + 1] = lens.y - place[1] * lens.scale;
+  }
+  run.cursor[robot] = cursor;
+  return line;
 }
 
 const shades = new Map();

@@ -91,10 +91,16 @@ export class Run {
     return row < this.first[robot] ? -1 : row;
   }
 
-  /** Number of a robot's mode at a time; -1 where it has none. */
-  modeAt(robot, time) {
-    const row = this.decision(robot, time);
-    return row < 0 ? -1 : this.mode[row];
+  /** Numbers of all modes at a time, -1 where there is none; kept until another is asked for. */
+  modesAt(time) {
+    if (this.modesTime === time) return this.modesNow;
+    this.modesNow ??= new Int32Array(this.robots);
+    this.modesTime = time;
+    for (let robot = 0; robot < this.robots; robot++) {
+      const row = this.decision(robot, time);
+      this.modesNow[robot] = row < 0 ? -1 : this.mode[row];
+    }
+    return this.modesNow;
   }
 
   arrived(time) {

@@ -41,7 +41,7 @@ export class View {
 
   modeColour(robot, time, colours) {
     const { run } = this;
-    const mode = run.modeAt(robot, time);
+    const mode = run.modesAt(time)[robot];
     if (mode >= 0) return run.modes[mode].colour;
     if (!run.header.modeless) return colours.undecided;
     return run.header.crowd ? colours.band : colours.robots[robot % colours.robots.length];

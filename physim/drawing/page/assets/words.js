@@ -37,3 +37,9 @@ export function roundBelow(most) {
   const decade = 10 ** Math.floor(Math.log10(most));
   return decade * ([5, 2, 1].find((factor) => factor * decade <= most) ?? 1);
 }
+
+/** A round length of at least `least`. */
+export function roundAbove(least) {
+  const decade = 10 ** Math.floor(Math.log10(least));
+  return decade * ([1, 2, 5].find((factor) => factor * decade >= least * (1 - 1e-9)) ?? 10);
+}

@@ -66,10 +66,10 @@ def write_page(records: Sequence[Record], path: str | os.PathLike[str]) -> Path:
     Raises PhysimError where there are none or too many, for a record without samples or robots,
     and when the file cannot be written.
     """
-    return page_of(*records).write(path)
+    return page(*records).write(path)
 
 
-def page_of(*records: Record) -> Page:
+def page(*records: Record) -> Page:
     """Make the page of one run or several, shown in step. Raises PhysimError as `write_page`."""
     if not 1 <= len(records) <= MOST_RUNS:
         raise PhysimError(f"a page shows 1 to {MOST_RUNS} records; given {len(records)}")

@@ -51,7 +51,7 @@ def test_a_page_names_nothing_outside_of_itself(record: Record) -> None:
 def test_without_scripts_it_says_what_was_measured(record: Record) -> None:
     text = page(record).html
     for label in ("contacts", "shortest distance", "made with"):
-        assert f'<th scope="row">{label}</th>' in text
+        assert f">{label}</th>" in text
     assert text.count('href="#t=') == 2
     assert "<noscript>" in text
 

@@ -52,7 +52,7 @@ def _as_function(name: str) -> str:
     return f"const of_{name} = (() => {{\n{body}return {{ {given} }};\n}})();"
 
 
-def style(*names: str) -> str:
+def sheets(*names: str) -> str:
     """Style sheets behind one another."""
     return "".join(asset(name) for name in names)
 

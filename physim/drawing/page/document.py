@@ -12,14 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
-from physim.analysis.summary import Summary, summarise
+from physim.analysis.summary import Summary, summarise, table_rows
 from physim.drafts import draft_of
 from physim.drawing.labels import clean
-from physim.drawing.page.bundle import asset, policy, script, style
+from physim.drawing.page.bundle import asset, policy, script, sheets
 from physim.drawing.page.colours import custom_properties, schemes
 from physim.drawing.page.data import run_data
-from physim.drawing.page.tables import contact_table, summary_table, text_of
+from physim.drawing.page.tables import contact_table
 from physim.errors import PhysimError, plural
+from physim.escaping import html_table, html_text
 from physim.record import Record
 
 MOST_RUNS = 6
@@ -77,12 +78,12 @@ def page(*records: Record) -> Page:
     runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
     labels = _labels(records)
     code = script()
-    css = custom_properties() + style("common.css", "page.css")
+    css = custom_properties() + sheets("common.css", "page.css")
     name = clean(records[0].name) if len(records) == 1 else ", ".join(labels)
     return Page(
         _filled(
-            policy=policy(code, css), version=__version__, title=text_of(f"{name} – physim"),
-            style=css, heading=text_of(name), about=_about(records), script=code,
+            policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
+            style=css, heading=html_text(name), about=_about(records), script=code,
             tables=_tables(labels, summaries), schemes=_json(schemes()), labels=_json(labels),
             runs="\n".join(
                 f'<script type="text/plain" class="run">{run}</script>' for run in runs
@@ -122,12 +123,13 @@ def _about(records: Sequence[Record]) -> str:
         return plural(len(records), "run")
     record = records[0]
     count = plural(record.robots, "robot")
-    return text_of(f"{count}, seed {record.seed}, {record.setup.controller.name}")
+    return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}")
 
 
 def _tables(labels: Sequence[str], summaries: Sequence[Summary]) -> str:
     parts = []
     for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
-        title = f"<h2>{text_of(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
-        parts += [title, summary_table(summary), contact_table(summary, run, len(labels))]
+        title = f"<h2>{html_text(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
+        measured = f'<div class="wide">{html_table(table_rows(summary))}</div>'
+        parts += [title, measured, contact_table(summary, run, len(labels))]
     return "".join(parts)

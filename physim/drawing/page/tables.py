@@ -1,26 +1,17 @@
-"""What the page says without scripts: the summary of each run and its contacts, as tables."""
+"""The contacts of a run as a table that is read without scripts; its lines lead to moments."""
 
 from __future__ import annotations
 
 from html import escape
 from urllib.parse import urlencode
 
-from physim.analysis.summary import Summary, table_rows
-from physim.escaping import escaped
+from physim.analysis.summary import Summary
+from physim.escaping import html_text
 
 MOST_CONTACTS = 200
 """Contacts that have a line; others are counted."""
 OPEN = 12
 """Contacts up to which their table is open from the start."""
-
-
-def summary_table(summary: Summary) -> str:
-    """The table of ``physim summary``, as HTML."""
-    rows = "".join(
-        f'<tr><th scope="row">{escape(label.strip())}</th><td>{text_of(text)}</td></tr>'
-        for label, text in table_rows(summary)
-    )
-    return f'<div class="wide"><table>{rows}</table></div>'
 
 
 def contact_table(summary: Summary, run: int, runs: int) -> str:
@@ -42,7 +33,7 @@ def contact_table(summary: Summary, run: int, runs: int) -> str:
         asked = {"t": f"{time:.3f}", **({"run": run + 1} if runs > 1 else {}), "contact": number}
         cells = (
             f'<a href="#{escape(urlencode(asked))}">{time:.2f} s</a>',
-            text_of(" and ".join(summary.names_of(a, b))),
+            html_text(" and ".join(summary.names_of(a, b))),
             "between samples" if lasts is None else f"{lasts:.2f} s",
             f"{1e3 * depth:.2f} mm",
             "–" if impulse is None else f"{impulse:,.1f} N s",
@@ -55,8 +46,3 @@ def contact_table(summary: Summary, run: int, runs: int) -> str:
         f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
         f"<tbody>{''.join(lines)}</tbody></table></div>{more}</details>"
     )
-
-
-def text_of(text: str) -> str:
-    """A text from a record as HTML in which it is only text."""
-    return escape(escaped(text))

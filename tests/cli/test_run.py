@@ -101,7 +101,8 @@ def test_a_run_may_write_its_page_too(here: Path, capsys: pytest.CaptureFixture[
     assert again == (0, "again.html\n", "")
     assert (here / "again.html").read_bytes() == page
     assert physim(*given, capture=capsys).code == 2
-    assert physim("run", "small.yaml", "--no-video", "-o", "run", "--force").code == 0
+    forced = ("run", "small.yaml", "--no-video", "-o", "run", "--force")
+    assert physim(*forced, capture=capsys).code == 0
     assert not (here / "run/page.html").exists()
 
 

@@ -22,10 +22,13 @@ from physim.drawing.page.tables import contact_table
 from physim.errors import PhysimError, plural
 from physim.escaping import html_table, html_text
 from physim.record import Record
+from physim.world.differences import differences
 
 MOST_RUNS = 6
 """Runs in one page"""
 MARK = re.compile(r"\{\{(\w+)\}\}")
+MOST_DIFFERENCES = 3
+"""between two worlds, that are named"""
 HEIGHT = 760
 """[px] of a page in a notebook"""
 
@@ -79,7 +82,7 @@ def page(*records: Record) -> Page:
     labels = _labels(records)
     code = script()
     css = custom_properties() + sheets("common.css", "page.css")
-    name = clean(records[0].name) if len(records) == 1 else ", ".join(labels)
+    name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
     return Page(
         _filled(
             policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
@@ -103,24 +106,38 @@ def _json(value: Any) -> str:
 
 
 def _labels(records: Sequence[Record]) -> list[str]:
-    """What each run is called: its name, with seed, controller or folder where they differ."""
-    names = [clean(record.name) for record in records]
-    if len(records) == 1 or len(set(names)) == len(names):
-        return names
-    told = [names]
-    for differing in (
+    """What each run is called: by that in which they differ, of name, seed, controller, folder."""
+    parts = (
+        [clean(record.name) for record in records],
         [f"seed {record.seed}" for record in records],
-        [record.setup.controller.name for record in records],
-        [clean(record.path.parent.name) if record.path else "" for record in records],
-    ):
-        if len(set(differing)) > 1:
-            told.append(differing)
-    return [", ".join(part for part in parts if part) for parts in zip(*told, strict=True)]
+        [clean(record.setup.controller.name) for record in records],
+        [clean(record.path.absolute().parent.name) if record.path else "" for record in records],
+    )
+    if len(records) == 1:
+        return parts[0]
+    told = [part for part in parts if len(set(part)) > 1]
+    return [
+        ", ".join(filter(None, one)) or f"run {k}"
+        for k, one in enumerate(zip(*told, strict=True) if told else [()] * len(records), 1)
+    ]
+
+
+def _differences(records: Sequence[Record]) -> str:
+    """In what the worlds of two runs differ; empty where that is much or not known."""
+    if len(records) != 2:
+        return ""
+    try:
+        found = differences(records[0].world, records[1].world)
+    except PhysimError:
+        return ""
+    told = [f"{key}: {a} / {b}" for key, (a, b) in found.items()]
+    return "; ".join(told) if len(told) <= MOST_DIFFERENCES else f"{len(told)} values differ"
 
 
 def _about(records: Sequence[Record]) -> str:
     if len(records) > 1:
-        return plural(len(records), "run")
+        differ = _differences(records)
+        return html_text(plural(len(records), "run") + (f"; {differ}" if differ else ""))
     record = records[0]
     count = plural(record.robots, "robot")
     return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}")

@@ -67,9 +67,12 @@ def explanations(record: Record) -> dict[str, Any]:
     """What the page says of the rules of a record's controller, and its thresholds."""
     name = record.setup.controller.name
     settings = _settings(record)
+    prose = dict(PROSE.get(name, {}))
+    if settings.get("avoidance") == "none" and "path_following" in prose:
+        prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
     return {
         "controller": name,
-        "rules": [_rule(rule, PROSE.get(name, {})) for rule in record.declared.rules],
+        "rules": [_rule(rule, prose) for rule in record.declared.rules],
         "priority": PRIORITY.get(name, ""),
         "thresholds": _thresholds(settings) if name in NEXT else [],
         "next": _next(name, settings),

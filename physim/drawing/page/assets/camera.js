@@ -2,7 +2,8 @@
 
 const PAD = 28; // [px]
 const LOOKS = 60; // moments at which the size of the group is taken
-const NEAR = 26; // [m] shown round a robot that is followed
+const NEAR = 2.6; // times its range, shown round a robot that is followed
+const USUAL_RANGE = 10; // [m]
 const WHOLE_SHARE = 0.72; // of the scene, from which the group's part is no closer look
 const SMOOTH = 1.0; // [s] before and after, over which the place of the group is averaged
 
@@ -51,7 +52,8 @@ export class Camera {
   aim(time) {
     if (typeof this.follow === "number") {
       this.run.place(this.follow, time, this.scratch, 0);
-      const scale = Math.max(this.scaleFor(NEAR, NEAR), this.wholeScale);
+      const near = NEAR * (this.run.header.range ?? USUAL_RANGE);
+      const scale = Math.max(this.scaleFor(near, near), this.wholeScale);
       return [scale, [this.scratch[0], this.scratch[1]]];
     }
     const middle = [0, 1].map((axis) => (this.low[axis] + this.high[axis]) / 2);

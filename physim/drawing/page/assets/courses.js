@@ -57,15 +57,17 @@ function drawSteps(context, frame, run, robot, values, colour, width) {
   context.strokeStyle = colour;
   context.lineWidth = width;
   context.beginPath();
+  const [low, high] = frame.limits;
   let open = false;
   for (let row = run.first[robot]; row < run.first[robot + 1]; row++) {
     const value = values[row];
-    if (Number.isFinite(value)) {
+    const there = value >= low && value <= high; // so neither NaN nor what lies beyond the plot
+    if (there) {
       const x = frame.x(run.step[row] * run.dt);
       if (open) context.lineTo(x, frame.y(value));
       else context.moveTo(x, frame.y(value));
     }
-    open = Number.isFinite(value);
+    open = there;
   }
   context.stroke();
 }
@@ -147,9 +149,10 @@ function drawBins(context, frame, run, name, colour, dash) {
   context.strokeStyle = colour;
   context.lineWidth = 1.2;
   context.beginPath();
+  const [low, high] = frame.limits;
   let open = false;
   values.forEach((value, k) => {
-    const there = Number.isFinite(value);
+    const there = value >= low && value <= high;
     if (there) {
       const [x, y] = [frame.x(run.bins[k] * run.dt), frame.y(value)];
       if (open) context.lineTo(x, y);

@@ -1,5 +1,6 @@
 // What does not move: areas, obstacles, paths and walls, each made into a shape of metres once.
 
+const THIN = 8; // [px/m] below which lines are thinner, as paths then lie close
 const PATH_TINT = 0.58; // opacity of robots' own paths
 
 export class Ground {
@@ -28,17 +29,18 @@ export class Ground {
     context.fillStyle = colours.obstacle;
     context.fill(this.obstacles, "evenodd");
     context.lineJoin = "round";
-    this.stroke(context, this.reference, colours.reference, 2 * pixel);
+    const thin = Math.min(1, lens.scale / THIN);
+    this.stroke(context, this.reference, colours.reference, 2 * thin * pixel);
     context.globalAlpha = PATH_TINT;
     for (const { robot, path, dashed } of this.paths) {
       const colour = robot < 0 ? colours.band : colours.robots[robot % colours.robots.length];
       context.setLineDash(dashed ? [5 * pixel, 5 * pixel] : []);
-      this.stroke(context, path, colour, 1.2 * pixel);
+      this.stroke(context, path, colour, 1.2 * thin * pixel);
     }
     context.setLineDash([]);
     context.globalAlpha = 1;
     this.stroke(context, this.obstacles, colours.wall, pixel);
-    this.stroke(context, this.walls, colours.wall, 3 * pixel);
+    this.stroke(context, this.walls, colours.wall, (1 + 2 * thin) * pixel);
     context.restore();
   }
 

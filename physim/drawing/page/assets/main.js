@@ -50,7 +50,7 @@ class Page {
     const box = el("div", { class: "view" }, this.runs.length > 1 ? title : null, canvas);
     byId("views").append(box);
     const view = new View(run, canvas);
-    view.box = box;
+    Object.assign(view, { box, title });
     listen(view, {
       time: () => Math.min(this.player.time, run.duration),
       redraw: (moved) => this.redraw(moved),
@@ -124,6 +124,8 @@ class Page {
   setGhosts(together) {
     const [first, ...others] = this.views;
     first.ghosts = together ? others : [];
+    const outlines = others.map(({ run }) => run.label).join(", ");
+    say(first.title, together ? `${first.run.label}; outlines: ${outlines}` : first.run.label);
     for (const view of others) view.box.hidden = together;
     if (together) this.go({ run: 0 });
     this.player.draw();
@@ -164,6 +166,8 @@ class Page {
   look(what) {
     const follow = what === "whole" || what === "robots" ? what : Number(what);
     for (const view of this.views) view.camera.look(follow);
+    const isListed = [...this.looks.options].some((one) => one.value === String(what));
+    if (!isListed) this.looks.append(el("option", { value: what }, this.view.run.names[what]));
     this.looks.value = String(what);
     this.player.draw();
   }

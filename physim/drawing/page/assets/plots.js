@@ -98,7 +98,7 @@ export class Plots {
     if (box.height < 6) return;
     context.fillStyle = colours.faint;
     context.fillRect(box.left, box.top, box.width, box.height);
-    const frame = { ...box, x: (time) => this.x(time) };
+    const frame = { ...box, limits: row.limits, x: (time) => this.x(time) };
     if (row.limits) {
       const [low, top_] = row.limits;
       frame.y = (value) =>

@@ -67,7 +67,7 @@ export class Fleet {
     for (const [colour, path] of groups) {
       context.fillStyle = colour;
       context.strokeStyle = ghost ? colour : darker(colour);
-      context.lineWidth = ghost ? 1.5 : 1;
+      context.lineWidth = ghost ? 1.5 : Math.min(1, 0.15 * this.largest * lens.scale);
       if (!ghost) context.fill(path, "evenodd");
       context.stroke(path);
     }

@@ -8,7 +8,7 @@ const SEEN = {
   boundary_distance: "nearest wall",
   collision_time: "collision time",
 };
-const STANDARD = ["target_x", "target_y", "distance", "boundary_distance", "collision_time", "evaluations"];
+const PLACES = ["target_x", "target_y"]; // told as the target
 const MOST_SPANS = 40;
 const MOST_OTHERS = 24;
 
@@ -48,7 +48,7 @@ export function because(run, row, name, mode, rule) {
   const [v, omega] = ["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]);
   const does = `${at} decided to ${motion(v, omega)}`;
   const states = limits(run, row);
-  if (!states.length || !mode) return `${does}.`;
+  if (!states.length || !mode) return `${does}${run.header.why.avoids ? "" : "; its avoidance is off"}.`;
   if (mode.danger) {
     const near = states.filter((one) => one.isShort && one.column !== "collision_time").map(told);
     const time = states.find((one) => one.column === "collision_time");
@@ -154,10 +154,11 @@ function factTable(run, robot, row, go, time) {
   if (rest.length) add("place", rest.join(", "));
   const error = run.column("formation_error")[row];
   if (Number.isFinite(error) && run.robots > 1) add("formation error", metres(error));
+  const isTold = (name) => limits(run, row).some((one) => one.column === name);
   for (const { name, unit, words: meaning } of run.header.columns) {
-    if (STANDARD.includes(name)) continue;
+    if (PLACES.includes(name) || isTold(name)) continue;
     const value = run.column(`own:${name}`)[row];
-    if (!Number.isNaN(value)) add(meaning || name, amount(value, unit));
+    if (!Number.isNaN(value)) add(SEEN[name] ?? (meaning || name), amount(value, unit));
   }
   const rule = why.next ? `: ${why.next.words} ${why.next.equation}` : "";
   add("next decision", next * run.dt > run.duration ? "after the end" : `${decimal(next * run.dt, 2)} s${rule}`);

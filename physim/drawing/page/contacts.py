@@ -40,7 +40,11 @@ def pack_contacts(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     pack.whole("place_step", np.rint(found.times[rows] / dt))
     pack.real("place_x", found.places[rows, 0], 1e-3)
     pack.real("place_y", found.places[rows, 1], 1e-3)
-    return {"count": len(found.began), "told": _told(timeline.record, found)}
+    return {
+        "recorded": "contacts" in timeline.record.tables,
+        "count": len(found.began),
+        "told": _told(timeline.record, found),
+    }
 
 
 def _places(found: Episodes) -> tuple[list[int], list[int]]:

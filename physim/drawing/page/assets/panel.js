@@ -37,9 +37,10 @@ function momentOf(view, time) {
   const walls = run.header.curves.wall ? (view.walls ??= run.array("wall")) : null;
   const wall = walls ? walls[binAt(run, time)] : Infinity;
   const arrived = run.arrived(time);
+  const isKnown = run.header.contacts.recorded;
   return [
-    [String(count), count > 0],
-    [touching, now.length > 0],
+    [isKnown ? String(count) : "not recorded", count > 0],
+    [isKnown ? touching : "not recorded", now.length > 0],
     [closest, pair !== null && pair.distance <= 0],
     [Number.isFinite(wall) ? metres(wall) : "–", wall <= 0],
     [arrived === run.robots && arrived > 1 ? "all" : String(arrived), false],

@@ -6,11 +6,14 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import physim
 from physim.drawing.page import MOST_RUNS, page, write_page
 from physim.drawing.page.bundle import ASSETS, order, script
+from physim.drawing.page.moments import moments
+from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.records import make_record
@@ -98,3 +101,24 @@ def test_a_notebook_shows_the_page_in_a_frame_of_its_own(record: Record) -> None
     assert 'sandbox="allow-scripts"' in frame
     assert "<script" not in frame
     assert "MB" in repr(shown)
+
+
+def test_no_name_ends_the_element_that_holds_it(tmp_path: Path) -> None:
+    with (
+        make_record(tmp_path / "a.h5", 2, 1.0, name="</script><b>") as a,
+        make_record(tmp_path / "b.h5", 2, 1.0, name="b") as b,
+    ):
+        text = page(a, b).html
+    assert "</script><b>" not in text
+    assert "<b>" not in text
+
+
+def test_of_two_robots_the_one_behind_is_asked_why(record: Record) -> None:
+    """In these records the last robot is the last in the row."""
+    found = {one["label"]: one for one in moments(Timeline(record), physim.summarise(record))}
+    nearest = found["shortest distance"]
+    least = record.extremes[np.argmin(record.extremes["clearance"])]
+    pair = {int(np.argmin(record.extremes["clearance"])), int(least["clearance_other"])}
+    assert nearest["robot"] == max(pair)
+    assert nearest["time"] == pytest.approx(least["clearance_step"] * record.dt)
+    assert found["first contact"]["contact"] == 0

@@ -13,6 +13,7 @@ from tests.sabotage.edits import (
     importing,
     loop,
     metrics,
+    page,
     physics,
     plots,
     preview,
@@ -32,7 +33,7 @@ EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
         basics, geometry, world, world_file, scene, checking, physics, controllers, loop, work, record,
-        metrics, summary, validation, video, plots, preview, importing, templates, crashtest,
+        metrics, summary, validation, video, page, plots, preview, importing, templates, crashtest,
         reproduction, cli,
     )
     for edit in room.EDITS

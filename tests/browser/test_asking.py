@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
+import shapely
 
+import physim
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.contact_report import contact_reports
 from physim.analysis.validation.contact_text import paragraph
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Predictor
-from physim.drawing.labels import decimal
+from physim.drawing.labels import decimal, metres
+from physim.drawing.page import write_page
+from physim.drawing.scene_model import outline, placed
 from physim.record import Record
 from tests.browser.driver import Seen
 
@@ -56,6 +61,29 @@ def test_what_is_told_goes_with_the_time(opened: Opened) -> None:
     assert "danger, by distance" in seen.text("#why h2")
 
 
+def test_who_was_near_is_named(opened: Opened, tmp_path: Path) -> None:
+    """In danger by distance: the nearest robot it considered, and the threshold that it passed."""
+    world = physim.load_world("ten_robots")
+    time = world.time.model_copy(update={"duration": 2.5})
+    record = physim.simulate(world.changed(time=time))
+    rows = record.updates[record.updates["mode"] == 1]
+    row = rows[0]
+    robot, at = int(row["robot"]), row["step"] * record.dt
+    others = record.considered
+    others = others[(others["robot"] == robot) & (others["step"] == row["step"])]["other"]
+    shapes = [
+        shapely.Polygon(placed(outline(record.footprints[k]), record.pose[row["step"], k]))
+        for k in (robot, *others)
+    ]
+    nearest = others[int(np.argmin(shapely.distance(shapes[0], shapes[1:])))]
+    seen = opened(write_page([record], tmp_path / "r.html"), hash=f"#t={at + 1e-6}")
+    seen.ask(f"physim.go({{robot: {robot}}})")
+    seen.settle()
+    told = seen.text("#why .because")
+    assert f"considered, {record.names[nearest]}, was {metres(float(row['distance']))} away" in told
+    assert "below 0.50 m" in told or "not yet above 0.80 m" in told
+
+
 def test_a_contact_tells_what_validate_says(opened: Opened, record: Record) -> None:
     table = DecisionTable(record)
     found = contact_reports(record, analytic_contacts(record), table, Predictor(record, table))
@@ -91,6 +119,9 @@ def test_moments_are_found_by_clicks_alone(opened: Opened, record: Record) -> No
     least = record.extremes[int(np.argmin(record.extremes["clearance"]))]
     assert seen.ask("physim.player.time") == least["clearance_step"] * record.dt
     assert seen.text("#why .because").endswith(".")
+    box = seen.page.locator("#views").bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] > 0
     summary = seen.page.locator(".tables")
     assert "shortest distance" in summary.inner_text()
 

@@ -13,6 +13,7 @@ import { View } from "./view.js";
 import { whyContact, whyRobot } from "./why.js";
 
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
+const HIDDEN = 120; // [px] of the view that is left where the page was scrolled away from it
 const USUAL = 60; // [s] of the reader's time that a run takes at most, as it opens
 
 class Page {
@@ -189,6 +190,7 @@ class Page {
     if (time !== undefined) {
       this.player.pause();
       this.player.seek(time);
+      if (byId("views").getBoundingClientRect().bottom < HIDDEN) byId("views").scrollIntoView();
     }
     if (isNew) this.writeHash();
     this.refresh();

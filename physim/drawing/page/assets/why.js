@@ -1,6 +1,7 @@
 // Why a robot does what it does: its last decision in words, what it saw, and the thresholds then.
 
 import { button, el } from "./dom.js";
+import { closestPoints } from "./robots.js";
 import { amount, command, decimal, metres, plural, seconds } from "./words.js";
 
 const SEEN = {
@@ -11,6 +12,7 @@ const SEEN = {
 const PLACES = ["target_x", "target_y"]; // told as the target
 const MOST_SPANS = 40;
 const MOST_OTHERS = 24;
+const MOST_LOOKED_AT = 60;
 
 /** The panel of one robot; `go` is called with what to show instead: {time, robot, contact}. */
 export function whyRobot(view, robot, time, go) {
@@ -24,7 +26,7 @@ export function whyRobot(view, robot, time, go) {
   const rule = run.header.why.rules[run.rule[row]] ?? null;
   return [
     head(name, mode),
-    el("p", { class: "because" }, because(run, row, name, mode, rule)),
+    el("p", { class: "because" }, because(view, robot, row, mode, rule)),
     rule ? ruleLine(rule) : null,
     seenTable(run, row, mode),
     factTable(run, robot, row, go, time),
@@ -43,14 +45,16 @@ function ruleLine(rule) {
 }
 
 /** One or two sentences: what made it decide as it did. */
-export function because(run, row, name, mode, rule) {
-  const at = `At ${decimal(run.step[row] * run.dt, 2)} s ${name}`;
+export function because(view, robot, row, mode, rule) {
+  const { run } = view;
+  const at = `At ${decimal(run.step[row] * run.dt, 2)} s ${run.names[robot]}`;
   const [v, omega] = ["nominal_v", "nominal_omega"].map((column) => run.column(column)[row]);
   const does = `${at} decided to ${motion(v, omega)}`;
   const states = limits(run, row);
   if (!states.length || !mode) return `${does}${run.header.why.avoids ? "" : "; its avoidance is off"}.`;
   if (mode.danger) {
-    const near = states.filter((one) => one.isShort && one.column !== "collision_time").map(told);
+    const near = states.filter((one) => one.isShort && one.column !== "collision_time")
+      .map((one) => told(one, one.column === "distance" ? nearest(view, robot, row) : ""));
     const time = states.find((one) => one.column === "collision_time");
     if (!near.length && time) {
       const until = time.wasDanger ? "no later than" : "in less than";
@@ -76,10 +80,24 @@ function motion(v, omega) {
   return `${v > 0 ? `drive at ${decimal(v, 2)} m/s` : `back up at ${decimal(-v, 2)} m/s`}${on || " straight on"}`;
 }
 
-function told({ column, value, limit, wasDanger }) {
-  const what = column === "distance" ? "the nearest robot it considered" : "the nearest wall";
-  const bound = wasDanger ? `not yet above ${metres(limit)}` : `below ${metres(limit)}`;
+function told({ column, value, enter, leave }, who) {
+  const what = column === "distance" ? `the nearest robot it considered${who}` : "the nearest wall";
+  const bound = value < enter ? `below ${metres(enter)}` : `not yet above ${metres(leave)}`;
   return value <= 0 ? `it touched ${what.replace("the nearest", "a")}` : `${what} was ${metres(value)} away, ${bound}`;
+}
+
+/** Name of the nearest of the robots that were considered in a decision, as ", r8,". */
+function nearest(view, robot, row) {
+  const { run, fleet } = view;
+  const pose = run.poses(run.step[row] * run.dt, new Float64Array(3 * run.robots));
+  let least = Infinity;
+  let found = "";
+  for (const other of (run.considered(row) ?? []).slice(0, MOST_LOOKED_AT)) {
+    const [a, b] = closestPoints(fleet, pose, robot, other);
+    const away = Math.hypot(a[0] - b[0], a[1] - b[1]);
+    if (away < least) [least, found] = [away, `, ${run.names[other]},`];
+  }
+  return found;
 }
 
 const saw = (run, { column, value }) => {
@@ -98,7 +116,7 @@ export function limits(run, row) {
   return thresholds.map(({ column, enter, leave }) => {
     const value = run.column(`own:${column}`)[row];
     const limit = wasDanger ? leave : enter;
-    return { column, value, limit, wasDanger, isShort: wasDanger ? value <= limit : value < limit };
+    return { column, value, limit, enter, leave, wasDanger, isShort: wasDanger ? value <= limit : value < limit };
   });
 }
 

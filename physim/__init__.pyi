@@ -7,6 +7,7 @@ from .analysis.summary import summarise
 from .analysis.validation import validate
 from .contacts import Kind, Phase
 from .drawing import plots, video
+from .drawing.page import page
 from .drawing.video import render
 from .errors import ControllerError, Fault, PhysimError, RecordError, WorldError
 from .parts.controller import (
@@ -86,6 +87,7 @@ __all__ = [
     "load_world",
     "metrics",
     "observer_of_row",
+    "page",
     "parse_world",
     "plots",
     "randomness",

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import html
 import json
+import re
 import unicodedata
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.escaping import escaped, escaped_lines
+from physim.escaping import escaped, escaped_lines, html_table, html_text
 
 ANY = st.text(st.characters(codec=None) | st.sampled_from("\x00\x1b\x7f\x85\x9b\u202e\u2066\ud800"))
 
@@ -48,3 +50,16 @@ def test_json_stays_the_same_in_any_encoding(text: str, encoding: str) -> None:
 
 def test_an_unknown_encoding_gets_ascii() -> None:
     assert escaped_lines("é", "no-such-encoding").isascii()
+
+
+@given(ANY)
+def test_in_html_a_text_is_only_text(text: str) -> None:
+    shown = html_text(text)
+    assert not set(shown) & set("<>\"'")
+    assert html.unescape(shown) == escaped(text)
+
+
+def test_in_a_table_labels_and_texts_are_only_texts() -> None:
+    table = html_table([("<b>", "</td><script>1</script>"), ("a", "\u202eb")])
+    assert re.findall(r"<(\w+)", table) == ["table", "tr", "th", "td", "tr", "th", "td"]
+    assert r"\u202eb" in table

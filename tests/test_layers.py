@@ -65,6 +65,7 @@ LAYERS = {
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.video": (5, 2),
     "physim.drawing.plots": (5, 2),
+    "physim.drawing.page": (5, 3),
     "physim.drawing.preview": (5, 3),
     "physim.drawing": (5, 4),
     "physim.authoring": (5, 0),
@@ -84,6 +85,7 @@ FROM_THE_RECORD_ALONE = (
     "physim.analysis.validation",
     "physim.drawing.video",
     "physim.drawing.plots",
+    "physim.drawing.page",
 )
 OF_THEIR_OWN = (
     ("physim.analysis.validation.origin", "physim.world.layout.scene_builder"),
@@ -95,10 +97,11 @@ OF_THEIR_OWN = (
     ("physim.analysis.validation.rerun", "physim.simulation.recorder"),
     ("physim.analysis.metrics.registered", "physim.parts.registry"),
     ("physim.drawing.plots.pictures", "physim.parts.registry"),
+    ("physim.drawing.page.why", "physim.parts.registry"),
 )
 """Modules of these that may, and what they take: those of the validation hold a record against its
 own world, make its decisions again and run it again; others find the metrics and plots that
-packages registered."""
+packages registered, the page what settings a controller has by default."""
 NOT_FROM_THE_RECORD = (
     "physim.simulation",
     "physim.parts.registry",
@@ -272,7 +275,7 @@ def test_figures_and_pictures_come_from_the_record_alone(module: str) -> None:
 def test_reading_a_record_loads_no_engine_and_no_simulation() -> None:
     script = (
         "import sys, physim.record, physim.analysis.summary, physim.analysis.validation\n"
-        "import physim.drawing.plots, physim.drawing.video\n"
+        "import physim.drawing.plots, physim.drawing.video, physim.drawing.page\n"
         "print([m for m in sys.modules if m.startswith(('pymunk', 'physim.simulation.loop', "
         "'physim.simulation.engine', 'physim.controllers'))])"
     )

@@ -43,6 +43,9 @@ KINDS = (
 )  # fmt: skip
 
 
+KEPT = (".py", ".pyi", ".yaml", ".md", ".json", ".typed", ".js", ".css", ".html")
+
+
 def expected() -> set[str]:
     """Every file of the sources that belongs into the wheel, by its place there."""
     found = set()
@@ -50,7 +53,7 @@ def expected() -> set[str]:
         ("physim", "physim"), ("controllers", "physim/controllers"), ("worlds", "physim/worlds")
     ):  # fmt: skip
         for file in (ROOT / folder).rglob("*"):
-            if file.suffix in (".py", ".pyi", ".yaml", ".md", ".json", ".typed") and file.is_file():
+            if file.suffix in KEPT and file.is_file():
                 found.add(f"{place}/{file.relative_to(ROOT / folder).as_posix()}")
     return found
 
@@ -60,6 +63,7 @@ def test_wheel_holds_the_sources_and_nothing_beside_physim(wheel: Path) -> None:
     inside = {name for name in names if ".dist-info/" not in name}
     assert inside == expected()
     assert {"physim/py.typed", "physim/controllers/NOTATION.md"} <= inside
+    assert {f"physim/drawing/page/assets/{name}" for name in ("page.html", "main.js")} <= inside
     assert any(name.startswith("physim/worlds/") and name.endswith(".yaml") for name in inside)
     tops = {name.split("/")[0] for name in names}
     assert "physim" in tops

@@ -17,7 +17,7 @@ CUT_SHORT = ".cut_short"
 """Between name and ending of a video that was interrupted."""
 STDOUT = Path("-")
 """What stands for standard output where a file is asked for."""
-FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", "summary.json")
+FILES = ("record.h5", "video.mp4", f"video{CUT_SHORT}.mp4", "summary.json", "page.html")
 KINDS = {
     stat.S_IFLNK: "a link",
     stat.S_IFIFO: "a named pipe",

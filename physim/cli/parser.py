@@ -27,6 +27,7 @@ GROUPS = {
         "summary": "physim.cli.listing:summary",
         "plot": "physim.cli.pictures:plot",
         "video": "physim.cli.pictures:video",
+        "page": "physim.cli.page:page",
     },
     "judge": {
         "validate": "physim.cli.validate:validate_command",

@@ -54,7 +54,7 @@ def reproduce(options: Options) -> int:
       reproduction.html   one page with everything in it; videos beside it
       REPRODUCTION.md     the same as Markdown
       reproduction.json   the same as values
-      figures/, WORLD/    pictures; record and video of each world
+      figures/, WORLD/    pictures; record, video and page of each world
 
     exit codes:
       0    done, whatever the verdicts

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from physim.cli.output import FILES, inputs, output_folder, write_text
+from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.pictures import write_video
 from physim.cli.progress import Bar, Interrupt, interrupts
@@ -42,6 +43,7 @@ FAILED = 1
     "repeated)",
 )
 @flag("--no-video", "make no video")
+@flag("--page", "write DIR/page.html, too: the run in a browser, to watch, scrub and ask why")
 @flag("--quiet", "print neither progress nor table")  # fmt: skip
 def run(options: Options) -> int:
     """Run a world and write DIR/record.h5, DIR/video.mp4 and DIR/summary.json.
@@ -61,6 +63,7 @@ def run(options: Options) -> int:
 
     examples:
       physim run ten_robots
+      physim run ten_robots --page
       physim run ten_robots --seed 3 --no-video -o /tmp/seed3
       physim run my_world.yaml --set time.duration=20.0 --set controller.beta=0.3
       physim run my_world.yaml --controller my_module:MyController
@@ -85,18 +88,19 @@ def run(options: Options) -> int:
         record, late = _simulate(simulation, folder, observers, options.quiet, interrupt)
         summary = summarise(record)
         write_text(folder / "summary.json", summary.to_json())
-        stopped = bool(interrupt.count)
+        stopped, already = bool(interrupt.count), interrupt.count
         if stopped:
             _say(f"interrupted at {simulation.time:g} s of simulated time", options)
         if not options.no_video:
             if stopped:
                 _say("writing the video so far (Ctrl-C again cuts it short)", options)
-            already = interrupt.count
             film = folder / "video.mp4"
             made = write_video(record, film, options.quiet, lambda: interrupt.count > already)
             if made != film:
                 again = f"physim video {shlex.quote(str(folder / 'record.h5'))}"
                 _say(f"{made.name} is cut short; {again} makes the whole video", options)
+        if options.page and interrupt.count == already:
+            make_page([record], folder / "page.html", options.quiet)
         stopped = stopped or bool(interrupt.count)
     if options.quiet:
         for sentence in summary.warnings:

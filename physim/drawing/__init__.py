@@ -1,7 +1,7 @@
-"""Pictures: the scene as all of them show it, previews of worlds, plots and videos of records."""
+"""Pictures: the scene as all show it, previews of worlds, plots, videos and pages of records."""
 
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules={"plots", "preview", "video"}
+    __name__, submodules={"page", "plots", "preview", "video"}
 )

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import h5py
 
+from physim.contacts import Phase
 from physim.drafts import draft_of
 from physim.errors import RecordError
+from physim.escaping import html_table
 from physim.parts.declarations import Declared, Mode
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
@@ -137,6 +139,22 @@ class Record(RecordedHistory):
         """Name, seed, size and end of the run."""
         size = f"{self.robots} robots, {self.samples} samples"
         return f'<Record "{self.name}" seed {self.seed}: {size}, ended "{self.ended}">'
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows of it; `physim.page` shows the run itself."""
+        found = len(self.contacts[self.contacts["phase"] == Phase.BEGAN])
+        return html_table(
+            [
+                ("record", self.name),
+                ("seed", str(self.seed)),
+                ("controller", self.setup.controller.name),
+                ("robots", str(self.robots)),
+                ("samples", f"{self.samples}, one every {self.record_every * self.dt:g} s"),
+                ("ended", f'"{self.ended}" after {self.steps_run * self.dt:g} s'),
+                ("contacts", str(found) if "contacts" in self.tables else "not recorded"),
+                ("to watch it", "physim.page(record)"),
+            ]
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle or copy: the file is opened again. Raises TypeError for a record in memory."""

@@ -19,6 +19,8 @@ from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markdown_it.utils import EnvType, OptionsDict
 
+from physim.drawing.page.bundle import sheets
+from physim.drawing.page.colours import custom_properties
 from physim.errors import plural
 from physim.escaping import escaped
 from physim.reproduction.plan import SEEDS
@@ -110,7 +112,8 @@ def _section(section: Section) -> Iterator[str]:
     for file, caption in zip(section.pictures, section.captions, strict=True):
         yield f"![{_plain(caption)}]({quote(file)})"
     for file in section.films:
-        yield f"[Video of the run]({quote(file)})"
+        words = "The run in the browser" if file.endswith(".html") else "Video of the run"
+        yield f"[{words}]({quote(file)})"
     if section.commands:
         lines = "\n".join(_one_line(line) for line in section.commands)
         fence = _fence(lines, 3)
@@ -166,38 +169,6 @@ def _fence(text: str, least: int) -> str:
 
 WIDE = 1000
 """[px] Wider pictures (maps) have a line for themselves."""
-STYLE = """\
-:root { color-scheme: light; }
-body { margin: 0 auto; padding: 2rem 1.25rem 4rem; max-width: 70rem; color: #22262c;
-  background: #fff; font: 16px/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; }
-h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .5rem; }
-h2 { font-size: 1.35rem; margin: 3rem 0 .5rem; padding-top: 1rem; border-top: 1px solid #d6dade; }
-h3 { font-size: 1.05rem; margin: 2rem 0 .5rem; }
-p { max-width: 48rem; margin: .5rem 0; }
-a { color: #0b5cad; }
-code { font: .875em/1.4 ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace;
-  background: #f3f4f6; padding: .1em .3em; border-radius: 3px; }
-pre { background: #f3f4f6; padding: .6rem .9rem; border-radius: 4px; overflow-x: auto;
-  max-width: 100%; box-sizing: border-box; }
-pre code { padding: 0; }
-.wide { overflow-x: auto; margin: 1rem 0; }
-table { border-collapse: collapse; width: 100%; font-size: .9rem; }
-th, td { text-align: left; vertical-align: top; padding: .45rem .7rem .45rem 0;
-  border-bottom: 1px solid #d6dade; }
-th { border-bottom: 2px solid #62686f; white-space: nowrap; }
-td { min-width: 5.5rem; }
-td:first-child { min-width: 14rem; }
-.outcome { font-weight: 600; white-space: nowrap; padding: .1em .5em; border-radius: 3px; }
-.met { background: #d8eedf; color: #0b4a2f; }
-.partly-met { background: #fdeccb; color: #6b4200; }
-.not-met { background: #f9d9c8; color: #7a2600; }
-figure { display: inline-block; vertical-align: top; margin: .6rem .5rem .6rem 0;
-  width: max(28rem, calc(50% - 1rem)); max-width: 100%; }
-figure.whole { display: block; width: min(100%, 56rem); }
-img, video { max-width: 100%; height: auto; display: block; }
-figcaption { font-size: .85rem; color: #62686f; margin-top: .3rem; }
-@media print { h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
-"""
 
 
 def html(text: str, title: str, folder: Path) -> str:
@@ -222,7 +193,8 @@ def html(text: str, title: str, folder: Path) -> str:
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<link rel="icon" href="data:,">\n<title>{escapeHtml(escaped(title))}</title>\n'
-        f"<style>\n{STYLE}</style>\n</head>\n<body>\n"
+        f"<style>\n{custom_properties()}{sheets('common.css', 'report.css')}</style>\n"
+        '</head>\n<body class="report">\n'
         f"{parser.renderer.render(tokens, parser.options, {})}</body>\n</html>\n"
     )
 

@@ -90,6 +90,15 @@ def render_film(file: Path, path: Path, stop: Stop) -> bool | None:
     return None if stop() else True
 
 
+def write_run_page(file: Path, path: Path, _: Stop) -> bool:
+    """Write the page of a record. True: never stopped."""
+    from physim.drawing.page import write_page
+
+    with Record.load(file) as record:
+        write_page([record], path)
+    return True
+
+
 SEEDS, QUICK_SEEDS = 100, 5
 """of each world of the paper"""
 FLOW_CHART = "5"
@@ -159,6 +168,8 @@ class Plan:
         if self.films and any(part.film for part in mine):
             given = (record, folder / film_of(world))
             yield ("film", world), Job(f"video of {world}", render_film, given)
+            given = (record, folder / page_of(world))
+            yield ("page", world), Job(f"page of {world}", write_run_page, given)
         for part in mine:
             for name in part.pictures:
                 path = folder / (file := picture_of(part.figure, name))
@@ -190,6 +201,11 @@ def picture_of(experiment: str, name: str) -> str:
 def film_of(world: str) -> str:
     """File of a video, relative to the page."""
     return f"{world}/video.mp4"
+
+
+def page_of(world: str) -> str:
+    """File of the page of a run, relative to the page of the reproduction."""
+    return f"{world}/page.html"
 
 
 def make_plan(

@@ -32,6 +32,7 @@ class Section:
     """files, relative to the page"""
     captions: tuple[str, ...] = ()
     films: tuple[str, ...] = ()
+    """videos and pages of the run, relative to the page"""
     missing: str = ""
     """why it is not whole; empty when it is"""
 

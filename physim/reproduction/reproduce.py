@@ -17,7 +17,7 @@ from physim.geometry.queries import fill_times
 from physim.parts.registry import CONTROLLER, make_part
 from physim.reproduction.claims import measures
 from physim.reproduction.page import TITLE, html, markdown
-from physim.reproduction.plan import Found, Plan, film_of, picture_of
+from physim.reproduction.plan import Found, Plan, film_of, page_of, picture_of
 from physim.reproduction.report import Report, Section
 from physim.reproduction.study import PAIR_TIMES, WORDS, Part, Study
 from physim.simulation.run import is_warm as runs_are_warm
@@ -97,7 +97,8 @@ def _part_section(part: Part, plan: Plan, found: Found) -> Section:
         for what in part.pictures
         if ("picture", file := picture_of(part.figure, what)) in found
     ]
-    film = part.film and ("film", part.world) in found
+    kinds = (("film", film_of), ("page", page_of)) if part.film else ()
+    films = tuple(file(part.world) for kind, file in kinds if (kind, part.world) in found)
     about = f"World {part.world}. Measured: seed {seed}, as in the pictures. Over seeds: "
     few = (
         "none was run." if not runs else f"{plural(len(runs), 'run')}, seeds 0 to {len(runs) - 1}."
@@ -111,7 +112,7 @@ def _part_section(part: Part, plan: Plan, found: Found) -> Section:
         part.figure, part.title, about + few, tuple(commands),
         tuple(claim.verdict(pictured, runs, bare[0] if bare else ()) for claim in part.claims),
         tuple(file for file, _ in pictures), tuple(caption for _, caption in pictures),
-        (film_of(part.world),) if film else (),
+        films,
         "" if len(runs) == plan.seeds else "Interrupted before all seeds were run.",
     )  # fmt: skip
 

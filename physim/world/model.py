@@ -24,6 +24,7 @@ from pydantic import (
 )
 
 from physim.errors import Fault, Location
+from physim.escaping import html_table
 from physim.world.base import Model
 from physim.world.faults import KeyFault, describe
 from physim.world.group import Entry, RobotGroup, each_robot, limited
@@ -168,6 +169,20 @@ class World(Model):
         seed = "" if self.seed is None else f" seed {self.seed}"
         size = f"{len(self.robots)} robot{'' if len(self.robots) == 1 else 's'}"
         return f"<World {describe(self.name)}{seed}: {size}, {self.time.duration:g} s>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows of it; `physim preview` draws it."""
+        formation = "none" if self.formation is None else f"at {self.formation.speed:g} m/s"
+        rows = {
+            "world": self.name,
+            "": self.description,
+            "seed": str(self.seed or 0),
+            "robots": str(len(self.robots)),
+            "duration": f"{self.time.duration:g} s, in steps of {self.time.step:g} s",
+            "formation": formation,
+            "controller": self.controller.type,
+        }
+        return html_table((label, text) for label, text in rows.items() if text)
 
     @property
     def entries(self) -> tuple[Robot | RobotGroup, ...]:

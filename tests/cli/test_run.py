@@ -90,6 +90,22 @@ def test_a_run_writes_record_video_and_summary(
     assert (folder / "video.mp4").read_bytes() == before
 
 
+def test_a_run_may_write_its_page_too(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = ["run", "small.yaml", "--no-video", "--page", "-o", "run"]
+    done = physim(*given, capture=capsys)
+    assert done.code == 0
+    assert "page.html" in done.out
+    assert {file.name for file in (here / "run").iterdir()} == FILES - {"video.mp4"} | {"page.html"}
+    page = (here / "run/page.html").read_bytes()
+    again = physim("page", "run/record.h5", "-o", "again.html", capture=capsys)
+    assert again == (0, "again.html\n", "")
+    assert (here / "again.html").read_bytes() == page
+    assert physim(*given, capture=capsys).code == 2
+    forced = ("run", "small.yaml", "--no-video", "-o", "run", "--force")
+    assert physim(*forced, capture=capsys).code == 0
+    assert not (here / "run/page.html").exists()
+
+
 def test_in_a_pipe_there_is_no_progress_bar_and_quiet_is_silent(here: Path) -> None:
     loud = shell("run", "small.yaml", "-o", "loud", "--no-video", folder=here)
     assert (loud.code, loud.err) == (0, "")

@@ -65,6 +65,7 @@ ROOMS = MappingProxyType(
         "summary": ("tests/test_summary.py",),
         "validation": ("tests/validation",),
         "video": ("tests/video",),
+        "page": ("tests/page",),
         "plots": ("tests/plots",),
         "preview": ("tests/preview",),
         "importing": ("tests/importing",),

@@ -23,6 +23,7 @@ from physim.analysis.metrics import (
     grazes,
     measured,
 )
+from physim.escaping import html_table
 from physim.record import Record
 from physim.record.setup import Setup
 from physim.world.faults import describe
@@ -102,6 +103,12 @@ class Summary:
         end = f"ended {describe(self.ended)} after {self.value('simulated_time'):g} s"
         kept = "as expected" if self.held else "not as expected"
         return f"<Summary of {describe(self.name)} seed {self.seed}: {end}, {contacts}, {kept}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows of it: the lines of `table`."""
+        from physim.analysis.summary.table import table_rows
+
+        return html_table(table_rows(self))
 
     @property
     def held(self) -> bool:

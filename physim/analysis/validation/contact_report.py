@@ -97,9 +97,16 @@ def swept_contact_reports(record: Record, table: DecisionTable) -> tuple[SweptCo
 
 
 def contact_reports(
-    record: Record, analytic: AnalyticContacts, table: DecisionTable, predictor: Predictor
+    record: Record,
+    analytic: AnalyticContacts,
+    table: DecisionTable,
+    predictor: Predictor,
+    most: int | None = None,
 ) -> tuple[ContactReport, ...]:
-    """Report every contact episode of a record, in the order of their beginning."""
+    """Report the contact episodes of a record, in the order of their beginning.
+
+    Every one, or the first ``most``.
+    """
     episodes = contact_episodes(record)
     key = (analytic.touching["step"], analytic.touching["a"], analytic.touching["b"])
     entries = dict(
@@ -108,7 +115,7 @@ def contact_reports(
     seen: set[tuple[int, int]] = set()
     mass = masses(record)
     reports = []
-    for number, episode in enumerate(episodes, 1):
+    for number, episode in enumerate(episodes[:most], 1):
         pair = (episode.a, episode.b)
         earlier = pair not in seen and len(seen) < MOST_EARLY
         seen.add(pair)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -128,37 +129,49 @@ def first_of_pairs(validation: Validation) -> list[ContactReport]:
 
 
 def _contact(validation: Validation, one: ContactReport) -> list[str]:
-    names = validation.names
+    lines = [f"  {heading(one, validation.names)}"]
+    for label, text in paragraph(one, validation.names, validation.contacts):
+        lines += wrapped(text, f"    {label:<11} ", 16 * " ")
+    return lines
+
+
+def heading(one: ContactReport, names: list[str]) -> str:
+    """``Contact 3 at 5.10 s: r1 and r2``."""
+    return f"Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}"
+
+
+def paragraph(
+    one: ContactReport, names: list[str], contacts: Sequence[ContactReport]
+) -> list[tuple[str, str]]:
+    """A contact in full, label and text of each line; ``contacts`` are those of its run."""
     end = "still touching at the end" if one.lasting else f"for {one.duration:.2f} s"
     hit = one.severity
     motion = f"closing at {hit.closing:.3f} m/s, sliding at {hit.sliding:.3f} m/s"
     if one.time == 0.0:
         motion = "in contact from the start"
-    before = _before(validation, one)
+    before = _before(one, names, contacts)
     push = f", pushing with {one.impulse / one.duration:,.0f} N on average"
-    lines = [
-        f"  Contact {one.number} at {one.time:.2f} s: {names[one.a]} and {names[one.b]}",
-        *_item("what", f"{describe_bodies(one, names)}; {motion}"),
-        *_item(
+    items = [
+        ("what", f"{describe_bodies(one, names)}; {motion}"),
+        (
             "where",
             f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
             f"{one.station:.2f} m along the reference path",
         ),
-        *_item(
+        (
             "contact",
             f"{end}{push}, depth up to {length(one.depth)}, impulse {one.first_impulse:.1f} N s at "
             f"first, {one.impulse:,.1f} N s in all",
         ),
         *_severity(one, names),
-        *_item("responsible", describe_responsibility(one, names)),
+        ("responsible", describe_responsibility(one, names)),
+        *((names[side.body], _decision(side, one)) for side in one.sides),
+        ("finding", describe_cause(one, names)),
     ]
-    for side in one.sides:
-        lines += _item(names[side.body], _decision(side, one))
-    lines += _item("finding", describe_cause(one, names))
-    return lines + (_item("note", before) if before else [])
+    return [*items, ("note", before)] if before else items
 
 
-def _severity(one: ContactReport, names: list[str]) -> list[str]:
+def _severity(one: ContactReport, names: list[str]) -> list[tuple[str, str]]:
     """What the impact did to each robot; nothing where masses are not known."""
     hit = one.severity
     if hit.changes is None or hit.energy is None:
@@ -169,11 +182,7 @@ def _severity(one: ContactReport, names: list[str]) -> list[str]:
             for side, change in zip(one.sides, hit.changes, strict=True)
         ]
     )
-    return _item("severity", f"changes the speed of {changes}, {hit.energy:.1f} J lost")
-
-
-def _item(label: str, text: str) -> list[str]:
-    return wrapped(text, f"    {label:<11} ", 16 * " ")
+    return [("severity", f"changes the speed of {changes}, {hit.energy:.1f} J lost")]
 
 
 def _decision(side: RobotInContact, one: ContactReport) -> str:
@@ -211,13 +220,12 @@ def _seconds(time: float) -> str:
     return short(time) if abs(time) >= HUGE else f"{time:.3f} s"
 
 
-def _before(validation: Validation, one: ContactReport) -> str:
+def _before(one: ContactReport, names: list[str], contacts: Sequence[ContactReport]) -> str:
     """What led up to this contact, and what followed between the two."""
-    names = validation.names
     notes = []
     if one.also_touching:
         notes.append(f"already touching {joined([names[i] for i in one.also_touching])}")
-    pair = [other for other in validation.contacts if (other.a, other.b) == (one.a, one.b)]
+    pair = [other for other in contacts if (other.a, other.b) == (one.a, one.b)]
     after = pair[pair.index(one) + 1 :]
     if after:
         gap = after[0].time - one.time - one.duration

@@ -15,6 +15,7 @@ from tests.sabotage.edits import (
     importing,
     loop,
     metrics,
+    page,
     physics,
     plots,
     preview,
@@ -36,8 +37,8 @@ EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
         basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop,
-        work, record, metrics, summary, validation, video, plots, preview, importing, templates,
-        crashtest, campaigns, falsify, reports, reproduction, cli,
+        work, record, metrics, summary, validation, video, page, plots, preview, importing,
+        templates, crashtest, campaigns, falsify, reports, reproduction, cli,
     )
     for edit in room.EDITS
 )  # fmt: skip

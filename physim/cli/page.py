@@ -1,0 +1,81 @@
+"""``physim page``: a run in the browser, in one file."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from physim.cli.output import its_folder, new_file
+from physim.cli.parser import Options, command, flag, option
+from physim.cli.progress import announce_compiling
+from physim.errors import PhysimError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from physim.record import Record
+
+COMPILING = 15
+"""[s] about, for what is said of contacts"""
+NAME = "page.html"
+
+
+@command("page", "a run in the browser: watch, scrub, ask why")
+@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=Path,
+                help="record.h5 of a run; of several runs, shown in step")  # fmt: skip
+@option(
+    "-o",
+    "--output",
+    type=Path,
+    metavar="FILE",
+    help="file, ending in .html (default: page.html beside the first record)",
+)
+@flag("--force", "overwrite an existing file")
+@flag("--quiet", "do not print the name of the file")  # fmt: skip
+def page(options: Options) -> int:
+    """Write one HTML file that shows a run in a browser, from disk and without network.
+
+    It plays, scrubs and zooms; a click on a robot shows what it saw and why it decided as it did,
+    one on a contact what physim validate says of it. Several runs are shown side by side.
+
+    exit codes:
+      0    the page is written
+      2    bad input: one message says what and where
+      130  interrupted (Ctrl-C): nothing is written
+
+    keys for the browser: listed in the page; page.html#t=57.4&robot=r9 opens it at a moment
+
+    examples:
+      physim page runs/ten_robots-21/record.h5
+      physim page with/record.h5 without/record.h5 -o both.html
+    """
+    from physim.drawing.page import MOST_RUNS
+    from physim.record import Record
+
+    output = options.output or options.records[0].parent / NAME
+    if output.suffix.lower() not in (".html", ".htm"):
+        raise PhysimError(f"{output}: a page ends in .html")
+    if len(options.records) > MOST_RUNS:
+        raise PhysimError(
+            f"{options.records[MOST_RUNS]}: is one record too many; a page shows {MOST_RUNS}"
+        )
+    new_file(output, options.force, *options.records)
+    its_folder(output)
+    with ExitStack() as opened:
+        records = [opened.enter_context(Record.load(path)) for path in options.records]
+        make_page(records, output, options.quiet)
+    if not options.quiet:
+        print(output)
+    return 0
+
+
+def make_page(records: Sequence[Record], output: Path, quiet: bool) -> None:
+    """Write the page of some records, and say so where something is to be compiled first."""
+    from physim.drawing.page import is_warm, write_page
+
+    if any(len(record.contacts) for record in records) and not is_warm():
+        announce_compiling("what is said of contacts", COMPILING, quiet)
+    write_page(records, output)

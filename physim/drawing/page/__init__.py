@@ -1,0 +1,8 @@
+"""A run in the browser: one HTML file to watch, scrub and ask why, from the record alone."""
+
+from __future__ import annotations
+
+from physim.drawing.page.contacts import is_warm
+from physim.drawing.page.document import MOST_RUNS, Page, page, write_page
+
+__all__ = ["MOST_RUNS", "Page", "is_warm", "page", "write_page"]

@@ -1,0 +1,129 @@
+// What part of the world a view shows: all of it, the robots, or one robot; zoomed and moved by hand.
+
+const PAD = 28; // [px]
+const LOOKS = 60; // moments at which the size of the group is taken
+const NEAR = 2.6; // times its range, shown round a robot that is followed
+const USUAL_RANGE = 10; // [m]
+const WHOLE_SHARE = 0.72; // of the scene, from which the group's part is no closer look
+const SMOOTH = 1.0; // [s] before and after, over which the place of the group is averaged
+
+export class Camera {
+  constructor(run) {
+    this.run = run;
+    this.follow = "robots";
+    this.zoom = 1;
+    this.shift = [0, 0]; // [m] by hand
+    this.size = [1, 1];
+    [this.low, this.high] = run.header.scene.extent;
+    this.group = groupSize(run);
+    this.scratch = new Float64Array(3 * run.robots);
+  }
+
+  resize(width, height) {
+    this.size = [width, height];
+  }
+
+  /** Scale [px/m] at which a part of the world, width and height [m], fits. */
+  scaleFor(width, height) {
+    const [wide, high] = this.size.map((pixels) => Math.max(pixels - 2 * PAD, 40));
+    return Math.min(wide / Math.max(width, 1e-3), high / Math.max(height, 1e-3));
+  }
+
+  get wholeScale() {
+    return this.scaleFor(this.high[0] - this.low[0], this.high[1] - this.low[1]);
+  }
+
+  /** Whether following the robots would show little less than everything. */
+  get showsAll() {
+    return this.wholeScale > WHOLE_SHARE * this.scaleFor(...this.group);
+  }
+
+  /** World to pixels of the view at a time: scale [px/m] and the world's origin [px], y down. */
+  lens(time) {
+    const [scale, [x, y]] = this.aim(time);
+    const zoomed = scale * this.zoom;
+    return {
+      scale: zoomed,
+      x: this.size[0] / 2 - (x + this.shift[0]) * zoomed,
+      y: this.size[1] / 2 + (y + this.shift[1]) * zoomed,
+    };
+  }
+
+  aim(time) {
+    if (typeof this.follow === "number") {
+      this.run.place(this.follow, time, this.scratch, 0);
+      const near = NEAR * (this.run.header.range ?? USUAL_RANGE);
+      const scale = Math.max(this.scaleFor(near, near), this.wholeScale);
+      return [scale, [this.scratch[0], this.scratch[1]]];
+    }
+    const middle = [0, 1].map((axis) => (this.low[axis] + this.high[axis]) / 2);
+    if (this.follow === "whole" || this.showsAll) return [this.wholeScale, middle];
+    return [this.scaleFor(...this.group), this.middleOfRobots(time)];
+  }
+
+  middleOfRobots(time) {
+    const moments = [-SMOOTH, -SMOOTH / 2, 0, SMOOTH / 2, SMOOTH];
+    const sum = [0, 0];
+    for (const offset of moments) {
+      const at = Math.min(Math.max(time + offset, 0), this.run.duration);
+      const [low, high] = boxOf(this.run, at, this.scratch);
+      sum[0] += (low[0] + high[0]) / 2;
+      sum[1] += (low[1] + high[1]) / 2;
+    }
+    return sum.map((value) => value / moments.length);
+  }
+
+  /** Zooms by a factor about a place [px] of the view, which stays where it is. */
+  zoomAt(factor, pixel, time) {
+    const before = toWorld(this.lens(time), pixel);
+    this.zoom = Math.min(Math.max(this.zoom * factor, 0.2), 400);
+    const after = toWorld(this.lens(time), pixel);
+    this.shift = this.shift.map((value, axis) => value + before[axis] - after[axis]);
+  }
+
+  pan(dx, dy, time) {
+    const { scale } = this.lens(time);
+    this.shift = [this.shift[0] - dx / scale, this.shift[1] + dy / scale];
+  }
+
+  /** Looks at something else, without zoom or shift by hand. */
+  look(follow) {
+    Object.assign(this, { follow, zoom: 1, shift: [0, 0] });
+  }
+
+  /** Same look as another camera has. */
+  copy(other) {
+    Object.assign(this, { follow: other.follow, zoom: other.zoom, shift: [...other.shift] });
+    if (typeof this.follow === "number" && this.follow >= this.run.robots) this.follow = "robots";
+  }
+}
+
+export const toWorld = (lens, [x, y]) => [(x - lens.x) / lens.scale, (lens.y - y) / lens.scale];
+
+export const toPixels = (lens, x, y) => [x * lens.scale + lens.x, lens.y - y * lens.scale];
+
+function boxOf(run, time, scratch) {
+  run.poses(time, scratch);
+  const low = [Infinity, Infinity];
+  const high = [-Infinity, -Infinity];
+  for (let k = 0; k < scratch.length; k += 3) {
+    for (const axis of [0, 1]) {
+      low[axis] = Math.min(low[axis], scratch[k + axis]);
+      high[axis] = Math.max(high[axis], scratch[k + axis]);
+    }
+  }
+  return [low, high];
+}
+
+/** Width and height [m] of the group at nearly all times, with room round it. */
+function groupSize(run) {
+  const scratch = new Float64Array(3 * run.robots);
+  const sizes = Array.from({ length: LOOKS }, (_, k) => {
+    const [low, high] = boxOf(run, (run.duration * k) / (LOOKS - 1), scratch);
+    return [high[0] - low[0], high[1] - low[1]];
+  });
+  return [0, 1].map((axis) => {
+    const ordered = sizes.map((size) => size[axis]).sort((a, b) => a - b);
+    return Math.max(ordered[Math.floor(0.95 * (LOOKS - 1))] + 4, 16);
+  });
+}

@@ -1,0 +1,76 @@
+// What does not move: areas, obstacles, paths and walls, each made into a shape of metres once.
+
+const THIN = 8; // [px/m] below which lines are thinner, as paths then lie close
+const PATH_TINT = 0.58; // opacity of robots' own paths
+
+export class Ground {
+  constructor(run) {
+    const { scene } = run.header;
+    this.areas = scene.areas.map(({ key, rings }) => ({ key, path: shape(rings, true) }));
+    this.obstacles = shape(scene.obstacles, true);
+    this.walls = shape(scene.walls, false);
+    this.reference = shape([scene.reference], false);
+    const dashed = scene.paths.some(({ danger }) => danger.length);
+    this.paths = scene.paths.flatMap(({ robots, safe, danger }) => [
+      { robot: robots[0], robots, path: shape(safe, false), dashed: false },
+      ...(dashed ? [{ robot: robots[0], robots, path: shape(danger, false), dashed: true }] : []),
+    ]);
+  }
+
+  /** Draws on a canvas whose pixels are those of `lens`. */
+  draw(context, lens, colours) {
+    context.save();
+    context.transform(lens.scale, 0, 0, -lens.scale, lens.x, lens.y);
+    const pixel = 1 / lens.scale;
+    for (const { key, path } of this.areas) {
+      context.fillStyle = colours[key];
+      context.fill(path, "evenodd");
+    }
+    context.fillStyle = colours.obstacle;
+    context.fill(this.obstacles, "evenodd");
+    context.lineJoin = "round";
+    const thin = Math.min(1, lens.scale / THIN);
+    this.stroke(context, this.reference, colours.reference, 2 * thin * pixel);
+    context.globalAlpha = PATH_TINT;
+    for (const { robot, path, dashed } of this.paths) {
+      const colour = robot < 0 ? colours.band : colours.robots[robot % colours.robots.length];
+      context.setLineDash(dashed ? [5 * pixel, 5 * pixel] : []);
+      this.stroke(context, path, colour, 1.2 * thin * pixel);
+    }
+    context.setLineDash([]);
+    context.globalAlpha = 1;
+    this.stroke(context, this.obstacles, colours.wall, pixel);
+    this.stroke(context, this.walls, colours.wall, (1 + 2 * thin) * pixel);
+    context.restore();
+  }
+
+  /** Draws what can be told apart when it is small. */
+  drawPlain(context, lens, colours) {
+    context.save();
+    context.transform(lens.scale, 0, 0, -lens.scale, lens.x, lens.y);
+    const { key, path } = this.areas.at(-1) ?? { key: "floor", path: new Path2D() };
+    context.fillStyle = colours[key];
+    context.fill(this.areas[0]?.path ?? path, "evenodd");
+    context.fillStyle = colours.obstacle;
+    context.fill(this.obstacles, "evenodd");
+    this.stroke(context, this.reference, colours.reference, 1 / lens.scale);
+    this.stroke(context, this.walls, colours.wall, 1.3 / lens.scale);
+    context.restore();
+  }
+
+  stroke(context, path, colour, width) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.stroke(path);
+  }
+}
+
+/** Lines, or rings, of points [m]. */
+function shape(lines, closed) {
+  const path = new Path2D();
+  for (const line of lines) {
+    line.forEach(([x, y], k) => (k ? path.lineTo(x, y) : path.moveTo(x, y)));
+    if (closed) path.closePath();
+  }
+  return path;
+}

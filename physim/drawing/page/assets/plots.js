@@ -1,0 +1,141 @@
+// Courses over time below the view; the line across all of them is the time, and can be dragged.
+
+import { fitted } from "./dom.js";
+import { courses } from "./courses.js";
+import { decimal, roundAbove, roundBelow } from "./words.js";
+
+const LEFT = 52; // [px] for numbers
+const RIGHT = 12;
+const AXIS = 18;
+const HEAD = 15;
+const TICK = 13; // [px] from tick to tick at least
+
+export class Plots {
+  /** `seek` is called with a time [s] while the line is dragged. */
+  constructor(canvas, runs, duration, seek) {
+    Object.assign(this, { canvas, runs, duration });
+    this.context = canvas.getContext("2d");
+    this.still = document.createElement("canvas");
+    this.rows = courses(runs);
+    this.key = "";
+    const drag = (event) => {
+      const box = canvas.getBoundingClientRect();
+      const share = (event.clientX - box.left - LEFT) / (box.width - LEFT - RIGHT);
+      seek(Math.min(Math.max(share, 0), 1) * duration);
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      drag(event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons && canvas.hasPointerCapture(event.pointerId)) drag(event);
+    });
+  }
+
+  draw(time, { colours, scheme, active, chosen }) {
+    const { canvas, context } = this;
+    const key = `${scheme} ${active} ${chosen}`;
+    if (fitted(canvas) || key !== this.key) {
+      this.key = key;
+      this.drawStill(colours, active, chosen);
+    }
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.drawImage(this.still, 0, 0);
+    const ratio = window.devicePixelRatio || 1;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const x = this.x(time);
+    context.strokeStyle = colours.ink;
+    context.lineWidth = 1.5;
+    context.beginPath();
+    context.moveTo(x, 2);
+    context.lineTo(x, this.height - AXIS + 3);
+    context.stroke();
+    context.fillStyle = colours.ink;
+    context.beginPath();
+    context.arc(x, this.height - AXIS + 3, 4, 0, 7);
+    context.fill();
+  }
+
+  get width() {
+    return this.canvas.width / (window.devicePixelRatio || 1);
+  }
+
+  get height() {
+    return this.canvas.height / (window.devicePixelRatio || 1);
+  }
+
+  x(time) {
+    return LEFT + (this.width - LEFT - RIGHT) * (this.duration ? time / this.duration : 0);
+  }
+
+  drawStill(colours, active, chosen) {
+    this.still.width = this.canvas.width;
+    this.still.height = this.canvas.height;
+    const context = this.still.getContext("2d");
+    const ratio = window.devicePixelRatio || 1;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.fillStyle = colours.paper;
+    context.fillRect(0, 0, this.width, this.height);
+    const shares = this.rows.map((row) => row.share);
+    const all = shares.reduce((sum, share) => sum + share, 0);
+    const room = this.height - AXIS - 2;
+    let top = 2;
+    this.rows.forEach((row, k) => {
+      const high = (room * shares[k]) / all;
+      this.drawRow(context, row, top, high, colours, active, chosen);
+      top += high;
+    });
+    this.drawAxis(context, colours);
+  }
+
+  drawRow(context, row, top, high, colours, active, chosen) {
+    const box = { left: LEFT, top: top + HEAD, width: this.width - LEFT - RIGHT, height: high - HEAD - 4 };
+    context.font = "11.5px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "alphabetic";
+    context.fillStyle = colours.quiet;
+    context.fillText(row.title, LEFT, top + 11, box.width);
+    if (box.height < 6) return;
+    context.fillStyle = colours.faint;
+    context.fillRect(box.left, box.top, box.width, box.height);
+    const frame = { ...box, limits: row.limits, x: (time) => this.x(time) };
+    if (row.limits) {
+      const [low, top_] = row.limits;
+      frame.y = (value) =>
+        box.top + box.height * (1 - (Math.min(Math.max(value, low), top_) - low) / (top_ - low));
+      this.drawTicks(context, row, frame, colours);
+    }
+    context.save();
+    context.beginPath();
+    context.rect(box.left, box.top - 1, box.width, box.height + 2);
+    context.clip();
+    row.draw(context, frame, { colours, active, chosen });
+    context.restore();
+  }
+
+  drawTicks(context, row, frame, colours) {
+    const [low, high] = row.limits;
+    const step = roundAbove(((high - low) * TICK) / frame.height);
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9; k++) {
+      const y = frame.y(k * step);
+      context.fillStyle = colours.quiet;
+      context.fillText(decimal(k * step, Math.max(0, -Math.floor(Math.log10(step) + 1e-9))), LEFT - 5, y);
+      context.fillStyle = colours.rule;
+      context.fillRect(frame.left, y - 0.5, frame.width, 1);
+    }
+  }
+
+  drawAxis(context, colours) {
+    const step = roundBelow(this.duration / Math.max(2, this.width / 130)) || 1;
+    context.fillStyle = colours.quiet;
+    context.textBaseline = "alphabetic";
+    for (let k = 0; k * step <= this.duration + 1e-9; k++) {
+      const x = this.x(k * step);
+      context.textAlign = k === 0 ? "left" : x > this.width - RIGHT - 14 ? "right" : "center";
+      const words = decimal(k * step, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+      context.fillText(k === 0 ? `${words} s` : words, x, this.height - 4);
+    }
+  }
+}

@@ -1,0 +1,181 @@
+// A run on a canvas: draws it at a time, as its camera sees it, and knows what lies under a finger.
+
+import { Camera, toPixels } from "./camera.js";
+import { Contacts } from "./contacts.js";
+import { fitted } from "./dom.js";
+import { Ground } from "./ground.js";
+import {
+  drawClosest, drawContacts, drawScale, drawSight, drawTargets, writeLabels,
+} from "./marks.js";
+import { Fleet, binAt, drawTrails } from "./robots.js";
+import { roundBelow } from "./words.js";
+
+const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
+const FINGER = 16; // [px]
+const OVERVIEW = 0.2; // share of the view's shorter side
+const FEW = 60; // robots that all have names, targets and trails of their own
+
+export class View {
+  constructor(run, canvas) {
+    this.run = run;
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    if (!this.context) throw new Error("this browser draws no canvas");
+    this.ground = new Ground(run);
+    this.fleet = new Fleet(run);
+    this.contacts = new Contacts(run);
+    this.camera = new Camera(run);
+    this.ghosts = []; // other views, drawn as outlines in this one
+    this.drawn = null; // what was drawn last: time, poses and lens
+  }
+
+  /** The closest two robots at a time, as they were recorded; null without. */
+  closest(time) {
+    const { run } = this;
+    if (!run.header.curves.pair) return null;
+    this.pairs ??= ["pair", "pair_a", "pair_b"].map((name) => run.array(name));
+    const bin = binAt(run, time);
+    const [distance, a, b] = this.pairs.map((values) => values[bin]);
+    return { a, b, distance };
+  }
+
+  modeColour(robot, time, colours) {
+    const { run } = this;
+    const mode = run.modesAt(time)[robot];
+    if (mode >= 0) return run.modes[mode].colour;
+    if (!run.header.modeless) return colours.undecided;
+    return run.header.crowd ? colours.band : colours.robots[robot % colours.robots.length];
+  }
+
+  draw(time, { colours, speed, chosen, layers }) {
+    const { run, context, camera } = this;
+    fitted(this.canvas);
+    const ratio = window.devicePixelRatio || 1;
+    const size = [this.canvas.width / ratio, this.canvas.height / ratio];
+    camera.resize(...size);
+    const at = Math.min(time, run.duration);
+    const lens = camera.lens(at);
+    const pose = run.poses(at);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.fillStyle = colours.outside;
+    context.fillRect(0, 0, ...size);
+    this.ground.draw(context, lens, colours);
+    const seen = [];
+    for (let robot = 0; robot < run.robots; robot++) {
+      if (this.fleet.isSeen(robot, pose, lens, size)) seen.push(robot);
+    }
+    const few = run.robots <= FEW;
+    const own = (robot) => (few ? colours.robots[robot % colours.robots.length] : colours.band);
+    if (layers.trails) drawTrails(context, run, at, lens, seen, own);
+    if (layers.targets && few && run.targets) {
+      drawTargets(context, run, pose, at, lens, seen, colours);
+    }
+    for (const ghost of this.ghosts) ghost.drawGhost(context, time, lens, size, colours);
+    this.fleet.draw(context, pose, lens, seen, (robot) => this.modeColour(robot, at, colours));
+    this.drawReferencePoints(context, pose, lens, seen, colours);
+    const shown = this.contacts.shown(at, Math.max(CONTACT_LASTS, 0.5 * speed));
+    const touching = new Set(
+      shown.filter((one) => one.touches).flatMap(({ k }) => this.contacts.bodies(k)),
+    );
+    const inView = new Set(seen);
+    const among = [...touching].filter((robot) => inView.has(robot));
+    this.fleet.ring(context, pose, lens, among, colours.contact, 3);
+    const labels = [];
+    const pair = this.closest(at);
+    if (pair && inView.has(pair.a) && inView.has(pair.b)) {
+      labels.push(drawClosest(context, this.fleet, pose, lens, pair, colours));
+    }
+    if (chosen >= 0) {
+      drawSight(context, run, chosen, at, pose, lens, colours);
+      if (!few && run.targets) drawTargets(context, run, pose, at, lens, [chosen], colours);
+      this.fleet.ring(context, pose, lens, [chosen], colours.paper, 5);
+      this.fleet.ring(context, pose, lens, [chosen], colours.ink, 2.5);
+    }
+    drawContacts(context, shown, lens, colours, speed, run.header.crowd);
+    if (layers.names) {
+      const named = few ? seen : [...new Set([pair?.a, pair?.b, ...among.slice(0, 12), chosen])];
+      for (const robot of named) {
+        if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
+      }
+    }
+    writeLabels(context, labels, colours, size);
+    drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
+    if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours);
+    this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
+  }
+
+  nameOf(robot, pose, lens, isChosen) {
+    const [x, y] = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
+    const name = this.run.names[robot];
+    const words = name.length > 18 ? `${name.slice(0, 17)}…` : name;
+    return { words, x, y, up: this.fleet.reach[robot] * lens.scale * 0.8 + 9, bold: isChosen };
+  }
+
+  /** Marks the points that robots are steered by where they lie far from their middle. */
+  drawReferencePoints(context, pose, lens, seen, colours) {
+    for (const robot of seen) {
+      if (!this.fleet.shapes[this.fleet.shape[robot]].eccentric) continue;
+      const [x, y] = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
+      context.fillStyle = colours.ink;
+      context.beginPath();
+      context.arc(x, y, Math.min(2.2, 0.15 * lens.scale), 0, 7);
+      context.fill();
+    }
+  }
+
+  /** The robots of this run as outlines in the view of another. */
+  drawGhost(context, time, lens, size, colours) {
+    const { run } = this;
+    const at = Math.min(time, run.duration);
+    const pose = run.poses(at);
+    const seen = [];
+    for (let robot = 0; robot < run.robots; robot++) {
+      if (this.fleet.isSeen(robot, pose, lens, size)) seen.push(robot);
+    }
+    const colourOf = (robot) => this.modeColour(robot, at, colours);
+    this.fleet.draw(context, pose, lens, seen, colourOf, { ghost: true });
+    drawContacts(context, this.contacts.shown(at, CONTACT_LASTS), lens, colours, 0, true);
+  }
+
+  /** The whole scene, small, with the part that the view shows. */
+  drawOverview(context, pose, lens, time, [width, height], colours) {
+    const { low, high } = this.camera;
+    const [wide, high_] = [high[0] - low[0], high[1] - low[1]];
+    const room = Math.max(90, OVERVIEW * Math.min(width, height) * 1.4);
+    const scale = Math.min(room / wide, room / high_);
+    const box = [wide * scale + 10, high_ * scale + 10];
+    const [left, top] = [width - box[0] - 10, 10];
+    const small = { scale, x: left + 5 - low[0] * scale, y: top + 5 + high[1] * scale };
+    context.save();
+    context.beginPath();
+    context.rect(left, top, ...box);
+    context.fillStyle = colours.outside;
+    context.fill();
+    context.clip();
+    this.ground.drawPlain(context, small, colours);
+    for (let robot = 0; robot < this.run.robots; robot++) {
+      const [x, y] = toPixels(small, pose[3 * robot], pose[3 * robot + 1]);
+      context.fillStyle = this.modeColour(robot, time, colours);
+      context.fillRect(x - 1.5, y - 1.5, 3, 3);
+    }
+    const k = scale / lens.scale;
+    context.strokeStyle = colours.ink;
+    context.lineWidth = 1.2;
+    context.strokeRect(small.x - lens.x * k, small.y - lens.y * k, width * k, height * k);
+    context.restore();
+    context.strokeStyle = colours.rule;
+    context.strokeRect(left, top, ...box);
+  }
+
+  /** What lies at a place [px] of what was drawn last: a contact, a robot, or nothing. */
+  under([x, y]) {
+    if (!this.drawn) return {};
+    const { lens, pose, shown } = this.drawn;
+    for (const one of [...shown].reverse()) {
+      const [px, py] = toPixels(lens, one.x, one.y);
+      if (Math.hypot(px - x, py - y) < FINGER) return { contact: one.k };
+    }
+    const robot = this.fleet.at(pose, lens, [x, y], FINGER);
+    return robot < 0 ? {} : { robot };
+  }
+}

@@ -1,0 +1,102 @@
+"""Courses over the time of a run that the page plots, on a grid: bins that keep every extreme."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
+from physim.drawing.page.packing import Pack
+from physim.drawing.timeline import Timeline
+from physim.geometry.shapes import FloatArray, IntArray
+
+BINS = 3000
+"""Least values at most; of longer runs each is that of a stretch of time"""
+MOMENTS = 400
+"""at which bands of a crowd and its modes are taken"""
+LENGTH, SECONDS = 1e-4, 1e-3
+"""[m], [s] to which they are rounded"""
+
+
+def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
+    """Add the courses; returns what the header says of them."""
+    record = timeline.record
+    first = _bins(timeline)
+    pack.whole("bin", record.steps[first])
+    clearance, walls = record.clearance, record.boundary_clearance
+    pair, wall = _least(clearance, first), _least(walls, first)
+    if timeline.robots > 1:
+        pack.real("pair", clearance[pair].min(axis=1), LENGTH)
+        nearest = np.sort(np.argsort(clearance[pair], axis=1, kind="stable")[:, :2], axis=1)
+        pack.whole("pair_a", nearest[:, 0])
+        pack.whole("pair_b", nearest[:, 1])
+        pack.whole("pair_step", record.steps[pair])
+    if np.isfinite(walls).any():
+        pack.real("wall", walls[wall].min(axis=1), LENGTH)
+        pack.whole("wall_robot", walls[wall].argmin(axis=1))
+    return {
+        "pair": timeline.robots > 1,
+        "wall": bool(np.isfinite(walls).any()),
+        "times": _pack_times(timeline, first, pack),
+        "error": _pack_errors(timeline, pack),
+        "modes": _pack_modes(timeline, pack),
+    }
+
+
+def _bins(timeline: Timeline) -> IntArray:
+    """(T,) first sample of each bin, increasing from 0."""
+    samples = len(timeline.time)
+    return np.unique(np.linspace(0, samples, min(samples, BINS), endpoint=False).astype(np.int64))
+
+
+def _least(values: FloatArray, first: IntArray) -> IntArray:
+    """(T,) sample of each bin that has the least of values (K, N)."""
+    least = values.min(axis=1)
+    edges = [*first.tolist(), len(least)]
+    return np.array(
+        [low + int(np.argmin(least[low:high])) for low, high in zip(edges, edges[1:], strict=False)]
+    )
+
+
+def _pack_times(timeline: Timeline, first: IntArray, pack: Pack) -> bool:
+    """Add the least collision time of the decisions in each bin; inf where all have none."""
+    record = timeline.record
+    values = record.column("collision_time")
+    if not np.isfinite(values).any():
+        return False
+    values = np.where(np.isnan(values), np.inf, values)
+    bins = np.searchsorted(record.steps[first], record.updates["step"], side="right") - 1
+    least = np.full(len(first), np.inf)
+    np.minimum.at(least, bins, values)
+    pack.real("times", least, SECONDS)
+    return True
+
+
+def _pack_errors(timeline: Timeline, pack: Pack) -> dict[str, Any] | None:
+    """What the plot of formation errors, or of deviations, is called; with bands of a crowd."""
+    curves = timeline.curves
+    if curves is None:
+        return None
+    bands = timeline.robots > MOST_LINES
+    if bands:
+        rows = timeline.decisions(_moments(timeline))
+        levels = quantiles(timeline.values(curves.column, rows))
+        pack.real("bands", levels, 1e-3)
+    return {"title": curves.title, "column": curves.column, "bands": bands}
+
+
+def _pack_modes(timeline: Timeline, pack: Pack) -> bool:
+    """Add how many robots of a crowd have each mode (modes + 1, T); the last have none."""
+    if timeline.robots <= NAMED:
+        return False
+    modes = timeline.modes(timeline.decisions(_moments(timeline)))
+    known = len(timeline.scene.modes)
+    counts = [(modes == mode).sum(axis=1) for mode in (*range(known), -1)]
+    pack.whole("mode_counts", np.array(counts))
+    return True
+
+
+def _moments(timeline: Timeline) -> FloatArray:
+    """(T,) [s] from the start to the end."""
+    return np.linspace(0.0, timeline.duration, MOMENTS)

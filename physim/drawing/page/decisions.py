@@ -1,0 +1,118 @@
+"""Decisions of a run, packed: what each robot saw and chose, robot by robot, by time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from physim.drawing.page.packing import Pack
+from physim.geometry.shapes import IntArray
+from physim.record import Record
+
+MANY = 250_000
+"""Decisions from which on numbers are kept to a hundredth rather than a thousandth."""
+FINE, COARSE = 1e-3, 1e-2
+"""[m], [s], …"""
+SPEEDS = 1e-3
+"""[m/s], [rad/s]"""
+OWN = ("station", "reference_station", "formation_error", "deviation")
+"""Columns that every record has and the page shows; the first two of few decisions only."""
+MOST_OTHERS = 400_000
+"""Considered robots, counted where they change; of more, the page shows only how many they are."""
+MOST_COMMANDS = 60_000
+"""Rows of commands; of more, those every tenth of a second are kept."""
+EVERY = 0.1
+"""[s]"""
+
+
+def pack_decisions(record: Record, pack: Pack) -> dict[str, Any]:
+    """Add decisions, considered robots and commands; returns what the header says of them."""
+    rows = record.updates
+    order = np.lexsort((rows["step"], rows["robot"]))
+    rows = rows[order]
+    few = len(rows) < MANY
+    quantum = FINE if few else COARSE
+    pack.whole("decisions", np.bincount(rows["robot"], minlength=record.robots))
+    pack.whole("step", rows["step"])
+    pack.whole("hold", rows["next_step"] - rows["step"])
+    for name in ("mode", "rule", "considered"):
+        pack.whole(name, rows[name])
+    for name in ("nominal_v", "nominal_omega", "applied_v", "applied_omega"):
+        if name.startswith("nominal") or len(record.commands):
+            pack.real(name, rows[name], SPEEDS)
+    shown = list(OWN if few else OWN[2:])
+    for name in shown:
+        pack.real(name, rows[name], quantum)
+    for column in record.declared.columns:
+        pack.real(f"own:{column.name}", rows[column.name], _quantum(rows[column.name], quantum))
+    return {
+        "count": len(rows),
+        "quantum": quantum,
+        "shown": shown,
+        "others": _pack_others(record, rows, pack),
+        "commands": _pack_commands(record, pack),
+    }
+
+
+def _quantum(values: NDArray[Any], usual: float) -> float:
+    """What a column is rounded to: as usual, finer where all of it is small."""
+    size = np.abs(values[np.isfinite(values)])
+    largest = float(size.max()) if len(size) else 0.0
+    return usual if largest == 0.0 or largest >= 10.0 * usual else largest * 1e-3
+
+
+def _pack_others(record: Record, rows: NDArray[np.void], pack: Pack) -> bool:
+    """Add the considered robots of every decision at which they change; False for too many."""
+    if "considered" not in record.tables:
+        return False
+    counted = record.considering
+    begin = np.cumsum(counted["count"], dtype=np.int64) - counted["count"]
+    order = np.lexsort((counted["step"], counted["robot"]))
+    mine = {
+        key: (int(first), int(first) + int(count))
+        for key, first, count in zip(
+            counted[["robot", "step"]][order].tolist(), begin[order], counted["count"][order],
+            strict=True,
+        )
+    }  # fmt: skip
+    others = np.ascontiguousarray(record.considered["other"])
+    changed, kept = [], []
+    before: tuple[int, bytes] | None = None
+    for robot, step in rows[["robot", "step"]].tolist():
+        first, last = mine.get((robot, step), (0, 0))
+        now = (robot, others[first:last].tobytes())
+        changed.append(now != before)
+        if now != before:
+            kept.append((first, last))
+            before = now
+    if sum(last - first for first, last in kept) > MOST_OTHERS:
+        return False
+    picked: IntArray = np.concatenate(
+        [np.zeros(0, np.int64), *(others[first:last] for first, last in kept)]
+    )
+    pack.whole("others_new", changed)
+    pack.whole("others_count", [last - first for first, last in kept])
+    pack.whole("others", picked)
+    return True
+
+
+def _pack_commands(record: Record, pack: Pack) -> float:
+    """Add the commands that differ between stages; returns how far apart [s] they are kept at most,
+    0 where every row is, -1 where there are none.
+    """
+    rows = record.commands
+    if not len(rows):
+        return -1.0
+    apart = 0.0
+    if len(rows) > MOST_COMMANDS:
+        steps = max(1, round(EVERY / record.dt))
+        rows, apart = rows[rows["step"] % steps == 0], steps * record.dt
+    rows = rows[np.lexsort((rows["step"], rows["robot"]))]
+    pack.whole("command_robot", rows["robot"])
+    pack.whole("command_step", rows["step"])
+    for name in rows.dtype.names or ():
+        if name not in ("robot", "step"):
+            pack.real(f"command:{name}", rows[name], SPEEDS)
+    return apart

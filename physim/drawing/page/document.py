@@ -1,0 +1,152 @@
+"""One HTML file of one run or several: `write_page`, and `Page` for a notebook."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from physim._version import __version__
+from physim.analysis.summary import Summary, summarise, table_rows
+from physim.drafts import draft_of
+from physim.drawing.labels import clean
+from physim.drawing.page.bundle import asset, policy, script, sheets
+from physim.drawing.page.colours import custom_properties, schemes
+from physim.drawing.page.data import run_data
+from physim.drawing.page.tables import contact_table
+from physim.errors import PhysimError, plural
+from physim.escaping import html_table, html_text
+from physim.record import Record
+from physim.world.differences import differences
+
+MOST_RUNS = 6
+"""Runs in one page"""
+MARK = re.compile(r"\{\{(\w+)\}\}")
+MOST_DIFFERENCES = 3
+"""between two worlds, that are named"""
+HEIGHT = 760
+"""[px] of a page in a notebook"""
+
+
+@dataclass(frozen=True, repr=False)
+class Page:
+    """A page as text; in a notebook it shows itself."""
+
+    html: str
+
+    def __repr__(self) -> str:
+        """How large it is."""
+        return f"<Page of {len(self.html.encode()) / 1e6:.2f} MB; write(path) makes a file of it>"
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, which reaches nothing outside of it."""
+        return (
+            f'<iframe srcdoc="{escape(self.html)}" sandbox="allow-scripts" '
+            f'style="width:100%;height:{HEIGHT}px;border:0" title="physim"></iframe>'
+        )
+
+    def write(self, path: str | os.PathLike[str]) -> Path:
+        """Write it to a file, whole or not at all. Raises PhysimError when it cannot be written."""
+        target = Path(path)
+        draft = draft_of(target)
+        try:
+            draft.write_text(self.html, encoding="utf-8")
+            draft.replace(target)
+        except OSError as error:
+            raise PhysimError(f"{target}: cannot be written ({error.strerror})") from None
+        finally:  # of an error or Ctrl-C nothing is left
+            draft.unlink(missing_ok=True)
+        return target
+
+
+def write_page(records: Sequence[Record], path: str | os.PathLike[str]) -> Path:
+    """Write the page of one run or several to a file.
+
+    Raises PhysimError where there are none or too many, for a record without samples or robots,
+    and when the file cannot be written.
+    """
+    return page(*records).write(path)
+
+
+def page(*records: Record) -> Page:
+    """Make the page of one run or several, shown in step. Raises PhysimError as `write_page`."""
+    if not 1 <= len(records) <= MOST_RUNS:
+        raise PhysimError(f"a page shows 1 to {MOST_RUNS} records; given {len(records)}")
+    summaries = [summarise(record) for record in records]
+    runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
+    labels = _labels(records)
+    code = script()
+    css = custom_properties() + sheets("common.css", "page.css")
+    name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
+    return Page(
+        _filled(
+            policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
+            style=css, heading=html_text(name), about=_about(records), script=code,
+            tables=_tables(labels, summaries), schemes=_json(schemes()), labels=_json(labels),
+            runs="\n".join(
+                f'<script type="text/plain" class="run">{run}</script>' for run in runs
+            ),
+        )
+    )  # fmt: skip
+
+
+def _filled(**parts: str) -> str:
+    """The page with its parts; what they hold is not looked at again."""
+    return MARK.sub(lambda found: parts[found[1]], asset("page.html"))
+
+
+def _json(value: Any) -> str:
+    """JSON that ends no element and begins none."""
+    return json.dumps(value, ensure_ascii=True).replace("<", "\\u003c")
+
+
+def _labels(records: Sequence[Record]) -> list[str]:
+    """What each run is called: by that in which they differ, of name, seed, controller, folder."""
+    parts = (
+        [clean(record.name) for record in records],
+        [f"seed {record.seed}" for record in records],
+        [clean(record.setup.controller.name) for record in records],
+        [clean(record.path.absolute().parent.name) if record.path else "" for record in records],
+    )
+    if len(records) == 1:
+        return parts[0]
+    told = [part for part in parts if len(set(part)) > 1]
+    return [
+        ", ".join(filter(None, one)) or f"run {k}"
+        for k, one in enumerate(zip(*told, strict=True) if told else [()] * len(records), 1)
+    ]
+
+
+def _differences(records: Sequence[Record]) -> str:
+    """In what the worlds of two runs differ; empty where that is much or not known."""
+    if len(records) != 2:
+        return ""
+    try:
+        found = differences(records[0].world, records[1].world)
+    except PhysimError:
+        return ""
+    told = [f"{key}: {a} / {b}" for key, (a, b) in found.items()]
+    return "; ".join(told) if len(told) <= MOST_DIFFERENCES else f"{len(told)} values differ"
+
+
+def _about(records: Sequence[Record]) -> str:
+    if len(records) > 1:
+        differ = _differences(records)
+        return html_text(plural(len(records), "run") + (f"; {differ}" if differ else ""))
+    record = records[0]
+    count = plural(record.robots, "robot")
+    return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}")
+
+
+def _tables(labels: Sequence[str], summaries: Sequence[Summary]) -> str:
+    parts = []
+    for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
+        title = f"<h2>{html_text(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
+        measured = f'<div class="wide">{html_table(table_rows(summary))}</div>'
+        parts += [title, measured, contact_table(summary, run, len(labels))]
+    return "".join(parts)

@@ -1,0 +1,48 @@
+"""The contacts of a run as a table that is read without scripts; its lines lead to moments."""
+
+from __future__ import annotations
+
+from html import escape
+from urllib.parse import urlencode
+
+from physim.analysis.summary import Summary
+from physim.escaping import html_text
+
+MOST_CONTACTS = 200
+"""Contacts that have a line; others are counted."""
+OPEN = 12
+"""Contacts up to which their table is open from the start."""
+
+
+def contact_table(summary: Summary, run: int, runs: int) -> str:
+    """The contacts of a run, each with a link to its moment; nothing where there are none."""
+    if summary.contacts is None or not (summary.contacts.episodes or summary.grazes):
+        return ""
+    found = sorted(
+        [(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
+         for one in summary.contacts.episodes]
+        + [(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes],
+        key=lambda one: one[:3],
+    )  # fmt: skip
+    head = "".join(
+        f'<th scope="col">{words}</th>'
+        for words in ("moment", "bodies", "in contact", "deepest", "impulse")
+    )
+    lines = []
+    for number, (_, a, b, time, lasts, depth, impulse) in enumerate(found[:MOST_CONTACTS], 1):
+        asked = {"t": f"{time:.3f}", **({"run": run + 1} if runs > 1 else {}), "contact": number}
+        cells = (
+            f'<a href="#{escape(urlencode(asked))}">{time:.2f} s</a>',
+            html_text(" and ".join(summary.names_of(a, b))),
+            "between samples" if lasts is None else f"{lasts:.2f} s",
+            f"{1e3 * depth:.2f} mm",
+            "–" if impulse is None else f"{impulse:,.1f} N s",
+        )
+        lines.append("<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+    left = len(found) - MOST_CONTACTS
+    more = f"<p>and {left} more, which the record holds</p>" if left > 0 else ""
+    return (
+        f"<details{' open' if len(found) <= OPEN else ''}><summary>Contacts: {len(found)}</summary>"
+        f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(lines)}</tbody></table></div>{more}</details>"
+    )

@@ -1,0 +1,133 @@
+"""Why a robot decided as it did: what the rules of a controller say, and its thresholds.
+
+Rules and modes are told in the words that the controller declared. For the shipped controllers
+there is more: a line of prose a rule, and the thresholds of Fig. 5, which are settings.
+"""
+
+from __future__ import annotations
+
+import re
+from types import MappingProxyType
+from typing import Any
+
+from pydantic import ValidationError
+
+from physim.errors import PhysimError
+from physim.parts.declarations import Rule
+from physim.record import Record
+
+EQUATION = re.compile(r"\(\d+[a-z]?\)")
+
+STEERS = (
+    "Of its rotational speeds it takes the one that brings it nearest to its target, the point of "
+    "its path a little ahead of it"
+)
+PROSE = MappingProxyType(
+    {
+        "mode_switching": {
+            "path_following": (
+                f"Nothing is near enough to keep clear of, so it follows its path. {STEERS}; its "
+                "forward speed comes from the formation: who has fallen behind drives faster, who "
+                "is too far ahead slower."
+            ),
+            "plan": "It goes on with the speeds that it planned at an earlier decision.",
+            "distance": (
+                "Something is very near. Of all its speeds it takes those after which the smallest "
+                "distance to the robots ahead, and to walls close by, is largest."
+            ),
+            "time": (
+                "It keeps clear of what it would touch first. Of all its speeds it takes those "
+                "that put the earliest collision off the longest; among equals, those that serve "
+                "its path best."
+            ),
+            "stop": "It has come to its stop and stands there; nothing is left to decide.",
+        },
+        "path_following": {
+            "path_following": f"It follows its path, deaf to all others. {STEERS}.",
+            "stop": "It has come to its stop and stands there.",
+        },
+    }
+)
+"""By controller and rule: what the rule does, for people who do not know the paper."""
+NEXT = MappingProxyType(
+    {
+        "mode_switching": (
+            "(14)", "{beta:g} times the collision time, and at the latest after {longest:g} s"
+        )
+    }
+)  # fmt: skip
+"""By controller: the equation that sets the time of the next decision, and what it says"""
+PRIORITY = MappingProxyType(
+    {"mode_switching": "It considers only robots ahead of it along the reference path, in range."}
+)
+"""By controller: whom a robot has to look at"""
+
+
+def explanations(record: Record) -> dict[str, Any]:
+    """What the page says of the rules of a record's controller, and its thresholds."""
+    name = record.setup.controller.name
+    settings = _settings(record)
+    prose = dict(PROSE.get(name, {}))
+    if settings.get("avoidance") == "none" and "path_following" in prose:
+        prose["path_following"] = f"It keeps clear of nothing: avoidance is off. {STEERS}."
+    return {
+        "controller": name,
+        "rules": [_rule(rule, prose) for rule in record.declared.rules],
+        "priority": PRIORITY.get(name, ""),
+        "thresholds": _thresholds(settings) if name in NEXT else [],
+        "next": _next(name, settings),
+        "horizon": settings.get("horizon") if name in NEXT else None,
+        "avoids": settings.get("avoidance") != "none",
+    }
+
+
+def _rule(rule: Rule, prose: dict[str, str]) -> dict[str, str]:
+    found = EQUATION.search(str(rule))
+    return {
+        "name": rule.name,
+        "words": str(rule),
+        "equation": found[0] if found else "",
+        "prose": prose.get(rule.name, ""),
+    }
+
+
+def _settings(record: Record) -> dict[str, Any]:
+    """Settings of the controller, those that the world does not give as they are by default.
+
+    Only those that the world gives, where nobody has registered the controller or refuses them.
+    """
+    from physim.parts.registry import CONTROLLER, find_part
+
+    part = record.setup.controller
+    try:
+        model = getattr(find_part(CONTROLLER, part.name), "Settings", None)
+        made = None if model is None else model.model_validate(part.settings)
+    except (PhysimError, ValidationError):
+        made = None
+    return dict(part.settings) if made is None else dict(made.model_dump())
+
+
+def _thresholds(settings: dict[str, Any]) -> list[dict[str, Any]]:
+    """Thresholds of Fig. 5: below ``enter`` danger begins, above ``leave`` it can end."""
+    kinds = (
+        ("distance", "m", "distance_low", "distance_high"),
+        ("collision_time", "s", "time_low", "time_high"),
+        ("boundary_distance", "m", "boundary_low", "boundary_low"),
+    )
+    return [
+        {"column": column, "unit": unit, "enter": settings[low], "leave": settings[high]}
+        for column, unit, low, high in kinds
+        if isinstance(settings.get(low), float | int)
+        and isinstance(settings.get(high), float | int)
+    ]
+
+
+def _next(name: str, settings: dict[str, Any]) -> dict[str, str] | None:
+    """How the time of the next decision comes about; None where that is not known."""
+    if name not in NEXT or not {"beta", "update_period"} <= settings.keys():
+        return None
+    longest = settings.get("longest_interval") or 2.0 * settings["update_period"]
+    equation, words = NEXT[name]
+    if not settings.get("event_triggered", True):
+        return {"equation": "", "words": f"{longest:g} s after each decision"}
+    return {"equation": equation, "words": words.format(beta=settings["beta"], longest=longest)}

@@ -1,0 +1,124 @@
+"""The file itself: one, whole, self-contained, with its tables; scripts that are modules each."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import physim
+from physim.drawing.page import MOST_RUNS, page, write_page
+from physim.drawing.page.bundle import ASSETS, order, script
+from physim.drawing.page.moments import moments
+from physim.drawing.timeline import Timeline
+from physim.errors import PhysimError
+from physim.record import Record
+from tests.records import make_record
+
+LONGEST_FILE = 350
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Record:
+    return make_record(tmp_path_factory.mktemp("record") / "r.h5", 3, 3.0)
+
+
+class Links(HTMLParser):
+    """Whatever a page could load: values of attributes that name places."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        names = ("src", "href", "srcset", "action", "data", "poster", "srcdoc")
+        self.found += [value or "" for name, value in attrs if name in names]
+
+
+def test_a_page_names_nothing_outside_of_itself(record: Record) -> None:
+    text = page(record).html
+    assert all(link.startswith(("#", "data:")) for link in Links(text).found)
+    assert "http://" not in script()
+    assert "https://" not in script()
+    assert not re.search(r"\b(fetch|XMLHttpRequest|WebSocket|eval|innerHTML|import)\b", script())
+    policy = re.search(r'Security-Policy" content="([^"]*)"', text)
+    assert policy is not None
+    assert policy[1].startswith("default-src 'none'; script-src 'sha256-")
+    assert "unsafe" not in policy[1]
+
+
+def test_without_scripts_it_says_what_was_measured(record: Record) -> None:
+    text = page(record).html
+    for label in ("contacts", "shortest distance", "made with"):
+        assert f">{label}</th>" in text
+    assert text.count('href="#t=') == 2
+    assert "<noscript>" in text
+
+
+def test_every_asset_is_used_and_short_and_a_module_of_its_own() -> None:
+    scripts = {file.stem for file in ASSETS.glob("*.js")}
+    assert set(order()) == scripts
+    assert order()[-1] == "main"
+    for file in ASSETS.iterdir():
+        assert len(file.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE, file.name
+
+
+def test_the_same_record_makes_the_same_page(record: Record) -> None:
+    assert page(record).html == page(record).html
+
+
+def test_several_runs_are_told_apart(record: Record, tmp_path: Path) -> None:
+    with make_record(tmp_path / "again.h5", 3, 2.0) as again:
+        text = page(record, again).html
+    labels = re.search(r'id="labels">(\[.*?\])</script>', text)
+    assert labels is not None
+    assert len(set(re.findall('"([^"]*)"', labels[1]))) == 2
+
+
+def test_too_many_and_none_are_refused(record: Record) -> None:
+    with pytest.raises(PhysimError, match=str(MOST_RUNS)):
+        page(*[record] * (MOST_RUNS + 1))
+    with pytest.raises(PhysimError, match="given 0"):
+        page()
+
+
+def test_of_a_page_that_cannot_be_written_nothing_is_left(record: Record, tmp_path: Path) -> None:
+    folder = tmp_path / "run.html"
+    folder.mkdir()
+    with pytest.raises(PhysimError, match=r"run\.html"):
+        write_page([record], folder)
+    assert list(tmp_path.iterdir()) == [folder]
+
+
+def test_a_notebook_shows_the_page_in_a_frame_of_its_own(record: Record) -> None:
+    shown = physim.page(record)
+    frame = shown._repr_html_()
+    assert frame.startswith("<iframe srcdoc=")
+    assert 'sandbox="allow-scripts"' in frame
+    assert "<script" not in frame
+    assert "MB" in repr(shown)
+
+
+def test_no_name_ends_the_element_that_holds_it(tmp_path: Path) -> None:
+    with (
+        make_record(tmp_path / "a.h5", 2, 1.0, name="</script><b>") as a,
+        make_record(tmp_path / "b.h5", 2, 1.0, name="b") as b,
+    ):
+        text = page(a, b).html
+    assert "</script><b>" not in text
+    assert "<b>" not in text
+
+
+def test_of_two_robots_the_one_behind_is_asked_why(record: Record) -> None:
+    """In these records the last robot is the last in the row."""
+    found = {one["label"]: one for one in moments(Timeline(record), physim.summarise(record))}
+    nearest = found["shortest distance"]
+    least = record.extremes[np.argmin(record.extremes["clearance"])]
+    pair = {int(np.argmin(record.extremes["clearance"])), int(least["clearance_other"])}
+    assert nearest["robot"] == max(pair)
+    assert nearest["time"] == pytest.approx(least["clearance_step"] * record.dt)
+    assert found["first contact"]["contact"] == 0

@@ -1,0 +1,83 @@
+"""What the page says of rules: in the controller's words, with equations and thresholds."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from physim.drawing.page.why import PROSE, explanations
+from physim.parts.declarations import Rule
+from physim.parts.registry import CONTROLLER, find_part, make_part
+from physim.record import Record
+from physim.record.setup import Part, Setup
+from tests.records import make_record
+
+
+class Told:
+    """As much of a record as is asked."""
+
+    def __init__(self, name: str, settings: dict[str, Any], rules: tuple[Rule, ...]) -> None:
+        self.setup = Setup(Part(name, settings), {}, (), {})
+        self.declared = type("Declared", (), {"rules": rules})
+
+
+def of(name: str, settings: dict[str, Any] | None = None) -> dict[str, Any]:
+    """What is told of a shipped controller."""
+    rules = getattr(find_part(CONTROLLER, name), "rules", ())
+    told: Any = Told(name, settings or {}, rules)
+    return explanations(told)
+
+
+@pytest.mark.parametrize("name", PROSE)
+def test_every_rule_of_a_shipped_controller_has_prose(name: str) -> None:
+    rules = find_part(CONTROLLER, name).rules
+    assert {rule.name for rule in rules} == set(PROSE[name])
+    for told, rule in zip(of(name)["rules"], rules, strict=True):
+        assert told["words"] == str(rule)
+        assert told["prose"].endswith(".")
+        assert not re.search(r"[{}]", told["prose"])
+
+
+def test_rules_have_their_equations() -> None:
+    numbers = {rule["name"]: rule["equation"] for rule in of("mode_switching")["rules"]}
+    assert numbers["distance"] == "(12)"
+    assert numbers["time"] == "(13)"
+    assert numbers["path_following"] == "(5)"
+
+
+def test_thresholds_are_the_settings_in_force() -> None:
+    """Those of the world, and the controller's defaults for the others."""
+    given = {"time_low": 1.5, "time_high": 3.0, "horizon": 4.5}
+    told = of("mode_switching", given)
+    made: Any = make_part(CONTROLLER, "mode_switching", given)
+    rules = made.settings.rules()
+    assert {one["column"]: (one["enter"], one["leave"]) for one in told["thresholds"]} == {
+        "distance": (rules.distance_low, rules.distance_high),
+        "collision_time": (1.5, 3.0),
+        "boundary_distance": (rules.boundary_low, rules.boundary_low),
+    }
+    assert told["horizon"] == 4.5
+    assert told["next"]["equation"] == "(14)"
+    assert f"{rules.beta:g} times" in told["next"]["words"]
+    assert f"{rules.longest_interval:g} s" in told["next"]["words"]
+    assert told["avoids"]
+    assert not of("mode_switching", {"avoidance": "none"})["avoids"]
+
+
+def test_of_a_controller_that_nobody_knows_its_own_words_are_told() -> None:
+    told: Any = Told("mine:Own", {"distance_low": 3}, (Rule("go", "goes on, (99)"),))
+    found = explanations(told)
+    assert found["rules"] == [
+        {"name": "go", "words": "goes on, (99)", "equation": "(99)", "prose": ""}
+    ]
+    assert (found["thresholds"], found["next"]) == ([], None)
+
+
+def test_settings_that_are_refused_are_told_as_they_stand(tmp_path: Path) -> None:
+    text = "name: odd\nseed: 1\ncontroller: {type: mode_switching, beta: 7}\n"
+    make_record(tmp_path / "r.h5", 2, 1.0, world_text=text).close()
+    with Record.load(tmp_path / "r.h5") as record:
+        assert explanations(record)["thresholds"] == []

@@ -1,0 +1,74 @@
+"""Edits of `physim.drawing.page`; its scripts are tried in `tests.browser`."""
+
+from __future__ import annotations
+
+from tests.sabotage.edit import Edit
+
+DATA, WHY, PAGE = (f"tests/page/test_{name}.py" for name in ("data", "why", "page"))
+ROOM = "physim/drawing/page"
+
+EDITS = (
+    Edit(
+        "page", f"{ROOM}/packing.py", "_planes",
+        "(numbers << 1) ^ (numbers >> 63)", "(numbers << 1)",
+        "negative numbers come back", f"{DATA}::test_numbers_come_back",
+    ),
+    Edit(
+        "page", f"{ROOM}/packing.py", "Pack.whole",
+        ">= LARGEST", "> 4 * LARGEST",
+        "a number that does not fit is refused",
+        f"{DATA}::test_a_number_that_does_not_fit_is_refused",
+    ),
+    Edit(
+        "page", f"{ROOM}/knots.py", "_knots_of",
+        "error += reach *", "error += 0.0 *",
+        "a turn of a robot counts, too",
+        f"{DATA}::test_knots_keep_every_sample_within_the_tolerance",
+    ),
+    Edit(
+        "page", f"{ROOM}/knots.py", "between",
+        "np.where(is_arc, half * (share - 1.0), 0.0)", "np.where(is_arc, 0.0 * share, 0.0)",
+        "between knots robots are on an arc", f"{DATA}::test_one_command_needs_two_knots",
+    ),
+    Edit(
+        "page", f"{ROOM}/decisions.py", "_pack_others",
+        "changed.append(now != before)", "changed.append(before is None)",
+        "considered robots are those of each decision",
+        f"{DATA}::test_decisions_and_contacts_come_back",
+    ),
+    Edit(
+        "page", f"{ROOM}/curves.py", "_least",
+        "np.argmin(least[low:high])", "np.argmax(least[low:high])",
+        "bins keep the shortest distance", f"{DATA}::test_bins_keep_the_shortest_distance",
+    ),
+    Edit(
+        "page", f"{ROOM}/why.py", "_settings",
+        "dict(part.settings) if made is None else dict(made.model_dump())", "dict(part.settings)",
+        "thresholds that the world does not give are the defaults",
+        f"{WHY}::test_thresholds_are_the_settings_in_force",
+    ),
+    Edit(
+        "page", f"{ROOM}/document.py", "_json",
+        '.replace("<", "\\\\u003c")', "",
+        "no name ends the element that holds it",
+        f"{PAGE}::test_no_name_ends_the_element_that_holds_it",
+    ),
+    Edit(
+        "page", f"{ROOM}/document.py", "Page._repr_html_",
+        'sandbox="allow-scripts"', "",
+        "a page in a notebook reaches nothing outside of it",
+        f"{PAGE}::test_a_notebook_shows_the_page_in_a_frame_of_its_own",
+    ),
+    Edit(
+        "page", f"{ROOM}/moments.py", "_who",
+        "return min(robots", "return max(robots",
+        "of two robots the one behind is asked why",
+        f"{PAGE}::test_of_two_robots_the_one_behind_is_asked_why",
+    ),
+    Edit(
+        "page", "physim/escaping.py", "html_text",
+        "as_entities(escaped(text))", "escaped(text)",
+        "in HTML a name is only a name",
+        "tests/page/test_notebook.py::test_a_notebook_shows_a_small_table",
+    ),
+)  # fmt: skip

@@ -233,8 +233,9 @@ export function whyContact(view, k, go) {
     el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, text)),
   );
   const safe = told_.safe === null ? null : el(
-    "p", {}, "Last decision after which it did not yet lie ahead: before ",
-    button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }), ".",
+    "p", {}, "Last safe moment: just before ",
+    button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }),
+    ". From there on the contact lay ahead at every decision.",
   );
   return [el("h2", {}, told_.title), el("table", { class: "facts" }, el("tbody", {}, rows)), safe, jump];
 }

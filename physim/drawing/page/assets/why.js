@@ -163,6 +163,7 @@ function factTable(run, robot, row, go, time) {
     add("command", `${words[0]} (nominal, filtered and applied)`);
   } else {
     ["nominal", "filtered", "applied"].forEach((stage, k) => add(stage, words[k]));
+    if (given.apart > 0) add("", `(this page keeps these every ${decimal(given.apart, 2)} s)`);
   }
   const rest = [];
   const station = run.column("station")[row];

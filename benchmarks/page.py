@@ -20,7 +20,8 @@ from physim.world.file import load_world
 from physim.world.file.files import find_world
 from tests.browser.driver import Seen, chromium
 
-WORLDS = ("ten_robots", "thousand_robots")
+WORLDS = {"ten_robots": 1.5, "thousand_robots": 6.0}
+"""[MB] that a page may take"""
 LONGEST = 60.0
 """[s] that more than a hundred robots are simulated for"""
 WATCHED = 8.0
@@ -30,7 +31,7 @@ WATCHED = 8.0
 def main(names: list[str]) -> None:
     """Measure the pages of some worlds."""
     with tempfile.TemporaryDirectory() as folder, chromium() as browser:
-        for name in names or WORLDS:
+        for name in names or list(WORLDS):
             print(measure(name, Path(folder), browser), flush=True)
 
 
@@ -47,6 +48,8 @@ def measure(name: str, folder: Path, browser: object) -> str:
     line = f"{name}: {record.robots} robots, {record.steps_run * record.dt:g} s"
     record.close()
     seen = Seen(browser, file)
+    if file.stat().st_size > 1e6 * WORLDS.get(name, float("inf")):
+        raise SystemExit(f"{file.name} is {file.stat().st_size / 1e6:.2f} MB")
     told = [f"{line}, {file.stat().st_size / 1e6:.2f} MB, written in {written:.1f} s"]
     for look in ("robots", "whole"):
         seen.ask(f"(physim.look('{look}'), physim.player.setSpeed(1), physim.player.seek(5))")

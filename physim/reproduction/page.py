@@ -1,7 +1,7 @@
 """The report as a page: Markdown (the dialect of GitHub), and HTML made from it.
 
 Verdicts first, then every figure and study. Every name is written so that it is only a name:
-nothing in it is read as markup. The HTML needs nothing beside it but the videos.
+nothing in it is read as markup. The HTML needs nothing beside it but videos and pages of runs.
 """
 
 from __future__ import annotations

@@ -168,3 +168,18 @@ def test_verdicts_of_few_seeds_are_called_preliminary() -> None:
         text = markdown(replace(report("x"), seeds=seeds))
         assert (f"{seeds} seeds of each world" in text) is few
         assert ("reliminary" in text) is few
+
+
+def test_a_run_in_the_browser_is_a_link_beside_its_video(tmp_path: Path) -> None:
+    plain = report("a")
+    section = replace(
+        plain.sections[0], pictures=(), captions=(), films=("w/video.mp4", "w/page.html")
+    )
+    page = Reader(html(markdown(replace(plain, sections=(section,))), "a", tmp_path))
+    links = [given["href"] for tag, given in page.tags if tag == "a"]
+    assert [link for link in links if not str(link).startswith("#")] == [
+        "w/video.mp4",
+        "w/page.html",
+    ]
+    assert [given["src"] for tag, given in page.tags if tag == "video"] == ["w/video.mp4"]
+    assert "The run in the browser" in page.words

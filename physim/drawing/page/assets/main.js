@@ -98,6 +98,10 @@ class Page {
       el("table", {}, el("tbody", {}, KEYS.map(([key, does]) =>
         el("tr", {}, el("th", { scope: "row" }, key), el("td", {}, does))))),
     );
+    const exact = Math.max(...this.runs.map((run) => run.header.tolerance)) * 1000;
+    byId("keys").append(
+      el("p", { class: "quiet" }, `Robots are drawn to within ${exact} mm of where the record has them.`),
+    );
     this.scrub = byId("scrub");
     this.scrub.max = String(this.duration);
     this.scrub.step = String(Math.max(this.runs[0].dt, 0.01));

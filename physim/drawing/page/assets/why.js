@@ -163,6 +163,7 @@ function factTable(run, robot, row, go, time) {
     add("command", `${words[0]} (nominal, filtered and applied)`);
   } else {
     ["nominal", "filtered", "applied"].forEach((stage, k) => add(stage, words[k]));
+    if (given.apart > 0) add("", `(this page keeps these every ${decimal(given.apart, 2)} s)`);
   }
   const rest = [];
   const station = run.column("station")[row];
@@ -233,8 +234,9 @@ export function whyContact(view, k, go) {
     el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, text)),
   );
   const safe = told_.safe === null ? null : el(
-    "p", {}, "Last decision after which it did not yet lie ahead: before ",
-    button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }), ".",
+    "p", {}, "Last safe moment: just before ",
+    button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }),
+    ". From there on the contact lay ahead at every decision.",
   );
   return [el("h2", {}, told_.title), el("table", { class: "facts" }, el("tbody", {}, rows)), safe, jump];
 }

@@ -21,13 +21,17 @@ def two() -> Iterator[Processes]:
 
 
 @pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     write(tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
-    monkeypatch.setattr(
-        sys, "meta_path", [one for one in sys.meta_path if not isinstance(one, Carried)]
-    )
     for name in ("awkward", "helper"):  # those of another test's folder
         monkeypatch.delitem(sys.modules, name, raising=False)
-    return tmp_path
+    leave_out_carried()
+    yield tmp_path
+    leave_out_carried()
+
+
+def leave_out_carried() -> None:
+    """In place: what a package that a test imports has put there must stay."""
+    sys.meta_path[:] = [one for one in sys.meta_path if not isinstance(one, Carried)]

@@ -1,0 +1,128 @@
+"""How safe every shipped world is with every shipped controller: rates from campaigns, as a page.
+
+python -m benchmarks.safety DIR [DIR ...] [--write]
+
+Reads folders of `physim sweep` and prints docs/SAFETY.md, or writes it with ``--write``; the
+commands that fill the folders stand at the head of the page. Exit codes: 0 fine, 2 bad input.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+import physim
+from physim.campaigns.outcomes import Cell, Outcomes
+from physim.campaigns.report.contents import report_of
+from physim.campaigns.report.wording import interval
+from physim.campaigns.rows import read
+from physim.errors import PhysimError
+from physim.world.file.files import find_world
+from physim.world.layout.scene_builder import is_random
+
+PAGE = Path(__file__).parents[1] / "docs" / "SAFETY.md"
+MANY = "hundred_robots", "thousand_robots"
+"""Worlds that get few seeds."""
+SEEDS, FEW = "0:25", "0:3"
+CONTROLLERS = "mode_switching,path_following,constant"
+
+TEXT = """\
+# How safe the shipped worlds are
+
+Rates of {runs:,} runs: every shipped world with every shipped controller, its own settings
+otherwise, the starts drawn by the seed. A run is contact-free when no robot touched another or a
+wall, neither at a sample nor between two; intervals are exact (Clopper-Pearson, 95 %, for the
+number of runs fixed beforehand). In worlds without anything random there is one run, and no rate.
+
+```
+{commands}
+physim report safety            # the same rates as a page, with pictures of the worst
+python -m benchmarks.safety safety safety-many --write      # this page
+```
+
+`mode_switching` is the paper's controller; `path_following` is its first part alone, without
+avoidance: the null arm; `constant` drives straight on with a constant command, whatever is ahead.
+What the rates do not say: starts are drawn as each world says, and a worse start can be looked for
+([FALSIFY.md](FALSIFY.md)): 25 runs without a contact show no more than a rate of 86 %.
+
+{table}
+Made with {versions}.
+"""
+HEADER = """\
+| world | controller | runs | contact-free | 95 % interval | finished | least | in contact |
+|---|---|---|---|---|---|---|---|
+"""
+
+
+def commands(worlds: Sequence[str]) -> str:
+    """What fills the folders."""
+    some = " ".join(world for world in worlds if world not in MANY)
+    few = " ".join(world for world in worlds if world in MANY)
+    return (
+        f"physim sweep {some} \\\n    --seeds {SEEDS} --controller {CONTROLLERS} -o safety\n"
+        f"physim sweep {few} \\\n    --seeds {FEW} --controller {CONTROLLERS} -o safety-many"
+    )
+
+
+def page(folders: Sequence[Path]) -> str:
+    """The whole page, from folders of campaigns."""
+    lines, versions, runs = {}, {}, 0
+    for folder in folders:
+        report = report_of(Outcomes(read(folder)), str(folder))
+        runs += report.runs
+        versions |= dict.fromkeys(report.versions())
+        for cell in report.cells:
+            free, finished = cell.rates[1:]
+            at = cell.cell
+            drawn = is_random(physim.load_world(find_world(at.world)))
+            sure = interval(free.low, free.high) if drawn else "nothing is random"
+            lines[at.world, at.controller] = (
+                f"| `{at.world}` | {at.controller} | {at.count} | {free.good} | {sure} "
+                f"| {finished.good} | {cell.spreads[0].least:.3f} m "
+                f"| {touching(report.outcomes, at)} |\n"
+            )
+    worlds = sorted({world for world, _ in lines})
+    order = {name: k for k, name in enumerate(CONTROLLERS.split(","))}
+    table = "".join(lines[key] for key in sorted(lines, key=lambda key: (key[0], order[key[1]])))
+    return TEXT.format(
+        runs=runs, commands=commands(worlds), table=HEADER + table, versions=", ".join(versions)
+    )
+
+
+def touching(outcomes: Outcomes, cell: Cell) -> str:
+    """In how many runs robots touched each other, and walls, and how many failed."""
+    columns = {
+        name: outcomes.column(name)[cell.rows] for name in ("contacts", "wall_contacts", "grazes")
+    }
+    counts = {
+        "robots": np.count_nonzero(columns["contacts"] > 0),
+        "walls": np.count_nonzero(columns["wall_contacts"] > 0),
+        "between samples": np.count_nonzero(columns["grazes"] > 0),
+        "failed": np.count_nonzero(outcomes.failed[cell.rows]),
+    }
+    return ", ".join(f"{what} {count}" for what, count in counts.items() if count) or "-"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR")
+    parser.add_argument("--write", action="store_true", help=f"write docs/{PAGE.name}")
+    options = parser.parse_args()
+    try:
+        text = page(options.folders)
+    except PhysimError as error:
+        print(f"safety: {error}", file=sys.stderr)
+        return 2
+    if options.write:
+        PAGE.write_text(text, encoding="utf-8")
+    else:
+        print(text, end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -73,7 +73,7 @@ class Folder:
             raise PhysimError(
                 f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
             ) from None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read ({error})") from None
 
     def world_file(self, world_hash: str) -> Path:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 NEEDED = ("run", "world", "seed", "physim", "engine", "ended")
 """Columns that every row has."""
+DEEPEST = 100
+"""Brackets in a line that Arrow is given; a row has two."""
 ORDER = ("world", "settings", "controller", "seed", "run")
 
 
@@ -46,9 +48,12 @@ def _shard(file: Path) -> pa.Table:
     import pyarrow as pa
     from pyarrow import compute, json
 
+    data = file.read_bytes()
+    if not all(map(_is_plain, data.splitlines())):  # Arrow would break the whole process off
+        return _one_by_one(Shards.rows_of(file))
     options = json.ParseOptions(explicit_schema=schema(), unexpected_field_behavior="ignore")
     try:
-        found = json.read_json(file, parse_options=options).select(list(COLUMNS))
+        found = json.read_json(pa.BufferReader(data), parse_options=options).select(list(COLUMNS))
     except pa.ArrowInvalid:
         found = None
     if found is None or any(found[name].null_count for name in NEEDED):
@@ -57,6 +62,11 @@ def _shard(file: Path) -> pa.Table:
     for k in texts:  # columns that an earlier version did not have
         found = found.set_column(k, found.schema[k], compute.fill_null(found[k], ""))
     return found
+
+
+def _is_plain(line: bytes) -> bool:
+    """Whether a line is an object that is not deeply nested, so that Arrow may be given it."""
+    return line[:1] == b"{" and line.count(b"[") + line.count(b"{") <= DEEPEST
 
 
 def _one_by_one(rows: list[Row]) -> pa.Table:
@@ -69,7 +79,7 @@ def _one_by_one(rows: list[Row]) -> pa.Table:
     columns = {name: [clean(getattr(row, name)) for row in rows] for name in COLUMNS}
     try:
         return pa.table(columns, schema=schema())
-    except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
+    except (pa.ArrowInvalid, pa.ArrowTypeError, OverflowError) as error:
         raise PhysimError(f"a shard of rows has other columns: {error}") from None
 
 

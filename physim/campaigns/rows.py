@@ -124,10 +124,37 @@ def schema() -> pa.Schema:
     )
 
 
+def check_places(folder: Path) -> None:
+    """Raise PhysimError where a campaign's folder holds links, pipes or devices.
+
+    It may come from a stranger: reading or writing through a link would leave the folder, reading a
+    pipe would never end. Its own folders, one deep, hold regular files.
+    """
+    try:
+        for entry in os.scandir(folder):
+            _check_entry(entry)
+            if entry.is_dir(follow_symlinks=False):
+                for one in os.scandir(entry.path):
+                    _check_entry(one)
+    except (FileNotFoundError, NotADirectoryError):
+        return  # whoever needs it says so
+    except OSError as error:
+        raise PhysimError(f"{folder}: cannot be read: {error.strerror}") from None
+
+
+def _check_entry(entry: os.DirEntry[str]) -> None:
+    if not entry.is_file(follow_symlinks=False) and not entry.is_dir(follow_symlinks=False):
+        what = "a link" if entry.is_symlink() else "a pipe or a device"
+        raise PhysimError(
+            f"{entry.path}: is {what}; the folder of a campaign holds files and folders of its own"
+        )
+
+
 class Shards:
-    """The rows of a folder, and one writer of them."""
+    """The rows of a folder, and one writer of them. PhysimError for one with links or pipes."""
 
     def __init__(self, folder: Path) -> None:
+        check_places(folder)
         self.folder = folder / FOLDER
         self._writer = uuid4().hex[:12]
         self._count = 0
@@ -250,7 +277,7 @@ def _read(file: Path) -> list[Row]:
         return [Row(**_known(json.loads(line))) for line in lines]
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError, TypeError, RecursionError) as error:
         raise PhysimError(f"{file}: is no shard of rows ({error})") from None
 
 

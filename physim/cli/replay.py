@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -55,7 +56,7 @@ def replay(options: Options) -> int:
     campaign = Folder(place)
     row = find_row(campaign, which)
     spec = spec_of_row(campaign, row, options.controller)
-    folder = options.output or Path("runs") / f"{row.world}-{row.seed}-{row.run[:6]}"
+    folder = options.output or usual_folder(row.world, row.seed, row.run)
     folder = output_folder(folder, options.force)
     with interrupts() as interrupt:
         path = folder / "record.h5"
@@ -77,3 +78,8 @@ def replay(options: Options) -> int:
     if interrupt():
         return INTERRUPTED
     return DISAGREE if differing else 0
+
+
+def usual_folder(world: str, seed: int, run: str) -> Path:
+    """Where a run goes that is given no folder: in ``runs``, whatever its world is called."""
+    return Path("runs") / re.sub(r"[^\w-]+", "_", f"{world}-{seed}-{run[:6]}")

@@ -110,3 +110,12 @@ def test_rows_that_are_not_there(
     assert done.code == 2
     assert text in done.err
     assert len(done.err.strip().splitlines()) == 1
+
+
+def test_no_row_says_where_outside_its_folder_a_record_goes() -> None:
+    from physim.cli.replay import usual_folder
+
+    for world in ("../../out", "/tmp/out", "a\0b", "..", "two words"):
+        folder = usual_folder(world, 3, "0123456789abcdef0123")
+        assert folder.parent == Path("runs")
+        assert folder.name.replace("-", "").replace("_", "").isalnum()

@@ -22,6 +22,8 @@ from physim.record import Record
 from physim.simulation.run import record_run
 
 STILLS, VIDEOS = "stills", "videos"
+PNG = b"\x89PNG"
+"""How every picture begins"""
 """Folders in that of a campaign; files have the names of the runs, so they are made only once."""
 STILL_WIDTH = 800
 """[px]"""
@@ -98,7 +100,10 @@ def _shown(
     link = ""
     if video.is_file():
         link = os.path.relpath(video, page.absolute().parent).replace(os.sep, "/")
-    return Shown(again, still.read_bytes(), link)
+    picture = still.read_bytes()
+    if not picture.startswith(PNG):
+        return Shown(again, fault=f"{still.name} is no picture; delete it to have it drawn again")
+    return Shown(again, picture, link)
 
 
 def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:

@@ -10,7 +10,13 @@ from physim.simulation.run import simulate
 from physim.world.file import load_world
 from physim.world.file.files import shipped_worlds
 
-LONG_ENOUGH = {"ten_robots": 70.0, "crowded_start": 60.0, "three_robots": 200.0, "nonconvex": 160.0}
+LONG_ENOUGH = {
+    "ten_robots": 70.0,
+    "crowded_start": 60.0,
+    "three_robots": 200.0,
+    "nonconvex": 160.0,
+    "random_road": 200.0,
+}
 """[s] of simulated time in which every arm has shown what it does"""
 SEEDS = (0, 1, 2)
 

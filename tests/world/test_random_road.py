@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 GAP = 0.3
 """[m] stated least distance of an obstacle to another and to a wall"""
 AS_ROUNDED = 1e-9
+BOTH_ROUNDED = 1e-3 * 2.0**0.5 + AS_ROUNDED
+"""[m] Two points rounded to millimetres: each moves by up to half of that along both axes."""
 PER_POINT = 0.0015
 """[m] by which rounding to millimetres may change the length of a piece"""
 CORNERS = 1.006
@@ -107,7 +109,7 @@ def check_road(laid: Layout, road: dict[str, Any]) -> None:
 
     points = sampled(line, 0.4)
     gaps = [distances(points, segments([wall])) for wall in (left, right)]
-    assert min(gaps[0].min(), gaps[1].min()) >= 0.5 * low - AS_ROUNDED
+    assert min(gaps[0].min(), gaps[1].min()) >= 0.5 * low - BOTH_ROUNDED
     assert max(gaps[0].max(), gaps[1].max()) <= 0.5 * high * CORNERS
     station = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
     end = int(np.argmin(np.abs(station - road["ends"])))

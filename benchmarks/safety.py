@@ -45,8 +45,8 @@ python -m benchmarks.safety safety safety-many --write      # this page
 ```
 
 `mode_switching` is the paper's controller; `path_following` is its first part alone, without
-avoidance: the null arm; `constant` gives one command for ever, here none: the robots stand, so nothing touches, and nothing
-finishes.
+avoidance: the null arm; `constant` gives one command for ever, here none: the robots stand,
+so nothing touches, and nothing finishes.
 What the rates do not say: starts are drawn as each world says, and a worse start can be looked for
 ([FALSIFY.md](FALSIFY.md)): 5 runs without a contact show no more than a rate of 47 %.
 

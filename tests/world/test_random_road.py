@@ -107,6 +107,9 @@ def check_road(laid: Layout, road: dict[str, Any]) -> None:
     length = np.hypot(*np.diff(line, axis=0).T).sum()
     assert abs(length - road["length"]) <= PER_POINT * len(line)
 
+    for wall in (left, right):
+        along = (np.diff(wall[1:-1], axis=0) * np.diff(line, axis=0)).sum(axis=1)
+        assert (along > 0.0).all(), "a wall runs backwards"
     points = sampled(line, 0.4)
     gaps = [distances(points, segments([wall])) for wall in (left, right)]
     assert min(gaps[0].min(), gaps[1].min()) >= 0.5 * low - BOTH_ROUNDED
@@ -182,6 +185,16 @@ def test_a_road_is_as_stated_or_refused(road: dict[str, Any], seed: int) -> None
         again = parse_world(own.to_yaml())
         assert again == own
         assert coordinates(lay_out(again)) == coordinates(laid)
+
+
+def test_a_short_straight_between_bends_folds_no_wall() -> None:
+    """0.13 m were left after a bend, and its inner wall ran 4 cm backwards."""
+    road = {
+        "length": 76.0, "bends": [0, 3], "turns": [1.0, 1.875], "radii": [10.73046875, 16.73046875],
+        "width": [7.7421875, 7.7421875], "clutter": 0.0, "sizes": [1.0, 1.0],
+        "passage": 3.87109375, "ends": 11.75,
+    }  # fmt: skip
+    check_road(lay_out(world(seed=4_598_634_346, **road)), road)
 
 
 def drawn_or_refused(road: dict[str, Any], seed: int) -> Layout | WorldError:

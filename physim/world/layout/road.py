@@ -6,7 +6,7 @@ most, and then refused:
 - it neither crosses itself nor passes itself nearer than `road_line.APART`;
 - every wall and obstacle is half the passage or more from the reference path: so a disc as wide as
   the passage moves along all of it, and free space less half the passage is connected;
-- the paths beside the reference path run forward, in its bends too.
+- both walls run forward, and so do the paths beside the reference path, in its bends too.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from physim.world.layout.road_line import (
     draw_way,
     draw_widths,
     lanes_advance,
+    walls_advance,
 )
 from physim.world.layout.shape_checks import outline_fault
 from physim.world.road import MARGIN
@@ -121,6 +122,9 @@ def draw_road(
             failed["crosses"] += 1
             continue
         lines = corridor_boundaries(centreline, widths, end_margin)
+        if not walls_advance(lines, centreline):
+            failed["folds"] += 1
+            continue
         walls = shapely.MultiLineString(list(lines.values()))
         way = draw_way(road, centreline, widths, passage, seed, attempt, walls)
         if not lanes_advance(way, offsets):
@@ -170,8 +174,8 @@ def _refused(
         )
     return Fault(
         (*ROAD, "radii"),
-        f"none of {times} roads drawn by this seed has room for the paths of all robots in its "
-        "bends; give larger radii, or smaller offsets",
+        f"none of {times} roads drawn by this seed has room for its walls and the "
+        "paths of all robots in its bends; give larger radii, or smaller offsets",
     )
 
 

@@ -134,6 +134,11 @@ def lanes_advance(way: FloatArray, offsets: list[float]) -> bool:
     return True
 
 
+def walls_advance(lines: dict[str, FloatArray], centreline: FloatArray) -> bool:
+    """Whether the walls of a corridor go on in the sense of its centreline everywhere."""
+    return all(_advances(lines[side][1:-1], centreline) for side in SIDES)
+
+
 def stations(line: FloatArray) -> FloatArray:
     """Station (n,) [m] of each point of a polyline."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])

@@ -11,12 +11,13 @@ step, and less than the way between two branches of a path that passes near itse
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.shapes import FloatArray, Polylines, pack_polylines
+from physim.geometry.shapes import FloatArray, Polylines, locked, pack_polylines
 
 
 @compiled
@@ -97,26 +98,22 @@ def track(
     return project(lines, k, x, y, previous - window, previous + window)
 
 
+@dataclass(frozen=True, init=False, eq=False)
 class Path:
-    """One polyline of waypoints with its arc length.
+    """One polyline of waypoints with its arc length; it cannot be changed."""
 
-    ``outside`` (M, 2) [m] lists the stretches, from station to station, that lie outside the
-    accessible area.
-    """
+    lines: Polylines
+    outside: FloatArray
+    """(M, 2) [m] stretches, from station to station, that lie outside the accessible area"""
 
     def __init__(
         self, points: Sequence[Sequence[float]] | FloatArray, outside: FloatArray | None = None
     ) -> None:
-        self.lines = pack_polylines([points])
-        self.outside = np.zeros((0, 2)) if outside is None else outside
-
-    def copy(self) -> Path:
-        """Return the same path with arrays of its own."""
-        path = Path.__new__(Path)
-        points, start, station = self.lines
-        path.lines = Polylines(points.copy(), start.copy(), station.copy())
-        path.outside = self.outside.copy()
-        return path
+        """Waypoints (n, 2) [m] and stretches outside; the arrays kept are read-only."""
+        object.__setattr__(self, "lines", locked(pack_polylines([points])))
+        object.__setattr__(
+            self, "outside", locked(np.zeros((0, 2)) if outside is None else outside)
+        )
 
     @property
     def points(self) -> FloatArray:

@@ -70,7 +70,7 @@ class Neighbour:
 class Observation(Later):
     """All that Robot i may know when it decides. World frame, SI units.
 
-    Arrays are read-only, or copies of its own (the path). What takes time to find out is made when
+    Arrays are read-only. What takes time to find out is made when
     it is first asked for; whenever that is, it is what was true when the robot decided.
     """
 

@@ -43,38 +43,38 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, where: str, declared: Declared, robots: int) -> Row:
+def decision_row(decision: object, declared: Declared, robots: int) -> Row:
     """Numbers of a decision.
 
-    Raises ControllerError, which begins with ``where``, when it is no Decision, when one of its
-    fields is of a wrong type, or names what the controller has not declared.
+    Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
+    names what the controller has not declared.
     """
     if not isinstance(decision, Decision):
         given = type(decision).__name__
-        raise ControllerError(f"{where}: decide returned {given}; it must return a Decision")
+        raise ControllerError(f"decide returned {given}; it must return a Decision")
     return Row(
-        (_number(decision.v, "v", where), _number(decision.omega, "omega", where)),
-        _number(decision.hold, "hold", where),
-        _declared(decision.mode, "mode", declared.modes, where),
-        _declared(decision.rule, "rule", declared.rules, where),
-        _considered(decision.considered, where, robots),
-        _report(decision.report, where, declared),
+        (_number(decision.v, "v"), _number(decision.omega, "omega")),
+        _number(decision.hold, "hold"),
+        _declared(decision.mode, "mode", declared.modes),
+        _declared(decision.rule, "rule", declared.rules),
+        _considered(decision.considered, robots),
+        _report(decision.report, declared),
     )
 
 
-def _number(value: object, field: str, where: str) -> float:
+def _number(value: object, field: str) -> float:
+    if type(value) is float:
+        return value
     try:
         if isinstance(value, str | bytes):
             raise TypeError
         return float(value)  # type: ignore[arg-type]
     except _NO_NUMBER:
         given = _quoted(value)
-        raise ControllerError(f"{where}: {field} is {given}; it must be a number") from None
+        raise ControllerError(f"{field} is {given}; it must be a number") from None
 
 
-def _declared(
-    given: str | Mode | Rule | None, field: str, among: Sequence[Mode | Rule], where: str
-) -> int:
+def _declared(given: str | Mode | Rule | None, field: str, among: Sequence[Mode | Rule]) -> int:
     """Number of a declared mode or rule, given by name or as it was declared."""
     if given is None:
         return NO_NUMBER
@@ -85,42 +85,44 @@ def _declared(
     names = [one.name for one in among]
     hint = nearest(name[:100], names) if isinstance(name, str) else ""
     allowed = f"declared: {', '.join(names)}" if names else f"the controller declares no {field}s"
-    raise ControllerError(f"{where}: {field} is {_quoted(given)}; {allowed}{hint}")
+    raise ControllerError(f"{field} is {_quoted(given)}; {allowed}{hint}")
 
 
-def _considered(given: object, where: str, robots: int) -> list[int]:
+def _considered(given: object, robots: int) -> list[int]:
+    if type(given) is tuple and not given:
+        return []
     try:
         found = [index(j) for j in given]  # type: ignore[attr-defined]
     except TypeError:
         raise ControllerError(
-            f"{where}: considered is {_quoted(given)}; it must list robots by index"
+            f"considered is {_quoted(given)}; it must list robots by index"
         ) from None
     if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
         raise ControllerError(
-            f"{where}: considered is {_quoted(given)}; it must list robots 0 to {robots - 1}, "
-            "each once"
+            f"considered is {_quoted(given)}; it must list robots 0 to {robots - 1}, each once"
         )
     return found
 
 
-def _report(report: object, where: str, declared: Declared) -> list[float]:
+def _report(report: object, declared: Declared) -> list[float]:
     """Numbers of a report, one a declared column; NaN where one is left out or None."""
     if not isinstance(report, Mapping):
         raise ControllerError(
-            f"{where}: report is a {type(report).__name__}; it must be a mapping of columns"
+            f"report is a {type(report).__name__}; it must be a mapping of columns"
         )
+    if not report and not declared.columns:
+        return []
     names = [column.name for column in declared.columns]
     for name in report:
         if name not in names:
             hint = nearest(name[:100], names) if isinstance(name, str) else ""
             allowed = ", ".join(names) or "none, give the controller some: columns = (Column(...),)"
             raise ControllerError(
-                f"{where}: report names {_quoted(name)}, which is not declared; declared: "
-                f"{allowed}{hint}"
+                f"report names {_quoted(name)}, which is not declared; declared: {allowed}{hint}"
             )
     values = (report.get(name) for name in names)
     return [
-        nan if value is None else _number(value, f"report {name}", where)
+        nan if value is None else _number(value, f"report {name}")
         for name, value in zip(names, values, strict=True)
     ]
 
@@ -220,12 +222,17 @@ class PerRobotAdapter:
 
     def _decide(self, i: int, views: Views, memory: Any) -> tuple[Decision, Row]:
         observation = views.observation(i)
-        name = type(self.controller).__name__
-        where = f"controller {name}, {observation.name} at {views.time:g} s"
         try:
             decision = asked(self.controller.decide, DECIDE, observation, memory)
         except PhysimError:
             raise
         except (Exception, SystemExit) as error:
-            raise broken(error, where) from error
-        return decision, decision_row(decision, where, self.declared, self.scene.robots)
+            raise broken(error, self._where(i, views)) from error
+        try:
+            return decision, decision_row(decision, self.declared, self.scene.robots)
+        except ControllerError as error:
+            raise ControllerError(f"{self._where(i, views)}: {error}") from None
+
+    def _where(self, i: int, views: Views) -> str:
+        name = type(self.controller).__name__
+        return f"controller {name}, {self.scene.names[i]} at {views.time:g} s"

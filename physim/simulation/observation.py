@@ -78,12 +78,12 @@ class Sight:
         return self._footprints[i]
 
     def path(self, i: int) -> Path:
-        """Path of Robot i, a copy."""
+        """Path of Robot i."""
         if i not in self._paths:
             paths = self.scene.paths
             points = paths.points[paths.start[i] : paths.start[i + 1]]
             self._paths[i] = Path(points, self.scene.outside[i])
-        return self._paths[i].copy()
+        return self._paths[i]
 
     def walls_near(self, x: float, y: float) -> tuple[FloatArray, ...]:
         """Parts of walls (n, 2) within range of a place, read-only."""

@@ -178,12 +178,12 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/simulation/observation.py",
-        "Sight.path",
-        "return self._paths[i].copy()",
-        "return self._paths[i]",
-        "what a controller writes into its path is gone at the next decision",
-        "tests/test_observations.py::test_a_path_is_a_copy_of_its_own",
+        "physim/geometry/path.py",
+        "Path.__init__",
+        "locked(pack_polylines([points]))",
+        "pack_polylines([points])",
+        "a controller cannot change its path",
+        "tests/test_observations.py::test_a_path_cannot_be_changed",
     ),
     Edit(
         "loop",

@@ -46,9 +46,10 @@ def cut_short(
     ``end`` (B, 3) are the poses of all bodies at the end of the whole step, robots first, and
     ``way`` (N, 3) how the robots come there from the sample before, easing included. Of that each
     goes ``share`` (N,), written here: 1, or up to where it touches another at the depth at which
-    contacts settle, or no deeper than before. A pair that does not come deeper is let go. Robots stop one pair after the other,
-    the earliest first, so that each of them is met by what moves on where it then stands; two that
-    others stop while they pass each other, too deep, stop where they meet.
+    contacts settle, or no deeper than before. A pair that does not come deeper is let go. Robots
+    stop one pair after the other, the earliest first, so that each of them is met by what moves on
+    where it then stands; two that others stop while they pass each other, too deep, stop where they
+    meet.
     """
     bodies, robots = len(end), len(way)
     stops = np.zeros(bodies, np.int64)

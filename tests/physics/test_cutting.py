@@ -77,6 +77,38 @@ def test_a_heavy_robot_that_squeezes_a_light_one_against_a_wall():
     assert DEEP / 2.0 < deepest(rows) <= DEEP
 
 
+def jam(seed, lanes, rows, speed):
+    """Robots of three shapes behind one another before the end of a dead end."""
+    rng = np.random.default_rng(seed)
+    shapes = (
+        [box(0.8, 0.5)],
+        [[(0.5, 0.0), (-0.35, 0.4), (-0.35, -0.4)]],
+        [[(0.45, 0.0), (0.2, 0.35), (-0.4, 0.25), (-0.4, -0.25), (0.2, -0.35)]],
+    )
+    count, wide = lanes * rows, 1.05 * lanes + 0.05
+    robots = [shapes[k] for k in rng.integers(0, 3, count)]
+    start = [[-1.05 * (i // lanes) - 0.6, 1.05 * (i % lanes) + 0.55, 0.0] for i in range(count)]
+    end = segments([(-20.0, 0.0), (0.0, 0.0), (0.0, wide), (-20.0, wide)])
+    physics = host(start, robots, walls=[end], dt=0.01, mass=40.0)
+
+    def command():
+        turn = np.clip(rng.uniform(-0.5, 0.5, count) - 2.0 * physics.pose[:, 2], -1.5, 1.5)
+        return np.stack([np.full(count, speed), turn], 1)
+
+    return physics, command
+
+
+@pytest.mark.parametrize(
+    ("seed", "lanes", "rows", "speed", "steps"),
+    [(0, 4, 6, 0.5, 700), (2, 4, 6, 0.5, 700), (3, 3, 4, 1.0, 500)],
+)
+def test_easing_in_a_jam_pushes_nobody_deep(seed, lanes, rows, speed, steps):
+    """What eases two robots apart would push one of them into a third, a little at every step."""
+    physics, command = jam(seed, lanes, rows, speed)
+    found = [drive(physics, command(), 20)[1] for _ in range(steps // 20)]
+    assert 0.99 * DEEP < max(map(deepest, found)) <= DEEP
+
+
 def crowd(speed):
     """Eight boxes in a room, which drive about at speeds up to one given."""
     room = segments([(-6.0, -4.0), (6.0, -4.0), (6.0, 4.0), (-6.0, 4.0), (-6.0, -4.0)])

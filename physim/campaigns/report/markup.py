@@ -89,7 +89,8 @@ th, td { text-align: left; vertical-align: top; padding: .55rem 1.1rem .55rem 0;
   border-bottom: 1px solid var(--rule); }
 th { color: var(--quiet); font-weight: 600; font-size: .82rem; vertical-align: bottom; }
 th.number, td.number { text-align: right; }
-td.number { white-space: nowrap; }
+td.number, .kept { white-space: nowrap; }
+.dense td.number small { white-space: normal; }
 .dense th, .dense td { padding-right: .8rem; }
 tr > :last-child { padding-right: 0; }
 td b { font-size: 1.02rem; }

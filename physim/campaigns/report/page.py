@@ -153,8 +153,8 @@ def _in_words(rate: Rate) -> str:
 
 def _rate(rate: Rate) -> str:
     return (
-        f"<b>{percent(rate.share)}</b> <small>{number(rate.good)} of {number(rate.of)}<br>"
-        f"{interval(rate.low, rate.high)}</small>"
+        f'<b>{percent(rate.share)}</b> <small class="kept">{number(rate.good)} of '
+        f"{number(rate.of)}<br>{interval(rate.low, rate.high)}</small>"
     )
 
 
@@ -251,7 +251,7 @@ def _measures(report: Report) -> Iterator[str]:
             )
             yield (
                 f'<td class="number" data-name="{text(what)}">'
-                f"{inside.replace('-', '−') if spread.count else 'of no run'}</td>"
+                f"{inside.replace('-', '−') if spread.count else 'no run has one'}</td>"
             )
         yield "</tr>"
     yield "</tbody></table></div>"
@@ -263,7 +263,8 @@ def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
         return
     count = "ten " if len(report.worst) == 10 else ""
     yield f"<h2>The {count}least distances</h2>"
-    yield "<p>Each picture is the moment of the least distance. The command makes its video.</p>"
+    yield "<p>Each picture is the moment of the least distance. The command makes the run again,"
+    yield " with its record and video.</p>"
     yield '<div class="tiles large">'
     near = report.outcomes.column("shortest_distance")
     for place, (index, one) in enumerate(zip(report.worst, shown, strict=True), start=1):
@@ -301,14 +302,17 @@ def _failures(report: Report) -> Iterator[str]:
     if not report.failures:
         return
     yield "<h2>Runs that failed</h2>"
-    yield '<div class="wide"><table><thead><tr><th>cell</th><th class="number">runs</th>'
+    yield '<div class="wide"><table class="stack"><thead><tr><th>cell</th>'
+    yield '<th class="number">runs</th>'
     yield "<th>ended by</th><th>reason</th><th>seeds</th></tr></thead><tbody>"
     for one in report.failures[:MOST_FAILURES]:
         reason = one.reason if len(one.reason) <= MOST_REASON else one.reason[:MOST_REASON] + "…"
         yield (
             f'<tr><td class="name">{text(one.cell.name)}</td>'
-            f'<td class="number">{number(len(one.seeds))}</td><td>{text(one.ended)}</td>'
-            f"<td>{text(reason)}</td><td>{seeds_text(one.seeds)}</td></tr>"
+            f'<td class="number" data-name="runs">{number(len(one.seeds))}</td>'
+            f'<td data-name="ended by">{text(one.ended)}</td>'
+            f'<td data-name="reason">{text(reason)}</td>'
+            f'<td data-name="seeds">{seeds_text(one.seeds)}</td></tr>'
         )
     yield "</tbody></table></div>"
     yield from _left_out(len(report.failures), MOST_FAILURES, "kinds of failure")

@@ -6,6 +6,8 @@ of a few degrees, in a jam, between a heavy robot and a wall, its solver lets ro
 little at every step. A step that would end deeper than `physim.contacts.allowed_depth` is done
 again, and the bodies that are too deep go no farther than to where they touch, the earliest first.
 They do so at their full velocities, for which the engine solves: the impulse is that of the impact.
+What the engine adds to a step to ease overlaps is cut with it: in a jam that pushes robots into
+others, for seconds on end up to 48 mm deep where only velocities were cut.
 
 Steps that end less deep are left as they are, to the last bit. Shorter steps of the engine would
 mend impacts, but nothing else (in a wedge of 2 degrees at 1 m/s robots sank in by 91 mm at 0.01 s
@@ -42,11 +44,12 @@ def cut_short(
     """Stop robots of the pairs ``key`` (K,) that come deeper than ``deepest`` [m].
 
     ``end`` (B, 3) are the poses of all bodies at the end of the whole step, robots first, and
-    ``way`` (N, 3) how the robots come there. Of that each goes ``share`` (N,), written here: 1, or
-    up to where it touches another at the depth at which contacts settle, or no deeper than before.
-    A pair that does not come deeper by its motion is let go. Robots stop one pair after the other,
-    the earliest first, so that each of them is met by what moves on where it then stands; two that
-    others stop while they pass each other, too deep, stop where they meet.
+    ``way`` (N, 3) how the robots come there from the sample before, easing included. Of that each
+    goes ``share`` (N,), written here: 1, or up to where it touches another at the depth at which
+    contacts settle, or no deeper than before. A pair that does not come deeper is let go. Robots
+    stop one pair after the other, the earliest first, so that each of them is met by what moves on
+    where it then stands; two that others stop while they pass each other, too deep, stop where they
+    meet.
     """
     bodies, robots = len(end), len(way)
     stops = np.zeros(bodies, np.int64)

@@ -122,11 +122,12 @@ class Physics:
     def step(self, command: FloatArray) -> None:
         """Advance one step under commands (N, 2): v [m/s], omega [rad/s], each along its arc."""
         before, rejected = self._pairs, self._guard.rejected
+        start = self._arrays.pose.copy()
         self._chord_velocities(self._arrays.pose, command, self.dt, self._arrays.velocity)
         self.step_number += 1
         pushes = self._push_and_move(before)
         if self._is_deep():
-            self._cut_short(before, pushes, rejected)
+            self._cut_short(start, before, pushes, rejected)
         if self._journal is not None:
             self._journal.add(command)
             if not self._engine.remembers:
@@ -219,7 +220,7 @@ class Physics:
             self._journal.begin(step, pose, rejected)
         self._move(self._no_pairs, self._no_pairs)
         if self._is_deep():  # none is stopped: compiles what a run may need
-            self._cut_short(self._no_pairs, self._no_pairs, rejected)
+            self._cut_short(pose, self._no_pairs, self._no_pairs, rejected)
 
     def _push_and_move(self, before: Pairs) -> Pairs:
         """Move all bodies from a sample at which pairs touch, by ``velocity``; the pushes."""
@@ -252,11 +253,11 @@ class Physics:
         hold_back(pushes.key, self._bodies, self._arrays.velocity, self._wanted)
         return pushes
 
-    def _cut_short(self, before: Pairs, pushes: Pairs, rejected: int) -> None:
-        """Do the last move again and stop the bodies that came too deep where they touch."""
+    def _cut_short(self, start: FloatArray, before: Pairs, pushes: Pairs, rejected: int) -> None:
+        """Do the step from poses (N, 3) again; bodies that came too deep stop where they touch."""
         arrays = self._arrays
         velocity, end = arrays.velocity.copy(), self._placed.copy()
-        way, keys = velocity * self.dt, before.key
+        way, keys = end[: self._robots] - start, before.key
         last, share = np.ones((2, self._robots))
         while True:  # what stops may be met by what passed it before
             keys = np.union1d(keys, self._pairs.key)
@@ -264,7 +265,8 @@ class Physics:
             if np.array_equal(share, last):
                 return
             last[:] = share
-            self._engine.stand(end[: self._robots] - (2.0 - share)[:, None] * way)
+            stop = end[: self._robots] - (1.0 - share)[:, None] * way
+            self._engine.stand(stop - velocity * self.dt)
             self._guard.rejected = rejected
             arrays.velocity[:] = velocity
             self._move(before, pushes)

@@ -70,6 +70,15 @@ EDITS = (
     ),
     Edit(
         "physics",
+        "physim/simulation/engine/host.py",
+        "Physics._cut_short",
+        "end[: self._robots] - start",
+        "velocity * self.dt",
+        "what eases overlaps pushes no robot deep into another",
+        "tests/physics/test_cutting.py::test_easing_in_a_jam_pushes_nobody_deep",
+    ),
+    Edit(
+        "physics",
         "physim/simulation/engine/pairs.py",
         "hold_back",
         "wanted[i, k] = allowed[i, k]",

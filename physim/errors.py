@@ -13,6 +13,10 @@ class PhysimError(Exception):
     """Bad input: the command line prints the message alone and exits with 2."""
 
 
+class Notice(UserWarning):
+    """What a user should know of what was read, though it could be; a line in the command line."""
+
+
 @dataclass(frozen=True)
 class Fault:
     """One thing wrong with a world: where in it, and what to do about it (one line)."""

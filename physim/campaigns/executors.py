@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
+import socket
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -12,8 +15,11 @@ from physim.campaigns.processes import Processes, worker_count
 from physim.campaigns.spec import engine
 from physim.errors import PhysimError
 
-CONNECT_SECONDS = 10
+CONNECT_SECONDS = 5
 """[s] in which a scheduler must answer"""
+ADDRESS = re.compile(
+    r"(?:(?:tcp|tls|ws|wss)://)?(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\s:/\[\]]+):(?P<port>\d{1,5})"
+)
 WORKERS_SECONDS = 30
 """[s] in which a scheduler must have a worker"""
 
@@ -44,13 +50,11 @@ def _dask(address: str) -> Iterator[Executor]:
         raise PhysimError(
             "--scheduler: needs the package distributed (pip install 'physim[dask]')"
         ) from None
+    _check_scheduler(address)
     try:
         client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
-        reason = " ".join(str(error).split())[:200]
-        raise PhysimError(
-            f"--scheduler {address}: cannot be reached ({reason or type(error).__name__})"
-        ) from None
+    except Exception as error:
+        raise _unreachable(address, error) from None
     with client:
         try:
             client.wait_for_workers(1, timeout=WORKERS_SECONDS)
@@ -63,6 +67,46 @@ def _dask(address: str) -> Iterator[Executor]:
         found.workers = max(1, sum(client.nthreads().values()))
         yield found
         found.shutdown(wait=False)
+
+
+def _check_scheduler(address: str) -> None:
+    """Raise PhysimError where no scheduler answers in time.
+
+    A `Client` that cannot connect takes its time to end, and tells it in tracebacks: it is made
+    only where a scheduler is known to be.
+    """
+    found = ADDRESS.fullmatch(address)
+    if found is None or not 0 < int(found["port"]) < 65536:
+        raise PhysimError(
+            f"--scheduler {address[:60]!r}: must be HOST:PORT or tcp://HOST:PORT, as "
+            "tcp://10.0.0.1:8786"
+        )
+    try:
+        with socket.create_connection(
+            (found["host"].strip("[]"), int(found["port"])), CONNECT_SECONDS
+        ):
+            pass
+        kind = asyncio.run(_kind(address))
+    except Exception as error:
+        raise _unreachable(address, error) from None
+    if kind != "Scheduler":
+        raise PhysimError(f"--scheduler {address}: is a {kind} of Dask, not a scheduler")
+
+
+async def _kind(address: str) -> str:
+    """What of Dask answers: ``Scheduler``, ``Worker``, ``Nanny``."""
+    from distributed.core import rpc
+
+    async with asyncio.timeout(CONNECT_SECONDS), rpc(address, timeout=CONNECT_SECONDS) as peer:
+        return str((await peer.identity())["type"])
+
+
+def _unreachable(address: str, error: Exception) -> PhysimError:
+    late = isinstance(error, TimeoutError)
+    reason = f"no answer in {CONNECT_SECONDS} s" if late else " ".join(str(error).split())[:200]
+    return PhysimError(
+        f"--scheduler {address}: no scheduler of Dask answers ({reason or type(error).__name__})"
+    )
 
 
 def versions() -> tuple[str, str]:

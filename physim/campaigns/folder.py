@@ -12,16 +12,13 @@ from typing import Any
 from physim._version import __version__
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.rows import Shards, read, write_whole
-from physim.campaigns.spec import RunSpec, engine
+from physim.campaigns.spec import Label, RunSpec, engine
 from physim.drafts import draft_of
 from physim.errors import PhysimError
 
 CAMPAIGN, RESULTS, RECORDS, WORLDS = "campaign.json", "results.parquet", "records", "worlds"
 FORMAT = "physim-campaign"
 CLAIMS = ".claims"
-
-Label = tuple[str, str, str]
-"""World, settings and controller of a cell, as its rows have them"""
 
 
 class Folder:
@@ -41,7 +38,7 @@ class Folder:
 
         Raises PhysimError where it holds another campaign or something else, or cannot be written.
         """
-        wanted = {_label(spec): spec for spec in cells}
+        wanted = {spec.label: spec for spec in cells}
         known = self.cells() if self._is_there() else []
         _check(self.path, known, wanted)
         try:
@@ -157,10 +154,6 @@ _KEYS = ("world", "settings", "controller", "world_hash", "source_hash", "physim
 def _described(spec: RunSpec) -> dict[str, str]:
     values = (spec.world, spec.settings, spec.controller, spec.world_hash, spec.source_hash)
     return dict(zip(_KEYS, (*values, __version__, engine()), strict=True))
-
-
-def _label(spec: RunSpec) -> Label:
-    return spec.world, spec.settings, spec.controller
 
 
 def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]) -> None:

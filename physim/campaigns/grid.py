@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import math
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 from physim.campaigns.sources import Source, sources_of
-from physim.campaigns.spec import RunSpec, spec_of
+from physim.campaigns.spec import Label, RunSpec, spec_of
 from physim.errors import PhysimError, WorldError
 from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.world import World
@@ -18,6 +21,11 @@ from physim.world.layout.scene_builder import build_scene, is_random
 
 MOST_RUNS = 1_000_000
 """Runs that are begun without being asked twice"""
+MOST_EVER = 10_000_000
+"""Runs of one folder: reports hold its rows in memory, at some 300 bytes each"""
+MOST_CELLS = 10_000
+ROW_BYTES, RUNS_A_SECOND = 700, 100
+"""[bytes] of a row on disk, and the rate of a large machine, for estimates"""
 TOGETHER = 16
 """Cells that are gone through side by side, seed by seed: workers have so many worlds ready"""
 TRIES = 3
@@ -36,8 +44,11 @@ WHOLE = Shard(1, 1)
 
 
 @dataclass(frozen=True)
-class Grid(Collection[RunSpec]):
-    """All runs, seed by seed; a cell in which nothing is random is run once."""
+class Grid(Sequence[RunSpec]):
+    """All runs, seed by seed; a cell in which nothing is random is run once.
+
+    No run is made before it is asked for: a grid takes the memory of its cells, whatever its seeds.
+    """
 
     cells: tuple[RunSpec, ...]
     """one spec for each world, settings and controller"""
@@ -57,28 +68,79 @@ class Grid(Collection[RunSpec]):
 
     def __len__(self) -> int:
         """Number of runs of this shard."""
-        return len(range(self.shard.number - 1, self.total, self.shard.of))
+        return len(self._mine)
+
+    @overload
+    def __getitem__(self, index: int) -> RunSpec: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[RunSpec]: ...
+    def __getitem__(self, index: int | slice) -> RunSpec | list[RunSpec]:
+        """A run of this shard by its number from 0, or some. Raises IndexError."""
+        if isinstance(index, slice):
+            return [self._run(k) for k in self._mine[index]]
+        return self._run(self._mine[index])
 
     def __iter__(self) -> Iterator[RunSpec]:
         """The runs of this shard."""
-        for k, spec in enumerate(self._all()):
-            if k % self.shard.of == self.shard.number - 1:
-                yield spec
+        return map(self._run, self._mine)
 
     def __contains__(self, spec: object) -> bool:
         """Whether a run is one of them."""
-        return any(spec == one for one in self)
+        return isinstance(spec, RunSpec) and self.has(spec.label, spec.seed, spec.key)
 
-    def _all(self) -> Iterator[RunSpec]:
-        yield from (self.cells[k] for k in sorted(self.fixed))
-        drawn = [cell for k, cell in enumerate(self.cells) if k not in self.fixed]
+    def has(self, label: Label, seed: int, key: str) -> bool:
+        """Whether the run of a cell and a seed is one of this shard, and is known by ``key``."""
+        k = self._numbers.get(label)
+        if k is None:
+            return False
+        place = self._place(k, seed)
+        return place in self._mine and self._run(place).key == key
+
+    @cached_property
+    def _mine(self) -> range:
+        """Numbers of the runs of this shard among all."""
+        return range(self.shard.number - 1, self.total, self.shard.of)
+
+    @cached_property
+    def _numbers(self) -> dict[Label, int]:
+        """Numbers of the cells."""
+        return {cell.label: k for k, cell in enumerate(self.cells)}
+
+    @cached_property
+    def _alone(self) -> list[int]:
+        """Cells that are run once, which come first."""
+        return sorted(self.fixed)
+
+    @cached_property
+    def _drawn(self) -> list[int]:
+        """Cells that are run with every seed."""
+        return [k for k in range(len(self.cells)) if k not in self.fixed]
+
+    def _run(self, place: int) -> RunSpec:
+        """A run by its number among those of all shards."""
+        if place < len(self._alone):
+            return self.cells[self._alone[place]]
+        place -= len(self._alone)
         if self.seeds is None:
-            yield from drawn
-            return
-        for first in range(0, len(drawn), TOGETHER):
-            group = drawn[first : first + TOGETHER]
-            for seed in self.seeds:
-                yield from (replace(cell, seed=seed) for cell in group)
+            return self.cells[self._drawn[place]]
+        first, within = divmod(place, TOGETHER * len(self.seeds))
+        group = self._drawn[first * TOGETHER : (first + 1) * TOGETHER]
+        turn, k = divmod(within, len(group))
+        return replace(self.cells[group[k]], seed=self.seeds[turn])
+
+    def _place(self, k: int, seed: int) -> int:
+        """Number of a cell's run with a seed among all runs; -1 where there is none."""
+        if k in self.fixed:
+            return bisect_left(self._alone, k) if seed == self.cells[k].seed else -1
+        at = bisect_left(self._drawn, k)
+        if self.seeds is None:
+            return len(self._alone) + at if seed == self.cells[k].seed else -1
+        if seed not in self.seeds:
+            return -1
+        first, within = divmod(at, TOGETHER)
+        group = len(self._drawn[first * TOGETHER : (first + 1) * TOGETHER])
+        before = len(self._alone) + first * TOGETHER * len(self.seeds)
+        return before + self.seeds.index(seed) * group + within
 
 
 def make_grid(
@@ -97,16 +159,14 @@ def make_grid(
     ControllerError, and PhysimError where there are more than ``most`` runs or none.
     """
     names = _named(worlds)
-    changes = list(product(*(settings_of(axis) for axis in axes)))
+    values = [settings_of(axis) for axis in axes]
     keys = [axis.partition("=")[0].strip() for axis in axes]
     if twice := next((key for key in keys if keys.count(key) > 1), None):
         raise PhysimError(f"--set {twice}: given twice; write --set {twice}=V1,V2")
     chosen: list[str | None] = [*dict.fromkeys(controllers)] or [None]
-    count = len(names) * len(changes) * len(chosen) * (1 if seeds is None else len(seeds))
-    if not count:
-        raise PhysimError("nothing to run: no worlds, seeds or values")
-    if most is not None and count > most:
-        raise PhysimError(f"{count:,} runs; --yes runs more than {most:,}")
+    count = len(names) * math.prod(map(len, values)) * len(chosen)
+    _check_count(count, 1 if seeds is None else len(seeds), most)
+    changes = list(product(*values))
     cells: list[RunSpec] = []
     fixed: set[int] = set()
     warnings: dict[str, None] = {}
@@ -133,6 +193,26 @@ def make_grid(
             )
         )
     return Grid(tuple(cells), seeds, frozenset(fixed), shard, tuple(warnings))
+
+
+def _check_count(cells: int, seeds: int, most: int | None) -> None:
+    """Raise PhysimError where there are no runs, or more than may be, before any is made."""
+    count = cells * seeds
+    if not count:
+        raise PhysimError("nothing to run: no worlds, seeds or values")
+    if count > MOST_EVER:
+        years, size = count / RUNS_A_SECOND / (365.25 * 86400), count * ROW_BYTES / 1e9
+        raise PhysimError(
+            f"{count:,} runs: at {RUNS_A_SECOND} a second they would take {years:,.2g} years, and "
+            f"their rows {size:,.0f} GB; allowed: at most {MOST_EVER:,} in a folder"
+        )
+    if cells > MOST_CELLS:
+        raise PhysimError(
+            f"{cells:,} combinations of worlds, values and controllers; allowed: at most "
+            f"{MOST_CELLS:,} in a folder"
+        )
+    if most is not None and count > most:
+        raise PhysimError(f"{count:,} runs; --yes runs more than {most:,}")
 
 
 def settings_of(axis: str) -> list[str]:

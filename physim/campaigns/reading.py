@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards, schema
+from physim.campaigns.columns import COLUMNS, FAILED, Row, are_rows, schema
+from physim.campaigns.rows import Shards
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-NEEDED = ("run", "world", "seed", "physim", "engine", "ended")
-"""Columns that every row has."""
 DEEPEST = 100
 """Brackets in a line that Arrow is given; a row has two."""
 ORDER = ("world", "settings", "controller", "seed", "run")
@@ -36,28 +35,32 @@ def read_table(folder: Path) -> pa.Table:
         for file in new:
             known.add(file.name)
             try:
-                tables.append(_shard(file))
+                tables.append(_shard(shards, file))
             except FileNotFoundError:
                 continue  # its rows are in a larger one by now
     found = _each_once(pa.concat_tables(tables))
     return found.sort_by([(name, "ascending") for name in ORDER])
 
 
-def _shard(file: Path) -> pa.Table:
-    """Rows of a shard; those that Arrow does not take are read one by one."""
+def _shard(shards: Shards, file: Path) -> pa.Table:
+    """Rows of a shard; those that Arrow does not take are read one by one, which says why.
+
+    So are those that hold what may not stand in their columns, and a shard that is cut off.
+    """
     import pyarrow as pa
     from pyarrow import compute, json
 
     data = file.read_bytes()
-    if not all(map(_is_plain, data.splitlines())):  # Arrow would break the whole process off
-        return _one_by_one(Shards.rows_of(file))
+    whole = data.endswith(b"\n") and all(map(_is_plain, data.splitlines()))
+    if not whole:  # at the nested Arrow would break the whole process off
+        return _one_by_one(shards.rows_of(file))
     options = json.ParseOptions(explicit_schema=schema(), unexpected_field_behavior="ignore")
     try:
         found = json.read_json(pa.BufferReader(data), parse_options=options).select(list(COLUMNS))
     except pa.ArrowInvalid:
-        found = None
-    if found is None or any(found[name].null_count for name in NEEDED):
-        return _one_by_one(Shards.rows_of(file))
+        return _one_by_one(shards.rows_of(file))
+    if not are_rows(found):
+        return _one_by_one(shards.rows_of(file))
     texts = [k for k, one in enumerate(found.schema) if one.type == pa.string()]
     for k in texts:  # columns that an earlier version did not have
         found = found.set_column(k, found.schema[k], compute.fill_null(found[k], ""))
@@ -77,10 +80,7 @@ def _one_by_one(rows: list[Row]) -> pa.Table:
         return value.encode("utf-8", "replace").decode("utf-8") if isinstance(value, str) else value
 
     columns = {name: [clean(getattr(row, name)) for row in rows] for name in COLUMNS}
-    try:
-        return pa.table(columns, schema=schema())
-    except (pa.ArrowInvalid, pa.ArrowTypeError, OverflowError) as error:
-        raise PhysimError(f"a shard of rows has other columns: {error}") from None
+    return pa.table(columns, schema=schema())
 
 
 def _each_once(table: pa.Table) -> pa.Table:

@@ -1,4 +1,4 @@
-"""Rows of results: the columns, a row a run, and rows on disk in shards that appear whole.
+"""Rows on disk: in shards that appear whole.
 
 A shard is a file of JSON lines in ``rows/`` that is written under another name, then renamed.
 Every writer puts its own small shards together into larger ones, which appear before the small
@@ -9,119 +9,37 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from uuid import uuid4
 
+from physim.campaigns.columns import (
+    COLUMNS,
+    DURATION,
+    ERROR,
+    FAILED,
+    FINISHED,
+    KILLED,
+    TIMEOUT,
+    TIMES,
+    Row,
+    row_of,
+    schema,
+)
 from physim.drafts import draft_of
-from physim.errors import PhysimError
+from physim.errors import Notice, PhysimError
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-FINISHED, DURATION, ERROR, TIMEOUT, KILLED = "finished", "duration", "error", "timeout", "killed"
-FAILED = (ERROR, TIMEOUT, KILLED)
-"""How a run ended that says nothing about its controller's safety"""
 FOLDER = "rows"
 SUFFIX = ".jsonl"
 TOGETHER = 64
 """Shards of one size that are put together into one of the next"""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Row:
-    """What came of one run; the fields are the columns. None: it has no meaning for this run."""
-
-    run: str
-    """key, 20 hex digits"""
-    world: str
-    seed: int
-    settings: str = ""
-    """ "key=value; key=value" """
-    controller: str = ""
-    physim: str
-    engine: str
-    ended: str
-    """finished, duration, interrupted, error, timeout, killed"""
-    reason: str = ""
-    """one line"""
-    seconds: float | None = None
-    """[s] simulated"""
-    robots: int | None = None
-    contacts: int | None = None
-    """episodes of two robots"""
-    wall_contacts: int | None = None
-    grazes: int | None = None
-    """contacts between two samples"""
-    first_contact: float | None = None
-    """[s]"""
-    first_contact_pair: str = ""
-    """ "r1, r2" """
-    deepest: float | None = None
-    """[m]"""
-    shortest_distance: float | None = None
-    """[m] to robots and walls; negative: depth"""
-    shortest_distance_pair: str = ""
-    shortest_distance_time: float | None = None
-    """[s]"""
-    shortest_collision_time: float | None = None
-    """[s]"""
-    shortest_collision_time_pair: str = ""
-    shortest_collision_time_time: float | None = None
-    """[s]"""
-    formation_error: float | None = None
-    """[m] greatest size"""
-    deviation: float | None = None
-    """[m] greatest size, from the path"""
-    finish_time: float | None = None
-    """[s]"""
-    danger_share: float | None = None
-    updates: int | None = None
-    messages: int | None = None
-    cpu_seconds: float | None = None
-    """[s] of the processor"""
-    wall_seconds: float | None = None
-    """[s] by the clock"""
-    record: str = ""
-    """path of a record that was kept, within the folder"""
-    world_hash: str = ""
-    """of the effective world without its seed"""
-    digest: str = ""
-    """of a record that was kept"""
-
-    @property
-    def failed(self) -> bool:
-        """Whether it ended by an error, its limit or a kill."""
-        return self.ended in FAILED
-
-    @property
-    def contact_free(self) -> bool:
-        """Whether it came to its end and nothing touched."""
-        touches = (self.contacts, self.wall_contacts, self.grazes)
-        return self.ended in (FINISHED, DURATION) and not any(touches)
-
-    @property
-    def safe(self) -> bool:
-        """Whether it was contact-free and all robots arrived."""
-        return self.contact_free and self.ended == FINISHED
-
-
-COLUMNS = tuple(field.name for field in fields(Row))
-TIMES = ("cpu_seconds", "wall_seconds")
-"""Columns that are not the same every time"""
-
-
-def schema() -> pa.Schema:
-    """The columns, as Arrow has them."""
-    import pyarrow as pa
-
-    types = {"str": pa.string(), "int": pa.int64(), "float": pa.float64()}
-    return pa.schema(
-        [pa.field(one.name, types[str(one.type).partition(" ")[0]]) for one in fields(Row)]
-    )
 
 
 def check_places(folder: Path) -> None:
@@ -159,6 +77,8 @@ class Shards:
         self._writer = uuid4().hex[:12]
         self._count = 0
         self._mine: dict[int, list[Path]] = {}
+        self._cut: set[Path] = set()
+        """shards whose last line is cut off"""
 
     def write(self, rows: Iterable[Row]) -> list[str]:
         """Put rows on disk, all or none; names of the shards that are there by that.
@@ -171,36 +91,60 @@ class Shards:
     def read(self, but: set[str] | None = None) -> Iterator[Row]:
         """All rows on disk, each run once: of one that was done again the row that says more.
 
-        Shards whose names are in ``but`` are left out; those that were read are added to it.
+        Shards whose names are in ``but`` are left out; those that were read are added to it. Raises
+        PhysimError for a row that is none.
         """
         found: dict[str, Row] = {}
-        known = set() if but is None else but
-        while True:
-            new = [file for file in self.files() if file.name not in known]
-            if not new:
-                break
-            for file in new:
-                with suppress(FileNotFoundError):  # its rows are in a larger one by now
-                    for row in _read(file):
-                        found[row.run] = _better(found.get(row.run), row)
-                known.add(file.name)
+        for row in self.each(but):
+            found[row.run] = _better(found.get(row.run), row)
         yield from found.values()
 
-    @staticmethod
-    def rows_of(file: Path) -> list[Row]:
+    def each(self, but: set[str] | None = None) -> Iterator[Row]:
+        """All rows as they are read, some runs more than once; otherwise as `read`."""
+        known = set() if but is None else but
+        while new := [file for file in self.files() if file.name not in known]:
+            for file in new:
+                with suppress(FileNotFoundError):  # its rows are in a larger one by now
+                    for row, _ in self._rows(file):
+                        yield row
+                known.add(file.name)
+
+    def rows_of(self, file: Path) -> list[Row]:
         """Rows of one shard. Raises PhysimError where it is none, FileNotFoundError."""
-        return _read(file)
+        return [row for row, _ in self._rows(file)]
+
+    def _rows(self, file: Path) -> Iterator[tuple[Row, bytes]]:
+        """Rows of one shard with their lines. A last line that was cut off is told and left out."""
+        for number, line in enumerate(_lines(file), 1):
+            try:
+                try:
+                    tree = json.loads(line)
+                except (ValueError, RecursionError) as error:
+                    if line.endswith(b"\n"):
+                        raise ValueError(f"is no row ({error})") from None
+                    self._tell_cut(file, number)
+                    return
+                row = row_of(tree)
+            except ValueError as error:
+                raise PhysimError(f"{file}:{number}: {error}") from None
+            yield row, line
+
+    def _tell_cut(self, file: Path, number: int) -> None:
+        if file not in self._cut:
+            self._cut.add(file)
+            text = f"{file}:{number}: the last line is cut off; its run counts as not done"
+            warnings.warn(text, Notice, stacklevel=2)
 
     def put_together(self) -> None:
-        """Leave few shards, of whatever writer; others may write meanwhile."""
-        small = [file for file in self.files() if _level(file) < 2]
-        if len(small) > 1:
+        """Leave few shards of whatever writer, none cut off; others may write meanwhile."""
+        small = [file for file in self.files() if _level(file) < 2 or file in self._cut]
+        if len(small) > 1 or self._cut.intersection(small):
             self._merge(2, small)
 
-    def _put(self, level: int, lines: list[str]) -> list[str]:
+    def _put(self, level: int, lines: list[bytes]) -> list[str]:
         self._count += 1
         path = self.folder / f"{_stamp()}-{level}-{self._writer}-{self._count:06d}{SUFFIX}"
-        write_whole(path, "\n".join(lines).encode() + b"\n")
+        write_whole(path, b"".join(lines))
         mine = self._mine.setdefault(level, [])
         mine.append(path)
         if len(mine) < TOGETHER or level == 2:
@@ -209,17 +153,21 @@ class Shards:
         return [path.name, *self._merge(level + 1, mine)]
 
     def _merge(self, level: int, files: list[Path]) -> list[str]:
-        rows: dict[str, Row] = {}
+        lines: dict[str, tuple[bool, bytes]] = {}
+        """Of each run whether it failed, and its line: far less than rows."""
         read = []
         for file in files:
             with suppress(FileNotFoundError):
-                for row in _read(file):
-                    rows[row.run] = _better(rows.get(row.run), row)
+                for row, line in self._rows(file):
+                    if not row.failed or lines.get(row.run, (True,))[0]:
+                        lines[row.run] = row.failed, line.rstrip() + b"\n"
                 read.append(file)
-        names = self._put(level, [_line(row) for row in rows.values()]) if rows else []
+        names = self._put(level, [line for _, line in lines.values()]) if lines else []
+        _settle(self.folder)
         for file in read:
             with suppress(OSError):
                 file.unlink()
+            self._cut.discard(file)
         return names
 
     def files(self) -> list[Path]:
@@ -267,25 +215,28 @@ def _better(one: Row | None, other: Row) -> Row:
     return one if one is not None and other.failed and not one.failed else other
 
 
-def _line(row: Row) -> str:
-    return json.dumps(asdict(row), allow_nan=False)
+def _line(row: Row) -> bytes:
+    return json.dumps(asdict(row), allow_nan=False).encode() + b"\n"
 
 
-def _read(file: Path) -> list[Row]:
+def _lines(file: Path) -> Iterator[bytes]:
     try:
-        lines = file.read_bytes().splitlines()
-        return [Row(**_known(json.loads(line))) for line in lines]
+        with open(file, "rb") as stream:
+            yield from stream
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, TypeError, RecursionError) as error:
-        raise PhysimError(f"{file}: is no shard of rows ({error})") from None
+    except OSError as error:
+        raise PhysimError(f"{file}: cannot be read: {error.strerror}") from None
 
 
-def _known(values: Any) -> Any:
-    """Values of the columns that there are: a later version may have more."""
-    if not isinstance(values, dict):
-        raise ValueError("a line is no row")
-    return {key: value for key, value in values.items() if key in COLUMNS}
+def _settle(folder: Path) -> None:
+    """Let names of files last, before those that they replace go; where the system can do it."""
+    with suppress(OSError):
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
 
 
 def _level(file: Path) -> int:
@@ -302,7 +253,12 @@ def _stamp() -> str:
 
 __all__ = [
     "COLUMNS",
+    "DURATION",
+    "ERROR",
     "FAILED",
+    "FINISHED",
+    "KILLED",
+    "TIMEOUT",
     "TIMES",
     "Row",
     "Shards",

@@ -20,6 +20,9 @@ shipped controllers"""
 KEY_DIGITS = 20
 HASH_DIGITS = 12
 
+Label = tuple[str, str, str]
+"""World, settings and controller of a cell, as its rows have them"""
+
 
 @dataclass(frozen=True)
 class RunSpec:
@@ -53,6 +56,11 @@ class RunSpec:
         """20 hex digits by which the run is known: of world, seed, controller and versions."""
         parts = (self.text, self.controller, self.source_hash, __version__, engine())
         return hashlib.sha256(f"{_joined(parts)}\0{self.seed}".encode()).hexdigest()[:KEY_DIGITS]
+
+    @property
+    def label(self) -> Label:
+        """World, settings and controller: the cell that it belongs to."""
+        return self.world, self.settings, self.controller
 
     @property
     def note(self) -> str:
@@ -104,4 +112,4 @@ def _joined(parts: tuple[str, ...]) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-__all__ = ["RunSpec", "engine", "spec_of", "usual_limit"]
+__all__ = ["Label", "RunSpec", "engine", "spec_of", "usual_limit"]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from physim.campaigns.folder import Claims, Folder
+from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
 from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError, Stop
 from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Row, write_whole
@@ -86,13 +87,15 @@ def sweep(
 ) -> Tally:
     """Do all runs that have no row in a folder yet, and write their rows there.
 
-    ``specs`` is gone through several times. ``keep`` is one of `physim.campaigns.one_run.KEEP`;
-    with ``retry`` runs that failed are done again. ``decided`` is asked after every row in the
-    order of ``specs``, whoever was done first; when it says True no more runs are begun. Raises
+    ``specs`` is gone through several times; a `Grid` makes its runs as they are needed, so that
+    memory does not depend on how many are asked for. ``keep`` is one of
+    `physim.campaigns.one_run.KEEP`; with ``retry`` runs that failed are done again. ``decided`` is
+    asked after every row in the order of ``specs``, whoever was done first; when it says True no
+    more runs are begun. Raises
     PhysimError for the folder of another campaign, and where it cannot be written.
     """
     place = Folder(folder)
-    place.open(getattr(specs, "cells", None) or _cells(specs))
+    place.open(_cells(specs))
     work = _Sweep(place, specs, executor, keep, retry, decided)
     try:
         work.go(stop, progress)
@@ -108,9 +111,19 @@ def job_of(spec: RunSpec, keep: str, records: Path | None) -> Job:
     return Job(spec.note, take, (spec, keep, records), spec.limit, ready)
 
 
-def _cells(specs: Iterable[RunSpec]) -> list[RunSpec]:
+def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:
     """One spec of each world, settings and controller."""
-    return list({(one.world, one.settings, one.controller): one for one in specs}.values())
+    if isinstance(specs, Grid):
+        return specs.cells
+    return {one.label: one for one in specs}.values()
+
+
+def _membership(specs: Collection[RunSpec]) -> Callable[[Row], bool]:
+    """Whether a row is of one of the runs; a grid knows that without making them all."""
+    if isinstance(specs, Grid):
+        return lambda row: specs.has((row.world, row.settings, row.controller), row.seed, row.run)
+    keys = {spec.key for spec in specs}
+    return lambda row: row.run in keys
 
 
 def _taken(outcome: Outcome) -> Taken | None:
@@ -146,10 +159,14 @@ class _Sweep:
         self.claims = Claims(place.path)
         self.unwritten: list[Row] = []
         self.written = time.monotonic()
+        self.stop: Stop = never
+        self.is_wanted = _membership(specs)
         self.read: set[str] = set()
         """shards that are known"""
         self.have: set[str] = set()
         """keys of runs that need not be done"""
+        self.failed: set[str] = set()
+        """those of them that failed"""
         self.again = retry
         self.rows: dict[str, Row] = {}
         """of runs whose turn to decide has not come"""
@@ -161,8 +178,8 @@ class _Sweep:
 
     def go(self, stop: Stop, progress: Callable[[Tally], None]) -> None:
         """Do what is to be done; what others have under way is waited for."""
-        wanted = {spec.key for spec in self.specs}
-        self._look(wanted)
+        self.stop = stop
+        self._look()
         self.tally.before, self.tally.elsewhere = self.tally.elsewhere, 0
         self.again = False
         todo: Iterator[RunSpec] = iter(self.specs)
@@ -175,7 +192,7 @@ class _Sweep:
             progress(self.tally)
 
         while True:
-            jobs = self._jobs(todo, wanted)
+            jobs = self._jobs(todo)
             for outcome in outcomes(jobs, self.executor, ends, idle):
                 taken = _taken(outcome)
                 if taken is None:
@@ -186,7 +203,7 @@ class _Sweep:
             if ends() or not self.theirs:
                 break
             time.sleep(POLL_SECONDS)
-            self._look(wanted)
+            self._look()
             todo, self.theirs = iter(self.theirs), deque()
         progress(self.tally)
         self.tally.interrupted = self.tally.decided is None and stop()
@@ -198,28 +215,38 @@ class _Sweep:
         finally:
             self.claims.close()
 
-    def _jobs(self, todo: Iterable[RunSpec], wanted: set[str]) -> Iterator[tuple[RunSpec, Job]]:
+    def _jobs(self, todo: Iterable[RunSpec]) -> Iterator[tuple[RunSpec, Job]]:
         """Runs that nobody has done or has under way; those of others are put aside."""
         records = self.place.records if isinstance(self.executor, Processes) else None
         for spec in todo:
+            if self.stop():  # there may be very many that are done
+                return
             key = spec.key
             if key in self.have:
                 continue
             if not self.claims.take(key):
                 self.theirs.append(spec)
                 continue
-            self._look(wanted)  # whoever gave it back may have done it
+            self._look()  # whoever gave it back may have done it
             if key in self.have:
                 self.claims.give_back(key)
                 continue
             yield spec, job_of(spec, self.keep, records)
 
-    def _look(self, wanted: set[str]) -> None:
+    def _look(self) -> None:
         """Take notice of rows that others wrote."""
-        for row in self.place.shards.read(self.read):
-            if row.run in wanted and row.run not in self.have and not (self.again and row.failed):
+        for row in self.place.shards.each(self.read):
+            if self.stop():
+                return
+            if not self.is_wanted(row) or (self.again and row.failed):
+                continue
+            if row.run not in self.have:
                 self.tally.elsewhere += 1
                 self._count(row)
+            elif row.run in self.failed and not row.failed:  # it was done again
+                self.tally.failed -= 1
+                self._count(row)
+        self._decide()
 
     def _add(self, taken: Taken) -> None:
         row = taken.row
@@ -228,15 +255,19 @@ class _Sweep:
         self.unwritten.append(row)
         self.tally.done += 1
         self._count(row)
+        self._decide()
         self._flush()
 
     def _count(self, row: Row) -> None:
         self.have.add(row.run)
+        (self.failed.add if row.failed else self.failed.discard)(row.run)
         self.tally.add(row)
-        if self.asked is None:
-            return
-        self.rows[row.run] = row
-        while self.next is not None and self.next.key in self.rows:
+        if self.asked is not None:
+            self.rows[row.run] = row
+
+    def _decide(self) -> None:
+        """Ask whether the runs whose turn it is decide."""
+        while self.asked is not None and self.next is not None and self.next.key in self.rows:
             self.in_order.append(self.rows.pop(self.next.key))
             self.next = next(self.turn, None)
             if self.tally.decided is None and self.asked(self.in_order):

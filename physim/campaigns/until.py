@@ -15,6 +15,7 @@ from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
 from physim.campaigns.processes import Stop
 from physim.campaigns.rows import FINISHED, Row, write_whole
+from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally, sweep
 from physim.errors import PhysimError
 from physim.statistics.goal import Goal, Watch, read_goal
@@ -22,9 +23,6 @@ from physim.statistics.goal import Goal, Watch, read_goal
 UNTIL = "until.json"
 """File in a campaign's folder that tells its goal: reports need to know that it was looked at."""
 FORMAT = "physim-until"
-
-Label = tuple[str, str, str]
-"""World, settings and controller of a cell"""
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def sweep_until(
     for k, cell in enumerate(grid.cells):
         drawn = k not in grid.fixed
         part = replace(grid, cells=(cell,), fixed=frozenset(() if drawn else (0,)))
-        label = cell.world, cell.settings, cell.controller
+        label = cell.label
         decided = Decided(folder, Until(goal, grid.seeds[0]), [label]) if drawn else None
         watches |= decided.watches if decided is not None else {}
         tell = partial(_tell, progress, known)

@@ -13,8 +13,9 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import TextIO, cast
+from typing import Any, TextIO, cast
 
+from physim.errors import Notice
 from physim.escaping import escaped_lines
 
 OWN = (
@@ -28,11 +29,21 @@ OWN = (
 def without_warnings() -> Iterator[None]:
     """Show no warning of a library that physim uses; those of a user's own code are shown.
 
-    All are, where Python was asked for them (``-W``, ``PYTHONWARNINGS``).
+    All are, where Python was asked for them (``-W``, ``PYTHONWARNINGS``). A `Notice` is a line.
     """
     with warnings.catch_warnings():
         if not sys.warnoptions:
             warnings.filterwarnings("ignore", module=rf"({OWN})(\.|$)")
+        warnings.simplefilter("always", Notice)
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *more: Any, **named: Any) -> None:
+            if issubclass(category, Notice):
+                print(f"WARNING  {message}", file=sys.stderr)
+            else:
+                usual(message, category, *more, **named)
+
+        warnings.showwarning = show
         yield
 
 

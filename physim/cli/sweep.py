@@ -21,8 +21,8 @@ from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
+    from physim.campaigns.spec import Label
     from physim.campaigns.sweep import Tally
-    from physim.campaigns.until import Label
     from physim.statistics.goal import Decision, Goal
 
 COMPILING = 30
@@ -72,7 +72,8 @@ def goal(text: str) -> Goal:
     "--workers", type=whole_from(1, 1024), metavar="N",
     help="processes on this machine (as many as cores, at most 8)",
 )  # fmt: skip
-@option("--scheduler", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://10.0.0.1:8786")
+@option("--scheduler", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://10.0.0.1:8786, "
+    "which must answer in 5 s and have a worker in 30 s")  # fmt: skip
 @option(
     "--until", type=Value(goal), metavar="GOAL",
     help='stop when it is known: "rate > 0.99" (contact-free and finished; or contact_free, '
@@ -106,7 +107,7 @@ def sweep(options: Options) -> int:
     exit codes:
       0    all runs have a row, whatever came of them
       2    bad input; nothing that was written is lost
-      130  interrupted (Ctrl-C): what was finished is kept; the same command goes on
+      130  interrupted (Ctrl-C, SIGTERM): what was finished is kept; the same command goes on
 
     examples:
       physim sweep ten_robots --seeds 1:101
@@ -136,7 +137,10 @@ def sweep(options: Options) -> int:
             print(f"{', '.join(filter(None, label))}: {_decided(one, options.until)}")
     if tally.interrupted:
         left = tally.asked - tally.known
-        _say(f"interrupted with {plural(left, 'run')} to go; the same command goes on", options)
+        print(
+            f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done, {left:,} to go; "
+            f"the same command goes on ({folder})", file=sys.stderr,
+        )  # fmt: skip
         return INTERRUPTED
     return 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import resource
 import signal
 import subprocess
@@ -15,6 +16,8 @@ import pytest
 
 from tests.campaigns.samples import lines_on_disk, rows_in, without_times
 from tests.cli.commands import Done, physim, shell, started, tree
+from tests.facts import facts
+from tests.says import check_error
 
 
 def begun(folder: Path, process: subprocess.Popen[str], rows: int) -> None:
@@ -72,15 +75,49 @@ def test_two_at_once_share_the_runs(here: Path, undisturbed: list[dict[str, obje
     assert without_times(rows_in(here / "out")) == undisturbed
 
 
-def test_interrupted_it_says_how_to_go_on(here: Path) -> None:
-    process = started(*COMMAND[:-1], folder=here)
+def most_memory(process: subprocess.Popen[str]) -> int:
+    """[kB] that a process had at most."""
+    status = Path(f"/proc/{process.pid}/status").read_text(encoding="ascii")
+    return int(status.partition("VmHWM:")[2].split()[0])
+
+
+@pytest.mark.parametrize("more", [(), ("--quiet",)])
+def test_interrupted_it_says_how_to_go_on(here: Path, more: tuple[str, ...]) -> None:
+    wanted = ("sweep", "small.yaml", "--seeds", "0:9000000", "--yes", "-o", "out", *more)
+    process = started(*wanted, folder=here)
     begun(here / "out", process, 3)
+    assert most_memory(process) < 400_000  # nine million keys would take a gigabyte
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=300)
     assert process.returncode == 130
-    assert "the same command goes on" in err
-    assert f"{len(rows_in(here / 'out'))} runs" in out
+    assert len(err.splitlines()) == 1
+    kept = len(rows_in(here / "out"))
+    assert re.search(facts(f"{kept:,}", f"{9_000_000 - kept:,}", "the same command goes on"), err)
+    assert out == "" if more else f"{kept} runs" in out
     assert (here / "out/results.parquet").exists()
+
+
+def test_what_another_wrote_is_read_strictly_before_any_run(here: Path) -> None:
+    command = ("sweep", "small.yaml", "--seeds", "0:3", "-o", "out")
+    assert shell(*command, folder=here).code == 0
+    (file,) = (here / "out/rows").iterdir()
+    whole = file.read_text()
+    file.write_text(whole[:-40])
+    done = shell(*command, folder=here)
+    assert done.code == 0
+    assert re.search(facts(f"{file.name}:3:"), done.err)
+    assert "(2 were there before)" in done.out
+    assert [row.seed for row in rows_in(here / "out")] == [0, 1, 2]
+    assert shell(*command, folder=here).err == ""
+    (file,) = (here / "out/rows").iterdir()
+    lines = file.read_text().splitlines()
+    poisoned = json.dumps({**json.loads(lines[1]), "shortest_distance": float("nan")})
+    file.write_text("\n".join([lines[0], poisoned, lines[2]]) + "\n")
+    for one in ((*command[:3], "0:30", *command[4:]), ("report", "out"), ("replay", "out:0")):
+        done = shell(*one, folder=here)
+        assert (done.code, done.out) == (2, "")
+        check_error(done.err, f"out/rows/{file.name}:2:", "shortest_distance", "nan")
+    assert lines_on_disk(here / "out") == 3
 
 
 def test_shards_come_together(here: Path) -> None:
@@ -124,7 +161,7 @@ def test_a_controller_of_ones_own_and_what_fails(
         (("small.yaml", "--shard", "3/2"), "I of N"),
         (("small.yaml", "--controller", "constant,"), "missing"),
         (("small.yaml", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"), "--scheduler"),
-        (("small.yaml", "--scheduler", "tcp://127.0.0.1:1"), "cannot be reached"),
+        (("small.yaml", "--scheduler", "tcp://127.0.0.1:1"), "tcp://127.0.0.1:1"),
         (("small.yaml", "-o", "small.yaml"), "is a file"),
         (("small.yaml", "-o", "."), "no campaign"),
         (("small.yaml", "--limit", "0"), "--limit"),

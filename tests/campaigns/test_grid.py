@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from itertools import chain
+import tracemalloc
+from dataclasses import replace
+from itertools import chain, islice
 from pathlib import Path
 
 import pytest
 
-from physim.campaigns.grid import Shard, make_grid, settings_of
+from physim.campaigns.grid import TOGETHER, Shard, make_grid, settings_of
 from physim.errors import PhysimError
+from tests.facts import facts
 
 
 @pytest.mark.parametrize(
@@ -79,3 +82,47 @@ def test_faults_are_told_before_anything_is_run(here: Path, arguments, text: str
 
 def test_more_than_a_million_if_wanted(here: Path) -> None:
     assert len(make_grid(["small.yaml"], range(2_000_000), most=None)) == 2_000_000
+
+
+def test_too_many_are_counted_and_not_made(here: Path) -> None:
+    with pytest.raises(PhysimError, match=facts("99,999,999,999", "years", "10,000,000")):
+        make_grid(["small.yaml"], range(99_999_999_999), most=None)
+    axes = [f"robots.{k}.pose={','.join(map(str, range(100)))}" for k in range(9)]
+    with pytest.raises(PhysimError, match="10,000,000"):
+        make_grid(["small.yaml"], None, axes, most=None)
+    with pytest.raises(PhysimError, match="10,000"):
+        make_grid(["small.yaml"], None, axes[:3], most=None)
+
+
+def test_a_run_is_found_by_its_place_and_back(here: Path) -> None:
+    whole = make_grid(
+        ["small.yaml", "fixed.yaml"], range(3, 9), [f"time.duration={','.join('123456789')}"],
+        ["constant", "path_following"],
+    )  # fmt: skip
+    assert len(whole.cells) > TOGETHER
+    for shard in (Shard(1, 1), Shard(2, 5)):
+        grid = replace(whole, shard=shard)
+        runs = list(grid)
+        assert runs == [grid[k] for k in range(len(grid))] == grid[:]
+        assert all(grid.has(one.label, one.seed, one.key) for one in runs)
+        mine = {one.key for one in runs}
+        assert [one for one in whole if one in grid] == [one for one in whole if one.key in mine]
+    one = whole[-1]
+    assert not whole.has(one.label, 9, one.key)
+    assert not whole.has(one.label, one.seed, "0" * 20)
+    assert not whole.has(("other", "", ""), one.seed, one.key)
+
+
+def test_memory_is_that_of_the_cells(here: Path) -> None:
+    def taken(seeds: int) -> int:
+        grid = make_grid(["small.yaml"], range(seeds), most=None)
+        tracemalloc.start()
+        try:
+            for _ in islice(grid, 10_000):
+                pass
+            assert grid[len(grid) - 1] in grid
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    assert taken(9_000_000) < taken(10_000) + 100_000

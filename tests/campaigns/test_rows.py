@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
+from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
@@ -14,7 +17,8 @@ import pytest
 from physim.campaigns import rows as module
 from physim.campaigns.folder import Folder
 from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, read, schema
-from physim.errors import PhysimError
+from physim.errors import Notice, PhysimError
+from tests.facts import facts
 
 
 def row(number: int, ended: str = "finished", **more: object) -> Row:
@@ -74,15 +78,15 @@ def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
     writer = Shards(folder)
     for number in range(5):
         writer.write([row(number)])
-    true, merged = module._read, []
+    true, merged = module._lines, []
 
-    def read_while_another_merges(file: Path) -> list[Row]:
+    def read_while_another_merges(file: Path) -> Iterator[bytes]:
         if not merged:
             merged.append(True)
             Shards(folder).put_together()
         return true(file)
 
-    monkeypatch.setattr(module, "_read", read_while_another_merges)
+    monkeypatch.setattr(module, "_lines", read_while_another_merges)
     assert sorted(one.seed for one in Shards(folder).read()) == list(range(5))
 
 
@@ -103,7 +107,7 @@ def test_of_what_could_not_be_written_nothing_is_left(
 
 
 def test_a_damaged_shard_is_named(folder: Path) -> None:
-    (folder / "rows" / "1-0-x-1.jsonl").write_text("{half")
+    (folder / "rows" / "1-0-x-1.jsonl").write_text("{half\n")
     with pytest.raises(PhysimError, match="1-0-x-1"):
         read(folder)
 
@@ -144,3 +148,64 @@ def test_contact_free_and_safe(ended: str, touches, free: bool, safe: bool) -> N
     contacts, walls, grazes = touches
     one = row(1, ended, contacts=contacts, wall_contacts=walls, grazes=grazes)
     assert (one.contact_free, one.safe) == (free, safe)
+
+
+FAULTS: list[tuple[str, object]] = [
+    ("run", None), ("run", 3), ("run", "../../../x"), ("run", "0" * 19), ("world", None),
+    ("world", 1), ("seed", "x"), ("seed", -1), ("seed", 1.5), ("seed", True), ("seed", 2**63),
+    ("ended", "won"), ("ended", None), ("contacts", -1), ("grazes", "1"), ("robots", 2.5),
+    ("shortest_distance", float("nan")), ("shortest_distance", float("-inf")),
+    ("deviation", float("inf")), ("finish_time", -0.5), ("danger_share", 1.5), ("seconds", "1"),
+    ("reason", 5), ("reason", ["x"]), ("record", "../record.h5"), ("world_hash", "../world"),
+    ("digest", "no"), ("settings", {"a": 1}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("column", "value"), FAULTS)
+def test_what_may_not_stand_in_a_column_is_told_with_its_line(
+    folder: Path, column: str, value: object
+) -> None:
+    rows = [asdict(row(k, contacts=0, grazes=0, wall_contacts=0)) for k in range(3)]
+    rows[1][column] = value
+    text = "".join(json.dumps(one) + "\n" for one in rows)
+    (folder / "rows" / "5-2-x-1.jsonl").write_text(text)
+    said = facts("5-2-x-1.jsonl:2:", f"{column}:")
+    with pytest.raises(PhysimError, match=said):
+        list(Shards(folder).read())
+    with pytest.raises(PhysimError, match=said):
+        read(folder)
+
+
+def test_a_last_line_that_was_cut_off_is_told_and_mended(folder: Path) -> None:
+    shards = Shards(folder)
+    shards.write([row(1), row(2), row(3)])
+    (file,) = shards.files()
+    file.write_bytes(file.read_bytes()[:-30])
+    for once in (lambda: list(shards.read()), lambda: read(folder).to_pylist()):
+        with pytest.warns(Notice, match=facts(f"{file.name}:3:")):
+            assert len(once()) == 2  # type: ignore[no-untyped-call]
+    shards.put_together()
+    assert [one.seed for one in Shards(folder).read()] == [1, 2]
+    assert read(folder).num_rows == 2
+
+
+def test_a_last_line_without_its_end_is_a_row(folder: Path) -> None:
+    shards = Shards(folder)
+    shards.write([row(1), row(2)])
+    (file,) = shards.files()
+    file.write_bytes(file.read_bytes()[:-1])
+    assert read(folder).num_rows == 2
+    Shards(folder).write([row(3)])
+    shards.put_together()
+    assert [one.seed for one in Shards(folder).read()] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("damage", ["{cut\n", "\x00\x00\x00\n", "\n"])
+def test_any_other_damage_is_refused(folder: Path, damage: str) -> None:
+    Shards(folder).write([row(1)])
+    (file,) = Shards(folder).files()
+    file.write_bytes(damage.encode() + file.read_bytes())
+    with pytest.raises(PhysimError, match=facts(f"{file.name}:1:")):
+        list(Shards(folder).read())
+    with pytest.raises(PhysimError, match=facts(f"{file.name}:1:")):
+        read(folder)

@@ -1,0 +1,221 @@
+"""The columns of results, a row a run, and what may stand in them: rows may come from strangers."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from physim.escaping import escaped
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+FINISHED, DURATION, ERROR, TIMEOUT, KILLED = "finished", "duration", "error", "timeout", "killed"
+FAILED = (ERROR, TIMEOUT, KILLED)
+"""How a run ended that says nothing about its controller's safety"""
+ENDS = (FINISHED, DURATION, "interrupted", *FAILED)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Row:
+    """What came of one run; the fields are the columns. None: it has no meaning for this run."""
+
+    run: str
+    """key, 20 hex digits"""
+    world: str
+    seed: int
+    settings: str = ""
+    """ "key=value; key=value" """
+    controller: str = ""
+    physim: str
+    engine: str
+    ended: str
+    """finished, duration, interrupted, error, timeout, killed"""
+    reason: str = ""
+    """one line"""
+    seconds: float | None = None
+    """[s] simulated"""
+    robots: int | None = None
+    contacts: int | None = None
+    """episodes of two robots"""
+    wall_contacts: int | None = None
+    grazes: int | None = None
+    """contacts between two samples"""
+    first_contact: float | None = None
+    """[s]"""
+    first_contact_pair: str = ""
+    """ "r1, r2" """
+    deepest: float | None = None
+    """[m]"""
+    shortest_distance: float | None = None
+    """[m] to robots and walls; negative: depth"""
+    shortest_distance_pair: str = ""
+    shortest_distance_time: float | None = None
+    """[s]"""
+    shortest_collision_time: float | None = None
+    """[s]"""
+    shortest_collision_time_pair: str = ""
+    shortest_collision_time_time: float | None = None
+    """[s]"""
+    formation_error: float | None = None
+    """[m] greatest size"""
+    deviation: float | None = None
+    """[m] greatest size, from the path"""
+    finish_time: float | None = None
+    """[s]"""
+    danger_share: float | None = None
+    updates: int | None = None
+    messages: int | None = None
+    cpu_seconds: float | None = None
+    """[s] of the processor"""
+    wall_seconds: float | None = None
+    """[s] by the clock"""
+    record: str = ""
+    """path of a record that was kept, within the folder"""
+    world_hash: str = ""
+    """of the effective world without its seed"""
+    digest: str = ""
+    """of a record that was kept"""
+
+    @property
+    def failed(self) -> bool:
+        """Whether it ended by an error, its limit or a kill."""
+        return self.ended in FAILED
+
+    @property
+    def contact_free(self) -> bool:
+        """Whether it came to its end and nothing touched."""
+        touches = (self.contacts, self.wall_contacts, self.grazes)
+        return self.ended in (FINISHED, DURATION) and all(count == 0 for count in touches)
+
+    @property
+    def safe(self) -> bool:
+        """Whether it was contact-free and all robots arrived."""
+        return self.contact_free and self.ended == FINISHED
+
+
+COLUMNS = tuple(field.name for field in fields(Row))
+TIMES = ("cpu_seconds", "wall_seconds")
+"""Columns that are not the same every time"""
+
+
+def schema() -> pa.Schema:
+    """The columns, as Arrow has them."""
+    import pyarrow as pa
+
+    types = {"str": pa.string(), "int": pa.int64(), "float": pa.float64()}
+    return pa.schema(
+        [pa.field(one.name, types[str(one.type).partition(" ")[0]]) for one in fields(Row)]
+    )
+
+
+class Allowed(NamedTuple):
+    """What may stand in a column: a text that matches, or a finite number within bounds."""
+
+    type: str
+    """str, int or float"""
+    words: str
+    pattern: str = ""
+    least: float = -math.inf
+    most: float = math.inf
+    needed: bool = False
+    """whether every row has it"""
+
+
+def _texts(words: str, pattern: str, needed: bool = False) -> Allowed:
+    return Allowed("str", words, f"^(?:{pattern})$", needed=needed)
+
+
+_ENDED = _texts(f"one of {', '.join(ENDS)}", "|".join(ENDS), True)
+_NUMBERS = {
+    "seed": Allowed("int", "a whole number from 0", least=0, needed=True),
+    "shortest_distance": Allowed("float", "a finite number"),
+    "danger_share": Allowed("float", "a number from 0 to 1", least=0.0, most=1.0),
+}
+_TEXTS = {
+    "run": _texts("20 hex digits", "[0-9a-f]{20}", True),
+    "world": Allowed("str", "a text", needed=True),
+    "physim": Allowed("str", "a text", needed=True),
+    "engine": Allowed("str", "a text", needed=True),
+    "ended": _ENDED,
+    "record": _texts("records/ and 20 hex digits and .h5", r"(records/[0-9a-f]{20}\.h5)?"),
+    "world_hash": _texts("hex digits", "[0-9a-f]{0,64}"),
+    "digest": _texts("hex digits", "[0-9a-f]{0,128}"),
+}
+_USUAL = {
+    "str": Allowed("str", "a text"),
+    "int": Allowed("int", "a whole number from 0, or null", least=0),
+    "float": Allowed("float", "a finite number from 0, or null", least=0.0),
+}
+ALLOWED = {
+    one.name: (_TEXTS | _NUMBERS).get(one.name, _USUAL[str(one.type).partition(" ")[0]])
+    for one in fields(Row)
+}
+"""What may stand in each column; null too, but where every row has one."""
+LARGEST = 2**63 - 1
+SHOWN = 40
+"""Characters of a value that an error repeats."""
+
+
+def row_of(tree: Any) -> Row:
+    """Row of the values that a line holds; columns of a later version are left out.
+
+    Raises ValueError with the column, what stands in it and what is allowed.
+    """
+    if not isinstance(tree, dict):
+        raise ValueError("is no row: must be an object with columns")
+    values: dict[str, Any] = {}
+    for name, allowed in ALLOWED.items():
+        value = tree.get(name)
+        if value is None:
+            if allowed.needed:
+                raise ValueError(f"{name}: is missing; must be {allowed.words}")
+            continue
+        if not _fits(value, allowed):
+            shown = escaped(repr(value)[: SHOWN + 1])
+            shown = shown if len(shown) <= SHOWN else shown[:SHOWN] + "…"
+            raise ValueError(f"{name}: must be {allowed.words}; given: {shown}")
+        values[name] = float(value) if allowed.type == "float" else value
+    return Row(**values)
+
+
+def _fits(value: Any, allowed: Allowed) -> bool:
+    """Whether a value of a column is what may stand there."""
+    if allowed.type == "str":
+        return isinstance(value, str) and (
+            not allowed.pattern or re.fullmatch(allowed.pattern, value) is not None
+        )
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    if isinstance(value, int):
+        return abs(value) <= LARGEST and allowed.least <= value <= allowed.most
+    return (
+        allowed.type == "float" and math.isfinite(value) and allowed.least <= value <= allowed.most
+    )
+
+
+def are_rows(table: pa.Table) -> bool:
+    """Whether all values of a table with the columns are what may stand there."""
+    from pyarrow import compute
+
+    for name, allowed in ALLOWED.items():
+        column = table[name]
+        if allowed.needed and column.null_count:
+            return False
+        if allowed.type == "str":
+            if allowed.pattern:
+                fine = compute.match_substring_regex(column, allowed.pattern)
+                if not compute.all(fine).as_py():
+                    return False
+            continue
+        if allowed.type == "float" and not compute.all(compute.is_finite(column)).as_py():
+            return False
+        ends = compute.min_max(column).as_py()
+        if ends["min"] is not None and (ends["min"] < allowed.least or ends["max"] > allowed.most):
+            return False
+    return True
+
+
+__all__ = ["ALLOWED", "COLUMNS", "FAILED", "TIMES", "Row", "are_rows", "row_of", "schema"]

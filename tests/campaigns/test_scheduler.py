@@ -1,0 +1,42 @@
+"""Schedulers that are none: one message, soon, and nothing left that goes on."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.cli.commands import shell, tree
+from tests.says import check_error
+
+
+@pytest.fixture
+def silent() -> Iterator[str]:
+    """Address of somebody who takes connections and says nothing."""
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        server.listen(20)
+        yield f"tcp://127.0.0.1:{server.getsockname()[1]}"
+
+
+def check(here: Path, address: str, place: str, *said: str) -> None:
+    before = tree(here)
+    done = shell("sweep", "small.yaml", "--scheduler", address, folder=here)
+    assert (done.code, done.out) == (2, "")
+    check_error(done.err, place, *said)
+    assert tree(here) == before
+
+
+@pytest.mark.parametrize("address", ["foo", "http://127.0.0.1:80", "tcp://127.0.0.1:99999", ""])
+def test_what_is_no_address_is_told(here: Path, address: str) -> None:
+    check(here, address, f"--scheduler {address!r}:", "HOST:PORT")
+
+
+def test_nobody_is_there(here: Path) -> None:
+    check(here, "tcp://127.0.0.1:1", "--scheduler tcp://127.0.0.1:1:")
+
+
+def test_no_answer_in_time(here: Path, silent: str) -> None:
+    check(here, silent, f"--scheduler {silent}:", "5 s")

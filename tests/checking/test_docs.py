@@ -47,7 +47,7 @@ robots:
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "skip"), [("my_world", MY_WORLD, 0), ("hall", HALL, 3)], ids=["faults", "room"]
+    ("name", "text", "skip"), [("my_world", MY_WORLD, 0), ("hall", HALL, 4)], ids=["faults", "room"]
 )
 def test_examples(tmp_path, monkeypatch, name, text, skip):
     monkeypatch.chdir(tmp_path)

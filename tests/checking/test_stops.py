@@ -7,8 +7,18 @@ from pathlib import Path
 import pytest
 
 from physim.world.file.files import shipped_worlds
-from tests.checking.worlds import check, lines
+from tests.checking.worlds import check, check_finding, lines
 from tests.roads_to_stops import dead_end
+
+TWO = """\
+name: two
+time: {step: 0.01, duration: 30.0}
+corridor: {centreline: [[0, 0], [20, 0]], width: 8.0}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [6.0, 1.5, 0.0], path: {offset: 1.5}}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [3.0, -1.0, 0.0], path: {offset: -1.0}}
+controller: {type: path_following}
+"""
 
 
 def told(folder: Path, text: str) -> list[str]:
@@ -34,6 +44,49 @@ def test_a_robot_that_stops_close_behind_another_is_told(tmp_path, spacing, warn
     if warned:
         assert '"r2"' in found[0]
         assert "0.9 m" in found[0]
+
+
+def overlapping(folder: Path, text: str) -> list[str]:
+    return [line for line in lines(check(folder, text))[1] if "cannot stand there" in line]
+
+
+@pytest.mark.parametrize(
+    ("offset", "now", "needed", "earlier"),
+    [(1.5, "0 m", "1.8 m", "1.8 m"), (1.0, "0.5 m", "1.868 m", "1.8 m"), (0.4, "", "", "")],
+)
+def test_robots_that_stop_in_one_place_are_told(tmp_path, offset, now, needed, earlier):
+    """1.8 m long and 1 m wide, they stop side by side with `offset` - 1.5 m between them."""
+    (line,) = overlapping(tmp_path, TWO.replace("offset: -1.0", f"offset: {offset}")) or [""]
+    facts = ('"a"', '"b"', f"(20, {offset:g})", "20.00 m", now, needed, earlier)
+    assert bool(line) == bool(now)
+    if line:
+        check_finding(line, "6:92 robots[1].path.offset", *facts)
+
+
+def test_paths_that_end_across_each_other_are_told(tmp_path):
+    """One heads up, one along, and both stop where they cross."""
+    up = TWO.replace("{offset: -1.0}", "[[18.5, -3.0], [18.5, 1.0]]")
+    (line,) = overlapping(tmp_path, up.replace("{offset: 1.5}", "[[0, 1.5], [18, 1.5]]"))
+    check_finding(line, "6:83 robots[1].path", '"a"', '"b"', "(18.5, 1)", "0.9 m")
+
+
+def test_no_word_of_stops_in_a_run_that_is_not_to_finish_or_that_keeps_them_apart(tmp_path):
+    same = TWO.replace("offset: -1.0", "offset: 1.5")
+    assert overlapping(tmp_path, same)
+    assert not overlapping(tmp_path, same + "expect: {finished: false}\n")
+    assert not overlapping(tmp_path, same + "formation: {spacing: [0.0, -3.0]}\n")
+    assert not overlapping(tmp_path, same + "formation: {spacing: initial}\n")
+
+
+def test_of_a_crowd_that_stops_in_one_place_one_line_counts_the_pairs(tmp_path):
+    extra = "".join(
+        f"  - {{name: c{k}, footprint: {{length: 1.8, width: 1.0}}, pose: [{12 + 3 * k}, 0, 0], "
+        "path: {offset: 1.5}}\n"
+        for k in range(2)
+    )
+    crowd = TWO.replace("offset: -1.0", "offset: 1.5").replace("controller:", f"{extra}controller:")
+    (line,) = overlapping(tmp_path, crowd)
+    assert "5 more pairs" in line
 
 
 @pytest.mark.parametrize("name", shipped_worlds())

@@ -37,7 +37,12 @@ def refusal(path: Path, *boundary: str) -> str:
 def test_it_is_told_which_shapes_could_be_walls(tmp_path: Path) -> None:
     told = refusal(drawing(tmp_path))
     assert told.startswith(f"{tmp_path}/plan.svg: ")
-    for part in ("--boundary ID", '"rim" (26 x 11 m)', '"desk" (2 x 1 m)', '"floor" (1 x 3 m)'):
+    for part in (
+        "--boundary ID",
+        '"rim" (line 3, 26 x 11 m)',
+        '"desk" (line 4, 2 x 1 m)',
+        '"floor" (line 5, 1 x 3 m)',
+    ):
         assert part in told
     assert told.index('"rim"') < told.index('"floor"') < told.index('"desk"')
 

@@ -154,3 +154,19 @@ def test_differences_are_the_values_that_two_worlds_do_not_share():
     }
     absent = differences(given, given.changed(expect=None))
     assert absent == {"expect.contacts": ("0", "default")}
+
+
+def test_a_run_that_has_ended_first_keeps_its_last_picture_pale_and_marked(
+    free: Record, blocked: Record
+) -> None:
+    painter = Beside(Timeline(free), Timeline(blocked), 1.0, 25.0)
+    below = slice(HEADER, layout.HEIGHT - FOOTER), slice(layout.WIDTH // 2 + 2, layout.WIDTH)
+    just_before, ended, later = (painter.frame(time)[below] for time in (1.38, 1.4, 1.8))
+    assert np.array_equal(ended, later)
+    assert not np.array_equal(ended, painter.frame(2.0)[below])  # both whole
+    banner = (ended[:30] == palette.INK).all(axis=2).mean()
+    assert banner > 0.6 > (just_before[:30] == palette.INK).all(axis=2).mean()
+    still = ended[40:].astype(float) - 0.55 * just_before[40:]
+    assert np.median(np.abs(still - 0.45 * 255.0)) < 2.0  # the same view, of paler colours
+    left = slice(HEADER, layout.HEIGHT - FOOTER), slice(0, layout.WIDTH // 2 - 2)
+    assert not np.array_equal(painter.frame(1.5)[left], painter.frame(1.8)[left])

@@ -8,6 +8,7 @@ import pytest
 
 from physim.errors import Fault, WorldError
 from physim.world.file import load_world, located, parse_world, read_world
+from physim.world.file.files import find_world
 from tests.facts import facts
 from tests.says import check_error
 from tests.worlds_by_hand import STRAIGHT
@@ -176,3 +177,18 @@ def test_settings_beside_one_that_cannot_be_read_are_judged():
     lines = message(changed("look_ahead: 2.0", "look_ahead: 2e0, omega: 1")).splitlines()
     assert len(lines) == 2
     assert "unknown key" in lines[1]
+
+
+@pytest.mark.parametrize(
+    ("given", "suggested"),
+    [("tee", "tee.yaml"), ("hall", "hall.yml"), ("te", "tee.yaml"), ("strait", "straight")],
+)
+def test_a_name_without_its_ending_is_told_with_the_file_that_is_there(
+    tmp_path, monkeypatch, given, suggested
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("tee.yaml", "hall.yml", "hall.txt"):
+        (tmp_path / name).write_text("name: x\n")
+    with pytest.raises(WorldError, match=facts(f"{given}: no such file", suggested)) as caught:
+        find_world(given)
+    assert "hall.txt" not in str(caught.value)

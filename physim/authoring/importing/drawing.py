@@ -39,6 +39,24 @@ class DrawnRobot:
     outline: FloatArray
 
 
+@dataclass(frozen=True)
+class Source:
+    """A line as the source has it: where it stands in the text, and what it became."""
+
+    role: str
+    """``boundary``, ``obstacle``, ``path`` or ``robot``"""
+    label: str
+    """what messages call it"""
+    line: int | None
+    """of the text, from 1"""
+    points: FloatArray
+    """(n, 2) [m]"""
+
+    def __str__(self) -> str:
+        """``'pillar', line 3``."""
+        return self.label if self.line is None else f"{self.label}, line {self.line}"
+
+
 @dataclass
 class Drawing:
     """Lines of a source [m], world frame, x right and y up.
@@ -57,6 +75,29 @@ class Drawing:
     area: Any = None
     facts: list[str] = field(default_factory=list)
     changes: list[str] = field(default_factory=list)
+    sources: list[Source] = field(default_factory=list)
+    """of what the lines were made, where the source has a name and a line for each"""
+
+    def source_at(self, point: Sequence[float] | FloatArray, *roles: str) -> Source | None:
+        """The source of one of some roles, of any without, nearest to a point (2,) [m]."""
+        some = [one for one in self.sources if not roles or one.role in roles]
+        if not some:
+            return None
+        return some[int(np.argmin(shapely.distance(_lines(some), shapely.Point(point[:2]))))]
+
+    def named(self, point: Sequence[float] | FloatArray, *roles: str) -> str:
+        """`` ('pillar', line 3)`` for the source nearest to a point; empty where none is known."""
+        source = self.source_at(point, *roles)
+        return "" if source is None else f" ({source})"
+
+    def refused_at(
+        self, path: Path, message: str, point: Sequence[float] | FloatArray, *roles: str
+    ) -> ImportSourceError:
+        """Error at the source nearest to a point, with its name and line where these are known."""
+        source = self.source_at(point, *roles)
+        if source is None:
+            return refused(path, message)
+        return refused(path, f"{source.label}: {message}", source.line)
 
     def add_outline(self, polygon: Any) -> None:
         """Take the outer ring of a shapely polygon as a boundary, its holes as obstacles."""
@@ -97,6 +138,13 @@ class Options:
     def unit(self) -> float:
         """Metres per unit of a source whose units are metres unless the user says otherwise."""
         return 1.0 if self.scale is None else self.scale
+
+
+def _lines(sources: Sequence[Source]) -> list[Any]:
+    return [
+        shapely.LineString(one.points) if len(one.points) > 1 else shapely.Point(one.points[0])
+        for one in sources
+    ]
 
 
 def refused(source: Path | str, message: str, line: int | None = None) -> ImportSourceError:

@@ -44,17 +44,15 @@ def check_sound(path: Path, drawing: Drawing) -> None:
     named = [(f"path of {name}", line) for name, line in drawing.paths.items()]
     for what, line in (("path", drawing.reference), *named):
         if line is not None and len(line) < 2:
-            raise refused(
-                path,
-                f"the {what} at {place(line[0])} is shorter than a millimetre; check --scale",
-            )
+            message = f"the {what} at {place(line[0])} is shorter than a millimetre; check --scale"
+            raise drawing.refused_at(path, message, line[0], "path")
     for robot in drawing.robots:
         if not _has_area(robot.outline):
-            raise refused(
-                path,
-                f"a robot {_at(robot.outline)}has no area; draw its outline, and check --scale",
+            message = (
+                f"a robot {_at(robot.outline)}has no area; draw its outline, and check --scale"
             )
-        _check_simple(path, "a robot", robot.outline)
+            raise drawing.refused_at(path, message, robot.outline[0], "robot")
+        _check_simple(path, drawing, "robot", robot.outline)
     drawing.obstacles = _obstacles(path, drawing)
 
 
@@ -79,10 +77,11 @@ def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
     kept, grains = [], []
     for ring in drawing.obstacles:
         if _has_area(ring):
-            _check_simple(path, "an obstacle", ring)
+            _check_simple(path, drawing, "obstacle", ring)
             kept.append(ring)
         elif len(ring) and np.ptp(ring, axis=0).max() > SPECK:
-            raise refused(path, f"an obstacle {_at(ring)}encloses no area; draw its outline")
+            message = f"an obstacle {_at(ring)}encloses no area; draw its outline"
+            raise drawing.refused_at(path, message, ring[0], "obstacle")
         else:
             grains.append(ring)
     drawing.changes += listed(
@@ -91,16 +90,16 @@ def _obstacles(path: Path, drawing: Drawing) -> list[FloatArray]:
     return kept
 
 
-def _check_simple(path: Path, what: str, ring: FloatArray) -> None:
+def _check_simple(path: Path, drawing: Drawing, role: str, ring: FloatArray) -> None:
     """Refuse an outline that crosses or touches itself: its inside would be a guess."""
     shape = shapely.Polygon(ring)
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
-        raise refused(
-            path,
-            f"{what} {_at(ring)}crosses or touches itself ({reason}); its corners must go once "
-            "round the outline",
+        message = (
+            f"{'an' if role == 'obstacle' else 'a'} {role} {_at(ring)}crosses or touches itself "
+            f"({reason}); its corners must go once round the outline"
         )
+        raise drawing.refused_at(path, message, ring[0], role)
 
 
 def _at(ring: FloatArray) -> str:
@@ -211,11 +210,14 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
         raise refused(path, "no boundary found; a world needs lines that enclose an area")
     faces = faces_of(drawing.boundaries)
     if not faces:
-        raise refused(path, "the boundaries enclose no area; " + _open_ends(drawing.boundaries))
+        said, at = _open_ends(drawing)
+        message = f"the boundaries enclose no area; {said}"
+        raise drawing.refused_at(path, message, at, "boundary")
     face = chosen_area(faces, drawing, inside)
     if drawing.reference is not None:
         if face.intersection(shapely.LineString(drawing.reference)).length <= 0.0:
-            raise refused(path, "no area that the boundaries enclose contains the path")
+            message = "no area that the boundaries enclose contains the path"
+            raise drawing.refused_at(path, message, drawing.reference[0], "path")
     elif inside is not None and not face.contains(shapely.Point(inside)):
         raise refused(path, f"--from {place(inside)}: in no area that the boundaries enclose")
     lines, rings = drawing.boundaries, drawing.obstacles
@@ -227,7 +229,9 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     drawing.obstacles = list(compress(rings, solid))
     free = face.difference(shapely.union_all([shapely.Polygon(r) for r in drawing.obstacles]))
     if free.is_empty:
-        raise refused(path, "the obstacles leave no place for robots; they cover the whole area")
+        message = "the obstacles leave no place for robots; they cover the whole area"
+        largest = max(drawing.obstacles, key=lambda ring: float(shapely.Polygon(ring).area))
+        raise drawing.refused_at(path, message, largest[0], "obstacle")
     drawing.area = chosen_area(shapely.get_parts(free), drawing, inside)
 
 
@@ -263,13 +267,15 @@ def _dropped_obstacle(ring: FloatArray) -> str:
     )
 
 
-def _open_ends(boundaries: list[FloatArray]) -> str:
-    """Say where lines that enclose nothing are open: the nearest two ends that touch no line.
+def _open_ends(drawing: Drawing) -> tuple[str, FloatArray]:
+    """Say where lines that enclose nothing are open, and a point (2,) [m] of the one to mend.
 
-    Where an end lies nearer to the course of another line, that is said instead.
+    That is at the nearest two ends that touch no line; where an end lies nearer to the course of
+    another line, that is said instead.
     """
+    boundaries, somewhere = drawing.boundaries, drawing.boundaries[0][0]
     if len(boundaries) > MOST_ENDS // 2:
-        return "draw them closed"
+        return "draw them closed", somewhere
     shapes = [shapely.LineString(line) for line in boundaries]
     ends = [
         (k, shapely.Point(end))
@@ -281,15 +287,19 @@ def _open_ends(boundaries: list[FloatArray]) -> str:
     loose = [(k, end) for k, end in ends if others[k].is_empty or end.distance(others[k]) > 0.0]
     pairs = [(a.distance(b), a, b) for (_, a), (_, b) in combinations(loose, 2)]
     if not pairs:
-        return "draw them closed"
+        return "draw them closed", somewhere
     gap, a, b = min(pairs, key=lambda pair: pair[0])
     walls = [(end.distance(others[k]), end, others[k]) for k, end in loose if others[k]]
     near, end, wall = min(walls, key=lambda one: one[0], default=(gap, a, b))
     if near < gap:
         at = shapely.get_coordinates(shapely.shortest_line(end, wall))[1]
-        return f"the end at {_xy(end)} stops {near:.3g} m short of the line at {place(at)}"
-    return f"the nearest ends, {_xy(a)} and {_xy(b)}, are {gap:.3g} m apart"
+        which = drawing.named(at, "boundary")
+        said = f"the end at {place(_xy(end))} stops {near:.3g} m short of the line at {place(at)}"
+        return said + which, _xy(end)
+    which = drawing.named(_xy(b), "boundary")
+    said = f"the nearest ends, {place(_xy(a))} and {place(_xy(b))}{which}, are {gap:.3g} m apart"
+    return said, _xy(a)
 
 
-def _xy(point: Any) -> str:
-    return place((point.x, point.y))
+def _xy(point: Any) -> FloatArray:
+    return np.array([point.x, point.y])

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from physim.authoring.importing.drawing import Drawing, Options, place, refused, rounded
+from physim.authoring.importing.drawing import Drawing, Options, place, rounded
 from physim.authoring.importing.lines import (
     clearances,
     directions_at,
@@ -79,7 +79,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
             last = _clear_end(reference, area, at, gaps, room, ends, END_ROOM * room)
         ends = (ends[0], last)
     else:
-        size, ends = _largest_size(path, at, gaps, reference)
+        size, ends = _largest_size(path, drawing, at, gaps, reference)
         box = (float(f"{LENGTH * size:.2g}"), float(f"{WIDTH * size:.2g}"))
         room = ROOM * size
         ahead = 0.5 * box[0] + STOP_ROOM * size
@@ -89,11 +89,13 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     k = first + _narrowest(at[first : last + 1], inner)
     where = points_at(reference, at[k])
     if inner.min() <= 0.5 * box[1]:
-        raise refused(
-            path,
-            f"the path passes {max(inner.min(), 0.0):.3g} m from a boundary at {place(where)}; a "
-            f"robot {box[1]:g} m wide does not fit; move the path, or give --robot LENGTH,WIDTH",
+        wall = drawing.named(where, "boundary", "obstacle")
+        message = (
+            f"the path passes {max(inner.min(), 0.0):.3g} m from a boundary{wall} at "
+            f"{place(where)}; a robot {box[1]:g} m wide does not fit; move the path, or give "
+            "--robot LENGTH,WIDTH"
         )
+        raise drawing.refused_at(path, message, where, "path")
     trimmed = stretch(reference, float(at[first]), float(at[last]))
     for name, left_out in (("start", at[first]), ("end", length - at[last])):
         if left_out > 0.01:
@@ -163,7 +165,7 @@ def _spans(outline: FloatArray) -> FloatArray:
 
 
 def _largest_size(
-    path: Path, at: FloatArray, gaps: FloatArray, reference: FloatArray
+    path: Path, drawing: Drawing, at: FloatArray, gaps: FloatArray, reference: FloatArray
 ) -> tuple[float, tuple[int, int]]:
     size = 1.0
     while size >= SMALLEST:
@@ -174,9 +176,11 @@ def _largest_size(
         size *= 0.96
     inner = slice(int(MOST_TRIMMED * len(at)), int((1.0 - MOST_TRIMMED) * len(at)) + 1)
     k = inner.start + int(np.argmin(gaps[inner]))
-    where = place(points_at(reference, at[k]))
+    where = points_at(reference, at[k])
+    wall = drawing.named(where, "boundary", "obstacle")
     beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"
-    raise refused(path, f"the path {beyond} at {where}; it must keep away from the boundaries")
+    message = f"the path {beyond}{wall} at {place(where)}; it must keep away from the boundaries"
+    raise drawing.refused_at(path, message, where, "path")
 
 
 def _ends(at: FloatArray, gaps: FloatArray, room: float) -> tuple[int, int] | None:

@@ -21,6 +21,7 @@ from physim.authoring.importing.drawing import (
     Drawing,
     DrawnRobot,
     Options,
+    Source,
     listed,
     place,
     refused,
@@ -142,6 +143,10 @@ class _Line:
     name: str
     points: FloatArray
     is_closed: bool
+    where: str
+    """what messages call it"""
+    line: int | None
+    """of the text, from 1"""
 
 
 def read_svg(path: Path, options: Options) -> Drawing:
@@ -160,12 +165,15 @@ def read_svg(path: Path, options: Options) -> Drawing:
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
     left_out: list[str] = []
+    seen: set[int | None] = set()
     count = 0
     walls = Walls(frozenset(options.boundary))
     for element, role, name in _shapes(root, "", "", walls):
         label = next(iter(names_of(element)), "")
         own = element.values.get("attributes", {})
         where = escaped(repr(label)) if label else f"<{own.get(TAG, 'element')}>"
+        line = int(own[LINE]) if LINE in own else None
+        seen.add(line)
         if not role:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
@@ -175,23 +183,23 @@ def read_svg(path: Path, options: Options) -> Drawing:
                 abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count
             )
         except (ValueError, ArithmeticError) as error:
-            line = int(own[LINE]) if LINE in own else None
             raise refused(path, f"{where}: {escaped(str(error))[:160]}", line) from None
         for points, closed in found:
             placed = rounded(frame.placed(points))
             if len(placed) < 2:
                 left_out.append(f"{where}: a line of no length, left out")
             else:
-                lines.append(_Line(role, name, placed, closed))
+                lines.append(_Line(role, name, placed, closed, where, line))
                 count += len(placed)
     if unknown := walls.unknown():
         raise refused(path, unknown)
-    drawing.changes += listed(left_out)
+    drawing.changes += listed(left_out) + listed(look.not_among(seen))
     drawing.facts.append(
         f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"
     )
     check_work(path, [line.points for line in lines])
+    drawing.sources = [Source(one.role, one.where, one.line, one.points) for one in lines]
     _sort(path, drawing, lines, walls)
     return drawing
 
@@ -210,7 +218,12 @@ class _Frame:
         matrix = svgelements.Matrix(root.viewbox_transform or "")
         units = sorted((abs(float(matrix.a)), abs(float(matrix.d))))
         if not units[0] > 0.0 or units[1] > units[0] * 1.000001:
-            raise refused(path, "width, height and viewBox stretch the page; give it one scale")
+            raise refused(
+                path,
+                "<svg>: width, height and viewBox stretch the page, by "
+                f"{units[0]:.4g} and {units[1]:.4g}; give it one scale",
+                look.line,
+            )
         pixels = units[0]  # of one user unit
         unit = re.sub(r"[-+0-9.eE\s]", "", look.width).lower()
         if options.scale is not None:
@@ -223,7 +236,7 @@ class _Frame:
             raise refused(
                 path,
                 "the page has no real-world units; --scale M says how many metres a user unit is",
-                1,
+                look.line,
             )
         height = float(root.height or 0.0)
         return cls(metres, height if np.isfinite(height) and height > 0.0 else 0.0, scale)
@@ -282,7 +295,8 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
             named_paths.append(line)
         elif line.role == "robot":
             if len(ring) < 3:
-                raise refused(path, f"a robot at {place(ring[0])} has no area; draw its outline")
+                message = f"{line.where}: a robot at {place(ring[0])} has no area; draw its outline"
+                raise refused(path, message, line.line)
             drawing.robots.append(DrawnRobot(_free_name(line.name, drawing), ring))
         else:
             if len(points) < 3 or not line.is_closed:

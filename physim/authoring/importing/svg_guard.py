@@ -8,11 +8,20 @@ messages.
 from __future__ import annotations
 
 import re
+from collections.abc import Set
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
+from physim.authoring.importing.svg_values import (
+    NUMBER,
+    SHAPES,
+    page_fault,
+    shape_fault,
+    transform_fault,
+    without_colours,
+)
 from physim.escaping import escaped
 
 MOST_ELEMENTS = 100_000
@@ -30,16 +39,11 @@ LINE, TAG = "physim-line", "physim-tag"
 """Attributes that tell of an element where it stands; see `SvgLook.marked`."""
 SVG = "http://www.w3.org/2000/svg|"
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
-NUMBERS = {
-    "matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
-    "skewY": (1,),
-}  # fmt: skip
-"""How many numbers each function of a transform takes."""
-NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
 HIDDEN = re.compile(r"display\s*:\s*none")
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
+NOT_DRAWN = ("defs", "clipPath", "pattern")
+"""Elements that hold what is drawn elsewhere, if at all."""
 
 
 @dataclass
@@ -51,9 +55,27 @@ class SvgLook:
     width: str = ""
     tags: list[tuple[int, str, int]] = field(default_factory=list)
     """byte at which each element begins, its name as written, and its line"""
+    drawn: list[tuple[int, str]] = field(default_factory=list)
+    """line of each shape that is to be seen, and what it is called: ``<rect> "pillar"``"""
+
+    @property
+    def line(self) -> int:
+        """Line of the root."""
+        return self.tags[0][2]
+
+    def not_among(self, lines: Set[int | None]) -> list[str]:
+        """What is to be said of shapes of which none was found in these lines."""
+        return [
+            f"line {line}: {called} draws nothing: hidden, or without extent; left out"
+            for line, called in self.drawn
+            if line not in lines
+        ]
 
     def marked(self, text: str) -> str:
-        """The text with its line and name in every element, as attributes `LINE` and `TAG`."""
+        """The text with its line and name in every element, as attributes `LINE` and `TAG`.
+
+        Colours are plain: a library that cannot read one would drop the shape.
+        """
         data, at, parts = text.encode("utf-8"), 0, []
         for begin, name, line in self.tags:
             end = begin + 1
@@ -61,7 +83,7 @@ class SvgLook:
                 end += 1
             parts += [data[at:end], f' {LINE}="{line}" {TAG}="{name}"'.encode()]
             at = end
-        return b"".join([*parts, data[at:]]).decode("utf-8")
+        return without_colours(b"".join([*parts, data[at:]]).decode("utf-8"))
 
 
 @dataclass
@@ -77,26 +99,10 @@ def look_at(path: Path, text: str) -> SvgLook:
     return _Guard(path).run(text)
 
 
-def transform_fault(text: str) -> str:
-    """What is wrong with the text of a transform; empty where nothing is.
-
-    One with too many or too few numbers would be applied as something else.
-    """
-    at = 0
-    text = text.strip()
-    while at < len(text) and text != "none":
-        found = FUNCTION.match(text, at)
-        if found is None or found[1] not in NUMBERS:
-            return f'"{escaped(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
-        quoted, allowed = escaped(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
-        numbers = NUMBER.findall(found[2])
-        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
-            return f'"{quoted}": only numbers may stand in the brackets'
-        if len(numbers) not in allowed:
-            counts = " or ".join(map(str, allowed))
-            return f'"{quoted}" has {len(numbers)} numbers; {found[1]} takes {counts}'
-        at = found.end()
-    return ""
+def _called(tag: str, attributes: dict[str, str]) -> str:
+    """``<rect> "pillar"``: an element as messages call it, by its label or else its id."""
+    name = attributes.get(LABEL) or attributes.get("id") or ""
+    return f'<{escaped(tag[:40])}> "{escaped(name)[:60]}"' if name else f"<{escaped(tag[:40])}>"
 
 
 class _Guard:
@@ -166,8 +172,10 @@ class _Guard:
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(f'path data: "{escaped(around)}" cannot be read')
         if wrong := transform_fault(attributes.get("transform", "")):
-            raise self._refused(f"transform: {wrong}")
-        if self.hidden or tag == "defs":
+            raise self._refused(f"{_called(tag, attributes)}: transform: {wrong}")
+        if tag == "svg" and (wrong := page_fault(attributes)):
+            raise self._refused(f"{_called(tag, attributes)}: {wrong}")
+        if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
         elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
             self.hidden = 1
@@ -175,6 +183,10 @@ class _Guard:
             self.look.left_out.append(
                 f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
             )
+        if tag in SHAPES and not self.hidden:
+            if wrong := shape_fault(tag, attributes):
+                raise self._refused(f"{_called(tag, attributes)}: {wrong}")
+            self.look.drawn.append((line, _called(tag, attributes)))
         element = _Element()
         href = attributes.get(XLINK, attributes.get("href", ""))
         if tag in NOT_LINES and not self.hidden:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from physim.authoring.importing.svg_guard import LINE
 from physim.errors import nearest
 from physim.escaping import escaped
 
@@ -29,6 +30,7 @@ class Walls:
         self._known: set[str] = set()
         self._measured = 0
         self._boxes: dict[str, tuple[float, float, float, float]] = {}
+        self._lines: dict[str, str] = {}
 
     def takes(self, element: Any) -> bool:
         """Whether an element was asked for by its id or its label."""
@@ -49,6 +51,8 @@ class Walls:
         self._measured += 1
         if box is None:
             return
+        if line := element.values.get("attributes", {}).get(LINE):
+            self._lines.setdefault(name, f"line {line}, ")
         x0, y0, x1, y1 = (float(value) * metres for value in box)
         a0, b0, a1, b1 = self._boxes.get(name, (x0, y0, x1, y1))
         self._boxes[name] = min(a0, x0), min(b0, y0), max(a1, x1), max(b1, y1)
@@ -70,7 +74,8 @@ class Walls:
         if not largest:
             return ""
         listed = ", ".join(
-            f'"{escaped(name)[:60]}" ({sizes[name][0]:.3g} x {sizes[name][1]:.3g} m)'
+            f'"{escaped(name)[:60]}" ({self._lines.get(name, "")}{sizes[name][0]:.3g} x '
+            f"{sizes[name][1]:.3g} m)"
             for name in largest
         )
         return f"; --boundary ID takes a shape or group for one: the largest are {listed}"

@@ -30,7 +30,9 @@ LINE = TEXT + 6
 EDGE = 10
 """[px] round the words"""
 WIDEST = 0.7
-"""Share of the view that a line of words may take."""
+"""Share of the view that a line of words may take"""
+LEAST = 560
+"""[px] and more where a view is narrow"""
 
 
 class Closing:
@@ -59,7 +61,8 @@ class Closing:
             for swept in (True, False):
                 draw_contacts(view, places[contacts.swept == swept], swept, small=True)
             draw_contacts(view, places[np.isfinite(contacts.deep)], False, deep=True)
-        write_corner(view, ["the whole run: where the robots went", *notes(timeline)])
+        title = f"the whole run, {timeline.duration:.1f} s: where the robots went"
+        write_corner(view, [title, *notes(timeline)])
 
     def _courses(self) -> FloatArray:
         """Where the robots went, (N, T, 2) [m]."""
@@ -85,7 +88,7 @@ class Closing:
 def write_corner(view: Image, lines: Sequence[str]) -> None:
     """Write lines, the first one bold, in the corner of a view where they cover the least."""
     high, wide = view.shape[:2]
-    room = round(WIDEST * wide)
+    room = max(round(WIDEST * wide), min(wide - 2 * EDGE, LEAST))
     words = [
         sprite(shorten(line, TEXT, room), TEXT, palette.INK, *(() if k == 0 else (NORMAL,)))
         for k, line in enumerate(lines)

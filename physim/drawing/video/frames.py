@@ -78,6 +78,10 @@ class Painter:
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
 PAD, GAP = 16, 3
+BANNER = 34
+"""[px] height of the line over a run that has ended before the other"""
+PALE = 0.45
+"""Share of white in its picture"""
 MOST_NAMED = 2
 """Differing values of the two worlds that the titles name; of more the number."""
 
@@ -85,8 +89,9 @@ MOST_NAMED = 2
 class Beside:
     """Draws frames of two runs: the first on the left, the second on the right.
 
-    The titles say in what the two worlds differ, and below them how the files are called. A run
-    that is over stays as it ended.
+    The titles say in what the two worlds differ, and below them how the files are called. Of a run
+    that is over before the other its last picture stays, pale and marked as such; when both are
+    over, either is shown whole.
     """
 
     def __init__(self, left: Timeline, right: Timeline, speed: float, fps: float) -> None:
@@ -113,8 +118,11 @@ class Beside:
         image = self._image
         image[:] = self._still
         for view in self._views:
-            then = min(time, view.timeline.duration)
-            view.paint(image, view.timeline.at(then))
+            end = view.timeline.duration
+            then, held = min(time, end), end <= time < self.duration - 1e-9
+            view.paint(image, view.timeline.at(then), held)
+            if held:
+                draw_ended(view.box.of(image), f"this run ended at {end:.1f} s")
             self._outcome(image, view, then)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
@@ -129,7 +137,7 @@ class Beside:
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
         write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
         ended = time >= timeline.duration and timeline.duration < self.duration
-        words = f"over at {timeline.duration:.1f} s, " if ended else ""
+        words = f"ended at {timeline.duration:.1f} s, " if ended else ""
         words += f"{arrived} of {timeline.robots} arrived"
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
 
@@ -167,6 +175,15 @@ class Beside:
             draw_modes(image, left, top, ROW, [mode], room)
             cut = shorten(words, TEXT, room - SIGN)
             left += SIGN + width(cut, TEXT) + 2 * PAD
+
+
+def draw_ended(view: Image, words: str) -> None:
+    """Make a view pale and write across its top that it is the last of its run."""
+    view[:] = (PALE * 255.0 + (1.0 - PALE) * view).astype(np.uint8)
+    view[:BANNER] = palette.INK
+    at = (view.shape[1] // 2, BANNER - 11)
+    white = (255, 255, 255)
+    write(view, f"{words}: its last picture", at, TITLE, colour=white, weight=BOLD, anchor="middle")
 
 
 def titles(left: World, right: World) -> tuple[str, str]:

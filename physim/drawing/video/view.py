@@ -97,14 +97,15 @@ class View:
         last = self.camera.scale if self._closing is None else self._closing.scale
         return self.camera.scale, last
 
-    def paint(self, image: Image, now: Moment) -> Pair | None:
+    def paint(self, image: Image, now: Moment, held: bool = False) -> Pair | None:
         """Draw into the view's box of ``image``; returns the closest pair of robots.
 
-        At the end of the run the whole of it is shown, and why robots stand as they do.
+        At the end of the run the whole of it is shown, and why robots stand as they do; not where
+        the view is ``held``, since another run goes on.
         """
         view, lens = self.box.of(image), self.camera.lens(now.time)
         pair = self._closest.pair(now.pose)
-        over = self.timeline.over(now.time)
+        over = self.timeline.over(now.time) and not held
         if over and self._closing is not None:
             self._closing.paint(view, now, self._fleet)
             return pair

@@ -11,7 +11,13 @@ import shapely
 from physim.errors import Fault, Position, WorldError
 from physim.escaping import escaped
 from physim.world.checks.boundaries import check_boundaries
-from physim.world.checks.findings import Diagnostics, Finding, Findings
+from physim.world.checks.danger import (
+    check_always_danger,
+    check_safe_area,
+    check_turning_room,
+    setting,
+)
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics, Finding, Findings
 from physim.world.checks.formation import check_formation, check_formation_speed
 from physim.world.checks.paths import (
     check_passage,
@@ -21,14 +27,8 @@ from physim.world.checks.paths import (
     check_width,
 )
 from physim.world.checks.roads import road_notes
-from physim.world.checks.room import (
-    ClearanceProfile,
-    check_always_danger,
-    check_safe_area,
-    check_turning_room,
-    clearance_profiles,
-    setting,
-)
+from physim.world.checks.room import ClearanceProfile, clearance_profiles
+from physim.world.checks.shared_stops import check_shared_stops
 from physim.world.checks.starts import (
     check_expected,
     check_footprints,
@@ -38,6 +38,7 @@ from physim.world.checks.starts import (
     check_start_used,
 )
 from physim.world.checks.stops import StopLimits, check_stops
+from physim.world.faults import describe
 from physim.world.file import read_document
 from physim.world.file.files import file_text, find_world
 from physim.world.file.loading import Validated, in_order, placed, validate
@@ -147,7 +148,23 @@ def _check_layout(
         check_stops(laid, StopLimits(speed, time, low, distance), found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
+    if checked.world is not None:
+        check_shared_stops(laid, found)
+    found.notes += _not_judged(laid, profiles)
     return profiles
+
+
+def _not_judged(laid: PartialLayout, profiles: tuple[ClearanceProfile, ...]) -> list[str]:
+    """A line about the robots whose room is not known, if there are any."""
+    known = {profile.number for profile in profiles}
+    left = [i for i in range(len(laid.world.robots)) if i not in known]
+    if not left:
+        return []
+    if not laid.walls and not laid.solids:
+        return ["room on the paths: not judged, as no boundary can be read"]
+    names = ", ".join(describe(laid.names[i]) for i in left[:MOST_ALIKE])
+    more = f" and {len(left) - MOST_ALIKE} more" if len(left) > MOST_ALIKE else ""
+    return [f"room on the paths: {names}{more} left out, whose footprint or path has an error"]
 
 
 def _located(

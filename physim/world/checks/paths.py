@@ -217,10 +217,10 @@ def check_room(
 def check_passage(
     laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
 ) -> None:
-    """Refuse a robot that cannot get from one end of its path to the other, whatever way it takes.
+    """Refuse a robot that cannot get from its start to its stop, whatever way it takes.
 
-    It cannot where the area less a margin of its inscribed radius falls apart between the two
-    ends: no point of it that keeps this distance from the walls leads from one to the other.
+    It cannot where the area less a margin of its inscribed radius falls apart between the two: no
+    point of it that keeps this distance from the walls leads from one to the other.
     """
     if laid.area is None:
         return
@@ -235,12 +235,13 @@ def check_passage(
             known[r] = [part for part in shapely.get_parts(room) if not part.is_empty]
         path, position = laid.paths[profile.number], laid.start[profile.number, :2]
         begin = path[0] if np.isnan(position).any() else position
-        ends = [shapely.Point(begin), shapely.Point(path[-1])]
+        stop = shapely.LineString(path).interpolate(profile.reached[1])
+        ends = [shapely.Point(begin), stop]
         rooms = [_part_of(known[r], end) for end in ends]
         if rooms[0] is None or rooms[0] != rooms[1]:
             found.error(
                 laid.path_key(profile.number),
-                f"no route leads {describe(profile.robot)} from its start to the end of its path: "
+                f"no route leads {describe(profile.robot)} from its start to its stop: "
                 f"somewhere the free space is narrower than {2.0 * r:.4g} m, the least that the "
                 "robot can pass; widen the place, or make the robot smaller",
             )

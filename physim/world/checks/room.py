@@ -1,11 +1,10 @@
-"""Room along a path: its clearance at every station against the radii of the robot, and against
-what the controller keeps from the boundaries.
+"""Room along a path: its clearance at every station against the radii of the robot.
 
 The clearance of a point is its distance to the nearest boundary or obstacle. With the reference
 point on the path, a robot of circumscribed radius R and inscribed radius r (both about that point)
 fits at any heading where the clearance exceeds R, at no heading where it is at most r, and between
-the two only where it is aligned. Where a path has less room than the controller keeps, its robot
-never leaves danger mode.
+the two only where it is aligned. Only the stations that the reference point is to reach are judged:
+from that nearest to the start to the stop station.
 """
 
 from __future__ import annotations
@@ -16,15 +15,13 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.ops import substring
 
-from physim.errors import ControllerError, plural
-from physim.geometry.area import Area, shrunk
+from physim.geometry.area import Area
 from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray
-from physim.parts.registry import settings_model
 from physim.tolerances import CONTACT
-from physim.world.checks.findings import Diagnostics
-from physim.world.faults import describe
+from physim.world.checks.standing import reached
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
 
@@ -66,9 +63,12 @@ class ClearanceProfile:
     """[m] largest circle about the reference point within the footprint; 0 when that is outside"""
     circumscribed: float
     """[m] smallest circle about the reference point around the footprint"""
+    reached: tuple[float, float]
+    """[m] first and last station at which the robot is to be, which alone are judged"""
     narrowest: Place
-    """where the path has least room: the exact minimum"""
+    """where this part of the path has least room: the exact minimum"""
     stretches: tuple[Stretch, ...]
+    """of this part"""
     safe_distance: float | None
     """[m] L; None where the controller has none"""
 
@@ -79,15 +79,21 @@ class ClearanceProfile:
 
     @property
     def danger_share(self) -> float | None:
-        """Share of the path nearer to a wall than the safe distance; None without one."""
+        """Share of the part judged nearer to a wall than the safe distance; None without one."""
         if self.safe_distance is None:
             return None
         return self.share(self.clearance < self.safe_distance)
 
     def share(self, where: NDArray[np.bool_]) -> float:
-        """Share of the path at whose stations something holds, ``where`` (K,)."""
+        """Share of the part judged at whose stations something holds, ``where`` (K,)."""
         weight = np.gradient(self.station) if len(self.station) > 1 else np.ones(1)
+        weight = np.where(self.is_reached, weight, 0.0)
         return float(weight[where].sum() / weight.sum())
+
+    @property
+    def is_reached(self) -> NDArray[np.bool_]:
+        """(K,) which stations are judged: at least one."""
+        return _within(self.station, self.reached)
 
     def as_json(self) -> dict[str, Any]:
         """Return the profile as JSON holds it: lengths in metres."""
@@ -95,6 +101,7 @@ class ClearanceProfile:
         return {
             "robot": self.robot,
             "length": float(self.station[-1]),
+            "reached": {"from": self.reached[0], "to": self.reached[1]},
             "inscribed_radius": self.inscribed,
             "circumscribed_radius": self.circumscribed,
             "verdict": self.verdict,
@@ -135,50 +142,84 @@ def clearance_profiles(
     tree = shapely.STRtree(_pieces([shape for _, shape in (*laid.walls, *laid.solids)]))
     room_along = Shared(lambda path: _room_along(path, tree, laid.area))
     radii = Shared(lambda outline: (inscribed_radius(outline), circumscribed_radius(outline)))
-    stretches: dict[tuple[int, float, float], tuple[Stretch, ...]] = {}
-    profiles = []
+    part_of, profiles = reached(laid), []
+    narrowest: dict[tuple[int, float, float], Place] = {}
+    stretches: dict[tuple[int, float, float, float, float], tuple[Stretch, ...]] = {}
     for i, path in laid.paths.items():
         if i not in laid.footprints:
             continue
-        station, clearance, narrowest = room_along(path)
+        room, part = room_along(path), part_of[i]
         r, R = radii(laid.footprints[i])
-        key = (id(path), r, R)
-        if key not in stretches:
-            stretches[key] = _stretches(station, clearance, r, R)
+        if (id(path), *part) not in narrowest:
+            narrowest[id(path), *part] = _narrowest(room, tree, part)
+        if (id(path), *part, r, R) not in stretches:
+            stretches[id(path), *part, r, R] = _stretches(room, part, r, R)
         profiles.append(
             ClearanceProfile(
-                i, laid.names[i], station, clearance, r, R, narrowest, stretches[key], safe_distance
+                i, laid.names[i], room.station, room.clearance, r, R, part,
+                narrowest[id(path), *part], stretches[id(path), *part, r, R], safe_distance,
             )
-        )
+        )  # fmt: skip
     return tuple(profiles)
 
 
-def _room_along(
-    path: FloatArray, tree: shapely.STRtree, area: Area | None
-) -> tuple[FloatArray, FloatArray, Place]:
-    """Stations (K,), clearances (K,) and the narrowest place of a path (n, 2) [m]."""
+def _within(station: FloatArray, part: tuple[float, float]) -> NDArray[np.bool_]:
+    """(K,) stations that lie in a part of the path; of none the nearest to its middle."""
+    inside = (station >= part[0] - CONTACT) & (station <= part[1] + CONTACT)
+    if not inside.any():
+        inside[np.argmin(np.abs(station - sum(part) / 2.0))] = True
+    return np.asarray(inside)
+
+
+@dataclass(frozen=True)
+class _Room:
+    """Room along a path, whoever takes it; K stations."""
+
+    line: Any
+    station: FloatArray
+    clearance: FloatArray
+    outside: NDArray[np.bool_]
+    """(K,) outside the accessible area"""
+    narrowest: Place
+
+
+def _room_along(path: FloatArray, tree: shapely.STRtree, area: Area | None) -> _Room:
+    """Room along all of a path (n, 2) [m]; what lies outside the area is not its narrowest."""
     line = shapely.LineString(path)
     stations = _stations(path)
     points = line.interpolate(stations)
     found = tree.query_nearest(points, return_distance=True, all_matches=False)
     clearance = np.full(len(points), np.inf)
     clearance[found[0][0]] = found[1]
-    narrowest = _narrowest(line, tree)
+    outside = np.zeros(len(points), dtype=np.bool_)
     if area is not None:
         outside = ~shapely.covers(area.polygon, points)
-        if outside.any():
-            clearance[outside] *= -1.0
-            k = int(np.argmin(clearance))
-            narrowest = (stations[k], points[k].x, points[k].y, clearance[k])
-    s, x, y, least = (float(value) for value in narrowest)
-    return stations, clearance, (s, x, y, least)
+        clearance[outside] *= -1.0
+    return _Room(line, stations, clearance, outside, _nearest_wall(line, line, tree))
 
 
-def _narrowest(line: Any, tree: shapely.STRtree) -> Place:
-    """The point of a path that has least room: exact."""
-    nearest = tree.geometries[int(tree.query_nearest(line, all_matches=False)[0])]
-    place = shapely.get_point(shapely.shortest_line(line, nearest), 0)
-    return line.project(place), place.x, place.y, float(nearest.distance(line))
+def _narrowest(room: _Room, tree: shapely.STRtree, part: tuple[float, float]) -> Place:
+    """The place of a part of a path that has least room, or lies farthest outside the area."""
+    within = _within(room.station, part)
+    if (room.outside & within).any():
+        return _at(room, int(np.argmin(np.where(within, room.clearance, np.inf))))
+    least = room.narrowest
+    if not part[0] <= least[0] <= part[1]:
+        least = _nearest_wall(substring(room.line, *part), room.line, tree)
+    as_tight = np.flatnonzero(within & (room.clearance <= least[3] + CONTACT))
+    return _at(room, int(as_tight[0])) if len(as_tight) else least  # the first along a wall
+
+
+def _at(room: _Room, k: int) -> Place:
+    point = room.line.interpolate(room.station[k])
+    return float(room.station[k]), point.x, point.y, float(room.clearance[k])
+
+
+def _nearest_wall(part: Any, line: Any, tree: shapely.STRtree) -> Place:
+    """The point of a part of a path that has least room: exact."""
+    nearest = tree.geometries[int(tree.query_nearest(part, all_matches=False)[0])]
+    place = shapely.get_point(shapely.shortest_line(part, nearest), 0)
+    return float(line.project(place)), place.x, place.y, float(nearest.distance(part))
 
 
 def _stations(path: FloatArray) -> FloatArray:
@@ -203,8 +244,10 @@ def _pieces(shapes: list[Any]) -> list[Any]:
 
 
 def _stretches(
-    stations: FloatArray, clearance: FloatArray, inscribed: float, circumscribed: float
+    room: _Room, part: tuple[float, float], inscribed: float, circumscribed: float
 ) -> tuple[Stretch, ...]:
+    within = _within(room.station, part)
+    stations, clearance = room.station[within], room.clearance[within]
     fits = (clearance > inscribed + CONTACT).astype(int) + (clearance > circumscribed + CONTACT)
     firsts = np.flatnonzero(np.diff(fits, prepend=-1))
     lasts = np.append(firsts[1:], len(fits)) - 1
@@ -215,97 +258,3 @@ def _stretches(
             strict=True,
         )
     )  # fmt: skip
-
-
-NEARLY_ALL = 0.95
-"""Share of a path over which a robot in danger is taken never to leave danger mode"""
-
-
-def setting(laid: PartialLayout, controller: type[Any] | None, key: str) -> float | None:
-    """A length among the controller's settings [m]: as set, else its default; None without one."""
-    try:
-        model = settings_model(controller) if controller is not None else None
-    except ControllerError:
-        return None
-    field = model.model_fields.get(key) if model is not None else None
-    if field is None or laid.world.controller is None:
-        return None
-    value = laid.world.controller.settings.get(key, field.default)
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return float(value) if is_number and 1e-9 <= value <= 1e6 else None
-
-
-def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Diagnostics) -> None:
-    """Warn where no place is as far from the boundaries as the controller wants to be."""
-    if laid.area is None or safe_distance is None:
-        return
-    if shrunk(laid.area.polygon, safe_distance, 4).is_empty:
-        found.warn(
-            ("controller", "safe_distance"),
-            f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
-            f"the largest distance is {_largest_distance(laid.area):.4g} m; widen the corridor, or "
-            "set safe_distance below that",
-        )
-
-
-def check_always_danger(
-    profiles: tuple[ClearanceProfile, ...], threshold: float | None, found: Diagnostics
-) -> None:
-    """Warn of a distance threshold [m] for boundaries that is beyond the room beside the paths.
-
-    A robot on its path, or led away from the walls to the safe distance, reaches them up to its
-    inscribed radius at least: never too large, so that the warning is never without need.
-    """
-    if threshold is None:
-        return
-    always: list[tuple[float, ClearanceProfile]] = []
-    for profile in profiles:
-        if profile.inscribed <= 0.0:
-            continue  # the reference point may lie outside the footprint
-        room = np.maximum(profile.clearance, profile.safe_distance or 0.0) - profile.inscribed
-        if profile.share(room < threshold) >= NEARLY_ALL:
-            always.append((float(room.max()), profile))
-    if not always:
-        return
-    room_there, first = max(always, key=lambda pair: pair[0])
-    others = f", {plural(len(always) - 1, 'other robot')} no more" if len(always) > 1 else ""
-    found.warn(
-        ("controller", "boundary_low"),
-        f"below {threshold:.4g} m from a boundary a robot is in danger mode, and "
-        f"{describe(first.robot)} has at most {room_there:.4g} m beside it on "
-        f"its path{others}: it would not leave danger mode and may never arrive; set "
-        "boundary_low below that, or widen the road",
-    )
-
-
-def check_turning_room(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
-) -> None:
-    """Warn of paths in the danger area, where no place of the safe area lets the robot turn."""
-    if laid.area is None:
-        return
-    largest: float | None = None
-    tight = []
-    for profile in profiles:
-        if profile.safe_distance is None or (profile.danger_share or 0.0) < NEARLY_ALL:
-            continue
-        largest = _largest_distance(laid.area) if largest is None else largest
-        if profile.safe_distance <= largest < profile.safe_distance + profile.circumscribed:
-            tight.append(profile)
-    if not tight or largest is None:
-        return
-    first = tight[0]
-    others = f" (of {plural(len(tight) - 1, 'more robot')} too)" if len(tight) > 1 else ""
-    found.warn(
-        laid.path_key(first.number),
-        f"the path of {describe(first.robot)}{others} lies in the danger area, "
-        f"less than {first.safe_distance:.4g} m from a wall, over {first.danger_share:.0%} of its "
-        f"length, and no place is more than {largest:.4g} m from the walls, too little to turn "
-        f"in the safe area, which takes {first.circumscribed:.4g} m more than the safe distance: "
-        "the robot may come to a standstill; lead the path along the middle, or widen the road",
-    )
-
-
-def _largest_distance(area: Area) -> float:
-    """Largest distance [m] that a place of the accessible area has from the boundaries."""
-    return float(shapely.maximum_inscribed_circle(area.polygon, tolerance=1e-3).length)

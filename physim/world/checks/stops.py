@@ -16,10 +16,10 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
-from physim.geometry.path import Path, project
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
+from physim.world.checks.standing import Stop, stops
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shape_checks import placed_outline
@@ -45,16 +45,6 @@ class StopLimits:
     """[m]"""
 
 
-@dataclass(frozen=True)
-class _Stop:
-    """Where a robot is to stop: its number, pose, placed outline, and foremost reach [m]."""
-
-    number: int
-    pose: FloatArray
-    outline: Any
-    reach: float
-
-
 def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> None:
     """Warn of walls, and of other robots at their stops, too near ahead of where robots stop."""
     if limits.time_low is None or limits.boundary_low is None or laid.faults:
@@ -63,54 +53,19 @@ def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> 
         return  # what is out of scale is told first: the rest follows from it
     plan = laid.world.formation
     speed = (limits.speed or 1.0) if plan is None else plan.speed
-    stops = _stops(laid)
-    if not stops:
+    at = stops(laid)
+    if not at:
         return
-    fastest = {one.number: min(speed, laid.world.robots[one.number].limits.v) for one in stops}
+    fastest = {one.number: min(speed, laid.world.robots[one.number].limits.v) for one in at}
     expect = laid.world.expect
     told = any(fault.location == ("controller", "boundary_low") for fault in found.warnings)
     if not told and (expect is None or expect.finished is not False):
-        _check_walls(laid, stops, dict.fromkeys(fastest, limits.boundary_low), found)
+        _check_walls(laid, at, dict.fromkeys(fastest, limits.boundary_low), found)
     needed = {i: max(v * limits.time_low, limits.distance_low or 0.0) for i, v in fastest.items()}
-    _check_robots(laid, stops, needed, found)
+    _check_robots(laid, at, needed, found)
 
 
-def _stops(laid: PartialLayout) -> list[_Stop]:
-    """Where the robots are to stop, as `physim.world.layout.scene_builder` has it."""
-    count = len(laid.world.robots)
-    if laid.reference is None or len(laid.paths) < count or len(laid.footprints) < count:
-        return []
-    if len(laid.start) < count or np.isnan(laid.start).any():
-        return []
-    lead = _leads(laid, laid.reference)
-    behind = lead.max(initial=0.0) - lead
-    stops = []
-    for i, path in laid.paths.items():
-        line = shapely.LineString(path)
-        station = max(line.length - float(behind[i]), 0.0)
-        x, y = line.interpolate(station).coords[0]
-        along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))))
-        k = min(max(int(np.searchsorted(along, station)) - 1, 0), len(path) - 2)
-        dx, dy = path[k + 1] - path[k]
-        pose = np.array([x, y, np.arctan2(dy, dx)])
-        outline = laid.footprints[i]
-        stops.append(_Stop(i, pose, placed_outline(pose, outline), float(outline[:, 0].max())))
-    return stops
-
-
-def _leads(laid: PartialLayout, reference: FloatArray) -> FloatArray:
-    plan = laid.world.formation
-    if plan is None:
-        return np.zeros(len(laid.world.robots))
-    if plan.spacing != "initial":
-        return np.array(plan.spacing)
-    path = Path(reference)
-    return np.array([
-        project(path.lines, 0, float(x), float(y), 0.0, path.length)[0] for x, y, _ in laid.start
-    ])  # fmt: skip
-
-
-def _way_on(stop: _Stop, outline: FloatArray, length: float) -> Any:
+def _way_on(stop: Stop, outline: FloatArray, length: float) -> Any:
     """The rectangle [m] ahead of a robot at its stop, as wide as the robot and ``length`` long."""
     low, high = SLENDER * outline[:, 1].min(), SLENDER * outline[:, 1].max()
     front = stop.reach
@@ -118,7 +73,7 @@ def _way_on(stop: _Stop, outline: FloatArray, length: float) -> Any:
     return placed_outline(stop.pose, ahead)
 
 
-def _ahead(stop: _Stop, shape: Any) -> float:
+def _ahead(stop: Stop, shape: Any) -> float:
     """How far [m] ahead of the robot's foremost point the nearest point of a shape lies."""
     x, y, heading = stop.pose
     points = shapely.get_coordinates(shape) - (x, y)
@@ -126,15 +81,15 @@ def _ahead(stop: _Stop, shape: Any) -> float:
 
 
 def _check_walls(
-    laid: PartialLayout, stops: list[_Stop], needed: dict[int, float], found: Diagnostics
+    laid: PartialLayout, at: list[Stop], needed: dict[int, float], found: Diagnostics
 ) -> None:
     named = [*laid.walls, *laid.solids]
     shapes = [shape for _, shape in named]
     if not shapes:
         return
     tree = shapely.STRtree(shapes)
-    near: list[tuple[float, _Stop, str]] = []
-    for stop in stops:
+    near: list[tuple[float, Stop, str]] = []
+    for stop in at:
         way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
         met = [
             (_ahead(stop, shapes[k].intersection(way)), named[k][0])
@@ -162,22 +117,22 @@ def _check_walls(
 
 
 def _check_robots(
-    laid: PartialLayout, stops: list[_Stop], needed: dict[int, float], found: Diagnostics
+    laid: PartialLayout, at: list[Stop], needed: dict[int, float], found: Diagnostics
 ) -> None:
     """Warn of robots that come to their stops behind others that may stand at theirs already."""
-    outlines = [stop.outline for stop in stops]
+    outlines = [stop.outline for stop in at]
     tree = shapely.STRtree(outlines)
-    near: list[tuple[float, _Stop, _Stop]] = []
+    near: list[tuple[float, Stop, Stop]] = []
     looked_at = 0
-    for stop in stops:
+    for stop in at:
         way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
         for k in tree.query(way, predicate="intersects").tolist():
             looked_at += 1
-            if stops[k] is stop or looked_at > MOST_PAIRS:
+            if at[k] is stop or looked_at > MOST_PAIRS:
                 continue
             gap = _ahead(stop, outlines[k].intersection(way))
             if gap < needed[stop.number] - LENGTH and gap > -stop.reach:
-                near.append((gap, stop, stops[k]))
+                near.append((gap, stop, at[k]))
     if not near:
         return
     gap, stop, other = min(near, key=lambda one: one[0])

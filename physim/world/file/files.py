@@ -38,7 +38,8 @@ def shipped_worlds() -> dict[str, str]:
 def find_world(given: str | os.PathLike[str]) -> Path:
     """Path of a world given as a file, or as the name of a shipped one; a file goes first.
 
-    Raises WorldError when there is neither, with the nearest names.
+    Raises WorldError when there is neither, with the nearest names: of world files here, else of
+    shipped ones.
     """
     path, given = Path(given), str(given)
     plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
@@ -47,11 +48,23 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
     if given in shipped:
         return shipped_folder() / f"{given}.yaml"
-    message = (
-        f'{given}: no such file, and no shipped world is called "{given}"; '
-        f"shipped: {', '.join(shipped)}{nearest(given, shipped)}"
-    )
-    raise WorldError([Fault((), message)])
+    message = f'{given}: no such file, and no shipped world is called "{given}"'
+    if near := _near(Path(), given):
+        raise WorldError([Fault((), f"{message}; did you mean {' or '.join(near)}?")])
+    more = f"; shipped: {', '.join(shipped)}{nearest(given, shipped)}"
+    raise WorldError([Fault((), message + more)])
+
+
+def _near(folder: Path, given: str) -> list[str]:
+    """World files of a folder whose names without ending are the one given, or much like it."""
+    try:
+        names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
+    except OSError:
+        return []
+    worlds = [name for name in names if name.endswith(SUFFIXES) and name.isprintable()]
+    if same := [name for name in worlds if Path(name).stem == given]:
+        return same
+    return [n for n in worlds if difflib.get_close_matches(given, [Path(n).stem], 1, 0.8)][:3]
 
 
 MOST_LISTED = 5

@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/world/checks/room.py",
+        "physim/world/checks/danger.py",
         "check_always_danger",
         "np.maximum(profile.clearance, profile.safe_distance or 0.0)",
         "profile.clearance",
@@ -35,7 +35,7 @@ EDITS = (
     ),
     Edit(
         "checking",
-        "physim/world/checks/room.py",
+        "physim/world/checks/danger.py",
         "check_always_danger",
         "- profile.inscribed",
         "",

@@ -1,0 +1,95 @@
+"""Values of SVG elements that cannot be meant: sizes of the page, lengths of shapes, transforms."""
+
+from __future__ import annotations
+
+import re
+from math import isfinite
+
+from physim.escaping import escaped
+
+NUMBERS = {
+    "matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,),
+    "skewY": (1,),
+}  # fmt: skip
+"""How many numbers each function of a transform takes."""
+NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
+LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc|%)?\s*$", re.I)
+PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
+"""A unit that is none stands for user units, as some programs write ``30m``."""
+NO_POINTS = re.compile(r"[^eE0-9+\-.,\s]")
+PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
+EXTENTS = ("width", "height", "r", "rx", "ry")
+SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+COLOUR = re.compile(r"\brgba?\s*\([^()<>\"']*\)", re.I)
+
+
+def without_colours(text: str) -> str:
+    """The text with colours that hold nothing for an import, nor need be read, as one word."""
+    return COLOUR.sub("black", text)
+
+
+def page_fault(values: dict[str, str]) -> str:
+    """What is wrong with width, height and viewBox of an ``svg``; empty where nothing is."""
+    for key in ("width", "height"):
+        given = values.get(key, "1")
+        found = PAGE.match(given)
+        if found is None or not 0.0 < float(found[1]) < float("inf"):
+            return f'{key}="{escaped(given)[:40]}": a length above 0 is needed, such as 240mm'
+    box = values.get("viewBox", "0 0 1 1")
+    numbers = [float(one) for one in NUMBER.findall(box)]
+    if NUMBER.sub("", box).strip(" \t\r\n,") or len(numbers) != 4:
+        return f'viewBox="{escaped(box)[:60]}": four numbers are needed: x, y, width and height'
+    if not all(map(isfinite, numbers)) or min(numbers[2:]) <= 0.0:
+        return f'viewBox="{escaped(box)[:60]}": its width and height, the last two, must be above 0'
+    return ""
+
+
+def shape_fault(tag: str, values: dict[str, str]) -> str:
+    """What is wrong with the lengths and points of a shape; empty where nothing is."""
+    for key in (*PLACES, *EXTENTS) if tag in SHAPES else ():
+        given = values.get(key, "").strip()
+        if not given or (given == "auto" and key in EXTENTS):
+            continue
+        found = LENGTH.match(given)
+        if found is None or not isfinite(float(found[1])):
+            units = "px, mm, cm, in, pt, pc or %"
+            return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
+        if key in EXTENTS and float(found[1]) < 0.0:
+            return f'{key}="{escaped(given)[:40]}": must not be negative'
+    points = values.get("points", "") if tag in ("polyline", "polygon") else ""
+    if bad := NO_POINTS.search(points):
+        return f'points: "{escaped(points[bad.start() : bad.start() + 20])}" cannot be read'
+    if (count := len(NUMBER.findall(points))) % 2:
+        return f"points: {count} numbers; they come in pairs x,y"
+    return ""
+
+
+def transform_fault(text: str) -> str:
+    """What is wrong with the text of a transform; empty where nothing is.
+
+    One with too many or too few numbers would be applied as something else.
+    """
+    at = 0
+    text = text.strip()
+    while at < len(text) and text != "none":
+        found = FUNCTION.match(text, at)
+        if found is None or found[1] not in NUMBERS:
+            return f'"{escaped(text[at : at + 30])}" is none of {", ".join(NUMBERS)}'
+        quoted, allowed = escaped(found[0].strip(" ,"))[:60], NUMBERS[found[1]]
+        numbers = NUMBER.findall(found[2])
+        if NUMBER.sub(" ", found[2]).strip(" \t\r\n,"):
+            return f'"{quoted}": only numbers may stand in the brackets'
+        if len(numbers) not in allowed:
+            counts = " or ".join(map(str, allowed))
+            return f'"{quoted}" has {len(numbers)} numbers; {found[1]} takes {counts}'
+        if _flattens(found[1], [float(one) for one in numbers]):
+            return f'"{quoted}" leaves no area of what it is applied to; its determinant is 0'
+        at = found.end()
+    return ""
+
+
+def _flattens(function: str, numbers: list[float]) -> bool:
+    if function == "scale":
+        return 0.0 in numbers
+    return function == "matrix" and numbers[0] * numbers[3] == numbers[1] * numbers[2]

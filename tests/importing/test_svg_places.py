@@ -1,0 +1,128 @@
+"""Faults of a drawing name the element and the line; values that cannot be meant are refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from physim.authoring.importing import ImportSourceError, Options, import_world
+from tests.importing.plans import check_says, svg
+
+WALLS = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
+PATH = '<path id="path" d="M 2,7 L 20,7"/>'
+METRES = Options(scale=1.0)
+
+
+def page(values: str) -> str:
+    return svg(f"{WALLS}\n{PATH}", values)
+
+
+def shape(tag: str, values: str) -> str:
+    """A drawing with an obstacle named pillar in line 3."""
+    return svg(f'{WALLS}\n<{tag} id="obstacle pillar" {values}/>\n{PATH}')
+
+
+FAULTS = {
+    "viewBox without extent": (page('viewBox="0 0 0 0"'), ':1: … <svg> … "0 0 0 0" … 0'),
+    "viewBox without width": (page('viewBox="0 0 0 14"'), ':1: … viewBox="0 0 0 14" … above 0'),
+    "viewBox negative": (page('viewBox="0 0 -24 14"'), ':1: … viewBox="0 0 -24 14" … above 0'),
+    "viewBox of three": (page('viewBox="0 0 24"'), ':1: … viewBox="0 0 24" … four numbers'),
+    "viewBox of words": (page('viewBox="a b c d"'), ':1: … viewBox="a b c d" … four numbers'),
+    "no page width": (page('width="0mm" viewBox="0 0 24 14"'), ':1: … width="0mm" … above 0'),
+    "page width": (page('width="wide" viewBox="0 0 24 14"'), ':1: … width="wide" … 240mm'),
+    "page height": (page('height="-1cm" viewBox="0 0 24 14"'), ':1: … height="-1cm" … above 0'),
+    "stretched page": (
+        "<!-- a\nplan -->\n"
+        + page('width="240mm" height="240mm" viewBox="0 0 24 14" preserveAspectRatio="none"'),
+        ":3: … <svg> … width … height … viewBox",
+    ),
+    "place": (shape("rect", 'x="a" y="6" width="1" height="1"'), ':3: … pillar … x="a"'),
+    "unit": (shape("circle", 'cx="10" cy="6" r="1em"'), ':3: … pillar … r="1em" … mm'),
+    "negative width": (shape("rect", 'width="-1" height="1"'), ':3: … pillar … width="-1"'),
+    "negative radius": (shape("circle", 'r="-1"'), ':3: … pillar … r="-1" … negative'),
+    "odd points": (shape("polygon", 'points="1,2 3"'), ":3: … pillar … 3 numbers … pairs"),
+    "points of words": (shape("polyline", 'points="1,2 x"'), ':3: … pillar … points: … "x"'),
+    "flat": (shape("rect", 'transform="scale(1,0)"'), ':3: … pillar … "scale(1,0)" … 0'),
+    "flat matrix": (
+        svg(f'<g id="floor" transform="matrix(1,1,1,1,0,0)">{WALLS}</g>{PATH}'),
+        ':2: … floor … "matrix(1,1,1,1,0,0)" … determinant',
+    ),
+    "path through an obstacle": (
+        shape("rect", 'x="10" y="6" width="1" height="2"'),
+        ":4: … 'path' … 'obstacle pillar', line 3 … (10.51, 7.00)",
+    ),
+    "obstacle that crosses itself": (
+        shape("polygon", 'points="10,6 12,8 12,6 10,8"'), ":3: … 'obstacle pillar' … itself",
+    ),
+    "obstacle without area": (
+        shape("polygon", 'points="10,6 12,6 14,6"'), ":3: … 'obstacle pillar' … area",
+    ),
+    "obstacle over everything": (
+        shape("rect", 'x="-1" y="-1" width="30" height="30"'),
+        ":3: … 'obstacle pillar' … whole area",
+    ),
+    "robot of a line": (
+        svg(f'{WALLS}\n{PATH}\n<polyline id="robot r7" points="3,6 5,6"/>'),
+        ":4: … 'robot r7' … area",
+    ),
+    "robot that crosses itself": (
+        svg(f'{WALLS}\n{PATH}\n<polygon id="robot r7" points="3,6 5,7 5,6 3,7"/>'),
+        ":4: … 'robot r7' … itself",
+    ),
+    "path outside": (svg(f'{WALLS}\n<path id="path" d="M 30,7 50,7"/>'), ":3: … 'path' … no area"),
+    "ends of walls": (
+        svg(
+            '<path id="boundary a" d="M 0,14 0,0 24,0"/>\n'
+            '<path id="boundary b" d="M 24,3 24,14 8,14"/>\n<path id="boundary c" d="M 9,0 9,4"/>'
+        ),
+        ":2: … 'boundary a' … (24.00, 14.00) … (24.00, 11.00) … 'boundary b', line 3 … 3 m apart",
+    ),
+    "what could be a boundary": (
+        svg(
+            '<path id="fence" d="M 0,0 24,0 24,14 Z"/>\n'
+            '<g id="hut"><rect width="5" height="4"/></g>'
+        ),
+        '--boundary … "fence" (line 2, 24 x 14 m) … "hut" (line 3, 5 x 4 m)',
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", FAULTS)
+def test_a_fault_names_the_element_its_line_and_what_is_wrong(tmp_path, text):
+    path = tmp_path / "plan.svg"
+    path.write_text(FAULTS[text][0])
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, METRES)
+    check_says(str(caught.value).removeprefix(str(path)), FAULTS[text][1])
+
+
+@pytest.mark.parametrize(
+    "colour",
+    ["fill='rgb(1.5,2,3)'", "stroke='rgb(1e3,2,3)'", "style='fill: rgb(1.5, 2, 3); stroke:red'"],
+)
+def test_a_shape_keeps_its_place_whatever_its_colour(tmp_path, colour):
+    path = tmp_path / "plan.svg"
+    path.write_text(shape("rect", f'x="10" y="10" width="1" height="1" {colour}'))
+    (ring,) = import_world(path, METRES).world.obstacles
+    assert sorted({x for x, _ in ring}) == [10.0, 11.0]
+
+
+@pytest.mark.parametrize(
+    ("tag", "values"),
+    [("rect", 'x="10" y="10" width="0" height="1"'), ("circle", 'cx="10" cy="10" r="0"')],
+)
+def test_a_shape_that_draws_nothing_is_told(tmp_path, tag, values):
+    path = tmp_path / "plan.svg"
+    path.write_text(shape(tag, values))
+    made = import_world(path, METRES)
+    assert not made.world.obstacles
+    (told,) = [one for one in made.changes if "pillar" in one]
+    check_says(told, f"line 3: … <{tag}> … left out")
+
+
+def test_lengths_in_percent_and_shapes_out_of_sight_are_no_fault(tmp_path):
+    path = tmp_path / "plan.svg"
+    text = shape("rect", 'x="50%" y="75%" width="5%" height="5%"')
+    path.write_text(text.replace("</svg>", '<defs><rect width="-1" height="1"/></defs>\n</svg>'))
+    (ring,) = import_world(path, METRES).world.obstacles
+    assert min(x for x, _ in ring) == pytest.approx(12.0)
+    assert not [one for one in import_world(path, METRES).changes if "nothing" in one]

@@ -187,6 +187,8 @@ def html(text: str, title: str, folder: Path) -> str:
                 child.attrSet("class", f"outcome {following.content.replace(' ', '-')}")
         if opening.type == "paragraph_open" and _is_figure(children):
             opening.tag = closing.tag = "figure"
+            if _is_run(children[0]):
+                opening.attrSet("class", "whole")
             if children[0].type == "image" and _embed(children[0], folder) > WIDE:
                 opening.attrSet("class", "whole")
     return (
@@ -220,19 +222,31 @@ class _Renderer(RendererHTML):
         self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
     ) -> str:
         link = self.renderToken(tokens, idx, options, env)
+        file = escapeHtml(str(tokens[idx].attrs["href"]))
+        if _is_run(tokens[idx]):
+            return (
+                f"<details><summary>Watch the run here</summary>"
+                f'<iframe loading="lazy" src="{file}" title="the run in the browser"></iframe>'
+                f"</details>{link}"
+            )
         if not _is_film(tokens[idx]):
             return link
-        file = escapeHtml(str(tokens[idx].attrs["href"]))
         return f'<video controls preload="metadata" src="{file}"></video>{link}'
 
 
 def _is_figure(children: Sequence[Token]) -> bool:
-    """Whether a paragraph is a picture or a video."""
-    return (len(children) == 1 and children[0].type == "image") or any(map(_is_film, children[:1]))
+    """Whether a paragraph is a picture, a video or a run in the browser."""
+    return (len(children) == 1 and children[0].type == "image") or any(
+        _is_film(child) or _is_run(child) for child in children[:1]
+    )
 
 
 def _is_film(token: Token) -> bool:
     return token.type == "link_open" and str(token.attrs["href"]).endswith(".mp4")
+
+
+def _is_run(token: Token) -> bool:
+    return token.type == "link_open" and str(token.attrs["href"]).endswith("/page.html")
 
 
 def _embed(picture: Token, folder: Path) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,14 @@ from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.contact_report import contact_reports
 from physim.analysis.validation.contact_text import paragraph
 from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.near_misses import NearMiss
 from physim.analysis.validation.prediction import Predictor
 from physim.drawing.labels import decimal, metres
 from physim.drawing.page import write_page
 from physim.drawing.scene_model import outline, placed
 from physim.record import Record
 from tests.browser.driver import Seen
+from tests.validation.runs import REAR_END, lane
 
 Opened = Callable[..., Seen]
 
@@ -134,6 +137,27 @@ def test_a_line_of_the_table_of_contacts_leads_there(opened: Opened, record: Rec
     began = record.contacts[record.contacts["phase"] == 0]["step"][1] * record.dt
     assert abs(seen.ask("physim.player.time") - began) < 1e-6
     assert "left" in seen.text("#why h2")
+
+
+def test_a_finding_of_a_validation_leads_to_its_moment(opened: Opened, tmp_path: Path) -> None:
+    record = lane(REAR_END)
+    found = physim.validate(record)
+    assert found.contacts
+    seen = opened(write_page([record], tmp_path / "r.html", found))
+    assert found.verdict in seen.text("#validation .verdict")
+    for k, contact in enumerate(found.contacts):
+        line = seen.page.locator("#validation tbody tr", has_text=f"{contact.time:.2f} s").filter(
+            has_text=" and ".join(found.names[body] for body in (contact.a, contact.b))
+        )
+        line.locator("a[href*=contact]").first.click()
+        seen.until(f"physim.contact === {k}")
+        assert abs(seen.ask("physim.player.time") - contact.time) < 1e-3
+    near = NearMiss(0, 1, 100, 1.0, 0.25, behind=1)
+    apart = replace(found, near_misses=replace(found.near_misses, distances=(near,)))
+    seen = opened(write_page([record], tmp_path / "near.html", apart))
+    seen.page.click("#validation a[href^='#t=1.000&robot=']")
+    seen.until("physim.robot === 1")
+    assert seen.ask("physim.player.time") == 1.0
 
 
 def test_plots_can_be_dragged(opened: Opened) -> None:

@@ -183,3 +183,5 @@ def test_a_run_in_the_browser_is_a_link_beside_its_video(tmp_path: Path) -> None
     ]
     assert [given["src"] for tag, given in page.tags if tag == "video"] == ["w/video.mp4"]
     assert "The run in the browser" in page.words
+    frames = [given for tag, given in page.tags if tag == "iframe"]
+    assert [(frame["src"], frame["loading"]) for frame in frames] == [("w/page.html", "lazy")]

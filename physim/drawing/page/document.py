@@ -125,7 +125,10 @@ def _labels(records: Sequence[Record]) -> list[str]:
     )
     if len(records) == 1:
         return parts[0]
-    told = [part for part in parts if len(set(part)) > 1]
+    told: list[list[str]] = []
+    for part in parts:  # as few as tell them apart
+        if len(set(part)) > 1 and len(set(zip(*told, strict=True))) < len(records):
+            told.append(part)
     return [
         ", ".join(filter(None, one)) or f"run {k}"
         for k, one in enumerate(zip(*told, strict=True) if told else [()] * len(records), 1)

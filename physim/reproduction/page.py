@@ -19,8 +19,7 @@ from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markdown_it.utils import EnvType, OptionsDict
 
-from physim.drawing.page.bundle import sheets
-from physim.drawing.page.colours import custom_properties
+from physim.drawing.page.colours import styles
 from physim.errors import plural
 from physim.escaping import escaped
 from physim.reproduction.plan import SEEDS
@@ -195,9 +194,9 @@ def html(text: str, title: str, folder: Path) -> str:
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<link rel="icon" href="data:,">\n<title>{escapeHtml(escaped(title))}</title>\n'
-        f"<style>\n{custom_properties()}{sheets('common.css', 'report.css')}</style>\n"
-        '</head>\n<body class="report">\n'
-        f"{parser.renderer.render(tokens, parser.options, {})}</body>\n</html>\n"
+        f"<style>{styles('reproduction.css')}</style>\n"
+        '</head>\n<body>\n<main class="sheet">\n'
+        f"{parser.renderer.render(tokens, parser.options, {})}</main>\n</body>\n</html>\n"
     )
 
 

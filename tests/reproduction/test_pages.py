@@ -24,8 +24,8 @@ HOSTILE = (
     "<script>alert(1)</script> & \"q\" 'a' | `b` *c* _d_ [e](f) ![g](h) $x$ {{i}} # j \\ ~~k~~"
 )
 TAGS = {
-    "html", "head", "meta", "link", "title", "style", "body", "h1", "h2", "h3", "p", "a", "strong",
-    "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
+    "html", "head", "meta", "link", "title", "style", "body", "main", "h1", "h2", "h3", "p", "a",
+    "strong", "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
     "pre", "code",
 }  # fmt: skip
 """What a page is made of."""

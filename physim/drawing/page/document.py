@@ -16,8 +16,8 @@ from physim.analysis.summary import Summary, summarise, table_rows
 from physim.analysis.validation import Validation
 from physim.drafts import draft_of
 from physim.drawing.labels import clean
-from physim.drawing.page.bundle import asset, policy, script, sheets
-from physim.drawing.page.colours import custom_properties, schemes
+from physim.drawing.page.bundle import asset, policy, script
+from physim.drawing.page.colours import schemes, styles
 from physim.drawing.page.data import run_data
 from physim.drawing.page.findings import findings_section
 from physim.drawing.page.tables import contact_table
@@ -90,7 +90,7 @@ def page(*records: Record, validation: Validation | None = None) -> Page:
     runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
     labels = _labels(records)
     code = script()
-    css = custom_properties() + sheets("common.css", "page.css")
+    css = styles("page.css")
     name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
     return Page(
         _filled(

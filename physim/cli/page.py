@@ -16,6 +16,7 @@ from physim.errors import PhysimError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from physim.analysis.validation import Validation
     from physim.record import Record
 
 COMPILING = 15
@@ -56,14 +57,11 @@ def page(options: Options) -> int:
     from physim.record import Record
 
     output = options.output or options.records[0].parent / NAME
-    if output.suffix.lower() not in (".html", ".htm"):
-        raise PhysimError(f"{output}: a page ends in .html")
     if len(options.records) > MOST_RUNS:
         raise PhysimError(
             f"{options.records[MOST_RUNS]}: is one record too many; a page shows {MOST_RUNS}"
         )
-    new_file(output, options.force, *options.records)
-    its_folder(output)
+    new_page(output, options.force, *options.records)
     with ExitStack() as opened:
         records = [opened.enter_context(Record.load(path)) for path in options.records]
         make_page(records, output, options.quiet)
@@ -72,10 +70,23 @@ def page(options: Options) -> int:
     return 0
 
 
-def make_page(records: Sequence[Record], output: Path, quiet: bool) -> None:
-    """Write the page of some records, and say so where something is to be compiled first."""
+def new_page(path: Path, force: bool, *inputs: Path, option: str = "-o") -> None:
+    """Raise PhysimError unless a page may be written to a file."""
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise PhysimError(f"{path}: a page ends in .html")
+    new_file(path, force, *inputs, option=option)
+    its_folder(path)
+
+
+def make_page(
+    records: Sequence[Record], output: Path, quiet: bool, found: Validation | None = None
+) -> None:
+    """Write the page of some records, and say so where something is to be compiled first.
+
+    ``found`` is the validation of the one record, where it was validated.
+    """
     from physim.drawing.page import is_warm, write_page
 
     if any(len(record.contacts) for record in records) and not is_warm():
         announce_compiling("what is said of contacts", COMPILING, quiet)
-    write_page(records, output)
+    write_page(records, output, found)

@@ -32,6 +32,7 @@ PAGE = "report.html"
 )
 @option("--json", type=Path, metavar="FILE", help="write all figures to FILE (-: standard output)")
 @flag("--videos", "make the videos of the worst runs, and link to them")
+@flag("--pages", "make the pages of the worst runs for the browser, and link to their moments")
 @flag("--no-pictures", "do not run the worst again for their pictures")
 @option(
     "--controller", "controllers", multiple=True, metavar="NAME",
@@ -56,7 +57,7 @@ def report(options: Options) -> int:
 
     examples:
       physim report runs/study
-      physim report runs/study --videos -o study.html
+      physim report runs/study --videos --pages -o study.html
       physim report runs/study --json - --no-pictures --quiet
     """
     from physim.campaigns.folder import Folder
@@ -83,7 +84,7 @@ def report(options: Options) -> int:
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(
             found, folder, page, lambda row: remake(folder, row, own), videos=options.videos,
-            stills=not options.no_pictures, progress=bar.count, stop=interrupt,
+            pages=options.pages, stills=not options.no_pictures, progress=bar.count, stop=interrupt,
         )  # fmt: skip
         write_text(page, report_page(found, shown))
         if options.json is not None:

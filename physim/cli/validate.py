@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from physim.cli.output import inputs, new_json, text_stream, write_json
+from physim.cli.page import make_page, new_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
@@ -40,6 +41,12 @@ COMPILING = 15
     type=Path,
     metavar="FILE",
     help="write everything to FILE (-: standard output) as JSON",
+)
+@option(
+    "--page",
+    type=Path,
+    metavar="FILE",
+    help="write the run as a page for the browser (.html), each finding with a link to its moment",
 )
 @flag("--force", "overwrite an existing FILE")
 @option("--world", metavar="WORLD", help="check that the record was made from WORLD")
@@ -74,12 +81,18 @@ def validate_command(options: Options) -> int:
       physim validate runs/ten_robots-21/record.h5
       physim validate runs/ten_robots-21/record.h5 --rerun --world ten_robots
       physim validate three_robots --controller path_following
+      physim validate three_robots --controller path_following --page contacts.html
       physim validate my_world.yaml --seeds 1:101 --json seeds.json
     """
     from physim.cli import simulating as rerun
     from physim.record import Record
 
-    new_json(options.json, options.force, *inputs(options.given, options.world))
+    given = inputs(options.given, options.world)
+    new_json(options.json, options.force, *given)
+    if options.page is not None:
+        if options.seeds is not None:
+            raise PhysimError("--page: is of one run; not with --seeds")
+        new_page(options.page, options.force, *given, option="--page")
     if not is_record(options.given):
         if options.world is not None:
             raise PhysimError("--world: needs a record; it checks where the record came from")
@@ -126,12 +139,12 @@ def _validate_record(record: Record, options: Options) -> int:
     if changes and options.world is None:
         raise PhysimError("--set, --controller: need a world, --world or --rerun")
     if not again:
-        return _report(_judged(record, str(record.path), options), options)
+        return _report(_judged(record, str(record.path), options), options, record)
     with rerun.run_of_record(record, options) as full:
         if lacking:
-            return _report(validate_again(record, full, str(record.path)), options)
+            return _report(validate_again(record, full, str(record.path)), options, full)
         found = _judged(record, str(record.path), options)
-        return _report(replace(found, rerun=compare_runs(record, full)), options)
+        return _report(replace(found, rerun=compare_runs(record, full)), options, record)
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
@@ -218,7 +231,9 @@ def _run_and_validate(
     from physim.cli import simulating as rerun
 
     with rerun.run_world(world, document, seed, options) as record:
-        return _judged(record, f"simulated just now from {document.source}", options)
+        found = _judged(record, f"simulated just now from {document.source}", options)
+        _write_page(found, record, options)
+        return found
 
 
 def _judged(record: Record, source: str, options: Options) -> Validation:
@@ -232,10 +247,20 @@ def _judged(record: Record, source: str, options: Options) -> Validation:
     return validate(record, source=source)
 
 
-def _report(found: Validation, options: Options) -> int:
+def _write_page(found: Validation, record: Record, options: Options) -> None:
+    if options.page is not None:
+        make_page([record], options.page, options.quiet, found)
+        if not options.quiet:
+            print(f"the run, its findings linked to their moments: {options.page}", file=sys.stderr)
+
+
+def _report(found: Validation, options: Options, record: Record | None = None) -> int:
+    """Tell what was found; with a record its page is written first, where one is asked for."""
     from physim.analysis.validation import report, warning_lines
     from physim.analysis.validation.seeds import json_of_validation
 
+    if record is not None:
+        _write_page(found, record, options)
     write_json(options.json, json_of_validation(found))
     short = [*warning_lines(found), f"verdict: {found.verdict}"]
     text = "\n".join(short) + "\n" if options.quiet else report(found)

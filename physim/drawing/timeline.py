@@ -229,7 +229,7 @@ class Episodes:
 def episodes(record: Record) -> Episodes:
     """Contact episodes and swept contacts of a record, with the places of their contacts."""
     found: list[Episode | Graze] = [*contact_episodes(record), *grazes(record)]
-    found.sort(key=lambda one: one.step)
+    found.sort(key=lambda one: (one.step, one.a, one.b))
     swept = [isinstance(one, Graze) for one in found]
     columns = [(e.a, e.b, e.step, 1 if isinstance(e, Graze) else e.samples) for e in found]
     a, b, step, samples = np.array(columns, dtype=np.int64).reshape(-1, 4).T

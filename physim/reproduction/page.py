@@ -19,8 +19,7 @@ from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markdown_it.utils import EnvType, OptionsDict
 
-from physim.drawing.page.bundle import sheets
-from physim.drawing.page.colours import custom_properties
+from physim.drawing.page.colours import styles
 from physim.errors import plural
 from physim.escaping import escaped
 from physim.reproduction.plan import SEEDS
@@ -187,15 +186,17 @@ def html(text: str, title: str, folder: Path) -> str:
                 child.attrSet("class", f"outcome {following.content.replace(' ', '-')}")
         if opening.type == "paragraph_open" and _is_figure(children):
             opening.tag = closing.tag = "figure"
+            if _is_run(children[0]):
+                opening.attrSet("class", "whole")
             if children[0].type == "image" and _embed(children[0], folder) > WIDE:
                 opening.attrSet("class", "whole")
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f'<link rel="icon" href="data:,">\n<title>{escapeHtml(escaped(title))}</title>\n'
-        f"<style>\n{custom_properties()}{sheets('common.css', 'report.css')}</style>\n"
-        '</head>\n<body class="report">\n'
-        f"{parser.renderer.render(tokens, parser.options, {})}</body>\n</html>\n"
+        f"<style>{styles('reproduction.css')}</style>\n"
+        '</head>\n<body>\n<main class="sheet">\n'
+        f"{parser.renderer.render(tokens, parser.options, {})}</main>\n</body>\n</html>\n"
     )
 
 
@@ -220,19 +221,31 @@ class _Renderer(RendererHTML):
         self, tokens: Sequence[Token], idx: int, options: OptionsDict, env: EnvType
     ) -> str:
         link = self.renderToken(tokens, idx, options, env)
+        file = escapeHtml(str(tokens[idx].attrs["href"]))
+        if _is_run(tokens[idx]):
+            return (
+                f"<details><summary>Watch the run here</summary>"
+                f'<iframe loading="lazy" src="{file}" title="the run in the browser"></iframe>'
+                f"</details>{link}"
+            )
         if not _is_film(tokens[idx]):
             return link
-        file = escapeHtml(str(tokens[idx].attrs["href"]))
         return f'<video controls preload="metadata" src="{file}"></video>{link}'
 
 
 def _is_figure(children: Sequence[Token]) -> bool:
-    """Whether a paragraph is a picture or a video."""
-    return (len(children) == 1 and children[0].type == "image") or any(map(_is_film, children[:1]))
+    """Whether a paragraph is a picture, a video or a run in the browser."""
+    return (len(children) == 1 and children[0].type == "image") or any(
+        _is_film(child) or _is_run(child) for child in children[:1]
+    )
 
 
 def _is_film(token: Token) -> bool:
     return token.type == "link_open" and str(token.attrs["href"]).endswith(".mp4")
+
+
+def _is_run(token: Token) -> bool:
+    return token.type == "link_open" and str(token.attrs["href"]).endswith("/page.html")
 
 
 def _embed(picture: Token, folder: Path) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,14 @@ from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.contact_report import contact_reports
 from physim.analysis.validation.contact_text import paragraph
 from physim.analysis.validation.decisions import DecisionTable
+from physim.analysis.validation.near_misses import NearMiss
 from physim.analysis.validation.prediction import Predictor
 from physim.drawing.labels import decimal, metres
 from physim.drawing.page import write_page
 from physim.drawing.scene_model import outline, placed
 from physim.record import Record
 from tests.browser.driver import Seen
+from tests.validation.runs import REAR_END, lane
 
 Opened = Callable[..., Seen]
 
@@ -134,6 +137,73 @@ def test_a_line_of_the_table_of_contacts_leads_there(opened: Opened, record: Rec
     began = record.contacts[record.contacts["phase"] == 0]["step"][1] * record.dt
     assert abs(seen.ask("physim.player.time") - began) < 1e-6
     assert "left" in seen.text("#why h2")
+
+
+def test_a_finding_of_a_validation_leads_to_its_moment(opened: Opened, tmp_path: Path) -> None:
+    record = lane(REAR_END)
+    found = physim.validate(record)
+    assert found.contacts
+    seen = opened(write_page([record], tmp_path / "r.html", found))
+    assert found.verdict in seen.text("#validation .verdict")
+    for k, contact in enumerate(found.contacts):
+        line = seen.page.locator("#validation tbody tr", has_text=f"{contact.time:.2f} s").filter(
+            has_text=" and ".join(found.names[body] for body in (contact.a, contact.b))
+        )
+        line.locator("a[href*=contact]").first.click()
+        seen.until(f"physim.contact === {k}")
+        assert abs(seen.ask("physim.player.time") - contact.time) < 1e-3
+    near = NearMiss(0, 1, 100, 1.0, 0.25, behind=1)
+    apart = replace(found, near_misses=replace(found.near_misses, distances=(near,)))
+    seen = opened(write_page([record], tmp_path / "near.html", apart))
+    seen.page.click("#validation a[href^='#t=1.000&robot=']")
+    seen.until("physim.robot === 1")
+    assert seen.ask("physim.player.time") == 1.0
+
+
+def test_what_happened_to_a_robot_is_found_without_the_view(opened: Opened, record: Record) -> None:
+    """Chosen by name: contacts, dangers, arrival in a sentence, each with its moment."""
+    seen = opened()
+    seen.page.select_option("#why select", label="r2")
+    seen.settle()
+    assert seen.ask("physim.robot") == 1
+    dangers = np.flatnonzero(np.diff(record.updates["mode"][record.updates["robot"] == 1]) > 0)
+    told = seen.text("#why .story summary")
+    assert told.startswith("r2 ")
+    assert f"{len(dangers)} time" in told
+    assert "2 contacts" in told
+    assert "does not arrive" in told
+    near = record.extremes[1]
+    other = record.names[near["clearance_other"]]
+    seen.page.click(f"#why .story button:has-text('closest to a robot, {other}')")
+    seen.settle()
+    assert seen.ask("physim.player.time") == near["clearance_step"] * record.dt
+    seen.page.click("#why .story button:has-text('contact with r1')")
+    seen.until("physim.contact === 0")
+
+
+def test_the_label_of_the_closest_pair_covers_no_robot(opened: Opened, tmp_path: Path) -> None:
+    world = physim.load_world("ten_robots")
+    time = world.time.model_copy(update={"duration": 2.0})
+    record = physim.simulate(world.changed(time=time))
+    script = """
+        const write = CanvasRenderingContext2D.prototype.fillText;
+        window.written = [];
+        CanvasRenderingContext2D.prototype.fillText = function (words, x, y, ...more) {
+          if (words.endsWith(" m")) window.written.push([words, x, y]);
+          write.call(this, words, x, y, ...more);
+        };"""
+    seen = opened(write_page([record], tmp_path / "r.html"), script=script)
+    seen.ask("window.written.length = 0")
+    drawn = seen.drawn_at(1.8)
+    lens, poses = drawn["lens"], np.reshape(drawn["pose"], (-1, 3))
+    words, x, y = next(one for one in seen.ask("window.written") if "." in one[0])
+    assert words == metres(float(record.clearance[180].min()))
+    at = ((x - lens["x"]) / lens["scale"], (lens["y"] - y) / lens["scale"])
+    bodies = [
+        shapely.Polygon(placed(outline(shape), pose))
+        for shape, pose in zip(record.footprints, poses, strict=True)
+    ]
+    assert shapely.distance(bodies, shapely.Point(at)).min() * lens["scale"] > 7.0
 
 
 def test_plots_can_be_dragged(opened: Opened) -> None:

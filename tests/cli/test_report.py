@@ -43,6 +43,31 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFi
     assert [file.stat().st_mtime_ns for file in stills] == times
 
 
+def test_the_worst_lead_to_pages_at_their_moments(
+    made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from physim.campaigns.report import pictures
+    from physim.campaigns.rows import read
+
+    assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
+    page = Elements((made / "report.html").read_text(encoding="utf-8"))
+    links = [value for name, value in page.attributes if name == "href"]
+    rows = read(made).to_pylist()
+    assert sorted(links) == sorted(
+        f"pages/{row['run']}.html#robot={row['shortest_distance_pair'].split(', ')[0]}"
+        f"&t={row['shortest_distance_time']:.3f}"
+        for row in rows
+    )
+    assert all((made / link.partition("#")[0]).is_file() for link in links)
+    monkeypatch.setattr(pictures, "MOST_PAGE", 1000)
+    for file in (made / "pages").iterdir():
+        file.unlink()
+    assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
+    page = Elements((made / "report.html").read_text(encoding="utf-8"))
+    assert not any(name == "href" for name, _ in page.attributes)
+    assert page.said.count("no page: ") == len(rows)
+
+
 def test_a_still_is_of_the_run_of_its_row(made: Path, tmp_path: Path, monkeypatch: Any) -> None:
     """The record that is drawn has the distance that the row tells."""
     from physim.campaigns.report import pictures

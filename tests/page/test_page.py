@@ -77,6 +77,9 @@ def test_several_runs_are_told_apart(record: Record, tmp_path: Path) -> None:
     labels = re.search(r'id="labels">(\[.*?\])</script>', text)
     assert labels is not None
     assert len(set(re.findall('"([^"]*)"', labels[1]))) == 2
+    with make_record(tmp_path / "other.h5", 3, 2.0, name="other") as other:
+        text = page(record, other).html
+    assert 'id="labels">["made up", "other"]</script>' in text  # no more than tells them apart
 
 
 def test_too_many_and_none_are_refused(record: Record) -> None:

@@ -24,8 +24,8 @@ HOSTILE = (
     "<script>alert(1)</script> & \"q\" 'a' | `b` *c* _d_ [e](f) ![g](h) $x$ {{i}} # j \\ ~~k~~"
 )
 TAGS = {
-    "html", "head", "meta", "link", "title", "style", "body", "h1", "h2", "h3", "p", "a", "strong",
-    "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
+    "html", "head", "meta", "link", "title", "style", "body", "main", "h1", "h2", "h3", "p", "a",
+    "strong", "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
     "pre", "code",
 }  # fmt: skip
 """What a page is made of."""
@@ -183,3 +183,5 @@ def test_a_run_in_the_browser_is_a_link_beside_its_video(tmp_path: Path) -> None
     ]
     assert [given["src"] for tag, given in page.tags if tag == "video"] == ["w/video.mp4"]
     assert "The run in the browser" in page.words
+    frames = [given for tag, given in page.tags if tag == "iframe"]
+    assert [(frame["src"], frame["loading"]) for frame in frames] == [("w/page.html", "lazy")]

@@ -57,6 +57,39 @@ def test_record_with_and_without_contact(folder, capsys):
     assert out.splitlines()[-1].startswith("verdict: contacts: ")
 
 
+def test_a_page_leads_to_the_moment_of_each_finding(folder, capsys):
+    page = folder / "found.html"
+    code, out, _ = run(capsys, folder / "bad.h5", "--page", page)
+    text = page.read_text(encoding="utf-8")
+    section = text[text.index('id="validation"') :]
+    with physim.Record.load(folder / "bad.h5") as record:
+        found = validate(record)
+    assert code == found.code == 1
+    assert out.splitlines()[-1].removeprefix("verdict: ") in section
+    assert found.contacts
+    for number, one in enumerate(found.contacts, 1):
+        assert f'href="#t={one.time:.3f}&amp;contact={number}"' in section
+    assert run(capsys, folder / "good.h5", "--page", page, "--quiet")[0] == 2
+    assert page.read_text(encoding="utf-8") == text
+
+
+def test_the_page_of_a_world_that_was_just_run(folder, capsys):
+    page = folder / "run.html"
+    assert run(capsys, folder / "lane.yaml", "--controller", CARELESS, "--page", page)[0] == 1
+    assert 'id="validation"' in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [(("--page", "x.pdf"), (".html",)), (("--page", "x.html", "--seeds", "1:3"), ("--page",)),
+     (("--page", "no/x.html"), ("no/x.html",))],
+)  # fmt: skip
+def test_pages_that_cannot_be_written_are_refused(folder, capsys, more, said):
+    code, out, err = run(capsys, folder / "any.yaml", *more)
+    assert (code, out) == (2, "")
+    assert states(err, *said)
+
+
 def test_world_with_a_careless_controller(folder, capsys):
     code, out, _ = run(capsys, folder / "lane.yaml", "--controller", CARELESS)
     assert code == 1

@@ -52,6 +52,10 @@ class Shown:
     """link to its video, relative to the page"""
     fault: str = ""
     """why there is no still"""
+    page: str = ""
+    """link to its page for the browser, relative, at the moment of least distance"""
+    left_out: str = ""
+    """why there is no page"""
 
 
 def report_page(report: Report, shown: Sequence[Shown]) -> str:
@@ -282,8 +286,12 @@ def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
         yield f"<figcaption>{text(name)}; {text(where(row))}; {_contacts(row)}"
         if one.fault:
             yield f"<br>no picture: {text(one.fault)}"
-        if one.video:
-            yield f'<br><a href="{text(one.video)}">video</a>'
+        links = {"watch this moment, and ask why": one.page, "video": one.video}
+        if any(links.values()):
+            named = (f'<a href="{text(to)}">{words}</a>' for words, to in links.items() if to)
+            yield f"<br>{', '.join(named)}"
+        if one.left_out:
+            yield f"<br>no page: {text(one.left_out)}"
         yield f"<br>{code(one.command)}</figcaption></figure>"
     yield "</div>"
 

@@ -1,4 +1,4 @@
-"""Stills and videos of the worst runs: from their records where they were kept, else run again."""
+"""Stills, videos and pages of the worst runs: from kept records, else run again."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection
 from contextlib import closing
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import simulation_of
@@ -21,12 +22,14 @@ from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run
 
-STILLS, VIDEOS = "stills", "videos"
+STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
 PNG = b"\x89PNG"
 """How every picture begins"""
 """Folders in that of a campaign; files have the names of the runs, so they are made only once."""
 STILL_WIDTH = 800
 """[px]"""
+MOST_PAGE = 8_000_000
+"""[bytes] of the page of a run; a larger one is not kept, and that is told"""
 KEY = re.compile(r"[0-9a-f]{20}")
 
 Remake = Callable[[dict[str, Any]], Record]
@@ -62,6 +65,7 @@ def pictures(
     *,
     stills: bool = True,
     videos: bool = False,
+    pages: bool = False,
     progress: Progress = lambda done, total, note: None,
     stop: Callable[[], bool] = lambda: False,
 ) -> list[Shown]:
@@ -75,35 +79,64 @@ def pictures(
         row = report.outcomes.row(index)
         again = command(folder, row)
         progress(done, len(report.worst), f"seed {row['seed']}")
-        if not (stills or videos) or stop():
+        if not (stills or videos or pages) or stop():
             found.append(Shown(again))
         elif not KEY.fullmatch(str(row["run"])):
             found.append(Shown(again, fault="the run has no key"))
         else:
-            found.append(_shown(row, again, folder, page, remake, videos))
+            found.append(_shown(row, again, folder, page, remake, videos, pages))
     progress(len(report.worst), len(report.worst), "")
     return found
 
 
 def _shown(
-    row: dict[str, Any], again: str, folder: Path, page: Path, remake: Remake, videos: bool
-) -> Shown:
+    row: dict[str, Any], again: str, folder: Path, page: Path, remake: Remake,
+    videos: bool, pages: bool = False,
+) -> Shown:  # fmt: skip
     still = folder / STILLS / f"{row['run']}.png"
     video = folder / VIDEOS / f"{row['run']}.mp4"
-    if not still.is_file() or (videos and not video.is_file()):
+    own = folder / PAGES / f"{row['run']}.html"
+    left_out = ""
+    wanted = [still, *([video] if videos else []), *([own] if pages else [])]
+    if not all(file.is_file() for file in wanted):
         try:
             record = _record(row, folder, remake)
         except PhysimError as error:
             return Shown(again, fault=str(error).partition("\n")[0])
         with closing(record):
             _draw(record, row, still, video if videos else None)
-    link = ""
-    if video.is_file():
-        link = os.path.relpath(video, page.absolute().parent).replace(os.sep, "/")
+            if pages and not own.is_file():
+                left_out = _write_page(record, own)
+    links = [
+        os.path.relpath(file, page.absolute().parent).replace(os.sep, "/") if file.is_file() else ""
+        for file in (video, own)
+    ]
+    if links[1]:
+        links[1] += _moment(row)
     picture = still.read_bytes()
     if not picture.startswith(PNG):
         return Shown(again, fault=f"{still.name} is no picture; delete it to have it drawn again")
-    return Shown(again, picture, link)
+    return Shown(again, picture, links[0], page=links[1], left_out=left_out)
+
+
+def _moment(row: dict[str, Any]) -> str:
+    """What opens a page at the least distance of its run, and asks the first of the two why."""
+    asked = {"robot": (row["shortest_distance_pair"] or "").partition(", ")[0]}
+    if row["shortest_distance_time"] is not None:
+        asked["t"] = f"{row['shortest_distance_time']:.3f}"
+    return f"#{urlencode(asked)}"
+
+
+def _write_page(record: Record, path: Path) -> str:
+    """Write the page of a run; why not, where it would be too large."""
+    from physim.drawing.page import page
+
+    made = page(record)
+    if (size := len(made.html.encode())) > MOST_PAGE:
+        return f"its page would have {size / 1e6:.1f} MB, more than {MOST_PAGE / 1e6:.0f}"
+    _its_folder(path)
+    made.write(path)
+    return ""
 
 
 def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
@@ -119,14 +152,18 @@ def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) 
 
     for file in (still, video):
         if file is not None:
-            try:
-                file.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
+            _its_folder(file)
     if not still.is_file():
         _draw_view(record, still, row["shortest_distance_time"] or 0.0)
     if video is not None and not video.is_file():
         render(record, video)
+
+
+def _its_folder(file: Path) -> None:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PhysimError(f"{file.parent}: cannot be written: {error.strerror}") from None
 
 
 def _draw_view(record: Record, path: Path, time: float) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from physim.drawing import palette
+from physim.drawing.page.bundle import sheets
 from physim.drawing.palette import Colour, hexed, mix
 
 LIGHT = MappingProxyType(
@@ -70,6 +71,11 @@ def schemes() -> dict[str, dict[str, object]]:
         }
         for scheme in named
     }
+
+
+def styles(*names: str) -> str:
+    """Style sheet of a page: the colours, what all pages have in common, and sheets of its own."""
+    return custom_properties() + sheets("common.css", *names)
 
 
 def custom_properties() -> str:

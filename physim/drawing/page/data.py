@@ -16,6 +16,7 @@ from physim.drawing.labels import clean
 from physim.drawing.page.contacts import pack_contacts
 from physim.drawing.page.curves import pack_curves
 from physim.drawing.page.decisions import pack_decisions
+from physim.drawing.page.events import pack_events
 from physim.drawing.page.knots import find_knots
 from physim.drawing.page.moments import moments
 from physim.drawing.page.packing import Pack
@@ -70,6 +71,7 @@ def run_data(record: Record, summary: Summary) -> str:
         "curves": pack_curves(timeline, pack),
     }
     _pack_poses(timeline, pack, crowd)
+    pack_events(record, pack)
     arrived = np.where(record.arrived >= 0, record.steps[record.arrived], -1)
     pack.whole("arrived", arrived)
     return pack.to_base64(header)

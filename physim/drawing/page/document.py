@@ -13,11 +13,13 @@ from typing import Any
 
 from physim._version import __version__
 from physim.analysis.summary import Summary, summarise, table_rows
+from physim.analysis.validation import Validation
 from physim.drafts import draft_of
 from physim.drawing.labels import clean
-from physim.drawing.page.bundle import asset, policy, script, sheets
-from physim.drawing.page.colours import custom_properties, schemes
+from physim.drawing.page.bundle import asset, policy, script
+from physim.drawing.page.colours import schemes, styles
 from physim.drawing.page.data import run_data
+from physim.drawing.page.findings import findings_section
 from physim.drawing.page.tables import contact_table
 from physim.errors import PhysimError, plural
 from physim.escaping import html_table, html_text
@@ -64,30 +66,38 @@ class Page:
         return target
 
 
-def write_page(records: Sequence[Record], path: str | os.PathLike[str]) -> Path:
+def write_page(
+    records: Sequence[Record],
+    path: str | os.PathLike[str],
+    validation: Validation | None = None,
+) -> Path:
     """Write the page of one run or several to a file.
 
-    Raises PhysimError where there are none or too many, for a record without samples or robots,
-    and when the file cannot be written.
+    ``validation`` is that of the one run, and is told in the page, each finding with a link to its
+    moment. Raises PhysimError where there are no records, too many, or more than the one that was
+    validated, for a record without samples or robots, and when the file cannot be written.
     """
-    return page(*records).write(path)
+    return page(*records, validation=validation).write(path)
 
 
-def page(*records: Record) -> Page:
+def page(*records: Record, validation: Validation | None = None) -> Page:
     """Make the page of one run or several, shown in step. Raises PhysimError as `write_page`."""
+    if validation is not None and len(records) != 1:
+        raise PhysimError(f"a validation is of one record; given {len(records)}")
     if not 1 <= len(records) <= MOST_RUNS:
         raise PhysimError(f"a page shows 1 to {MOST_RUNS} records; given {len(records)}")
     summaries = [summarise(record) for record in records]
     runs = [run_data(*pair) for pair in zip(records, summaries, strict=True)]
     labels = _labels(records)
     code = script()
-    css = custom_properties() + sheets("common.css", "page.css")
+    css = styles("page.css")
     name = ", ".join(dict.fromkeys(clean(record.name) for record in records))
     return Page(
         _filled(
             policy=policy(code, css), version=__version__, title=html_text(f"{name} – physim"),
             style=css, heading=html_text(name), about=_about(records), script=code,
-            tables=_tables(labels, summaries), schemes=_json(schemes()), labels=_json(labels),
+            tables=_tables(labels, summaries, validation), schemes=_json(schemes()),
+            labels=_json(labels),
             runs="\n".join(
                 f'<script type="text/plain" class="run">{run}</script>' for run in runs
             ),
@@ -115,7 +125,10 @@ def _labels(records: Sequence[Record]) -> list[str]:
     )
     if len(records) == 1:
         return parts[0]
-    told = [part for part in parts if len(set(part)) > 1]
+    told: list[list[str]] = []
+    for part in parts:  # as few as tell them apart
+        if len(set(part)) > 1 and len(set(zip(*told, strict=True))) < len(records):
+            told.append(part)
     return [
         ", ".join(filter(None, one)) or f"run {k}"
         for k, one in enumerate(zip(*told, strict=True) if told else [()] * len(records), 1)
@@ -143,8 +156,10 @@ def _about(records: Sequence[Record]) -> str:
     return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}")
 
 
-def _tables(labels: Sequence[str], summaries: Sequence[Summary]) -> str:
-    parts = []
+def _tables(
+    labels: Sequence[str], summaries: Sequence[Summary], validation: Validation | None
+) -> str:
+    parts = [] if validation is None else [findings_section(validation, summaries[0])]
     for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
         title = f"<h2>{html_text(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
         measured = f'<div class="wide">{html_table(table_rows(summary))}</div>'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html import escape
+from typing import NamedTuple
 from urllib.parse import urlencode
 
 from physim.analysis.summary import Summary
@@ -14,16 +15,37 @@ OPEN = 12
 """Contacts up to which their table is open from the start."""
 
 
+class Row(NamedTuple):
+    """A contact at samples or, without a duration and an impulse, between two of them."""
+
+    step: int
+    a: int
+    b: int
+    time: float
+    lasts: float | None
+    depth: float
+    impulse: float | None
+
+
+def numbered(summary: Summary) -> list[Row]:
+    """All contacts of a run in the order in which the page numbers them, from 1."""
+    if summary.contacts is None:
+        return []
+    found = [
+        Row(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
+        for one in summary.contacts.episodes
+    ]
+    found += [
+        Row(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes
+    ]
+    return sorted(found, key=lambda one: one[:3])
+
+
 def contact_table(summary: Summary, run: int, runs: int) -> str:
     """The contacts of a run, each with a link to its moment; nothing where there are none."""
-    if summary.contacts is None or not (summary.contacts.episodes or summary.grazes):
+    found = numbered(summary)
+    if not found:
         return ""
-    found = sorted(
-        [(one.step, one.a, one.b, one.time, one.samples * summary.dt, one.depth, one.impulse)
-         for one in summary.contacts.episodes]
-        + [(one.step, one.a, one.b, one.time, None, one.depth, None) for one in summary.grazes],
-        key=lambda one: one[:3],
-    )  # fmt: skip
     head = "".join(
         f'<th scope="col">{words}</th>'
         for words in ("moment", "bodies", "in contact", "deepest", "impulse")
@@ -43,6 +65,7 @@ def contact_table(summary: Summary, run: int, runs: int) -> str:
     more = f"<p>and {left} more, which the record holds</p>" if left > 0 else ""
     return (
         f"<details{' open' if len(found) <= OPEN else ''}><summary>Contacts: {len(found)}</summary>"
-        f'<div class="wide"><table><thead><tr>{head}</tr></thead>'
+        '<div class="wide"><table><caption>Contacts, each with its moment</caption>'
+        f"<thead><tr>{head}</tr></thead>"
         f"<tbody>{''.join(lines)}</tbody></table></div>{more}</details>"
     )

@@ -3,9 +3,23 @@
 const DASHES = [[], [5, 3], [2, 2], [8, 3, 2, 3]]; // one a run
 const FEW = 60;
 
-/** Rows of all runs together: title, limits, share of the height, and a function that draws. */
+/**
+ * Rows of all runs together: title, limits, share of the height, and a function that draws; a note
+ * of what its lines mean, and whether it shows the chosen run alone.
+ */
 export function courses(runs) {
   return [errors(runs), distances(runs), times(runs), modes(runs)].filter(Boolean);
+}
+
+const DASHED = ["", "dashed", "dotted", "dash-dotted"];
+
+/** What the lines of a row mean: the runs, or of one run the thresholds. */
+function noteOf(runs, column) {
+  if (runs.length > 1) {
+    return runs.slice(1, 4).map((run, k) => `${DASHED[k + 1]}: ${run.label}`).join(", ");
+  }
+  const limit = thresholdOf(runs[0], column);
+  return limit && runs[0].header.why.avoids ? "level lines: danger below, dashed: safe again above" : "";
 }
 
 function errors(runs) {
@@ -30,7 +44,7 @@ function errors(runs) {
       drawSteps(context, frame, run, robot, run.column(error.column), colour, robot === chosen ? 2.5 : 1);
     }
   };
-  return { title, limits: [-most, most], share: 1.1, draw };
+  return { title, limits: [-most, most], share: 1.1, ofOne: true, draw };
 }
 
 /** Minimum, 5, 25, 50, 75, 95 % and maximum of a crowd. */
@@ -100,7 +114,8 @@ function distances(runs) {
     shown.some((run) => run.header.curves.pair) ? "between robots (blue)" : "",
     shown.some((run) => run.header.curves.wall) ? "to walls (grey)" : "",
   ].filter(Boolean);
-  return { title: `shortest distance [m] ${words.join(", ")}`, limits: [least, most], share: 1, draw };
+  const title = `shortest distance [m] ${words.join(", ")}`;
+  return { title, note: noteOf(runs, "distance"), limits: [least, most], share: 1, draw };
 }
 
 function times(runs) {
@@ -118,7 +133,8 @@ function times(runs) {
     const run = runs[active];
     if (chosen >= 0) drawSteps(context, frame, run, chosen, run.column("own:collision_time"), colours.ink, 1.5);
   };
-  return { title: "shortest collision time that decided [s]", limits: [0, most], share: 1, draw };
+  const title = "shortest collision time that decided [s]";
+  return { title, note: noteOf(runs, "collision_time"), limits: [0, most], share: 1, draw };
 }
 
 const thresholdOf = (run, column) => run.header.why.thresholds.find((one) => one.column === column);
@@ -177,7 +193,7 @@ function modes(runs) {
   };
   const crowd = most > FEW;
   const title = crowd ? "robots by mode" : "mode of each robot, the first on top";
-  return { title, share: crowd ? 1 : Math.min(2.2, 0.7 + 0.11 * most), draw };
+  return { title, share: crowd ? 1 : Math.min(2.2, 0.7 + 0.11 * most), ofOne: true, draw };
 }
 
 function drawSpans(context, frame, run, colours, chosen) {

@@ -248,6 +248,17 @@ class Page {
     this.showWhy(Math.min(time, this.view.run.duration));
   }
 
+  /** All robots of the run by name, for those who do not click into the view. */
+  chooser() {
+    const { names, robots } = this.view.run;
+    const options = names.slice(0, robots).map((name, k) => el("option", { value: k }, name));
+    const box = el(
+      "select", { "aria-label": "robot to ask why", change: () => this.go({ robot: Number(box.value) }) },
+      el("option", { value: -1 }, "a robot"), options,
+    );
+    return box;
+  }
+
   /** The panel of the chosen contact or robot; made anew only when it says something else. */
   showWhy(time) {
     const { run } = this.view;
@@ -262,7 +273,8 @@ class Page {
     const box = byId("why");
     box.hidden = false;
     if (!found) {
-      box.replaceChildren(el("p", { class: "hint" }, "Why? Click a robot, or the cross of a contact."));
+      const hint = "Why? Click a robot or the cross of a contact, or choose ";
+      box.replaceChildren(el("p", { class: "hint" }, hint, this.chooser()));
       return;
     }
     const follow = this.contact < 0 ? button("follow", () => this.look(this.robot)) : null;

@@ -128,8 +128,9 @@ export function drawSight(context, run, robot, time, pose, lens, colours) {
   context.stroke();
 }
 
-/** Writes labels where they cover no label before them, nearest to what they belong to. */
-export function writeLabels(context, labels, colours, [width, height]) {
+/** Writes labels where they cover no label before them and, where there is room, none of the discs
+ * [x, y, radius]; nearest to what they belong to. */
+export function writeLabels(context, labels, colours, [width, height], discs = []) {
   context.textAlign = "center";
   context.textBaseline = "middle";
   context.lineJoin = "round";
@@ -137,15 +138,18 @@ export function writeLabels(context, labels, colours, [width, height]) {
   for (const { words, x, y, up, bold } of labels) {
     context.font = `${bold ? "600 " : ""}12.5px system-ui, sans-serif`;
     const half = context.measureText(words).width / 2 + 2;
-    const places = [
-      [x, y - up], [x, y + up], [x + half + up, y], [x - half - up, y],
-      [x + half + 0.6 * up, y - up], [x - half - 0.6 * up, y - up],
-      [x + half + 0.6 * up, y + up], [x - half - 0.6 * up, y + up],
-    ];
+    const places = (bold ? [up, up + 14, up + 28] : [up]).flatMap((away) => [
+      [x, y - away], [x, y + away], [x + half + away, y], [x - half - away, y],
+      [x + half + 0.6 * away, y - away], [x - half - 0.6 * away, y - away],
+      [x + half + 0.6 * away, y + away], [x - half - 0.6 * away, y + away],
+    ]);
+    const isClear = ([px, py]) => discs.every(([ox, oy, radius]) =>
+      Math.hypot(Math.max(Math.abs(px - ox) - half, 0), Math.max(Math.abs(py - oy) - 7, 0)) > radius);
     const isFree = ([px, py]) =>
       px - half > 0 && px + half < width && py > 8 && py < height - 8 &&
       taken.every(([ox, oy, wide]) => Math.abs(px - ox) > half + wide || Math.abs(py - oy) > 14);
-    const place = places.find(isFree) ?? (bold ? places[0] : null);
+    const free = places.filter(isFree);
+    const place = free.find(isClear) ?? free[0] ?? (bold ? places[0] : null);
     if (!place) continue;
     taken.push([...place, half]);
     context.strokeStyle = colours.floor;

@@ -94,7 +94,10 @@ export class Plots {
     context.textAlign = "left";
     context.textBaseline = "alphabetic";
     context.fillStyle = colours.quiet;
-    context.fillText(row.title, LEFT, top + 11, box.width);
+    const of = row.ofOne && this.runs.length > 1 ? `, ${this.runs[active].label}` : "";
+    const whole = [`${row.title}${of}`, row.note].filter(Boolean).join("; ");
+    const fits = context.measureText(whole).width <= box.width;
+    context.fillText(fits ? whole : row.title + of, LEFT, top + 11, box.width);
     if (box.height < 6) return;
     context.fillStyle = colours.faint;
     context.fillRect(box.left, box.top, box.width, box.height);
@@ -111,6 +114,20 @@ export class Plots {
     context.clip();
     row.draw(context, frame, { colours, active, chosen });
     context.restore();
+    if (row.ofOne && !row.limits) this.nameRows(context, this.runs[active], frame, colours);
+  }
+
+  /** Names of the robots before their rows, where there is room. */
+  nameRows(context, run, frame, colours) {
+    const high = frame.height / run.robots;
+    if (high < TICK - 2) return;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    context.fillStyle = colours.quiet;
+    run.names.slice(0, run.robots).forEach((name, k) => {
+      const words = name.length > 8 ? `${name.slice(0, 7)}…` : name;
+      context.fillText(words, LEFT - 5, frame.top + (k + 0.5) * high, LEFT - 8);
+    });
   }
 
   drawTicks(context, row, frame, colours) {

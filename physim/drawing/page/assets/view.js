@@ -98,10 +98,16 @@ export class View {
         if (inView.has(robot)) labels.push(this.nameOf(robot, pose, lens, robot === chosen));
       }
     }
-    writeLabels(context, labels, colours, size);
+    const discs = few ? seen.map((robot) => this.discOf(robot, pose, lens)) : [];
+    writeLabels(context, labels, colours, size, discs);
     drawScale(context, roundBelow(130 / lens.scale), lens, size[1], colours);
     if (lens.scale > 1.25 * camera.wholeScale) this.drawOverview(context, pose, lens, at, size, colours);
     this.drawn = { time: at, pose: pose.slice(), lens, ratio, shown, size };
+  }
+
+  discOf(robot, pose, lens) {
+    const place = toPixels(lens, pose[3 * robot], pose[3 * robot + 1]);
+    return [...place, this.fleet.reach[robot] * lens.scale * 0.7];
   }
 
   nameOf(robot, pose, lens, isChosen) {

@@ -1,6 +1,7 @@
 // Why a robot does what it does: its last decision in words, what it saw, and the thresholds then.
 
 import { button, el } from "./dom.js";
+import { story } from "./events.js";
 import { closestPoints } from "./robots.js";
 import { amount, command, decimal, metres, plural, seconds } from "./words.js";
 
@@ -10,7 +11,6 @@ const SEEN = {
   collision_time: "collision time",
 };
 const PLACES = ["target_x", "target_y"]; // told as the target
-const MOST_SPANS = 40;
 const MOST_OTHERS = 24;
 const MOST_LOOKED_AT = 60;
 
@@ -20,7 +20,7 @@ export function whyRobot(view, robot, time, go) {
   const row = run.decision(robot, time);
   const name = run.names[robot];
   if (row < 0) {
-    return [head(name, null), el("p", {}, `${name} has not decided anything yet.`)];
+    return [head(name, null), el("p", {}, `${name} has not decided anything yet.`), story(view, robot, go)];
   }
   const mode = run.mode[row] < 0 ? null : run.modes[run.mode[row]];
   const rule = run.header.why.rules[run.rule[row]] ?? null;
@@ -29,8 +29,8 @@ export function whyRobot(view, robot, time, go) {
     el("p", { class: "because" }, because(view, robot, row, mode, rule)),
     rule ? ruleLine(rule) : null,
     seenTable(run, row, mode),
+    story(view, robot, go),
     factTable(run, robot, row, go, time),
-    ...history(view, robot, go),
   ];
 }
 
@@ -185,29 +185,6 @@ function factTable(run, robot, row, go, time) {
     el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, content.flat().flatMap((one) => [one, " "]))),
   );
   return el("table", { class: "facts" }, el("tbody", {}, body));
-}
-
-/** Spans of danger and contacts of a robot, as buttons that lead there. */
-function history(view, robot, go) {
-  const { run, contacts } = view;
-  const events = run.spans(robot)
-    .filter(([, , mode]) => mode >= 0 && run.modes[mode].danger)
-    .map(([from, to, mode]) => ({
-      time: from, words: `${decimal(from, 1)} to ${decimal(to, 1)} s: ${run.modes[mode].words}`, go: { time: from },
-    }));
-  for (const k of contacts.of(robot)) {
-    const other = contacts.bodies(k).find((body) => body !== robot);
-    const at = contacts.time(k);
-    events.push({ time: at, words: `${decimal(at, 2)} s: contact with ${run.names[other]}`, go: { time: at, contact: k } });
-  }
-  if (!events.length) return [];
-  events.sort((a, b) => a.time - b.time);
-  const items = events.slice(0, MOST_SPANS).map((event) =>
-    el("li", {}, button(event.words, () => go(event.go), { class: "link" })),
-  );
-  if (events.length > MOST_SPANS) items.push(el("li", {}, `and ${events.length - MOST_SPANS} more`));
-  const title = `Its dangers and contacts in this run (${events.length})`;
-  return [el("details", { open: events.length <= 8 }, el("summary", {}, title), el("ul", { class: "moments" }, items))];
 }
 
 /** The panel of one contact: what `physim validate` says of it. */

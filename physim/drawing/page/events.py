@@ -1,0 +1,49 @@
+"""What happens to each robot besides modes and contacts: where it came closest, where it stood."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physim.drawing.page.packing import Pack
+from physim.geometry.shapes import IntArray
+from physim.record import Record
+
+STILL = 0.02
+"""[m/s] A robot that moves slower from sample to sample stands."""
+LEAST = 1.0
+"""[s] for which it stands at least"""
+
+
+def pack_events(record: Record, pack: Pack) -> None:
+    """Add the closest moments of each robot, and the spans in which it stood before it arrived."""
+    found = record.extremes
+    for name, column in (("near", "clearance"), ("near_wall", "boundary_clearance")):
+        prefix = "clearance" if name == "near" else "boundary"
+        pack.real(name, found[column], 1e-3)
+        pack.whole(f"{name}_step", found[f"{prefix}_step"])
+        pack.whole(f"{name}_body", found[f"{prefix}_other"])
+    stood = stands(record)
+    for k, name in enumerate(("stand_robot", "stand_from", "stand_to")):
+        pack.whole(name, stood[:, k])
+
+
+def stands(record: Record) -> IntArray:
+    """Spans (S, 3) in which robots stood for `LEAST` or longer: robot, first and last step.
+
+    What begins once a robot has arrived is left out.
+    """
+    steps = np.asarray(record.steps, dtype=np.int64)
+    spans: list[tuple[int, int, int]] = []
+    if len(steps) > 1:
+        took = np.diff(steps) * record.dt
+        for robot in range(record.robots):
+            moved = np.hypot(*np.diff(record.pose[:, robot, :2], axis=0).T)
+            edges = np.diff(np.concatenate(([0], moved < STILL * took, [0])).astype(np.int8))
+            arrived = int(record.arrived[robot])
+            for first, end in zip(
+                np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True
+            ):
+                long = (steps[end] - steps[first]) * record.dt >= LEAST - 1e-9
+                if long and not 0 <= arrived <= first:
+                    spans.append((robot, int(steps[first]), int(steps[end])))
+    return np.array(spans, dtype=np.int64).reshape(-1, 3)

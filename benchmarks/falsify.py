@@ -24,9 +24,8 @@ import numpy as np
 
 import physim
 from benchmarks.planted import Twin, planted_world
-from physim.campaigns.falsify.accept import accepted
-from physim.campaigns.falsify.evaluate import in_this_process, judge_world
-from physim.campaigns.falsify.hunt import Hunt, hunt
+from physim.campaigns.falsify.evaluate import accepted, in_this_process, judge_world
+from physim.campaigns.falsify.search import Hunt, hunt
 from physim.campaigns.falsify.space import Space
 from physim.errors import PhysimError
 from physim.world.file.files import shipped_worlds

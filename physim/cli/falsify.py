@@ -17,7 +17,7 @@ from physim.cli.values import Value, not_among, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
-    from physim.campaigns.falsify.hunt import Hunt
+    from physim.campaigns.falsify.search import Hunt
     from physim.campaigns.falsify.shrink import Shrunk
     from physim.campaigns.falsify.space import Space
     from physim.record import Record
@@ -85,10 +85,9 @@ def falsify(options: Options) -> int:
       physim falsify my_world.yaml --controller my_module:MyController --budget 5000
     """
     from physim.campaigns.executors import executor
-    from physim.campaigns.falsify.accept import accepted
-    from physim.campaigns.falsify.evaluate import by_executor
-    from physim.campaigns.falsify.hunt import hunt
-    from physim.campaigns.falsify.report import found_json, found_text
+    from physim.campaigns.falsify.evaluate import accepted, by_executor
+    from physim.campaigns.falsify.results import found_json, found_text
+    from physim.campaigns.falsify.search import hunt
 
     new_json(options.json, options.force, *inputs(options.world))
     space = _space(options)
@@ -147,7 +146,7 @@ def _space(options: Options) -> Space:
 
 
 def _files() -> tuple[str, ...]:
-    from physim.campaigns.falsify.writing import FILES
+    from physim.campaigns.falsify.results import FILES
     from physim.cli.output import CUT_SHORT
 
     return (*FILES, f"video{CUT_SHORT}.mp4")
@@ -197,17 +196,24 @@ def _write(
 ) -> str:
     """Write the files; the paragraph. Empty where it was interrupted twice."""
     from physim.campaigns.falsify.evaluate import StoppedError
-    from physim.campaigns.falsify.report import shrunk_text
-    from physim.campaigns.falsify.writing import FOUND, STORY, WORST, run_written, write_world
+    from physim.campaigns.falsify.results import (
+        FOUND,
+        STORY,
+        WORST,
+        named,
+        run_written,
+        shrunk_text,
+        write_world,
+    )
     from physim.cli.pictures import write_video
 
     if found.world is None or found.judged is None:
         return ""
     said = [f"Found by: {_command(options)}"]
-    world, result = found.world, found.judged
+    world, result = named(found.world, WORST if shrunk is None else FOUND), found.judged
     if shrunk is not None:
         write_world(folder / FOUND, world, result, said, options.controller)
-        world, result = shrunk.world, shrunk.judged
+        world, result = named(shrunk.world, WORST), shrunk.judged
         said.append(f"{shrunk_text(found, shrunk).capitalize()}.")
     already = interrupt.count
     file = folder / WORST

@@ -16,6 +16,7 @@ from physim.campaigns.falsify.evaluate import in_this_process
 from physim.campaigns.falsify.robustness import Judged
 from physim.record import Record
 from physim.world import World
+from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim
 from tests.falsify.worlds import five_robots, judge
 
@@ -65,6 +66,8 @@ def test_a_failure_is_written_as_a_world_that_fails(
     assert frames(out / "video.mp4") > 50
     with Record.load(out / "record.h5") as record:
         assert record.world == judge_file(out / "worst.yaml")
+    names = {load_world(file).stem for file in (here / "five.yaml", *out.glob("*.yaml"))}
+    assert len(names) == 3  # runs of each go to a folder of their own
     (run,) = re.findall(r"To see it: (physim run [^\n]*)", head)
     os.chdir(out)
     again = physim(*run.split()[1:], "--no-video", "-o", "again", capture=capsys)
@@ -76,8 +79,6 @@ def test_a_failure_is_written_as_a_world_that_fails(
 
 
 def judge_file(path: Path) -> World:
-    from physim.world.file import load_world
-
     world = load_world(path)
     assert judge(world).failed
     return world

@@ -10,10 +10,9 @@ import pytest
 
 from benchmarks.planted import MIDDLE, Planted, Twin, planted_world
 from physim.campaigns.executors import executor
-from physim.campaigns.falsify.accept import accepted
-from physim.campaigns.falsify.evaluate import by_executor, in_this_process, judge_world
-from physim.campaigns.falsify.hunt import hunt
+from physim.campaigns.falsify.evaluate import accepted, by_executor, in_this_process, judge_world
 from physim.campaigns.falsify.robustness import ROBOTS
+from physim.campaigns.falsify.search import hunt
 from physim.campaigns.falsify.space import Space
 
 NAME, SOUND = "benchmarks.planted:Planted", "benchmarks.planted:Sound"

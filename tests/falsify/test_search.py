@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from physim.campaigns.falsify.hunt import hunt
+from physim.campaigns.falsify.optimisers import Evolution, RandomSearch, Search
 from physim.campaigns.falsify.robustness import ROBOTS, Judged, Touched
-from physim.campaigns.falsify.search import Evolution, RandomSearch, Search
+from physim.campaigns.falsify.search import hunt
 from physim.campaigns.falsify.space import Space
 from tests.falsify.worlds import EVALUATE, five_robots
 

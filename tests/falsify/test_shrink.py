@@ -11,12 +11,10 @@ import pytest
 import physim
 from benchmarks.planted import MIDDLE, planted_world
 from physim.analysis.validation import validate
-from physim.campaigns.falsify.accept import accepted
-from physim.campaigns.falsify.evaluate import controller_of
+from physim.campaigns.falsify.evaluate import accepted, controller_of
+from physim.campaigns.falsify.passes import tree_of, with_robots
 from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged
 from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
-from physim.campaigns.falsify.simpler import with_robots
-from physim.campaigns.falsify.tree import tree_of
 from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run
 from physim.world import World
@@ -126,6 +124,15 @@ def test_it_is_the_same_every_time_and_within_its_runs() -> None:
         assert part.runs == len(asked) == most
         assert not part.is_least
         assert judge(part.world).failed
+
+
+def test_every_run_is_told_as_it_is_made() -> None:
+    told: list[int] = []
+    found = shrink(
+        five_robots(), judge(five_robots()), EVALUATE, ACCEPTS,
+        progress=lambda shrunk: told.append(shrunk.runs),
+    )  # fmt: skip
+    assert set(told) >= set(range(1, found.runs + 1))
 
 
 def test_another_kind_of_failure_is_not_taken() -> None:

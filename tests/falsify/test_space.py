@@ -10,10 +10,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.campaigns.falsify.pinned import pinned
-from physim.campaigns.falsify.space import KINDS, REACH, Space
-from physim.campaigns.falsify.starts import GAP
-from physim.campaigns.falsify.tunable import FACTOR, Settings
+from physim.campaigns.falsify.space import FACTOR, KINDS, REACH, Settings, Space
+from physim.campaigns.falsify.starts import GAP, pinned
 from physim.errors import PhysimError
 from physim.parts.registry import CONTROLLER, make_part
 from physim.world import World

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from physim.campaigns.falsify.accept import accepted
-from physim.campaigns.falsify.evaluate import in_this_process
+from physim.campaigns.falsify.evaluate import accepted, in_this_process
 from physim.campaigns.falsify.robustness import Judged
 from physim.world import World
 

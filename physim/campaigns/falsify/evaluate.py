@@ -1,9 +1,11 @@
-"""Worlds run and judged: the one place at which the search asks for runs."""
+"""Worlds run, judged and checked: the one place at which the search asks for runs."""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, TimeoutError
+from pathlib import Path
 
 from physim.campaigns.falsify.robustness import Judged, judged
 from physim.campaigns.one_run import one_line, ready
@@ -18,6 +20,7 @@ from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
 from physim.simulation.run import record_run
 from physim.world import World
+from physim.world.checks.check import check_world
 from physim.world.file import parse_world
 
 Evaluate = Callable[[Sequence[World]], Iterable[Judged]]
@@ -120,3 +123,20 @@ def _result(future: Future[Judged | None], stop: Callable[[], bool]) -> Judged:
         if found is None:
             raise StoppedError
         return found
+
+
+Accepts = Callable[[World], str]
+"""The first error of a world; empty where there is none."""
+
+
+def accepted(controller: str | None = None) -> Accepts:
+    """Ask the check; ``controller`` is the one that the command line named, if it did."""
+
+    def accepts(world: World) -> str:
+        with tempfile.TemporaryDirectory(prefix="physim-") as folder:
+            file = Path(folder) / "world.yaml"
+            world.save(file)
+            errors = check_world(file, controller=controller).errors
+        return errors[0].message if errors else ""
+
+    return accepts

@@ -1,111 +1,142 @@
-"""Where to look next: CMA-ES in the unit box, or points at random.
+"""The search itself: generation after generation, until a failure or the end of the budget.
 
-CMA-ES (Hansen, The CMA evolution strategy: a tutorial, 2016; package ``cma``) learns from the
-clearances of each generation where the next is to lie. It begins at the world itself; where it has
-converged it begins anew at a random point. Nothing depends on who evaluates or how many at once.
+Runs count in the order in which they were asked for, whoever did them: where one of a generation
+fails, those behind it are as though never made. So the result depends on world, bounds, seed and
+budget alone.
 """
 
 from __future__ import annotations
 
-import contextlib
-import math
-import warnings
-from collections.abc import Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
-import numpy as np
-
-from physim.geometry.shapes import FloatArray
-from physim.randomness import stream
-
-SIGMA = 0.3
-"""[-] share of each range by which the first generation spreads"""
-WORST = 1e6
-"""[m] what a world counts in the search that could not be judged; it is never a result"""
-FLAT = 1e-4
-"""[m] Where clearances differ by less from generation to generation the search has converged."""
-NARROW = 1e-6
-"""[-] It has, too, where it spreads by less than this share of each range."""
-MOST_JOINT = 60
-"""Numbers up to which CMA-ES learns how they belong together, which takes their number squared."""
-GENERATION = 16
-"""Points drawn at random at a time"""
+from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
+from physim.campaigns.falsify.optimisers import Evolution, RandomSearch, Search
+from physim.campaigns.falsify.robustness import Judged
+from physim.campaigns.falsify.space import Drawn, Space
+from physim.errors import PhysimError
+from physim.world import World
 
 
-class Search(Protocol):
-    """Asks for points and is told what came of them."""
+@dataclass
+class Hunt:
+    """What a search has found so far."""
 
-    def ask(self) -> list[FloatArray]:
-        """Return the points (D,) of the next generation, each number in [0, 1]."""
-        ...
+    budget: int
+    runs: int = 0
+    """judged, the first of them that of the world itself"""
+    failures: int = 0
+    """runs in which something touched"""
+    repaired: int = 0
+    """worlds that were moved to where they are allowed before they were run"""
+    refused: int = 0
+    """worlds that could not be run, or that a check refuses: they count as nothing"""
+    broken: int = 0
+    """runs that broke off, by an error of the controller or of another part"""
+    reason: str = ""
+    """of the first that was refused or broke off"""
+    first: float | None = None
+    """[m] signed swept clearance of the world itself"""
+    world: World | None = None
+    """the worst so far that a check accepts"""
+    judged: Judged | None = None
+    """of that"""
+    run: int = 0
+    """which run that was, from 1"""
+    stopped: bool = False
+    """told to stop before the end"""
+    history: list[tuple[int, float]] = field(default_factory=list)
+    """run and signed swept clearance [m] of each that was worse than all before it"""
 
-    def tell(self, values: Sequence[float | None]) -> None:
-        """Take the clearances [m] of the generation; None for what could not be judged."""
-        ...
+    @property
+    def failed(self) -> bool:
+        """Whether the worst is a failure."""
+        return self.judged is not None and self.judged.failed
+
+    def over(self, whole_budget: bool) -> bool:
+        """Whether the search has come to its end."""
+        return self.runs >= self.budget or (self.failed and not whole_budget)
 
 
-class RandomSearch:
-    """Points spread evenly over the box, whatever came of others."""
+def hunt(
+    space: Space,
+    evaluate: Evaluate,
+    accepts: Accepts,
+    *,
+    budget: int,
+    seed: int = 0,
+    at_random: bool = False,
+    whole_budget: bool = False,
+    progress: Callable[[Hunt], None] = lambda _: None,
+    stop: Callable[[], bool] = never,
+) -> Hunt:
+    """Look for the worst world of a space with at most ``budget`` runs.
 
-    def __init__(self, base: FloatArray, seed: int) -> None:
-        self._random = stream(seed, "random search", 0)
-        self._size = len(base)
+    The first failure ends the search unless ``whole_budget`` is set. ``stop`` ends it with what is
+    known by then. Raises PhysimError where the world itself cannot be run.
+    """
+    found = Hunt(budget)
 
-    def ask(self) -> list[FloatArray]:
-        """Return a generation."""
-        return list(self._random.random((GENERATION, self._size)))
+    def judge(drawn: list[Drawn]) -> list[float | None]:
+        if stop():
+            raise StoppedError
+        drawn = drawn[: budget - found.runs]
+        results = evaluate([one.world for one in drawn])
+        return _take(found, drawn, results, accepts, whole_budget, progress)
 
-    def tell(self, values: Sequence[float | None]) -> None:
-        """Nothing is learnt."""
+    try:
+        if judge([Drawn(space.world, False)])[0] is None:
+            raise PhysimError(f"the world itself cannot be judged: {found.reason}")
+        search = _search(space, seed, at_random)
+        while not found.over(whole_budget):
+            search.tell(judge([space.at(point) for point in search.ask()]))
+    except StoppedError:
+        found.stopped = True
+    return found
 
 
-class Evolution:
-    """CMA-ES, begun anew where it has converged."""
+def _search(space: Space, seed: int, at_random: bool) -> Search:
+    return RandomSearch(space.base, seed) if at_random else Evolution(space.base, seed)
 
-    def __init__(self, base: FloatArray, seed: int) -> None:
-        self._random = stream(seed, "evolution", 0)
-        self._size = len(base)
-        self._begin(base)
 
-    def _begin(self, point: FloatArray) -> None:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            import cma
+def _take(
+    found: Hunt,
+    drawn: list[Drawn],
+    results: Iterable[Judged],
+    accepts: Accepts,
+    whole_budget: bool,
+    progress: Callable[[Hunt], None],
+) -> list[float | None]:
+    """Count the runs of a generation in their order; their clearances for the search."""
+    values: list[float | None] = []
+    for one, result in zip(drawn, results, strict=True):
+        found.runs += 1
+        found.repaired += one.repaired
+        values.append(_counted(found, one.world, result, accepts))
+        if found.first is None:
+            found.first = values[-1]
+        progress(found)
+        if found.over(whole_budget):
+            break
+    return values
 
-            # it takes no single number: then another stands beside it that does nothing
-            start = np.append(point, 0.5) if self._size == 1 else point
-            self._strategy: Any = cma.CMAEvolutionStrategy(
-                np.clip(start, 0.02, 0.98).tolist(), SIGMA, self._options()
-            )
-        self._points: list[FloatArray] = []
 
-    def _options(self) -> dict[str, Any]:
-        return {
-            "bounds": [0.0, 1.0],
-            "randn": lambda *shape: self._random.standard_normal(shape),
-            "seed": math.nan,  # which leaves numpy's own generator alone
-            "verbose": -9,
-            "verb_log": 0,
-            "tolfun": FLAT,
-            "tolfunhist": FLAT,
-            "tolx": NARROW,
-            "CMA_diagonal": self._size > MOST_JOINT,
-        }
-
-    def ask(self) -> list[FloatArray]:
-        """Return a generation."""
-        with warnings.catch_warnings(), contextlib.redirect_stdout(None):
-            warnings.simplefilter("ignore")
-            if self._strategy.stop():
-                self._begin(self._random.random(self._size))
-            self._points = [np.asarray(point) for point in self._strategy.ask()]
-        return [point[: self._size] for point in self._points]
-
-    def tell(self, values: Sequence[float | None]) -> None:
-        """Learn from a whole generation; of a part of one nothing is learnt."""
-        if len(values) < len(self._points):
-            return
-        known = [WORST if value is None or not math.isfinite(value) else value for value in values]
-        with warnings.catch_warnings(), contextlib.redirect_stdout(None):
-            warnings.simplefilter("ignore")
-            self._strategy.tell([point.tolist() for point in self._points], known)
+def _counted(found: Hunt, world: World, result: Judged, accepts: Accepts) -> float | None:
+    """Clearance of a run; None where it says nothing. Only what a check accepts is kept."""
+    if result.clearance is None:
+        found.refused += result.refused
+        found.broken += not result.refused
+        found.reason = found.reason or result.reason
+        return None
+    is_worse = found.judged is None or result.clearance < (found.judged.clearance or 0.0)
+    if result.failed or is_worse:
+        reason = accepts(world)
+        if reason:
+            found.refused += 1
+            found.reason = found.reason or reason
+            return None
+    found.failures += result.failed
+    if is_worse:
+        found.world, found.judged, found.run = world, result, found.runs
+        found.history.append((found.runs, result.clearance))
+    return result.clearance

@@ -14,11 +14,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from physim.campaigns.falsify.accept import Accepts
-from physim.campaigns.falsify.evaluate import Evaluate, StoppedError, never
+from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
+from physim.campaigns.falsify.passes import PASSES, Tree, tree_of
 from physim.campaigns.falsify.robustness import Judged
-from physim.campaigns.falsify.simpler import PASSES
-from physim.campaigns.falsify.tree import Tree, tree_of
 from physim.errors import WorldError
 from physim.world import World
 
@@ -70,8 +68,8 @@ def shrink(
                 for tree in propose(found):
                     if stop():
                         raise StoppedError
-                    if _is_taken(found, tree, evaluate, accepts, most_runs):
-                        progress(found)
+                    _try(found, tree, evaluate, accepts, most_runs)
+                    progress(found)
             found.is_least = found.taken == before
     except _SpentError:
         pass
@@ -80,30 +78,27 @@ def shrink(
     return found
 
 
-def _is_taken(
-    found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_runs: int
-) -> bool:
+def _try(found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_runs: int) -> None:
     """Run a simpler world and take it if it fails in the same way."""
     key = json.dumps(tree)
     if key in found._seen:
-        return False
+        return
     found._seen.add(key)
     try:
         world = World(**tree)
     except WorldError:
-        return False
+        return
     if world == found.world:  # what was left out says what holds anyway
         found.tree = tree
-        return False
+        return
     if found.runs >= most_runs:
         raise _SpentError
     found.runs += 1
     result = next(iter(evaluate([world])))
     if not _fails_alike(result, found.judged) or accepts(world):
-        return False
+        return
     found.world, found.judged, found.tree = world, result, tree
     found.taken += 1
-    return True
 
 
 def _fails_alike(result: Judged, before: Judged) -> bool:

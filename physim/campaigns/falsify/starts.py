@@ -1,4 +1,6 @@
-"""Starts that may be: clear of walls and of one another, and what to do with those that are not."""
+"""Starts that are written down; which may be: clear of walls and of one another; what to do with
+those that are not.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,8 @@ import numpy as np
 import shapely
 
 from physim.geometry.shapes import FloatArray
+from physim.world import World
+from physim.world.layout.layout import lay_out
 from physim.world.layout.places import Occupancy
 from physim.world.scene import Layout
 
@@ -83,3 +87,17 @@ class Starts:
                     break
             standing.stand(i, found[i], float(self.gap[i]))
         return found, True
+
+
+def pinned(world: World, seed: int | None = None) -> tuple[World, Layout]:
+    """The world with each robot by itself at the pose where ``seed`` puts it, and its layout.
+
+    Without ``seed`` the world's own. Groups become robots one by one. Raises WorldError where the
+    world cannot be run.
+    """
+    laid = lay_out(world, seed)
+    robots = tuple(
+        robot.model_copy(update={"pose": tuple(pose), "start": None})
+        for robot, pose in zip(laid.world.robots, laid.start.tolist(), strict=True)
+    )
+    return laid.world.changed(robots=robots, start=None), laid

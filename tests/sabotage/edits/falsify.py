@@ -8,7 +8,7 @@ EDITS = (
     Edit(
         "falsify",
         "physim/campaigns/falsify/shrink.py",
-        "_is_taken",
+        "_try",
         "if not _fails_alike(result, found.judged) or accepts(world):",
         "if accepts(world):",
         "a simpler world is taken only where it fails when it is run",
@@ -35,7 +35,7 @@ EDITS = (
     Edit(
         "falsify",
         "physim/campaigns/falsify/shrink.py",
-        "_is_taken",
+        "_try",
         "or accepts(world)",
         "",
         "a world that a check refuses is not taken",
@@ -44,7 +44,7 @@ EDITS = (
     Edit(
         "falsify",
         "physim/campaigns/falsify/shrink.py",
-        "_is_taken",
+        "_try",
         "if found.runs >= most_runs:",
         "if False:",
         "shrinking keeps to its runs",
@@ -70,7 +70,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/hunt.py",
+        "physim/campaigns/falsify/search.py",
         "_counted",
         "if result.failed or is_worse:",
         "if False:",
@@ -80,7 +80,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/hunt.py",
+        "physim/campaigns/falsify/search.py",
         "Hunt.over",
         "(self.failed and not whole_budget)",
         "False",
@@ -98,7 +98,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/tunable.py",
+        "physim/campaigns/falsify/space.py",
         "Settings._moves",
         "and self._are_valid({one.key: one.value(moved)})",
         "",
@@ -107,7 +107,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/search.py",
+        "physim/campaigns/falsify/optimisers.py",
         "Evolution._begin",
         "np.clip(start, 0.02, 0.98).tolist()",
         "[0.1] * len(start)",
@@ -116,7 +116,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/search.py",
+        "physim/campaigns/falsify/optimisers.py",
         "Evolution._options",
         '"seed": math.nan,',
         '"seed": 1,',
@@ -125,7 +125,7 @@ EDITS = (
     ),
     Edit(
         "falsify",
-        "physim/campaigns/falsify/writing.py",
+        "physim/campaigns/falsify/results.py",
         "run_written",
         "if result != expected:",
         "if False:",

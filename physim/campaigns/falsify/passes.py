@@ -1,17 +1,63 @@
-"""Passes that propose simpler worlds: shorter runs, fewer robots and things, straighter walls.
+"""Passes of shrinking: what counts as a simpler world. Shorter runs, fewer robots and things,
+straighter walls, rounder numbers.
 
-A pass yields trees; where one is taken, the state has it when the pass goes on. A proposal may be
-no world at all: who takes it checks that.
+A pass yields trees, worlds as their files say them; where one is taken, the state has it when the
+pass goes on. A proposal may be no world at all: who takes it checks that.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
+from typing import Any, Protocol
 
-from physim.campaigns.falsify.rounder import rounder
-from physim.campaigns.falsify.tree import Place, State, Tree, at, replaced, without
+import yaml
+
+from physim.campaigns.falsify.robustness import Judged
+from physim.world import World
+
+Tree = dict[str, Any]
+Place = tuple[str | int, ...]
+"""Where in a tree something stands."""
+
+
+class State(Protocol):
+    """How far shrinking is. What a pass proposes may have been taken when it goes on."""
+
+    tree: Tree
+    judged: Judged
+
+
+def tree_of(world: World) -> Tree:
+    """Return the tree of a world of which nothing is expected but to be free of contacts."""
+    tree: Tree = yaml.safe_load(world.to_yaml())
+    tree["expect"] = {"contacts": 0}
+    tree.pop("description", None)  # it speaks of the world as it was
+    return tree
+
+
+def at(tree: Any, place: Place) -> Any:
+    """Return what stands at a place."""
+    for key in place:
+        tree = tree[key]
+    return tree
+
+
+def replaced(tree: Tree, values: Mapping[Place, Any]) -> Tree:
+    """Return a copy with other values at some places."""
+    changed = copy.deepcopy(tree)
+    for place, value in values.items():
+        at(changed, place[:-1])[place[-1]] = value
+    return changed
+
+
+def without(tree: Tree, place: Place) -> Tree:
+    """Return a copy without the key at a place."""
+    changed = copy.deepcopy(tree)
+    del at(changed, place[:-1])[place[-1]]
+    return changed
+
 
 TENTH = 0.1
 """[s] to which times are rounded up"""
@@ -20,6 +66,15 @@ OPTIONAL = (
 )  # fmt: skip
 """Keys of a world without which it may fail likewise."""
 OPTIONAL_OF_ROBOT = ("limits", "speeds", "omegas", "mass")
+DECIMALS = (0, 1, 2, 3)
+"""To which numbers are rounded, the roundest first."""
+ROUNDED = (
+    "corridor", "boundaries", "reference_path", "robots", "formation", "controller", "obstacles",
+    "sensing", "arrival", "physics",
+)  # fmt: skip
+"""Keys of a world whose numbers are rounded; the time is not."""
+KEPT = ("footprint",)
+"""Keys whose numbers stay as they are: a robot has the shape that it has."""
 
 
 def shorter(state: State) -> Iterator[Tree]:
@@ -152,6 +207,56 @@ def fewer(
                 yield made(kept)
             end = start
         size //= 2
+
+
+def rounder(state: State) -> Iterator[Tree]:
+    """Propose rounder numbers; headings may become 0, too."""
+    places = list(_numbers(state.tree, ()))
+    for group in _groups(places):
+        yield from _rounded(state, group)
+    for place in places:
+        if place[-2:] == ("pose", 2) and at(state.tree, place) != 0.0:
+            yield replaced(state.tree, {place: 0.0})
+        yield from _rounded(state, [place])
+
+
+def _groups(places: list[Place]) -> list[list[Place]]:
+    """All numbers; those of one key of the world; those of one robot; those of one key of one."""
+    groups: dict[Place, list[Place]] = {}
+    for depth in (0, 1, 2, 3):
+        for place in places:
+            if len(place) > depth:
+                groups.setdefault(place[:depth], []).append(place)
+    return [group for group in groups.values() if len(group) > 1]
+
+
+def _rounded(state: State, places: list[Place]) -> Iterator[Tree]:
+    """Round these numbers as far as can be; nothing where they are that round already."""
+    for decimals in DECIMALS:
+        tree, found = state.tree, {}
+        for place in places:
+            number = at(tree, place)
+            rounded = round(number, decimals) + 0.0  # no -0.0
+            if rounded != number:
+                found[place] = rounded
+        if not found:
+            return
+        yield replaced(tree, found)
+        if state.tree is not tree:
+            return
+
+
+def _numbers(value: Any, place: Place) -> Iterator[Place]:
+    """Where numbers with a fraction stand that may be rounded."""
+    if isinstance(value, dict):
+        for key, item in value.items():
+            if key not in KEPT and (place or key in ROUNDED):
+                yield from _numbers(item, (*place, key))
+    elif isinstance(value, list):
+        for k, item in enumerate(value):
+            yield from _numbers(item, (*place, k))
+    elif type(value) is float:
+        yield place
 
 
 Pass = Callable[[State], Iterator[Tree]]

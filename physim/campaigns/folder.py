@@ -17,7 +17,7 @@ from physim.drafts import draft_of
 from physim.errors import PhysimError
 
 CAMPAIGN, RESULTS, RECORDS, WORLDS = "campaign.json", "results.parquet", "records", "worlds"
-FORMAT = "physim-campaign"
+FORMAT, VERSION = "physim-campaign", 1
 CLAIMS = ".claims"
 
 
@@ -64,6 +64,7 @@ class Folder:
             found = json.loads((self.path / CAMPAIGN).read_text(encoding="utf-8"))
             if found["format"] != FORMAT:
                 raise ValueError("another format")
+            check_version(self.path / CAMPAIGN, found["version"], VERSION)
             cells: list[dict[str, str]] = found["cells"]
             return [{key: str(one[key]) for key in _KEYS} for one in cells]
         except FileNotFoundError:
@@ -97,7 +98,7 @@ class Folder:
         if (self.path / CAMPAIGN).exists():
             return True
         if self.path.exists() and not self.path.is_dir():
-            raise PhysimError(f"{self.path}: is a file; -o takes a folder")
+            raise PhysimError(f"{self.path}: is a file; rows take a folder")
         try:
             there = {one for one in os.listdir(self.path) if not one.startswith(".")}
         except FileNotFoundError:
@@ -105,16 +106,29 @@ class Folder:
         except OSError as error:
             raise PhysimError(f"{self.path}: cannot be read: {error.strerror}") from None
         if there - {ROWS, RECORDS, WORLDS}:  # another sweep may just be making it
-            raise PhysimError(f"{self.path}: is not empty and holds no campaign; give another -o")
+            raise PhysimError(
+                f"{self.path}: is not empty and holds no campaign; give another folder"
+            )
         return False
 
     def _describe(self, cells: list[dict[str, str]]) -> None:
         tree: dict[str, Any] = {
-            "format": FORMAT, "version": 1, "physim": __version__, "engine": engine(),
+            "format": FORMAT, "version": VERSION, "physim": __version__, "engine": engine(),
             "cells": cells,
         }  # fmt: skip
         text = json.dumps(tree, indent=1, ensure_ascii=False)
         write_whole(self.path / CAMPAIGN, text.encode())
+
+
+def check_version(file: Path, version: object, known: int) -> None:
+    """Raise PhysimError for a file of a later version, ValueError for what is no version."""
+    if not isinstance(version, int) or isinstance(version, bool) or version < 1:
+        raise ValueError(f"version: must be a whole number from 1; given: {str(version)[:40]}")
+    if version > known:
+        raise PhysimError(
+            f"{file}: has version {version}; this physim ({__version__}) reads {known}: it was "
+            "written by a later one"
+        )
 
 
 class Claims:
@@ -168,14 +182,14 @@ def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]
         if differing:
             words = ", ".join(_difference(key, one[key], other[key]) for key in differing)
             raise PhysimError(
-                f"{path}: holds a campaign of another {label[0]}: {words}; give another -o"
+                f"{path}: holds a campaign of another {label[0]}: {words}; give another folder"
             )
     if there and not (there.keys() >= wanted.keys() or there.keys() <= wanted.keys()):
         other_label = next(label for label in there if label not in wanted)
         named = ", ".join(part for part in other_label if part)
         raise PhysimError(
             f"{path}: holds another campaign (of {named}, which is not wanted here); give another "
-            "-o, or one that it is part of"
+            "folder, or one that it is part of"
         )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from physim.campaigns.folder import Folder
+from physim.campaigns.folder import Folder, check_version
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
 from physim.campaigns.processes import Stop
@@ -22,7 +22,7 @@ from physim.statistics.goal import Goal, Watch, read_goal
 
 UNTIL = "until.json"
 """File in a campaign's folder that tells its goal: reports need to know that it was looked at."""
-FORMAT = "physim-until"
+FORMAT, VERSION = "physim-until", 1
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def write_until(folder: Path, until: Until) -> None:
     """
     before = read_until(folder)
     first = until.first if before is None else min(until.first, before.first)
-    tree = {"format": FORMAT, "version": 1, "goal": str(until.goal), "first_seed": first}
+    tree = {"format": FORMAT, "version": VERSION, "goal": str(until.goal), "first_seed": first}
     write_whole(folder / UNTIL, json.dumps(tree, indent=1).encode())
 
 
@@ -134,6 +134,7 @@ def read_until(folder: Path) -> Until | None:
         found = json.loads(path.read_text(encoding="utf-8"))
         if found["format"] != FORMAT or not isinstance(found["first_seed"], int):
             raise ValueError("another format")
+        check_version(path, found["version"], VERSION)
         return Until(read_goal(str(found["goal"])), found["first_seed"])
     except FileNotFoundError:
         return None

@@ -10,11 +10,14 @@ import click
 
 from physim.cli.output import its_folder, new_file, new_json, text_stream, write_json, write_text
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import LONGEST_QUOTE, OneOf, Value, quoted
+from physim.cli.signals import INTERRUPTED
+from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
+from physim.cli.values import LONGEST_QUOTE, OneOf, Value, quoted, seed_range, whole_from
 from physim.errors import PhysimError, nearest
 
 if TYPE_CHECKING:
     from physim.campaigns.compare import Arm
+    from physim.campaigns.grid import Grid
     from physim.campaigns.outcomes import Outcomes
 
 DIMENSIONS = ["controller", "settings", "world"]
@@ -37,8 +40,24 @@ def measures(text: str) -> tuple[str, ...]:
 
 
 @command("compare", "is A better than B? differences on the same seeds")
-@click.argument("a", metavar="A", type=Path, help="folder of a campaign (physim sweep)")
+@click.argument(
+    "a", metavar="A", type=Path, help="folder of a campaign (physim sweep); with --seeds a world"
+)
 @click.argument("b", metavar="[B]", type=Path, required=False, help="another one, but with --by")
+@option(
+    "--seeds", type=Value(seed_range), metavar="A:B",
+    help="run the world A (or the worlds A and B) with the seeds A to B - 1 first, then compare",
+)  # fmt: skip
+@option("--controller", metavar="NAME,...", help="with --seeds: each of these controllers")
+@option(
+    "--set", "axes", multiple=True, metavar="KEY=V1,V2",
+    help="with --seeds: each of these values of a world (may be repeated)",
+)  # fmt: skip
+@option("--runs", type=Path, metavar="DIR", help="with --seeds: folder of rows (sweeps/WORLD)")
+@option(
+    "--workers", type=whole_from(1, 1024), metavar="N",
+    help="with --seeds: processes on this machine (as many as cores, at most 8)",
+)  # fmt: skip
 @option(
     "--by",
     type=OneOf(DIMENSIONS),
@@ -66,11 +85,17 @@ def compare(options: Options) -> int:
     test, measures (shortest_distance, finish_time, deviation, formation_error) by the sign test or
     Wilcoxon's; p values are corrected after Holm.
 
+    With --seeds the runs are made first, as physim sweep makes them, in a folder that goes on where
+    it was left; compared is what is given several of: controllers, values, or two worlds.
+
     exit codes:
       0    compared, whatever came out
       2    bad input: one message says what and where
+      130  interrupted (Ctrl-C, SIGTERM): the same command goes on
 
     examples:
+      physim compare ten_robots --seeds 1:101 --controller mode_switching,path_following
+      physim compare ten_robots --seeds 1:101 --set formation.gain=0.02,0.1 -o gains.html
       physim compare runs/study --by controller
       physim compare runs/before runs/after -o compared.html
       physim compare runs/study --by settings --only rate,finish_time --json -
@@ -84,16 +109,19 @@ def compare(options: Options) -> int:
     if options.output is not None:
         new_file(options.output, options.force)
         its_folder(options.output)
-    if (options.b is None) == (options.by is None):
-        given = "is missing" if options.b is None else "cannot be combined with B"
-        raise PhysimError(
-            f"--by: {given}; compare two folders, physim compare A B, or the cells of one, "
-            f"physim compare A --by {DIMENSIONS[0]}"
-        )
-    pairs = by(outcomes(options.a), options.by) if options.by else _two(options.a, options.b)
+    _check(options)
+    if options.seeds is not None:
+        made = _made(options)
+        if made is None:
+            return INTERRUPTED
+        pairs, name = made
+    elif options.by:
+        pairs, name = by(outcomes(options.a), options.by), f"{options.a}, by {options.by}"
+    else:
+        pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
     found = compared(pairs, options.only or USUAL, options.test)
-    name = f"{options.a}, by {options.by}" if options.by else f"{options.a} and {options.b}"
-    looked = any(_looked_at(folder) for folder in (options.a, options.b) if folder is not None)
+    folders = () if options.seeds is not None else (options.a, options.b)
+    looked = any(_looked_at(folder) for folder in folders if folder is not None)
     if options.output is not None:
         page = comparison_page(found, options.test, name, looked)
         write_text(options.output, page)
@@ -106,6 +134,75 @@ def compare(options: Options) -> int:
         if options.output is not None:
             stream.write(f"written to {options.output}\n")
     return 0
+
+
+def _check(options: Options) -> None:
+    """Raise PhysimError for options that do not go together."""
+    if options.seeds is not None:
+        if options.by is not None and options.b is not None and options.by != "world":
+            raise PhysimError("--by: two worlds are compared by world")
+        return
+    given = {"--controller": options.controller, "--set": options.axes, "--runs": options.runs,
+             "--workers": options.workers}  # fmt: skip
+    for one, value in given.items():
+        if value:
+            raise PhysimError(f"{one}: needs --seeds A:B, the seeds to run")
+    if (options.b is None) == (options.by is None):
+        given_words = "is missing" if options.b is None else "cannot be combined with B"
+        raise PhysimError(
+            f"--by: {given_words}; compare two folders, physim compare A B, the cells of one, "
+            f"physim compare A --by {DIMENSIONS[0]}, or run a world for it, physim compare WORLD "
+            "--seeds A:B --controller X,Y"
+        )
+
+
+def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
+    """Make the runs, and what of them is to be compared; None when that was interrupted."""
+    from physim.campaigns.compare import by
+    from physim.campaigns.grid import make_grid
+    from physim.campaigns.outcomes import CELL
+
+    worlds = tuple(str(one) for one in (options.a, options.b) if one is not None)
+    names = names_of(options.controller)
+    grid = make_grid(worlds, range(*options.seeds), options.axes, names)
+    several = [
+        name
+        for name, values in zip(
+            CELL,
+            zip(*(cell.label for cell in grid.cells), strict=True), strict=True,
+        )
+        if len(set(values)) > 1
+    ]  # fmt: skip
+    if options.by is None and len(several) != 1:
+        what = f"{' and '.join(several)} differ: give --by" if several else "nothing to compare"
+        raise PhysimError(
+            f"{' '.join(worlds)}: {what}; compared are several --controller X,Y, --set KEY=V1,V2, "
+            "or two worlds"
+        )
+    dimension = options.by or several[0]
+    if dimension not in several:
+        raise PhysimError(f"--by {dimension}: there is only one")
+    folder = options.runs or usual_folder(worlds)
+    tell_fixed(grid, options.quiet)
+    tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
+    if tally.interrupted:
+        return None
+    return by(_part(folder, grid), dimension), f"{', '.join(worlds)}, by {dimension}"
+
+
+def _part(folder: Path, grid: Grid) -> Outcomes:
+    """Rows of the runs of a grid; the folder may have others."""
+    import pyarrow as pa
+
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.rows import read
+
+    table = read(folder)
+    columns = (
+        table[name].to_pylist() for name in ("world", "settings", "controller", "seed", "run")
+    )
+    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
+    return Outcomes(table.filter(pa.array(mine, pa.bool_())))
 
 
 def outcomes(folder: Path) -> Outcomes:

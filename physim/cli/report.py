@@ -39,7 +39,7 @@ PAGE = "report.html"
     help="a class of yours that runs of DIR had, so that they can be run again for their pictures: "
     "code is only run when named (may be repeated)",
 )  # fmt: skip
-@flag("--force", "overwrite an existing FILE")
+@flag("--force", "overwrite an existing FILE, or a DIR/report.html of another kind")
 @flag("--quiet", "print no table")  # fmt: skip
 def report(options: Options) -> int:
     """Report a campaign as a table and as one page of HTML: for each world, settings and
@@ -63,6 +63,7 @@ def report(options: Options) -> int:
     from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.report.contents import report_of
+    from physim.campaigns.report.markup import is_ours
     from physim.campaigns.report.page import report_page
     from physim.campaigns.report.pictures import pictures, remake
     from physim.campaigns.report.text import report_text, report_values
@@ -77,6 +78,8 @@ def report(options: Options) -> int:
         its_folder(page)
     Folder(folder).cells()
     regular(page)
+    if page.exists() and not is_ours(page):
+        new_file(page, options.force)
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
     found = report_of(Outcomes(read(folder)), str(folder), goal, first)

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import json
-import shlex
-import sys
-from concurrent.futures import Executor
-from contextlib import AbstractContextManager
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
+from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
 from physim.cli.values import OneOf, Value, number_from, seed_range, whole_from
-from physim.errors import PhysimError, plural
+from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
@@ -25,8 +20,6 @@ if TYPE_CHECKING:
     from physim.campaigns.sweep import Tally
     from physim.statistics.goal import Decision, Goal
 
-COMPILING = 30
-"""[s] about, for all that runs need"""
 MOST_SHARDS = 100_000
 
 
@@ -120,54 +113,32 @@ def sweep(options: Options) -> int:
         raise PhysimError("--workers: cannot be combined with --scheduler, which has its own")
     _check_goal(options)
     grid = _grid(options)
-    folder = options.output or _usual_folder(options.worlds)
-    for line in grid.warnings:
-        print(f"WARNING  {line}", file=sys.stderr)
-    if options.seeds is not None:
-        for k in sorted(grid.fixed):
-            cell = grid.cells[k]
-            changed = f" with {cell.settings}" if cell.settings else ""
-            _say(f"Nothing in {cell.world}{changed} is random: it is run once.", options)
-    tally, decisions = _run(grid, folder, options)
+    folder = options.output or usual_folder(options.worlds)
+    tell_fixed(grid, options.quiet)
+    tally, decisions = run_grid(
+        grid, folder, workers=options.workers, scheduler=options.scheduler, until=options.until,
+        keep=options.keep, retry=options.retry, quiet=options.quiet,
+    )  # fmt: skip
+    if options.json or not options.quiet:
+        _tell(grid, folder, tally, decisions, options)
+    return INTERRUPTED if tally.interrupted else 0
+
+
+def _tell(
+    grid: Grid, folder: Path, tally: Tally, decisions: dict[Label, Decision], options: Options
+) -> None:
+    """Print what came of it: counts of each cell, and the runs to look at."""
+    from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.report.sweep_text import sweep_text, sweep_values
+    from physim.campaigns.rows import read
+
+    labels, found = [cell.label for cell in grid.cells], Outcomes(read(folder))
     if options.json:
-        print(json.dumps(_as_json(folder, grid, tally, decisions), indent=2))
-    elif not options.quiet:
-        print(_text(folder, grid, tally), end="")
-        for label, one in decisions.items():
-            print(f"{', '.join(filter(None, label))}: {_decided(one, options.until)}")
-    if tally.interrupted:
-        left = tally.asked - tally.known
-        print(
-            f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done, {left:,} to go; "
-            f"the same command goes on ({folder})", file=sys.stderr,
-        )  # fmt: skip
-        return INTERRUPTED
-    return 0
-
-
-def _run(grid: Grid, folder: Path, options: Options) -> tuple[Tally, dict[Label, Decision]]:
-    """Do all runs, or until the goal is decided: then what it came to in each cell."""
-    from physim.campaigns.executors import executor
-    from physim.campaigns.sweep import sweep as run_all
-    from physim.campaigns.until import sweep_until
-
-    def workers() -> AbstractContextManager[Executor]:
-        return executor(options.workers, options.scheduler)
-
-    with interrupts() as interrupt, Bar("sweep", len(grid), "runs", options.quiet) as bar:
-        how: dict[str, Any] = {
-            "keep": options.keep, "retry": options.retry, "stop": interrupt,
-            "progress": lambda now: bar.count(now.known, now.asked, now.note),
-        }  # fmt: skip
-        if options.until is not None:
-            if options.scheduler is None:
-                _warm_up(options)
-            tally, watches = sweep_until(grid, folder, workers, options.until, **how)
-            return tally, {label: watch.decision for label, watch in watches.items()}
-        with workers() as team:
-            if options.scheduler is None:
-                _warm_up(options)
-            return run_all(grid, folder, team, **how), {}
+        print(json.dumps(sweep_values(folder, found, labels, tally, decisions), indent=2))
+        return
+    print(sweep_text(folder, found, labels, tally), end="")
+    for label, one in decisions.items():
+        print(f"{', '.join(filter(None, label))}: {_decided(one, options.until)}")
 
 
 def _check_goal(options: Options) -> None:
@@ -191,95 +162,8 @@ def _decided(one: Decision, goal: Goal) -> str:
 def _grid(options: Options) -> Grid:
     from physim.campaigns.grid import MOST_RUNS, Shard, make_grid
 
-    given = (options.controller or "").split(",") if options.controller is not None else []
-    if "" in (names := [name.strip() for name in given]):
-        raise PhysimError("--controller: a name is missing between its commas")
     return make_grid(
         options.worlds, None if options.seeds is None else range(*options.seeds), options.axes,
-        names, options.limit, Shard(*options.shard), None if options.yes else MOST_RUNS,
+        names_of(options.controller), options.limit, Shard(*options.shard),
+        None if options.yes else MOST_RUNS,
     )  # fmt: skip
-
-
-def _usual_folder(worlds: tuple[str, ...]) -> Path:
-    """``sweeps/`` and the names of the worlds."""
-    stems = list(dict.fromkeys(Path(one).stem for one in worlds))
-    name = "+".join(stems) if len(stems) <= 3 else f"{stems[0]}+{len(stems) - 1}"
-    return Path("sweeps") / name
-
-
-def _warm_up(options: Options) -> None:
-    """Compile the kernels once, before workers would each do so."""
-    from physim.campaigns.one_run import ready
-    from physim.simulation.run import is_warm
-
-    if not is_warm():
-        announce_compiling("controller and distances", COMPILING, options.quiet)
-        ready()
-
-
-def _say(text: str, options: Options) -> None:
-    if not options.quiet:
-        print(text, file=sys.stderr, flush=True)
-
-
-def _counts(folder: Path, grid: Grid) -> list[dict[str, Any]]:
-    """What came of every cell, with all rows that the folder has of it."""
-    from physim.campaigns.rows import FAILED, Shards
-
-    found = {(one.world, one.settings, one.controller): _none(one) for one in grid.cells}
-    for row in Shards(folder).read():
-        count = found.get((row.world, row.settings, row.controller))
-        if count is not None:
-            count["runs"] += 1
-            count["contact_free"] += row.contact_free
-            count["finished"] += row.ended == "finished"
-            count["failed"] += row.failed
-            if row.ended in FAILED:
-                count[row.ended] += 1
-    return list(found.values())
-
-
-def _none(cell: Any) -> dict[str, Any]:
-    labels = {"world": cell.world, "settings": cell.settings, "controller": cell.controller}
-    counts = ("runs", "contact_free", "finished", "failed", "error", "timeout", "killed")
-    return {**labels, **dict.fromkeys(counts, 0)}
-
-
-def _as_json(
-    folder: Path, grid: Grid, tally: Tally, decisions: dict[Label, Decision]
-) -> dict[str, Any]:
-    cells = _counts(folder, grid)
-    for one in cells:
-        found = decisions.get((one["world"], one["settings"], one["controller"]))
-        one["decision"] = None if found is None else asdict(found)
-    return {
-        "format": "physim-sweep",
-        "version": 1,
-        "folder": str(folder),
-        "asked": tally.asked,
-        "there_before": tally.before,
-        "run_now": tally.done,
-        "run_elsewhere_meanwhile": tally.elsewhere,
-        "interrupted": tally.interrupted,
-        "cells": cells,
-    }
-
-
-def _text(folder: Path, grid: Grid, tally: Tally) -> str:
-    """A line for each cell, and where the rows are."""
-    lines = []
-    counts = _counts(folder, grid)
-    for one in counts:
-        label = ", ".join(one[key] for key in ("world", "settings", "controller") if one[key])
-        reasons = [f"{one[key]} {key}" for key in ("error", "timeout", "killed") if one[key]]
-        failed = f", {one['failed']} failed ({', '.join(reasons)})" if one["failed"] else ""
-        lines.append(
-            f"{label}: {plural(one['runs'], 'run')}, {one['contact_free']} contact-free, "
-            f"{one['finished']} finished{failed}"
-        )
-    before = f" ({tally.before} were there before)" if tally.before else ""
-    where = shlex.quote(str(folder))
-    lines.append(f"{plural(tally.known, 'run')}{before}; rows in {folder}/results.parquet")
-    if any(one["contact_free"] < one["runs"] for one in counts):
-        lines.append(f"one of them watched: physim replay {where}:ROW")
-    return "\n".join(lines) + "\n"

@@ -135,6 +135,20 @@ def test_what_is_not_random_is_run_once(here: Path, capsys: pytest.CaptureFixtur
     assert "runs/s" not in done.err  # no bar in a pipe
 
 
+def test_a_name_leads_nowhere(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = tree(here)
+    (here / "a/b").mkdir(parents=True)
+    monkeypatch.chdir(here / "a/b")
+    wanted = ("sweep", "../../fixed.yaml", "--set", "name=../../x,/x,..", "--keep", "all")
+    assert physim(*wanted, capture=capsys).code == 0
+    assert len(rows_in(here / "a/b/sweeps/fixed")) == 3
+    assert {
+        name: what for name, what in tree(here).items() if name.partition("/")[0] != "a"
+    } == before
+
+
 def test_a_controller_of_ones_own_and_what_fails(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

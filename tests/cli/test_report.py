@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from physim.campaigns.rows import read
 from physim.campaigns.until import Until, write_until
 from physim.record import Record
 from physim.statistics.goal import read_goal
-from tests.campaigns.real import campaign
+from tests.campaigns.real import WORLD, campaign
 from tests.campaigns.test_report import Elements
 from tests.cli.commands import physim
 from tests.says import check_error
@@ -71,7 +73,6 @@ def test_the_worst_lead_to_pages_at_their_moments(
 def test_a_still_is_of_the_run_of_its_row(made: Path, tmp_path: Path, monkeypatch: Any) -> None:
     """The record that is drawn has the distance that the row tells."""
     from physim.campaigns.report import pictures
-    from physim.campaigns.rows import read
 
     drawn: list[float] = []
     monkeypatch.setattr(
@@ -162,6 +163,44 @@ def test_compare_writes_a_page_and_values(
     assert "least distance" not in done.out
 
 
+def test_a_page_of_ones_own_is_overwritten_by_force_alone(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = tmp_path / "c"
+    shutil.copytree(made, place)
+    page = place / "report.html"
+    page.write_text("<html>my thesis", encoding="utf-8")
+    assert physim("report", place, "--no-pictures", capture=capsys).code == 2
+    assert page.read_text(encoding="utf-8") == "<html>my thesis"
+    assert physim("report", place, "--no-pictures", "--force", capture=capsys).code == 0
+    assert "path_following" in Elements(page.read_text(encoding="utf-8")).said
+    assert physim("report", place, "--no-pictures", capture=capsys).code == 0
+
+
+def test_compare_runs_what_it_compares(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(WORLD, encoding="utf-8")
+    common = ("small.yaml", "--seeds", "1:4", "--workers", "1")
+    two = ("--controller", "mode_switching,path_following")
+    assert (
+        physim("sweep", "small.yaml", "--seeds", "0:6", "--workers", "1", capture=capsys).code == 0
+    )
+    done = physim("compare", *common, *two, "--json", "-", "--quiet", capture=capsys)
+    assert done.code == 0
+    (found,) = json.loads(done.out)["comparisons"]
+    assert found["seeds"] == 3  # the folder has more
+    assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
+    assert physim("compare", *common, *two, capture=capsys).code == 0
+    assert read(tmp_path / "sweeps/small").num_rows == 6 + 3
+    axes = ("--set", "time.duration=0.5,1.0", "--runs", "other")
+    done = physim("compare", *common, *axes, "-o", "c.html", capture=capsys)
+    assert done.code == 0
+    assert "time.duration=0.5" in Elements((tmp_path / "c.html").read_text(encoding="utf-8")).said
+    assert physim("compare", *common, *axes, *two, capture=capsys).code == 2  # by which?
+
+
 def test_mistakes(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -169,6 +208,11 @@ def test_mistakes(
     (tmp_path / "there.html").touch()
     (tmp_path / "odd").mkdir()
     (tmp_path / "odd" / "campaign.json").write_text("{", encoding="utf-8")
+    for name, version in (("later", 2), ("foreign", 1)):
+        (tmp_path / name / "rows").mkdir(parents=True)
+        tree = {**json.loads((made / "campaign.json").read_text()), "version": version}
+        (tmp_path / name / "campaign.json").write_text(json.dumps(tree), encoding="utf-8")
+    (tmp_path / "foreign/report.html").write_text("<html>my thesis", encoding="utf-8")
     mistakes: dict[tuple[object, ...], tuple[str, ...]] = {
         ("report", "none"): ("none:", "campaign", "physim sweep"),
         ("report", "odd"): ("odd/campaign.json:",),
@@ -177,6 +221,12 @@ def test_mistakes(
         ("report", made, "--json", "there.html"): ("there.html:", "exists"),
         ("compare", "none", "--by", "world"): ("none:", "campaign"),
         ("compare", made): ("--by:", "missing", "physim compare A B"),
+        ("compare", made, "--controller", "constant"): ("--controller:", "--seeds"),
+        ("compare", made, "--set", "a=1"): ("--set:", "--seeds"),
+        ("compare", "three_robots", "--seeds", "0:2"): ("three_robots:", "--controller", "--set"),
+        ("compare", "three_robots", "--seeds", "0:2", "--by", "world"): ("--by world:",),
+        ("report", "later"): ("later/campaign.json:", "2", "1"),
+        ("report", "foreign"): ("foreign/report.html:", "exists", "--force"),
         ("compare", made, made, "--by", "world"): ("--by:", "B"),
         ("compare", made, "--by", "world"): ("--by world:", "small"),
         ("compare", made, "--by", "word"): ("--by word:", "controller, settings, world", '"world"'),

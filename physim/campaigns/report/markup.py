@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import html
+from pathlib import Path
 
 from physim.drawing.page.bundle import still_policy
 from physim.drawing.page.colours import styles
 from physim.escaping import escaped
 
+GENERATOR = "physim report"
+"""By which a page is known to be one of these."""
+
 
 def text(value: object) -> str:
     """What comes from a file, as text of a page or as a value within quotes: nothing in it acts."""
     return html.escape(escaped(str(value)), quote=True)
+
+
+def is_ours(file: Path) -> bool:
+    """Whether a file is a page that was written here."""
+    try:
+        with open(file, "rb") as stream:
+            return f'<meta name="generator" content="{GENERATOR}">'.encode() in stream.read(1000)
+    except OSError:
+        return False
 
 
 def code(value: object) -> str:
@@ -26,6 +39,7 @@ def page(title: str, body: str) -> str:
 <html lang="en">
 <head>
 <meta charset="utf-8">
+<meta name="generator" content="{GENERATOR}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy" content="{still_policy(css)}">
 <title>{text(title)}</title>

@@ -1,0 +1,107 @@
+"""Sweeps for commands: workers, progress, Ctrl-C."""
+
+from __future__ import annotations
+
+import sys
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from physim.cli.progress import Bar, announce_compiling, interrupts
+from physim.errors import plural
+
+if TYPE_CHECKING:
+    from physim.campaigns.grid import Grid
+    from physim.campaigns.spec import Label
+    from physim.campaigns.sweep import Tally
+    from physim.statistics.goal import Decision, Goal
+
+COMPILING = 30
+"""[s] about, for all that runs need"""
+
+
+def run_grid(
+    grid: Grid,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    until: Goal | None = None,
+    keep: str = "none",
+    retry: bool = False,
+    quiet: bool = False,
+) -> tuple[Tally, dict[Label, Decision]]:
+    """Do all runs, or until the goal is decided: then what it came to in each cell.
+
+    An interrupted sweep says on standard error what is done, whatever ``quiet`` is.
+    """
+    from physim.campaigns.executors import executor
+    from physim.campaigns.sweep import sweep
+    from physim.campaigns.until import sweep_until
+
+    def team() -> AbstractContextManager[Executor]:
+        return executor(workers, scheduler)
+
+    decisions: dict[Label, Decision] = {}
+    with interrupts() as interrupt, Bar("sweep", len(grid), "runs", quiet) as bar:
+        how: dict[str, Any] = {
+            "keep": keep, "retry": retry, "stop": interrupt,
+            "progress": lambda now: bar.count(now.known, now.asked, now.note),
+        }  # fmt: skip
+        if until is not None:
+            if scheduler is None:
+                _warm_up(quiet)
+            tally, watches = sweep_until(grid, folder, team, until, **how)
+            decisions = {label: watch.decision for label, watch in watches.items()}
+        else:
+            with team() as members:
+                if scheduler is None:
+                    _warm_up(quiet)
+                tally = sweep(grid, folder, members, **how)
+    if tally.interrupted:
+        left = tally.asked - tally.known
+        print(
+            f"interrupted: {tally.known:,} of {plural(tally.asked, 'run')} done, {left:,} to go; "
+            f"the same command goes on ({folder})", file=sys.stderr,
+        )  # fmt: skip
+    return tally, decisions
+
+
+def names_of(text: str | None) -> list[str]:
+    """Names of ``NAME,...``; none where it was not given. Raises PhysimError for an empty one."""
+    from physim.errors import PhysimError
+
+    names = [] if text is None else [name.strip() for name in text.split(",")]
+    if "" in names:
+        raise PhysimError("--controller: a name is missing between its commas")
+    return names
+
+
+def usual_folder(worlds: tuple[str, ...]) -> Path:
+    """``sweeps/`` and the names of the worlds."""
+    stems = list(dict.fromkeys(Path(one).stem for one in worlds))
+    name = "+".join(stems) if len(stems) <= 3 else f"{stems[0]}+{len(stems) - 1}"
+    return Path("sweeps") / name
+
+
+def tell_fixed(grid: Grid, quiet: bool) -> None:
+    """Say what is to be noted of the worlds, and in which nothing is random."""
+    for line in grid.warnings:
+        print(f"WARNING  {line}", file=sys.stderr)
+    if grid.seeds is None or quiet:
+        return
+    for k in sorted(grid.fixed):
+        cell = grid.cells[k]
+        changed = f" with {cell.settings}" if cell.settings else ""
+        print(f"Nothing in {cell.world}{changed} is random: it is run once.", file=sys.stderr)
+
+
+def _warm_up(quiet: bool) -> None:
+    """Compile the kernels once, before workers would each do so."""
+    from physim.campaigns.one_run import ready
+    from physim.simulation.run import is_warm
+
+    if not is_warm():
+        announce_compiling("controller and distances", COMPILING, quiet)
+        ready()

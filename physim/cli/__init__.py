@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from physim.cli.signals import INTERRUPTED, Break, breaks
-from physim.cli.streams import gates, silence, without_warnings
+from physim.cli.streams import failed_at, gates, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""
@@ -49,9 +49,13 @@ def _with_streams(arguments: Sequence[str] | None, broken: Break) -> int:
             code = _main(arguments, broken)
         finally:
             sys.stdout.flush()
-    except BrokenPipeError:  # the reader has gone; say nothing more
-        silence(sys.stdout)
     except OSError as error:
+        is_output = failed_at(sys.stdout, error)
+        if is_output and isinstance(error, BrokenPipeError):  # the reader has gone; say no more
+            silence(sys.stdout)
+            return code
+        if isinstance(error, BrokenPipeError) or (broken.came and not is_output):
+            raise  # the pipe of a worker: what broke it off is told
         if error.filename is None and error.errno not in UNWRITTEN:
             raise
         silence(sys.stdout)

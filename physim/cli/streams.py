@@ -56,13 +56,16 @@ class Gate(io.TextIOBase):
 
     def __init__(self, stream: TextIO, forgiving: bool = False, escapes: bool = True) -> None:
         self._stream, self._forgiving, self._escapes = stream, forgiving, escapes
+        self.failed: OSError | None = None
+        """why the stream took nothing more, as it was raised"""
 
     def write(self, text: str) -> int:
         """Write a text, escaped."""
         encoding = getattr(self._stream, "encoding", None)
         try:
             self._stream.write(escaped_lines(text, encoding) if self._escapes else text)
-        except OSError:
+        except OSError as error:
+            self.failed = error
             if not self._forgiving:
                 raise
             silence(self._stream)
@@ -72,7 +75,8 @@ class Gate(io.TextIOBase):
         """Pass on what was written."""
         try:
             self._stream.flush()
-        except OSError:
+        except OSError as error:
+            self.failed = error
             if not self._forgiving:
                 raise
             silence(self._stream)
@@ -98,6 +102,11 @@ class Gate(io.TextIOBase):
     def unescaped(self) -> TextIO:
         """The same stream without escapes."""
         return cast(TextIO, Gate(self._stream, self._forgiving, escapes=False))
+
+
+def failed_at(stream: TextIO, error: OSError) -> bool:
+    """Whether an error is that of writing to a stream, and not one of another file or pipe."""
+    return getattr(stream, "failed", None) is error
 
 
 def silence(stream: TextIO) -> None:

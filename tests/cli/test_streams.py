@@ -5,13 +5,16 @@ from __future__ import annotations
 import errno
 import io
 import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from physim.cli import main
+from physim.cli import FAULT, INTERRUPTED, main
 from tests.cli.commands import command, environment, shell
 from tests.records import make_record
 from tests.says import check_error
@@ -96,3 +99,32 @@ def test_errors_begin_with_their_place(tmp_path: Path) -> None:
         done = shell(*arguments, folder=tmp_path)
         assert done.code == 2
         assert all(line.startswith(begin) for line in done.err.splitlines()), done.err
+
+
+def breaks_a_pipe(interrupted: bool) -> Callable[[object], int]:
+    """A command whose worker's pipe breaks, of itself or because a signal broke off the writing."""
+
+    def command(_: object) -> int:
+        try:
+            if interrupted:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(5.0)
+        except KeyboardInterrupt:
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE)) from None
+        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+    return command
+
+
+@pytest.mark.parametrize(("interrupted", "code"), [(True, INTERRUPTED), (False, FAULT)])
+def test_a_broken_pipe_to_a_worker_is_not_taken_for_an_output_that_nobody_reads(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    interrupted: bool,
+    code: int,
+) -> None:
+    monkeypatch.setattr("physim.cli.parser.run_command", breaks_a_pipe(interrupted))
+    assert main(["list"]) == code
+    told = capsys.readouterr().err
+    assert (told == "interrupted\n") == interrupted
+    assert ("Broken pipe" in told) != interrupted

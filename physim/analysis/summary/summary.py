@@ -22,7 +22,9 @@ from physim.analysis.metrics import (
     deep_contacts,
     grazes,
     measured,
+    shortest_boundary_distance,
 )
+from physim.analysis.metrics.walls import near_wall, touched_wall
 from physim.escaping import html_table
 from physim.record import Record
 from physim.record.setup import Setup
@@ -53,6 +55,12 @@ class Contacts:
     """[N s] largest impulse in the first sample of an episode"""
     episodes: tuple[Episode, ...]
     """every one, in the order of their beginning"""
+    places: tuple[str, ...]
+    """where along a wall each of the first `MOST_PLACED` episodes began; empty between robots"""
+
+
+MOST_PLACED = 20
+"""Episodes of contact whose place along a wall is looked up."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -90,6 +98,8 @@ class Summary:
     """of each robot"""
     modes: tuple[str, ...]
     """words of the modes that the controller declares"""
+    nearest_wall: str
+    """where along its wall the shortest boundary distance was; empty where that is not known"""
     robot_steps: int
     """of the whole run"""
     expectations: tuple[Held, ...]
@@ -204,7 +214,12 @@ class Summary:
             }
             for e in self.contacts.episodes
         ]
-        return {**vars(self.contacts), "episodes": episodes}
+        for episode, where in zip(episodes, self.contacts.places, strict=False):
+            if where:
+                episode["where"] = where
+        found = {**vars(self.contacts), "episodes": episodes}
+        del found["places"]
+        return found
 
     def _absent(self, one: Absent) -> dict[str, Any]:
         name = self.bodies[one.robot]
@@ -260,20 +275,28 @@ def summarise(record: Record) -> Summary:
         metrics=found,
         metric_faults=faults,
         not_arrived=absent(record),
-        contacts=_contacts(contact_episodes(record)) if recorded else None,
+        contacts=_contacts(record, contact_episodes(record)) if recorded else None,
         grazes=grazes(record),
         deep_contacts=deep_contacts(record),
         no_safe_area=None if record.safe else record.safe_distance or None,
         rejected_contacts=record.rejected_contacts,
         danger=danger_shares(record),
         modes=tuple(str(mode) for mode in record.modes),
+        nearest_wall=_nearest_wall(record),
         robot_steps=record.steps_run * record.robots,
         expectations=tuple(expectations(record)),
         wall_clock=record.wall_clock,
     )
 
 
-def _contacts(episodes: Sequence[Episode]) -> Contacts:
+def _nearest_wall(record: Record) -> str:
+    found = shortest_boundary_distance(record)
+    return (
+        "" if found is None or found.b is None else near_wall(record, found.a, found.b, found.step)
+    )
+
+
+def _contacts(record: Record, episodes: Sequence[Episode]) -> Contacts:
     robots = sum(episode.robots for episode in episodes)
     return Contacts(
         count=len(episodes),
@@ -283,6 +306,7 @@ def _contacts(episodes: Sequence[Episode]) -> Contacts:
         max_depth_m=max((episode.depth for episode in episodes), default=None),
         max_impact_newton_seconds=max((episode.impact for episode in episodes), default=None),
         episodes=tuple(episodes),
+        places=tuple(touched_wall(record, episode) for episode in episodes[:MOST_PLACED]),
     )
 
 

@@ -45,7 +45,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         *_contact_rows(s),
         *_graze_rows(s),
         ("shortest distance", _metric_text(s, "shortest_distance", 4)),
-        ("shortest boundary distance", _metric_text(s, "shortest_boundary_distance", 4)),
+        ("shortest boundary distance", _wall_text(s)),
         ("shortest collision time", _metric_text(s, "shortest_collision_time", 3, no_time)),
         ("farthest pair", _metric_text(s, "farthest_distance", 2)),
         ("formation error, peak", _metric_text(s, "formation_error_peak", 2)),
@@ -102,10 +102,11 @@ def _contact_rows(summary: Summary) -> list[tuple[str, str]]:
     rows = [
         (
             f"  {e.time:.2f} s",
-            f"{summary.bodies[e.a]} and {summary.bodies[e.b]}, {e.samples * summary.dt:.2f} s "
-            f"long, {1e3 * e.depth:.1f} mm deep, impact {e.impact:.1f} N s",
+            f"{summary.bodies[e.a]} and {summary.bodies[e.b]}{where and f' {where}'}, "
+            f"{e.samples * summary.dt:.2f} s long, {1e3 * e.depth:.1f} mm deep, "
+            f"impact {e.impact:.1f} N s",
         )
-        for e in contacts.episodes[:SHOWN_CONTACTS]
+        for e, where in zip(contacts.episodes[:SHOWN_CONTACTS], contacts.places, strict=False)
     ]
     return [*rows, *_more(contacts.count - len(rows))]
 
@@ -175,6 +176,13 @@ def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") ->
     elif metric.station is not None:
         where = f"path of {where} at {metric.station:.1f} m"
     return f"{metric.value:.{digits}f} {metric.unit} ({where})"
+
+
+def _wall_text(summary: Summary) -> str:
+    """Shortest boundary distance, and where along the wall it was."""
+    said = _metric_text(summary, "shortest_boundary_distance", 4)
+    where = summary.nearest_wall
+    return said if not where or not said.endswith(")") else f"{said[:-1]}, {where})"
 
 
 def _decisions_text(summary: Summary) -> str:

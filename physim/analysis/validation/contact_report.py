@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from physim.analysis.metrics import Episode, Severity, contact_episodes, masses, severity
 from physim.analysis.metrics.contacts import first_row
+from physim.analysis.metrics.walls import along_wall
 from physim.analysis.validation.analytic_contacts import AnalyticContacts
 from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.prediction import Prediction, Predictor
@@ -61,6 +62,8 @@ class ContactReport:
     the moment; None where earlier decisions were not looked at"""
     responsible: tuple[int, ...]
     """robots that were responsible; a third one where it pushed one of the two"""
+    along: str
+    """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,8 @@ class SweptContactReport:
     """the robots, a first"""
     responsible: tuple[int, ...]
     """robots that were responsible; a third one where it pushed one of the two"""
+    along: str
+    """where along a wall, `physim.analysis.metrics.walls.along_wall`; empty between robots"""
 
 
 def swept_contact_reports(record: Record, table: DecisionTable) -> tuple[SweptContactReport, ...]:
@@ -91,8 +96,9 @@ def swept_contact_reports(record: Record, table: DecisionTable) -> tuple[SweptCo
         x, y, nx, ny, depth = (float(row[key]) for key in ("x", "y", "nx", "ny", "depth"))
         sides, charged = robots_in_contact(record, table, Touch(a, b, step, (x, y), (nx, ny)))
         reports.append(
-            SweptContactReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides, charged)
-        )
+            SweptContactReport(a, b, step * record.dt, (x, y), (nx, ny), depth, sides, charged,
+                               along_wall(record, b, (x, y)))
+        )  # fmt: skip
     return tuple(reports)
 
 
@@ -156,7 +162,7 @@ def _report(
         ),
         normal, impact, episode.depth, episode.samples * record.dt,
         step + episode.samples >= record.samples, float(row["impulse"]), episode.impulse,
-        sides, busy, prediction, _warning(prediction), charged,
+        sides, busy, prediction, _warning(prediction), charged, along_wall(record, b, point),
     )  # fmt: skip
 
 

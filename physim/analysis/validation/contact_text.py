@@ -37,6 +37,7 @@ def _sentences(validation: Validation) -> list[str]:
     if not validation.contacts:
         nearest = [
             f"{names[one.a]} and {names[one.b]} {_came(one.value)} at {one.time:.2f} s"
+            f"{one.along and f', {one.along}'}"
             for one in (near.smallest_robots, near.smallest_boundary)
             if one is not None
         ]
@@ -156,7 +157,7 @@ def paragraph(
         (
             "where",
             f"({one.place[0]:.3f}, {one.place[1]:.3f}) m, "
-            f"{one.station:.2f} m along the reference path",
+            f"{one.station:.2f} m along the reference path{_along(one)}",
         ),
         (
             "contact",
@@ -169,6 +170,12 @@ def paragraph(
         ("finding", describe_cause(one, names)),
     ]
     return [*items, ("note", before)] if before else items
+
+
+def _along(one: ContactReport) -> str:
+    """The stretch of the boundary as the file has it; empty elsewhere."""
+    _, comma, stretch = one.along.rpartition("), ")
+    return f"; {stretch}" if comma else ""
 
 
 def _severity(one: ContactReport, names: list[str]) -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.metrics import contact_episodes, grazes
+from physim.analysis.metrics.walls import near_wall
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
@@ -53,6 +54,8 @@ class NearMiss:
     """[m] or [s]"""
     behind: int | None = None
     """robot that was behind along s*, and so had to consider the other; None for a boundary"""
+    along: str = ""
+    """where along a wall it was nearest then; empty between robots"""
 
 
 @dataclass(frozen=True)
@@ -92,9 +95,9 @@ def near_misses(
 
 
 def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:
-    """Say which of two robots was behind; equal stations: the higher index."""
+    """Say which of two robots was behind (equal stations: the higher index), or where a wall is."""
     if one.b >= table.record.robots:
-        return one
+        return replace(one, along=near_wall(table.record, one.a, one.b, one.step))
     ahead = table.reference_station(one.a, one.step) >= table.reference_station(one.b, one.step)
     return replace(one, behind=one.b if ahead else one.a)
 
@@ -107,7 +110,9 @@ def _least(record: Record, exact: Exact, columns: tuple[str, str, str]) -> NearM
     if row[other] < 0:
         return None
     at = int(row[step])
-    return NearMiss(who, int(row[other]), at, at * record.dt, float(row[value]))
+    body = int(row[other])
+    along = near_wall(record, who, body, at)
+    return NearMiss(who, body, at, at * record.dt, float(row[value]), along=along)
 
 
 @compiled

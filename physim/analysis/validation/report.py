@@ -250,7 +250,9 @@ def _near_rows(
     names = validation.names
     lines = []
     for one in some:
-        duty = "" if one.behind is None else f" ({names[one.behind]} had to give way)"
+        duty = one.along and f" {one.along}"
+        if one.behind is not None:
+            duty = f" ({names[one.behind]} had to give way)"
         lines.append(
             f"    {one.value:8.{digits}f} {unit}  at {one.time:8.2f} s  "
             f"{names[one.a]} and {names[one.b]}{duty}"

@@ -17,6 +17,7 @@ from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shared import Shared
+from physim.world.walls import stretch_text
 
 SHORTEST = 1.0
 """[m] A path or reference path shorter than this is hardly meant."""
@@ -191,13 +192,15 @@ def check_room(
             together.setdefault(profile.narrowest, []).append(profile)
     for (station, x, y, clearance), group in together.items():
         point = shapely.Point(x, y)
-        near = [(s.distance(point), name) for name, s in (*laid.walls, *laid.solids)]
-        name = min(near)[1]
+        near = [(s.distance(point), name, s) for name, s in (*laid.walls, *laid.solids)]
+        _, name, wall = min(near, key=lambda one: one[:2])
+        foot = shapely.get_coordinates(shapely.shortest_line(wall, point))[0]
+        at = stretch_text(laid.world.boundaries, name, foot)
         first = group[0]
         others = f", shared with {len(group) - 1} more," if len(group) > 1 else ","
         message = (
             f"{describe(first.robot)} does not fit at station {station:.2f} m of "
-            f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name}, while the "
+            f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name} {at}, while the "
             f"footprint reaches {first.inscribed:.4g} m from the reference point even at its "
             "narrowest"
         )

@@ -23,6 +23,7 @@ from physim.world.checks.standing import Stop, stops
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shape_checks import placed_outline
+from physim.world.walls import stretch_text
 
 SLENDER = 0.98
 """[-] of its width a robot must have ahead of it: what it passes at its side is not ahead"""
@@ -88,18 +89,21 @@ def _check_walls(
     if not shapes:
         return
     tree = shapely.STRtree(shapes)
-    near: list[tuple[float, Stop, str]] = []
+    near: list[tuple[float, Stop, int]] = []
     for stop in at:
         way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
         met = [
-            (_ahead(stop, shapes[k].intersection(way)), named[k][0])
+            (_ahead(stop, shapes[k].intersection(way)), k)
             for k in tree.query(way, predicate="intersects").tolist()
         ]
         if met and min(met)[0] < needed[stop.number] - LENGTH:
-            near.append((*min(met)[:1], stop, min(met)[1]))
+            near.append((min(met)[0], stop, min(met)[1]))
     if not near:
         return
-    gap, stop, wall = max(near, key=lambda one: needed[one[1].number] - one[0])
+    gap, stop, k = max(near, key=lambda one: needed[one[1].number] - one[0])
+    wall, way = named[k][0], _way_on(stop, laid.footprints[stop.number], needed[stop.number])
+    foot = shapely.get_coordinates(shapely.shortest_line(shapes[k].intersection(way), stop.outline))
+    place = stretch_text(laid.world.boundaries, wall, foot[0])
     least, mends = needed[stop.number], "end its path earlier, or move the wall"
     where: Location = laid.path_key(stop.number)
     corridor = laid.world.corridor
@@ -110,9 +114,9 @@ def _check_walls(
     others = f", and {plural(len(near) - 1, 'more robot')} stop so" if len(near) > 1 else ""
     found.warn(
         where,
-        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m before {wall}{others}; "
-        f"nearer than {least:.4g} m (controller.boundary_low) it is in danger mode there and may "
-        f"never arrive; {mends}, or lower boundary_low",
+        f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m before {wall} {place}"
+        f"{others}; nearer than {least:.4g} m (controller.boundary_low) it is in danger mode there "
+        f"and may never arrive; {mends}, or lower boundary_low",
     )
 
 

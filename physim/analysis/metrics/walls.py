@@ -1,0 +1,54 @@
+"""Where along a wall a robot came near or touched it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+
+from physim.analysis.metrics.contacts import Episode, first_row
+from physim.analysis.metrics.distances import placed
+from physim.geometry.shapes import FloatArray
+from physim.record import Record
+from physim.world.walls import stretch_text
+
+
+def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float]) -> str:
+    """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a boundary of a run.
+
+    Empty for a robot; the point alone for obstacles and the walls of a corridor.
+    """
+    if body < record.robots:
+        return ""
+    boundaries = record.world_settings.get("boundaries")
+    written = boundaries if isinstance(boundaries, list | tuple) else None
+    return stretch_text(written, record.bodies[body].name, point)
+
+
+def near_wall(record: Record, robot: int, body: int, step: int) -> str:
+    """Where along a wall it was nearest to a robot at a step, as `along_wall` says it.
+
+    Empty for a robot, and where the record does not hold that step.
+    """
+    k = int(np.searchsorted(record.steps, step))
+    if body < record.robots or k == len(record.steps) or record.steps[k] != step:
+        return ""
+    shape = placed(record, robot, np.asarray(record.pose_at(step))[robot][None])[0]
+    line = shapely.shortest_line(_wall(record, body), shape)
+    return along_wall(record, body, shapely.get_coordinates(line)[0])
+
+
+def touched_wall(record: Record, episode: Episode) -> str:
+    """Where along a wall an episode of contact began, as `along_wall` says it."""
+    row = first_row(record, episode)
+    return along_wall(record, episode.b, (float(row["x"]), float(row["y"])))
+
+
+def _wall(record: Record, body: int) -> Any:
+    """All parts of a boundary or obstacle as one shapely geometry."""
+    walls, k, parts = record.walls, body - record.robots, []
+    for part in range(walls.body_start[k], walls.body_start[k + 1]):
+        points = walls.vertices[walls.part_start[part] : walls.part_start[part + 1]]
+        parts.append(shapely.LineString(points) if len(points) == 2 else shapely.Polygon(points))
+    return shapely.GeometryCollection(parts)

@@ -1,0 +1,78 @@
+"""A wall that goes all round is named together with the place along it, wherever it is named."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physim
+from physim.analysis.summary.table import table
+from physim.analysis.validation import validate
+from physim.analysis.validation.report import report
+from physim.world.checks import check_world
+from physim.world.walls import nearest_stretch, stretch_text
+from tests.checking.test_robots import DRAWN, changed
+from tests.validation.runs import Drivers
+
+RING = """\
+name: ring
+time: {step: 0.01, duration: DURATION}
+boundaries: [[[-5, -4], [10, -4], [25, -4], [25, 4], [10, 4], [-5, 4], [-5, -4]]]
+reference_path: [[0, 0], [20, 0]]
+robots:
+  - {name: r1, footprint: {length: 1.8, width: 1.0}, pose: [15.0, 2.0, 1.5707963],
+     path: [[0, 0], [20, 0]]}
+"""
+STRETCH = "boundaries[0][3] to [4]"
+"""From (25, 4) to (10, 4), which the robot drives at from (15, 2): its front is at y = 2.9."""
+
+
+@pytest.fixture(scope="module")
+def hit():
+    return physim.simulate(
+        physim.parse_world(RING.replace("DURATION", "2.0")), controller=Drivers((1.0, 0.0))
+    )
+
+
+@pytest.fixture(scope="module")
+def near():
+    return physim.simulate(
+        physim.parse_world(RING.replace("DURATION", "1.0")), controller=Drivers((1.0, 0.0))
+    )
+
+
+def test_a_contact_says_where_along_the_wall(hit):
+    (line,) = [line for line in table(physim.summarise(hit)).splitlines() if "deep" in line]
+    assert STRETCH in line
+    assert ", 4)" in line
+    found = validate(hit)
+    (one,) = found.contacts
+    assert one.along.endswith(STRETCH)
+    assert STRETCH in report(found)
+
+
+def test_the_nearest_wall_says_where(near):
+    rows = dict(line.split("  ", 1) for line in table(physim.summarise(near)).splitlines())
+    assert STRETCH in rows["shortest boundary distance"]
+    found = validate(near)
+    assert found.near_misses.smallest_boundary.along.endswith(STRETCH)
+    assert STRETCH in " ".join(report(found).split())
+
+
+def test_a_check_says_where_along_the_wall_there_is_too_little_room(tmp_path):
+    dent = "[[33, 4], [17, 4], [15, 1.3], [13, 4], [-3, 4], [-3, -4]]"
+    file = tmp_path / "w.yaml"
+    file.write_text(changed(DRAWN, ("[[33, 4], [-3, 4], [-3, -4]]", dent)))
+    (warning,) = check_world(file).warnings
+    assert "at (15, 1.3), boundaries[1][1] to [2]" in warning.message
+
+
+def test_the_stretch_is_the_nearest_one_of_the_file():
+    line = [[0, 0], [2, 0], [2, 3]]
+    assert [nearest_stretch(line, p) for p in ([1, 1], [2, 2], [9, 1], [2, 0])] == [0, 1, 1, 0]
+    assert stretch_text([line], "boundary 1", [2, 2]) == "at (2, 2), boundaries[0][1] to [2]"
+    assert stretch_text([line], "boundaries[0]", np.array([1, 0])).endswith(
+        "boundaries[0][0] to [1]"
+    )
+    for boundaries, name in ((None, "left wall"), ([line], "obstacle 1"), ([line], "boundary 2")):
+        assert stretch_text(boundaries, name, [1, 1]) == "at (1, 1)"

@@ -25,8 +25,8 @@ HOSTILE = (
 )
 TAGS = {
     "html", "head", "meta", "link", "title", "style", "body", "main", "h1", "h2", "h3", "p", "a",
-    "strong", "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img", "video",
-    "pre", "code",
+    "strong", "div", "table", "thead", "tbody", "tr", "th", "td", "figure", "figcaption", "img",
+    "video", "pre", "code",
 }  # fmt: skip
 """What a page is made of."""
 

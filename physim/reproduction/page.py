@@ -182,7 +182,7 @@ def html(text: str, title: str, folder: Path) -> str:
         if opening.type == "heading_open":
             opening.attrSet("id", anchor_of("".join(child.content for child in children)))
         for child, following in pairwise(children):
-            if child.type == "strong_open":
+            if child.type == "strong_open" and following.content in set(Outcome):
                 child.attrSet("class", f"outcome {following.content.replace(' ', '-')}")
         if opening.type == "paragraph_open" and _is_figure(children):
             opening.tag = closing.tag = "figure"

@@ -43,11 +43,12 @@ class Seen:
     """A page that was opened."""
 
     def __init__(self, browser: Browser, file: Path, **how: Any) -> None:
-        """``how``: hash, size, scheme, touch, offline, and script to run before the page's own."""
+        """``how``: hash, size, scheme, motion, touch, offline, script to run first."""
         width, height = how.get("size", DESKTOP)
         context = browser.new_context(
             viewport={"width": width, "height": height},
             color_scheme=how.get("scheme", "light"),
+            reduced_motion=how.get("motion", "no-preference"),
             has_touch=how.get("touch", False),
             offline=how.get("offline", True),
         )

@@ -162,6 +162,10 @@ def _tables(
     parts = [] if validation is None else [findings_section(validation, summaries[0])]
     for run, (label, summary) in enumerate(zip(labels, summaries, strict=True)):
         title = f"<h2>{html_text(label)}</h2>" if len(labels) > 1 else "<h2>Summary</h2>"
-        measured = f'<div class="wide">{html_table(table_rows(summary))}</div>'
+        table = html_table(table_rows(summary)).removeprefix("<table>")
+        measured = (
+            '<div class="wide"><table><caption class="unseen">What was measured</caption>'
+            f"{table}</div>"
+        )
         parts += [title, measured, contact_table(summary, run, len(labels))]
     return "".join(parts)

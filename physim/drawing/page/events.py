@@ -30,7 +30,7 @@ def pack_events(record: Record, pack: Pack) -> None:
 def stands(record: Record) -> IntArray:
     """Spans (S, 3) in which robots stood for `LEAST` or longer: robot, first and last step.
 
-    What begins once a robot has arrived is left out.
+    It ends where the robot arrives.
     """
     steps = np.asarray(record.steps, dtype=np.int64)
     spans: list[tuple[int, int, int]] = []
@@ -43,7 +43,7 @@ def stands(record: Record) -> IntArray:
             for first, end in zip(
                 np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True
             ):
-                long = (steps[end] - steps[first]) * record.dt >= LEAST - 1e-9
-                if long and not 0 <= arrived <= first:
-                    spans.append((robot, int(steps[first]), int(steps[end])))
+                last = end if arrived < 0 else min(int(end), arrived)
+                if (steps[last] - steps[first]) * record.dt >= LEAST - 1e-9:
+                    spans.append((robot, int(steps[first]), int(steps[last])))
     return np.array(spans, dtype=np.int64).reshape(-1, 3)

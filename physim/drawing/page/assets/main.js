@@ -84,8 +84,8 @@ class Page {
     byId("controls").append(
       this.playing,
       button("|◀", () => player.seek(0), { "aria-label": "to the start" }),
-      button("−0.1 s", () => player.seek(player.time - 0.1)),
-      button("+0.1 s", () => player.seek(player.time + 0.1)),
+      button("−0.1 s", () => player.seek(player.time - 0.1), { "aria-label": "0.1 s back" }),
+      button("+0.1 s", () => player.seek(player.time + 0.1), { "aria-label": "0.1 s on" }),
       el("label", {}, "speed ", this.speed),
       el("label", {}, "follow ", this.looks),
       button("+", () => this.zoom(1.25), { "aria-label": "closer" }),
@@ -95,7 +95,7 @@ class Page {
     );
     this.looks.value = "robots";
     byId("keys").append(
-      el("table", {}, el("tbody", {}, KEYS.map(([key, does]) =>
+      el("table", {}, el("caption", { class: "unseen" }, "Keys"), el("tbody", {}, KEYS.map(([key, does]) =>
         el("tr", {}, el("th", { scope: "row" }, key), el("td", {}, does))))),
     );
     const exact = Math.max(...this.runs.map((run) => run.header.tolerance)) * 1000;

@@ -5,6 +5,7 @@ import { closestPoints } from "./robots.js";
 import { metres } from "./words.js";
 
 const FLASH = 0.5; // [s of the reader's time] that a ring grows round a new contact
+const still = matchMedia("(prefers-reduced-motion: reduce)");
 const FULL = 2 * Math.PI;
 
 function disc(context, x, y, radius, fill, edge, width = 1) {
@@ -66,8 +67,9 @@ export function drawContacts(context, shown, lens, colours, speed, crowd) {
     const isFirst = rings.every(([rx, ry]) => Math.hypot(rx - x, ry - y) > 24);
     if (grown < 1 && isFirst) {
       rings.push([x, y]);
-      disc(context, x, y, 9 + 25 * grown, null, colours.paper, 7);
-      disc(context, x, y, 9 + 25 * grown, null, colours.contact, 4);
+      const radius = still.matches ? 18 : 9 + 25 * grown;
+      disc(context, x, y, radius, null, colours.paper, 7);
+      disc(context, x, y, radius, null, colours.contact, 4);
     }
     drawContact(context, x, y, one, colours, crowd);
   }

@@ -11,10 +11,10 @@ export function figures(views) {
   const cells = labels.map(() => views.map(() => el("td", {})));
   const many = views.length > 1;
   const top = many
-    ? [el("thead", {}, el("tr", {}, el("th", {}), views.map(({ run }) => el("th", { scope: "col" }, run.label))))]
+    ? [el("thead", {}, el("tr", {}, el("td", {}), views.map(({ run }) => el("th", { scope: "col" }, run.label))))]
     : [];
   const rows = labels.map((label, k) => el("tr", {}, el("th", { scope: "row" }, label), cells[k]));
-  const table = el("table", { class: "figures" }, top, el("tbody", {}, rows));
+  const table = el("table", { class: "figures" }, el("caption", { class: "unseen" }, "Figures of this moment"), top, el("tbody", {}, rows));
   const update = (time) => {
     views.forEach((view, column) => {
       momentOf(view, Math.min(time, view.run.duration)).forEach(([words, isBad], k) => {

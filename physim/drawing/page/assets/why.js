@@ -34,6 +34,8 @@ export function whyRobot(view, robot, time, go) {
   ];
 }
 
+const caption = (words) => el("caption", { class: "unseen" }, words);
+
 function head(name, mode) {
   const chip = mode && el("span", { class: "chip" }, mode.words);
   if (chip) chip.style.setProperty("--mode", mode.colour);
@@ -134,8 +136,8 @@ function seenTable(run, row, mode) {
     );
   });
   const bounds = states[0].wasDanger ? "safe again above" : "danger below";
-  const top = el("tr", {}, ...["", "it saw", bounds].map((words) => el("th", { scope: "col" }, words)));
-  return el("table", { class: "seen" }, el("thead", {}, top), el("tbody", {}, rows));
+  const top = el("tr", {}, ...["", "it saw", bounds].map((words) => (words ? el("th", { scope: "col" }, words) : el("td", {}))));
+  return el("table", { class: "seen" }, caption("What it saw, and its thresholds"), el("thead", {}, top), el("tbody", {}, rows));
 }
 
 function factTable(run, robot, row, go, time) {
@@ -184,7 +186,7 @@ function factTable(run, robot, row, go, time) {
   const body = facts.map(([label, content]) =>
     el("tr", {}, el("th", { scope: "row" }, label), el("td", {}, content.flat().flatMap((one) => [one, " "]))),
   );
-  return el("table", { class: "facts" }, el("tbody", {}, body));
+  return el("table", { class: "facts" }, caption("Its last decision"), el("tbody", {}, body));
 }
 
 /** The panel of one contact: what `physim validate` says of it. */
@@ -215,5 +217,5 @@ export function whyContact(view, k, go) {
     button(seconds(told_.safe), () => go({ time: told_.safe }), { class: "link" }),
     ". From there on the contact lay ahead at every decision.",
   );
-  return [el("h2", {}, told_.title), el("table", { class: "facts" }, el("tbody", {}, rows)), safe, jump];
+  return [el("h2", {}, told_.title), el("table", { class: "facts" }, caption("What validate says of the contact"), el("tbody", {}, rows)), safe, jump];
 }

@@ -17,7 +17,6 @@ from physim.errors import PhysimError, nearest
 
 if TYPE_CHECKING:
     from physim.campaigns.compare import Arm
-    from physim.campaigns.grid import Grid
     from physim.campaigns.outcomes import Outcomes
 
 DIMENSIONS = ["controller", "settings", "world"]
@@ -160,7 +159,8 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     """Make the runs, and what of them is to be compared; None when that was interrupted."""
     from physim.campaigns.compare import by
     from physim.campaigns.grid import make_grid
-    from physim.campaigns.outcomes import CELL
+    from physim.campaigns.outcomes import CELL, Outcomes
+    from physim.campaigns.reading import read_part
 
     worlds = tuple(str(one) for one in (options.a, options.b) if one is not None)
     names = names_of(options.controller)
@@ -187,22 +187,7 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
     if tally.interrupted:
         return None
-    return by(_part(folder, grid), dimension), f"{', '.join(worlds)}, by {dimension}"
-
-
-def _part(folder: Path, grid: Grid) -> Outcomes:
-    """Rows of the runs of a grid; the folder may have others."""
-    import pyarrow as pa
-
-    from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.rows import read
-
-    table = read(folder)
-    columns = (
-        table[name].to_pylist() for name in ("world", "settings", "controller", "seed", "run")
-    )
-    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
-    return Outcomes(table.filter(pa.array(mine, pa.bool_())))
+    return by(Outcomes(read_part(folder, grid)), dimension), f"{', '.join(worlds)}, by {dimension}"
 
 
 def outcomes(folder: Path) -> Outcomes:

@@ -207,10 +207,10 @@ def are_rows(table: pa.Table) -> bool:
         if allowed.type == "str":
             if allowed.pattern:
                 fine = compute.match_substring_regex(column, allowed.pattern)
-                if not compute.all(fine).as_py():
+                if compute.all(fine).as_py() is False:  # null where there is none at all
                     return False
             continue
-        if allowed.type == "float" and not compute.all(compute.is_finite(column)).as_py():
+        if allowed.type == "float" and compute.all(compute.is_finite(column)).as_py() is False:
             return False
         ends = compute.min_max(column).as_py()
         if ends["min"] is not None and (ends["min"] < allowed.least or ends["max"] > allowed.most):

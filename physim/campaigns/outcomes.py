@@ -10,14 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.campaigns.rows import read
-
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import pyarrow as pa
-
-    from physim.campaigns.grid import Grid
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -126,19 +120,6 @@ class Outcomes:
         """Runs that count as successes for ``rate``, ``contact_free`` or ``finished``."""
         found: BoolArray = getattr(self, rate)
         return found
-
-
-def outcomes_of(grid: Grid, folder: Path) -> Outcomes:
-    """Rows of the runs of a grid in a campaign's folder, which may have others.
-
-    Raises PhysimError where there are none or one cannot be read.
-    """
-    import pyarrow as pa
-
-    table = read(folder)
-    columns = (table[name].to_pylist() for name in (*CELL, "seed", "run"))
-    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
-    return Outcomes(table.filter(pa.array(mine, pa.bool_())))
 
 
 def _codes(column: Any) -> tuple[NDArray[np.int64], list[str]]:

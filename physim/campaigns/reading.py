@@ -14,6 +14,8 @@ from physim.errors import PhysimError
 if TYPE_CHECKING:
     import pyarrow as pa
 
+    from physim.campaigns.grid import Grid
+
 DEEPEST = 100
 """Brackets in a line that Arrow is given; a row has two."""
 ORDER = ("world", "settings", "controller", "seed", "run")
@@ -40,6 +42,16 @@ def read_table(folder: Path) -> pa.Table:
                 continue  # its rows are in a larger one by now
     found = _each_once(pa.concat_tables(tables))
     return found.sort_by([(name, "ascending") for name in ORDER])
+
+
+def read_part(folder: Path, grid: Grid) -> pa.Table:
+    """The rows of the runs of a grid; the folder may have others. Raises PhysimError as `read`."""
+    import pyarrow as pa
+
+    table = read_table(folder)
+    columns = (table[name].to_pylist() for name in (*ORDER[:4], "run"))
+    mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
+    return table.filter(pa.array(mine, pa.bool_()))
 
 
 def _shard(shards: Shards, file: Path) -> pa.Table:

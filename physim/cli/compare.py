@@ -159,7 +159,8 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     """Make the runs, and what of them is to be compared; None when that was interrupted."""
     from physim.campaigns.compare import by
     from physim.campaigns.grid import make_grid
-    from physim.campaigns.outcomes import CELL, outcomes_of
+    from physim.campaigns.outcomes import CELL, Outcomes
+    from physim.campaigns.reading import read_part
 
     worlds = tuple(str(one) for one in (options.a, options.b) if one is not None)
     names = names_of(options.controller)
@@ -186,7 +187,7 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
     if tally.interrupted:
         return None
-    return by(outcomes_of(grid, folder), dimension), f"{', '.join(worlds)}, by {dimension}"
+    return by(Outcomes(read_part(folder, grid)), dimension), f"{', '.join(worlds)}, by {dimension}"
 
 
 def outcomes(folder: Path) -> Outcomes:

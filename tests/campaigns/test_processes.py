@@ -64,6 +64,14 @@ def test_a_worker_killed_from_outside(executor: Processes) -> None:
     assert executor.submit(abs, -4).result() == 4
 
 
+def test_workers_killed_while_they_had_nothing_to_do(executor: Processes) -> None:
+    for _ in range(3):
+        assert executor.submit(abs, -4).result() == 4
+        for one in multiprocessing.active_children():
+            one.kill()
+            one.join()
+
+
 def test_jobs_end_early_when_told_to(executor: Processes) -> None:
     futures = [executor.begin(Job("long", sample.endless)) for _ in range(2)]
     executor.halt()

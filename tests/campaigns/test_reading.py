@@ -36,6 +36,17 @@ def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
     assert sum(one.ended in FAILED for one in expected) == sum(one.failed for one in given) - 3
 
 
+def test_what_is_as_it_should_be_is_read_in_bulk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also with a column in which nothing stands, as that of formations in a world without."""
+    shards = Shards(tmp_path)
+    shards.folder.mkdir()
+    shards.write(rows(50))
+    monkeypatch.delattr("physim.campaigns.reading._one_by_one")
+    assert read(tmp_path)["formation_error"].null_count == 50
+
+
 def test_rows_with_fewer_or_more_columns_and_odd_texts(tmp_path: Path) -> None:
     shards = Shards(tmp_path)
     shards.folder.mkdir()

@@ -6,6 +6,7 @@ import errno
 import multiprocessing
 import os
 import signal
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from physim.campaigns import rows as rows_module
 from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import run_one
 from physim.campaigns.processes import Processes
-from physim.campaigns.rows import Row
+from physim.campaigns.rows import Row, Shards
 from physim.campaigns.sweep import Tally, runs, sweep
 from physim.errors import PhysimError
 from physim.record import Record
@@ -51,6 +52,27 @@ def test_what_has_a_row_is_not_run_again(two: Processes, tmp_path: Path) -> None
 def test_rows_without_a_folder(two: Processes) -> None:
     found = dict(runs(specs(3), two))
     assert {spec.seed: row.seed for spec, row in found.items()} == {0: 0, 1: 1, 2: 2}
+
+
+def test_a_run_that_was_done_again_is_no_failure_any_more(two: Processes, tmp_path: Path) -> None:
+    wanted = specs(3)
+    sweep(wanted, tmp_path / "out", two)
+    (file,) = (tmp_path / "out/rows").iterdir()
+    fine = rows_in(tmp_path / "out")[1]
+    worse = replace(fine, ended="killed", contacts=None)
+    earlier = Shards(tmp_path / "out")
+    earlier.write([worse])  # first by name, as the row of an earlier try
+    (late,) = set(earlier.files()) - {file}
+    late.rename(file.parent / f"{'0' * 20}{late.name[20:]}")
+    seen: list[list[Row]] = []
+
+    def decided(rows: list[Row]) -> bool:
+        seen.append(list(rows))
+        return False
+
+    tally = sweep(wanted, tmp_path / "out", two, decided=decided)
+    assert (tally.before, tally.done, tally.failed) == (3, 0, 0)
+    assert not any(row.failed for row in seen[-1])
 
 
 def test_failed_runs_are_rows_with_their_reasons(two: Processes, here: Path) -> None:
@@ -134,14 +156,18 @@ def test_a_stopped_sweep_keeps_what_was_finished_and_goes_on(tmp_path: Path) -> 
     assert lines_on_disk(tmp_path / "out") == 60
 
 
-def test_it_is_decided_in_the_order_of_seeds(two: Processes, tmp_path: Path) -> None:
+def test_it_is_decided_in_the_order_of_seeds(tmp_path: Path) -> None:
     asked: list[list[int]] = []
 
     def decided(rows: list[Row]) -> bool:
         asked.append([row.seed for row in rows])
         return len(rows) == 4
 
-    tally = sweep(specs(200), tmp_path / "out", Processes(2), decided=decided)
+    workers = Processes(2)
+    try:
+        tally = sweep(specs(200), tmp_path / "out", workers, decided=decided)
+    finally:
+        workers.shutdown(cancel_futures=True)
     assert asked == [list(range(k + 1)) for k in range(4)]
     assert tally.decided == 4
     assert not tally.interrupted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -74,13 +75,16 @@ def test_rows_that_come_several_at_a_time_are_as_one_by_one(tmp_path: Path) -> N
 
 
 def test_what_counts_for_each_rate() -> None:
-    slow = Row(run="", world="", seed=1, physim="", engine="", ended="duration")
+    nothing = {"contacts": 0, "wall_contacts": 0, "grazes": 0}
+    slow = Row(run="", world="", seed=1, physim="", engine="", ended="duration", **nothing)
     failed = Row(run="", world="", seed=1, physim="", engine="", ended="error")
     names = ("rate", "contact_free", "finished")
     assert [succeeded(row(1), name) for name in names] == [True, True, True]
     assert [succeeded(row(1, contact=True), name) for name in names] == [False, False, True]
     assert [succeeded(slow, name) for name in names] == [False, True, False]
     assert [succeeded(failed, name) for name in names] == [False, False, False]
+    unknown = replace(slow, grazes=None)
+    assert not succeeded(unknown, "contact_free")
 
 
 def test_the_folder_tells_the_goal_from_the_first_row_on(tmp_path: Path) -> None:

@@ -106,7 +106,7 @@ class FindingLog:
             self._more[rule] += 1
             return
         line = " ".join(text.split())
-        place = "" if rule is Rule.RAISES else self._place  # its text says where it was raised
+        place = "" if ".py:" in line else self._place  # of an error, its text says where
         self._first[rule] = Finding(rule, self.world, robot, time, line, place)
         self._more[rule] = 0
 

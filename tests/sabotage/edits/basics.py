@@ -130,6 +130,6 @@ EDITS = (
         '"\\n".join(escaped(line) for line in text.split("\\n"))',
         "text",
         "each line of several is escaped",
-        "tests/test_escaping.py::test_nothing_escaped_acts",
+        "tests/test_escaping.py::test_of_lines_their_ends_alone_stay",
     ),
 )

@@ -237,8 +237,8 @@ def _near_misses(validation: Validation) -> list[str]:
     near = validation.near_misses
     return [
         "NEAR MISSES (approaches that did not end in contact)",
-        f"  of a pair those are one that are less than {TOGETHER:g} s apart, or between which it "
-        f"is never more than {PARTED:g} m apart",
+        f"  (two of a pair only where {TOGETHER:g} s lie between them and it parted by more than "
+        f"{PARTED:g} m)",
         f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
         *_near_rows(validation, near.distances, "m", 4),
         f"  smallest collision times of any two bodies under the commands that both hold, below "

@@ -48,6 +48,10 @@ def test_json_stays_the_same_in_any_encoding(text: str, encoding: str) -> None:
     assert json.loads(shown) == json.loads(json.dumps([text]))
 
 
+def test_of_lines_their_ends_alone_stay() -> None:
+    assert escaped_lines("a\x1b[31m\n\u202eb\r\n") == "a\\u001b[31m\n\\u202eb\\u000d\n"
+
+
 def test_an_unknown_encoding_gets_ascii() -> None:
     assert escaped_lines("é", "no-such-encoding").isascii()
 

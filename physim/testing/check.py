@@ -18,6 +18,7 @@ import numpy as np
 from physim.errors import ControllerError, PhysimError, WorldError, plural
 from physim.parts.controller import BatchCapable, Controller
 from physim.parts.registry import CONTROLLER, checked_settings, find_part, made_part
+from physim.parts.user_code import place_of
 from physim.parts.world_checks import robot_faults
 from physim.testing.rules import Finding, FindingLog, check_batch, check_plain
 from physim.testing.trial import Make, run_trial
@@ -273,7 +274,7 @@ def _check_scene(name: str, scene: Scene, make: Make, seconds: float) -> WorldRe
         faults = scene.world.as_written(faults)
         more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
         return WorldResult(name, False, 0, (), f"{faults[0]}{more}")
-    found = FindingLog(name)
+    found = FindingLog(name, place_of(type(controller).decide).strip(" ()"))
     trial = run_trial(scene, controller, seconds)
     check_plain(trial, controller, make, found)
     batched = make()

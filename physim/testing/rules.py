@@ -79,10 +79,13 @@ class Finding:
     """[s]"""
     text: str
     """one line"""
+    place: str = ""
+    """``file:line`` of the method that decides, where its source is known"""
 
     def __str__(self) -> str:
-        """``rule: world, robot at time s: text``."""
-        return f"{self.rule}: {self.world}, {self.robot} at {self.time:g} s: {self.text}"
+        """``rule: world, robot at time s: text (file:line)``."""
+        place = f" ({self.place})" if self.place else ""
+        return f"{self.rule}: {self.world}, {self.robot} at {self.time:g} s: {self.text}{place}"
 
     def as_json(self) -> dict[str, Any]:
         """Return the finding as JSON holds it."""
@@ -92,8 +95,8 @@ class Finding:
 class FindingLog:
     """Findings of one world as they come: the first of each rule, and how many more there were."""
 
-    def __init__(self, world: str) -> None:
-        self.world = world
+    def __init__(self, world: str, place: str = "") -> None:
+        self.world, self._place = world, place
         self._first: dict[Rule, Finding] = {}
         self._more: dict[Rule, int] = {}
 
@@ -103,7 +106,8 @@ class FindingLog:
             self._more[rule] += 1
             return
         line = " ".join(text.split())
-        self._first[rule] = Finding(rule, self.world, robot, time, line)
+        place = "" if ".py:" in line else self._place  # of an error, its text says where
+        self._first[rule] = Finding(rule, self.world, robot, time, line, place)
         self._more[rule] = 0
 
     def __contains__(self, rule: Rule) -> bool:

@@ -30,6 +30,7 @@ ROOMS = MappingProxyType(
         "basics": (
             "tests/test_compiled.py",
             "tests/test_errors.py",
+            "tests/test_escaping.py",
             "tests/test_frontend.py",
             "tests/test_randomness.py",
         ),

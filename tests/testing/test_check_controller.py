@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -34,8 +35,15 @@ def only(controller: Any, rule: Rule, robot: str = "r1", time: float = 0.0) -> s
     (finding,) = found_on_straight(controller)
     assert (finding.rule, finding.world) == (rule, "straight")
     assert (finding.robot, round(finding.time, 6)) == (robot, time)
-    assert str(finding) == f"{rule}: straight, {robot} at {time:g} s: {finding.text}"
+    assert str(finding).startswith(f"{rule}: straight, {robot} at {time:g} s: {finding.text}")
     assert "\n" not in str(finding)
+    file, line = re.search(r"\(([^() ]+\.py):(\d+)\)", str(finding)).groups()
+    assert file in (broken.__file__, __file__)
+    assert bool(finding.place) != (".py:" in finding.text)
+    assert 0 < int(line) <= len(Path(file).read_text().splitlines())
+    if finding.place:
+        assert finding.place == f"{file}:{line}"
+        assert "def decide" in Path(file).read_text().splitlines()[int(line) - 1]
     return finding.text
 
 

@@ -22,6 +22,10 @@ from physim.simulation.arrival import STILL_DISTANCE, STILL_TIME
 
 Rows = NDArray[np.void]
 
+ASTRAY = 1.0
+"""[m] from its path beyond which a robot that has not arrived is said to be off it"""
+BACKWARDS = 90.0
+"""[deg] from the direction of its path beyond which it is said to be turned"""
 GRID = 0.1
 """[s] between two values of a course over time: the longest update interval (14)"""
 MOST_COMMANDS = 500_000
@@ -75,6 +79,10 @@ class Absent:
     """[m] by which it may be short"""
     stands: bool
     """it moved no more than 1 cm in the last 0.5 s"""
+    beside: float = 0.0
+    """[m] how far it is from the nearest point of that part of its path"""
+    turned: float = 0.0
+    """[deg] from the direction of its path there, 0 to 180"""
 
     def sentence(self, name: str) -> str:
         """Why robot ``name`` has not arrived."""
@@ -83,9 +91,22 @@ class Absent:
         if self.short <= self.tolerance:
             return f"{name} still moves at its stop station"
         short, allowed = self._lengths()
+        off = self._off()
         if self.stands:
-            return f"{name} stands {short} m short of its stop station (tolerance {allowed} m)"
-        return f"{name} still moves, {short} m short of its stop station"
+            return f"{name} stands {short} m short of its stop station (tolerance {allowed} m){off}"
+        return f"{name} still moves, {short} m short of its stop station{off}"
+
+    @property
+    def is_astray(self) -> bool:
+        """Whether it is so far off its path, or so turned, that it does not follow it."""
+        return self.beside > ASTRAY or self.turned > BACKWARDS
+
+    def _off(self) -> str:
+        """How a robot that no longer follows its path lies to it; empty for others."""
+        where = [f"{self.beside:.1f} m off its path"] if self.beside > ASTRAY else []
+        if self.turned > BACKWARDS:
+            where.append(f"turned {self.turned:.0f}° from its direction")
+        return f": it is {' and '.join(where)}" if where else ""
 
     def _lengths(self) -> tuple[str, str]:
         """How far it is short, and the tolerance, with as many digits as they need to differ."""
@@ -105,9 +126,25 @@ def absent(record: Record) -> tuple[Absent, ...]:
     still &= len(place) > 1
     short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
     return tuple(
-        Absent(i, float(short[i]), tolerance, bool(still[i]))
+        Absent(
+            i, float(short[i]), tolerance, bool(still[i]),
+            *_astray(record, i, float(record.stop_station[i] - short[i])),
+        )
         for i in np.flatnonzero(record.arrived < 0).tolist()
-    )
+    )  # fmt: skip
+
+
+def _astray(record: Record, robot: int, station: float) -> tuple[float, float]:
+    """How far [m] a robot is at the end from a station of its path, and how it is turned [deg]."""
+    lines = record.paths
+    a, b = lines.start[robot : robot + 2]
+    points, at = lines.points[a:b], lines.station[a:b]
+    k = int(np.clip(np.searchsorted(at, station, side="right") - 1, 0, len(at) - 2))
+    along = (points[k + 1] - points[k]) / (at[k + 1] - at[k])
+    x, y, heading = record.pose[-1, robot]
+    beside = np.hypot(*(points[k] + (station - at[k]) * along - (x, y)))
+    turned = abs((heading - np.arctan2(along[1], along[0]) + np.pi) % (2.0 * np.pi) - np.pi)
+    return float(beside), float(np.degrees(turned))
 
 
 def last_stations(record: Record) -> FloatArray:

@@ -13,6 +13,9 @@ from physim.geometry.shapes import FloatArray
 from physim.record import Record
 from physim.world.walls import stretch_text
 
+MOST_LOOKS = 200
+"""Moments at which `farthest_between` looks."""
+
 
 def along_wall(record: Record, body: int, point: FloatArray | tuple[float, float]) -> str:
     """``at (1.5, 4), boundaries[0][16] to [17]``: a point (2,) [m] of a boundary of a run.
@@ -43,6 +46,19 @@ def touched_wall(record: Record, episode: Episode) -> str:
     """Where along a wall an episode of contact began, as `along_wall` says it."""
     row = first_row(record, episode)
     return along_wall(record, episode.b, (float(row["x"]), float(row["y"])))
+
+
+def farthest_between(record: Record, a: int, b: int, steps: tuple[int, int]) -> float:
+    """Largest distance [m] of robot ``a`` to body ``b`` from one step to another.
+
+    At `MOST_LOOKS` of the recorded steps, at most.
+    """
+    first, last = np.searchsorted(record.steps, (steps[0], steps[1] + 1))
+    rows = np.unique(np.linspace(first, last - 1, min(MOST_LOOKS, last - first)).astype(int))
+    poses = np.stack([record.pose_at(int(record.steps[row])) for row in rows])
+    mine = placed(record, a, poses[:, a])
+    other = placed(record, b, poses[:, b]) if b < record.robots else _wall(record, b)
+    return float(np.max(shapely.distance(mine, other)))
 
 
 def _wall(record: Record, body: int) -> Any:

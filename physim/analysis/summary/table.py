@@ -46,7 +46,7 @@ def table_rows(summary: Summary) -> list[tuple[str, str]]:
         *_graze_rows(s),
         ("shortest distance", _metric_text(s, "shortest_distance", 4)),
         ("shortest boundary distance", _wall_text(s)),
-        ("shortest collision time", _metric_text(s, "shortest_collision_time", 3, no_time)),
+        ("shortest collision time", _time_text(s, no_time)),
         ("farthest pair", _metric_text(s, "farthest_distance", 2)),
         ("formation error, peak", _metric_text(s, "formation_error_peak", 2)),
         ("formation error, final", _metric_text(s, "formation_error_final", 2)),
@@ -176,6 +176,12 @@ def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") ->
     elif metric.station is not None:
         where = f"path of {where} at {metric.station:.1f} m"
     return f"{metric.value:.{digits}f} {metric.unit} ({where})"
+
+
+def _time_text(summary: Summary, none: str) -> str:
+    """Shortest collision time, and of what: `physim validate` has those of all bodies."""
+    said = _metric_text(summary, "shortest_collision_time", 3, none)
+    return f"{said[:-1]}, to what it considered)" if said.endswith(" s)") else said
 
 
 def _wall_text(summary: Summary) -> str:

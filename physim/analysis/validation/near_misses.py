@@ -1,14 +1,16 @@
 """Near misses: the smallest distances and collision times that did not end in contact.
 
-Distances are over all samples, one for each approach: a stretch of time over which a pair is
-nearer than the reach of the analytic contacts. Collision times are those of the deciding robot
-with every other body at every decision, under the commands that all hold from then on, computed
-here; one for each stretch of decisions of a pair. Approaches that end in contact, at a sample or
+Distances are over all samples, one for each episode of a pair, see `listed`, of approaches: a
+stretch of time over which a pair is nearer than the reach of the analytic contacts. Collision times
+are those of the deciding robot with every other body at every decision, under the commands that all
+hold from then on, computed here; one for each episode of a pair as well.
+Approaches that end in contact, at a sample or
 between two, are left out: they are contacts.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -16,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.metrics import contact_episodes, grazes
-from physim.analysis.metrics.walls import near_wall
+from physim.analysis.metrics.walls import farthest_between, near_wall
 from physim.analysis.validation.analytic_contacts import (
     FULL,
     AnalyticContacts,
@@ -33,12 +35,18 @@ from physim.record import Record
 from physim.tolerances import CONTACT
 
 MOST_LISTED = 10
+MOST_LOOKED_AT = 1_000
+"""Stretches, the smallest first, among which episodes are told apart."""
 LOOK = 3.0
 """[s] Collision times beyond this are no near miss."""
 DECIDED = np.dtype([("step", "<i8"), ("robot", "<i8")])
 """Who decided when: the same type whatever columns a controller declares, for the kernel."""
 APART = 1.0
-"""[s] Decisions of a pair farther apart in time belong to two near misses."""
+"""[s] Decisions of a pair farther apart in time belong to two stretches."""
+TOGETHER = 5.0
+"""[s] Near misses of a pair closer in time are one: its smallest is listed."""
+PARTED = 1.0
+"""[m] So are those between which the pair is never farther apart than this."""
 
 
 @dataclass(frozen=True)
@@ -87,11 +95,34 @@ def near_misses(
                     for a, b, s in grazed)
     ]  # fmt: skip
     return NearMisses(
-        tuple(_with_order(table, one) for one in distances[:MOST_LISTED]),
-        tuple(_with_order(table, one) for one in _times(record)[:MOST_LISTED]),
+        tuple(_with_order(table, one) for one in listed(record, distances)),
+        tuple(_with_order(table, one) for one in listed(record, _times(record))),
         analytic.reach,
         *(_least(record, exact, columns) for columns, _ in SMALLEST),
     )
+
+
+def listed(record: Record, some: Sequence[NearMiss]) -> list[NearMiss]:
+    """The first `MOST_LISTED` of ``some``, the smallest first: one of each pair and episode.
+
+    Two of a pair are one episode where less than `TOGETHER` lies between them, or where the pair
+    is never more than `PARTED` apart between them.
+    """
+    kept: list[NearMiss] = []
+    for one in some[:MOST_LOOKED_AT]:
+        if len(kept) == MOST_LISTED:
+            break
+        mine = [other for other in kept if (other.a, other.b) == (one.a, one.b)]
+        if not any(_same_episode(record, one, other) for other in mine):
+            kept.append(one)
+    return kept
+
+
+def _same_episode(record: Record, one: NearMiss, other: NearMiss) -> bool:
+    first, last = sorted((one.step, other.step))
+    if (last - first) * record.dt < TOGETHER:
+        return True
+    return farthest_between(record, one.a, one.b, (first, last)) <= PARTED
 
 
 def _with_order(table: DecisionTable, one: NearMiss) -> NearMiss:

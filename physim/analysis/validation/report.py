@@ -12,7 +12,7 @@ from physim.analysis.validation.contact_text import (
 )
 from physim.analysis.validation.disagreements import UNEXPLAINED
 from physim.analysis.validation.mismatch import SLACK
-from physim.analysis.validation.near_misses import LOOK, NearMiss
+from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
 from physim.analysis.validation.validation import Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
 from physim.tolerances import ONE_STEP
@@ -237,9 +237,13 @@ def _near_misses(validation: Validation) -> list[str]:
     near = validation.near_misses
     return [
         "NEAR MISSES (approaches that did not end in contact)",
+        f"  (two of a pair only where {TOGETHER:g} s lie between them and it parted by more than "
+        f"{PARTED:g} m)",
         f"  smallest distances, of approaches nearer than {near.reach:.2f} m",
         *_near_rows(validation, near.distances, "m", 4),
-        f"  smallest collision times under the commands of the moment, below {LOOK:g} s",
+        f"  smallest collision times of any two bodies under the commands that both hold, below "
+        f"{LOOK:g} s",
+        "  (that of a run's summary is of the robots considered, under the command chosen)",
         *_near_rows(validation, near.times, "s", 3),
     ]
 

@@ -125,7 +125,7 @@ def counts(preview: Contents) -> str:
     words.append(f"reference path {significant(preview.length, 4)} m")
     if len(width):
         ends = dict.fromkeys((significant(width.min()), significant(width.max())))
-        words.append(f"{' to '.join(ends)} m wide")
+        words.append(f"{' to '.join(ends)} m wide along it")
     if preview.random:
         what = "road and start" if preview.random_road else "start"
         words.append(f"{what} drawn with seed {scene.seed}")

@@ -26,7 +26,8 @@ def notes(timeline: Timeline) -> list[str]:
         name = record.names[robot]
         turned = f"{abs(angle):.0f}° across its path" if abs(angle) >= ACROSS else ""
         if robot in missing:
-            line = missing[robot].sentence(name) + (f", {turned}" if turned else "")
+            said = missing[robot].is_astray or not turned
+            line = missing[robot].sentence(name) + ("" if said else f", {turned}")
         elif turned:
             line = f"{name} stands {turned}"
         else:

@@ -114,4 +114,22 @@ EDITS = (
         "a kernel that makes an array for itself counts references",
         "tests/test_compiled.py::test_references_are_counted_where_arrays_are_made_and_only_there",
     ),
+    Edit(
+        "basics",
+        "physim/escaping.py",
+        "escaped",
+        "if text.isprintable():",
+        "if True:",
+        "what acts on a terminal is escaped",
+        "tests/test_escaping.py::test_what_acts_is_escaped",
+    ),
+    Edit(
+        "basics",
+        "physim/escaping.py",
+        "escaped_lines",
+        '"\\n".join(escaped(line) for line in text.split("\\n"))',
+        "text",
+        "each line of several is escaped",
+        "tests/test_escaping.py::test_of_lines_their_ends_alone_stay",
+    ),
 )

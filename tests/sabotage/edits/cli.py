@@ -140,4 +140,22 @@ EDITS = (
         "the name of a world names no place",
         "tests/cli/test_new.py::test_bad_wishes_are_refused_on_one_line_and_nothing_is_written",
     ),
+    Edit(
+        "cli",
+        "physim/cli/__init__.py",
+        "_with_streams",
+        "if is_output and isinstance(error, BrokenPipeError):",
+        "if isinstance(error, BrokenPipeError):",
+        "a broken pipe of a worker is no output that nobody reads",
+        "tests/cli/test_streams.py::test_a_broken_pipe_to_a_worker_is_not_taken_for_an_output_that_nobody_reads",
+    ),
+    Edit(
+        "cli",
+        "physim/cli/__init__.py",
+        "main",
+        'broken.ignore() _print_error("interrupted") return INTERRUPTED',
+        "return 0",
+        "an interrupt ends with 130",
+        "tests/cli/test_streams.py::test_a_broken_pipe_to_a_worker_is_not_taken_for_an_output_that_nobody_reads",
+    ),
 )

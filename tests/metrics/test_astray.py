@@ -1,0 +1,33 @@
+"""A robot that has not arrived and no longer follows its path is told to be off it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import physim
+from physim.analysis.metrics import absent
+from physim.analysis.metrics.progress import Absent
+from tests.validation.runs import LANE, Drivers
+
+
+def test_how_far_off_and_how_turned_are_those_of_the_last_pose():
+    world = physim.parse_world(LANE, overrides=["time.duration=2.0"])
+    record = physim.simulate(world, controller=Drivers((1.0, 1.0), (0.0, 0.0)))
+    found = absent(record)
+    for one in found:
+        _, y, heading = record.pose[-1, one.robot]
+        assert one.beside == pytest.approx(abs(y), abs=1e-9)
+        assert one.turned == pytest.approx(abs(np.degrees(heading)), abs=1e-9)
+    slow = found[0]
+    assert slow.turned > 90.0
+    assert slow.is_astray
+    said = slow.sentence("slow")
+    for part in ("m short of its stop station", f"{slow.beside:.1f} m off its path", "115°"):
+        assert part in said
+
+
+def test_of_a_robot_on_its_path_nothing_more_is_said():
+    said = Absent(0, 21.3, 0.1, True, beside=0.4, turned=30.0).sentence("r1")
+    assert said.endswith("(tolerance 0.10 m)")
+    assert "turned 170°" in Absent(0, 21.3, 0.1, True, turned=170.0).sentence("r1")

@@ -15,6 +15,8 @@ from tests.browser.driver import Seen
 from tests.records import make_record
 
 Opened = Callable[..., Seen]
+PLAYED = 0.5
+"""[s] that playing takes"""
 
 
 @pytest.mark.parametrize(("robots", "seconds"), [(1, 2.0), (2, 0.01), (2, 0.0), (80, 2.0)])
@@ -23,7 +25,7 @@ def test_few_samples_one_robot_and_a_crowd(
 ) -> None:
     with make_record(tmp_path / "r.h5", robots, seconds, contacts=False) as record:
         seen = opened(write_page([record], tmp_path / "r.html"))
-    assert list(look(seen)) == []
+    assert list(look(seen, PLAYED)) == []
 
 
 def run(**how: Any) -> physim.Record:
@@ -36,7 +38,7 @@ def run(**how: Any) -> physim.Record:
 def test_without_tables_it_says_what_was_not_recorded(opened: Opened, tmp_path: Path) -> None:
     bare = run(save=physim.SaveAt(every=10, tables=()))
     seen = opened(write_page([bare], tmp_path / "r.html"))
-    assert list(look(seen)) == []
+    assert list(look(seen, PLAYED)) == []
     assert "not recorded" in seen.text(".figures")
     assert "not decided" in seen.text("#why")
 

@@ -26,6 +26,8 @@ def main() -> int:
     parser.add_argument("page", type=Path)
     parser.add_argument("--offline", action="store_true", help="cut the network")
     given = parser.parse_args()
+    if not given.page.is_file():
+        parser.error(f"{given.page}: no such file")
     with chromium() as browser:
         seen = Seen(browser, given.page, offline=given.offline)
         faults = list(look(seen)) or [f"console: {one}" for one in seen.faults]

@@ -42,7 +42,7 @@ class Section(HTMLParser):
 
 @pytest.fixture(scope="module")
 def renamed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A record with a contact whose first robot has a name that is markup, not that of its world."""
+    """A record with a contact; its first robot has a name that is markup, unlike in its world."""
     file = tmp_path_factory.mktemp("renamed") / "r.h5"
     lane(REAR_END, file).close()
     with h5py.File(file, "r+") as record:

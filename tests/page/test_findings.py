@@ -67,8 +67,9 @@ def test_contacts_and_disagreements_are_all_told(renamed: Path) -> None:
     assert found.verdict in section.words
     for line in found.origin.differences:
         assert line in section.words
-    for contact in found.contacts:
-        assert f"{contact.time:.2f} s" in section.words
+    assert found.contacts
+    for number, contact in enumerate(found.contacts, 1):
+        assert f"#t={contact.time:.3f}&contact={number}" in section.links
 
 
 def test_a_validation_is_of_one_record(renamed: Path) -> None:

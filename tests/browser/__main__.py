@@ -26,6 +26,8 @@ def main() -> int:
     parser.add_argument("page", type=Path)
     parser.add_argument("--offline", action="store_true", help="cut the network")
     given = parser.parse_args()
+    if not given.page.is_file():
+        parser.error(f"{given.page}: no such file")
     with chromium() as browser:
         seen = Seen(browser, given.page, offline=given.offline)
         faults = list(look(seen)) or [f"console: {one}" for one in seen.faults]
@@ -36,13 +38,13 @@ def main() -> int:
     return 1 if faults else 0
 
 
-def look(seen: Seen) -> Iterator[str]:
-    """Play, scrub and ask; what is wrong, a line each."""
+def look(seen: Seen, seconds: float = SECONDS) -> Iterator[str]:
+    """Play for so many seconds, scrub and ask; what is wrong, a line each."""
     if seen.ask("window.physim === undefined"):
         yield seen.text("#state")
         return
     duration = seen.ask("physim.duration")
-    seen.ask(f"(physim.player.setSpeed({max(duration, 1e-3) / SECONDS}), physim.player.play())")
+    seen.ask(f"(physim.player.setSpeed({max(duration, 1e-3) / seconds}), physim.player.play())")
     seen.until("!physim.player.playing")
     if seen.ask("physim.player.time") != duration:
         yield "it does not play to the end"

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+import physim
 from physim.drawing.page import write_page
 from physim.record import Record
 from tests.browser import driver
@@ -36,6 +37,19 @@ def record(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Record]:
 def page(record: Record, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page of `record`."""
     return write_page([record], tmp_path_factory.mktemp("page") / "run.html")
+
+
+@pytest.fixture(scope="session")
+def ten() -> Record:
+    """Ten robots from `ten_robots`, their first 2.5 s; it must not be changed."""
+    world = physim.load_world("ten_robots")
+    return physim.simulate(world.changed(time=world.time.model_copy(update={"duration": 2.5})))
+
+
+@pytest.fixture(scope="session")
+def page_of_ten(ten: Record, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of `ten`."""
+    return write_page([ten], tmp_path_factory.mktemp("ten") / "run.html")
 
 
 @pytest.fixture

@@ -64,11 +64,9 @@ def test_what_is_told_goes_with_the_time(opened: Opened) -> None:
     assert "danger, by distance" in seen.text("#why h2")
 
 
-def test_who_was_near_is_named(opened: Opened, tmp_path: Path) -> None:
+def test_who_was_near_is_named(opened: Opened, ten: Record, page_of_ten: Path) -> None:
     """In danger by distance: the nearest robot it considered, and the threshold that it passed."""
-    world = physim.load_world("ten_robots")
-    time = world.time.model_copy(update={"duration": 2.5})
-    record = physim.simulate(world.changed(time=time))
+    record = ten
     rows = record.updates[record.updates["mode"] == 1]
     row = rows[0]
     robot, at = int(row["robot"]), row["step"] * record.dt
@@ -79,7 +77,7 @@ def test_who_was_near_is_named(opened: Opened, tmp_path: Path) -> None:
         for k in (robot, *others)
     ]
     nearest = others[int(np.argmin(shapely.distance(shapes[0], shapes[1:])))]
-    seen = opened(write_page([record], tmp_path / "r.html"), hash=f"#t={at + 1e-6}")
+    seen = opened(page_of_ten, hash=f"#t={at + 1e-6}")
     seen.ask(f"physim.go({{robot: {robot}}})")
     seen.settle()
     told = seen.text("#why .because")
@@ -181,10 +179,9 @@ def test_what_happened_to_a_robot_is_found_without_the_view(opened: Opened, reco
     seen.until("physim.contact === 0")
 
 
-def test_the_label_of_the_closest_pair_covers_no_robot(opened: Opened, tmp_path: Path) -> None:
-    world = physim.load_world("ten_robots")
-    time = world.time.model_copy(update={"duration": 2.0})
-    record = physim.simulate(world.changed(time=time))
+def test_the_label_of_the_closest_pair_covers_no_robot(
+    opened: Opened, ten: Record, page_of_ten: Path
+) -> None:
     script = """
         const write = CanvasRenderingContext2D.prototype.fillText;
         window.written = [];
@@ -192,16 +189,16 @@ def test_the_label_of_the_closest_pair_covers_no_robot(opened: Opened, tmp_path:
           if (words.endsWith(" m")) window.written.push([words, x, y]);
           write.call(this, words, x, y, ...more);
         };"""
-    seen = opened(write_page([record], tmp_path / "r.html"), script=script)
+    seen = opened(page_of_ten, script=script)
     seen.ask("window.written.length = 0")
     drawn = seen.drawn_at(1.8)
     lens, poses = drawn["lens"], np.reshape(drawn["pose"], (-1, 3))
     words, x, y = next(one for one in seen.ask("window.written") if "." in one[0])
-    assert words == metres(float(record.clearance[180].min()))
+    assert words == metres(float(ten.clearance[180].min()))
     at = ((x - lens["x"]) / lens["scale"], (lens["y"] - y) / lens["scale"])
     bodies = [
         shapely.Polygon(placed(outline(shape), pose))
-        for shape, pose in zip(record.footprints, poses, strict=True)
+        for shape, pose in zip(ten.footprints, poses, strict=True)
     ]
     assert shapely.distance(bodies, shapely.Point(at)).min() * lens["scale"] > 7.0
 

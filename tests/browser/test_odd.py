@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import base64
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import physim
 from physim.drawing.page import write_page
 from tests.browser.__main__ import look
 from tests.browser.driver import Seen
+from tests.page.test_data import moved
 from tests.records import make_record
 
 Opened = Callable[..., Seen]
+PLAYED = 0.5
+"""[s] that playing takes"""
 
 
 @pytest.mark.parametrize(("robots", "seconds"), [(1, 2.0), (2, 0.01), (2, 0.0), (80, 2.0)])
@@ -23,7 +30,21 @@ def test_few_samples_one_robot_and_a_crowd(
 ) -> None:
     with make_record(tmp_path / "r.h5", robots, seconds, contacts=False) as record:
         seen = opened(write_page([record], tmp_path / "r.html"))
-    assert list(look(seen)) == []
+    assert list(look(seen, PLAYED)) == []
+
+
+def test_a_run_far_from_the_origin_looks_the_same(opened: Opened, tmp_path: Path) -> None:
+    """Canvases compute with 24 bits: at 5,800 km a step of that is half a metre."""
+    drawn = []
+    make_record(tmp_path / "r.h5", 3, 4.0).close()
+    for shift in ((0.0, 0.0), (454_000.0, 5_800_000.0)):
+        with physim.Record.load(moved(tmp_path / "r.h5", shift)) as record:
+            seen = opened(write_page([record], tmp_path / "r.html"))
+        seen.drawn_at(1.6)
+        data = seen.ask("document.querySelector('.view canvas').toDataURL()").partition(",")[2]
+        image = Image.open(io.BytesIO(base64.b64decode(data))).convert("L")
+        drawn.append(np.asarray(image, dtype=int))
+    assert (np.abs(drawn[0] - drawn[1]) > 60).mean() < 2e-3
 
 
 def run(**how: Any) -> physim.Record:
@@ -36,7 +57,7 @@ def run(**how: Any) -> physim.Record:
 def test_without_tables_it_says_what_was_not_recorded(opened: Opened, tmp_path: Path) -> None:
     bare = run(save=physim.SaveAt(every=10, tables=()))
     seen = opened(write_page([bare], tmp_path / "r.html"))
-    assert list(look(seen)) == []
+    assert list(look(seen, PLAYED)) == []
     assert "not recorded" in seen.text(".figures")
     assert "not decided" in seen.text("#why")
 

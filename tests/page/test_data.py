@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,6 +16,7 @@ from physim.drawing.page.data import run_data
 from physim.drawing.page.knots import between, find_knots
 from physim.drawing.page.packing import LARGEST, Pack
 from physim.drawing.timeline import Timeline
+from physim.errors import PhysimError
 from physim.geometry.motion import arcs
 from tests.page.unpacking import unpack
 from tests.records import make_record
@@ -110,6 +112,59 @@ def check_considered(
         mine = (table["robot"] == row["robot"]) & (table["step"] == row["step"])
         kept = arrays["others"][start[sets[k]] : start[sets[k] + 1]]
         assert kept.tolist() == table["other"][mine].tolist()
+
+
+@pytest.mark.parametrize("far", [0.0, 5.8e6, -3e8, 1e15])
+def test_numbers_far_from_0_keep_their_digits(far: float) -> None:
+    """As of places in a map of a whole country; beyond what floats resolve they keep what is."""
+    pack, given = Pack(), far + np.linspace(0.0, 250.0, 1000)
+    pack.real("a", given, 1e-3)
+    kept = unpack(pack.to_base64({}))[1]["a"]
+    assert np.abs(kept - given).max() <= max(5.1e-4, 4.0 * float(np.spacing(abs(far))))
+    pack.whole("b", np.rint(given / 5e-4) if abs(far) < 1e9 else [1], 5e-4, far=True)
+    if abs(far) < 1e9:
+        kept = unpack(pack.to_base64({}))[1]["b"]
+        assert np.abs(kept - given).max() <= 2.6e-4
+
+
+def moved(file: Path, shift: tuple[float, float]) -> Path:
+    """A record whose scene and robots are elsewhere."""
+    with h5py.File(file, "r+") as record:
+        for name in ("areas/accessible", "areas/safe", "paths", "reference"):
+            record[f"{name}/points"][...] += shift
+        record["walls/vertices"][...] += shift
+        record["steps/pose"][..., :2] += shift
+        for table, columns in (("contacts", ("x", "y")), ("updates", ("target_x", "target_y"))):
+            rows = record[table][...]
+            for column, by in zip(columns, shift, strict=True):
+                rows[column] += by
+            record[table][...] = rows
+    return file
+
+
+def test_a_run_far_from_the_origin_is_shown_as_well(tmp_path: Path) -> None:
+    make_record(tmp_path / "r.h5", 3, 4.0).close()
+    with physim.Record.load(tmp_path / "r.h5") as record:
+        near = unpack(run_data(record, summarise(record)))[1]
+    shift = (454_000.0, 5_800_000.0)
+    with physim.Record.load(moved(tmp_path / "r.h5", shift)) as record:
+        far = unpack(run_data(record, summarise(record)))[1]
+    for name, by in zip(("knot_x", "knot_y"), shift, strict=True):
+        assert np.abs(far[name] - by - near[name]).max() < 1e-3
+    for name, by in zip(("own:target_x", "own:target_y"), shift, strict=True):
+        assert np.abs(far[name] - by - near[name]).max() < 2e-3
+
+
+@pytest.mark.parametrize("far", [3e5, 1e12, 1e300])
+def test_robots_too_far_apart_are_refused_in_a_line(tmp_path: Path, far: float) -> None:
+    make_record(tmp_path / "r.h5", 2, 1.0).close()
+    with h5py.File(tmp_path / "r.h5", "r+") as record:
+        record["steps/pose"][5, 0, 0] = far
+    with (
+        physim.Record.load(tmp_path / "r.h5") as record,
+        pytest.raises(PhysimError, match=r"r\.h5: robots .* apart"),
+    ):
+        physim.page(record)
 
 
 def test_bins_keep_the_shortest_distance(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ def unpack(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _array(planes: bytes, index: dict[str, Any], name: str) -> Any:
     numbers = _whole(planes, **{key: index[name][key] for key in ("at", "n", "planes", "order")})
-    values = np.array(numbers, dtype=float) * index[name]["quantum"]
+    values = (np.array(numbers, dtype=float) + index[name].get("base", 0)) * index[name]["quantum"]
     if f"{name}?" in index:
         about = index[f"{name}?"]
         kinds = _whole(planes, about["at"], about["n"], about["planes"], about["order"])

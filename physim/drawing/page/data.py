@@ -26,10 +26,13 @@ from physim.drawing.timeline import Timeline
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import SHORT_TRAIL, TRAIL
 from physim.drawing.video.panel import signs
+from physim.errors import RecordError
 from physim.record import Record
 
 TOLERANCE, CROWD_TOLERANCE = 0.002, 0.005
 """[m] by which a point of a robot is drawn beside where it was at a sample, at most; of a crowd"""
+MOST_APART, FARTHEST = 2e5, 1e9
+"""[m] between places of robots in a run, and of these from the origin of the world"""
 GRID, CROWD_GRID = 5e-4, 1e-3
 """[m] that places are rounded to"""
 TURN, CROWD_TURN = 2e-4, 5e-4
@@ -39,7 +42,7 @@ TURN, CROWD_TURN = 2e-4, 5e-4
 def run_data(record: Record, summary: Summary) -> str:
     """Everything the page draws of a record, as text for `assets/decode.js`.
 
-    Raises RecordError for a record without samples or robots.
+    Raises RecordError for a record without samples or robots, or with robots too far apart.
     """
     timeline, pack = Timeline(record), Pack()
     crowd = timeline.robots > NAMED
@@ -80,6 +83,14 @@ def run_data(record: Record, summary: Summary) -> str:
 def _pack_poses(timeline: Timeline, pack: Pack, crowd: bool) -> None:
     grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
     quanta = np.array((grid, grid, turn))
+    place = timeline.record.pose[..., :2]
+    apart = float(np.ptp(place, axis=(0, 1)).max())
+    away = float(np.abs(place).max())
+    if apart >= MOST_APART or away >= FARTHEST:
+        raise RecordError(
+            f"{timeline.record.where}: robots are {apart:.3g} m apart and up to {away:.3g} m "
+            f"from the origin; a page shows {MOST_APART:g} m and {FARTHEST:g} m at most"
+        )
     knots = find_knots(
         timeline.record.pose, timeline.time, quanta,
         CROWD_TOLERANCE if crowd else TOLERANCE, timeline.scene.reach,
@@ -87,7 +98,7 @@ def _pack_poses(timeline: Timeline, pack: Pack, crowd: bool) -> None:
     pack.whole("knots", knots.counts)
     pack.whole("knot_step", timeline.record.steps[knots.row])
     for k, name in enumerate(("knot_x", "knot_y", "knot_heading")):
-        pack.whole(name, knots.pose[:, k], float(quanta[k]))
+        pack.whole(name, knots.pose[:, k], float(quanta[k]), far=True)
 
 
 def _cleaned(scene: dict[str, Any]) -> dict[str, Any]:

@@ -22,6 +22,8 @@ PROBE = 1 << 16
 FINITE, NAN, INF, MINUS_INF = range(4)
 LARGEST = 1 << 29
 """of the whole numbers that are packed: sums of differences stay within 32 bits"""
+EXACT = 2.0**53
+"""up to which whole numbers are exact"""
 
 
 class Pack:
@@ -29,20 +31,27 @@ class Pack:
 
     def __init__(self) -> None:
         self.index: dict[str, dict[str, Any]] = {}
-        """of each array: where its bytes begin, how many values, planes, order of differences and
-        the quantum of one"""
+        """of each array: where its bytes begin, how many values, planes, order of differences, the
+        quantum of one, and what is to be added to the numbers where they are large"""
         self._blobs: list[bytes] = []
         self._size = 0
 
-    def whole(self, name: str, values: ArrayLike, quantum: float = 1.0) -> None:
-        """Add whole numbers (n,), each so many times ``quantum``; their size is below 2^29."""
+    def whole(self, name: str, values: ArrayLike, quantum: float = 1.0, far: bool = False) -> None:
+        """Add whole numbers (n,), each so many times ``quantum``; their size is below 2^29.
+
+        Those of which the page takes multiples may be ``far`` from 0, and differ by so much.
+        """
         numbers = np.asarray(values, dtype=np.int64).ravel()
+        base = 0
+        if far and len(numbers) and int(np.abs(numbers).max()) >= LARGEST:
+            base = (int(numbers.min()) + int(numbers.max())) // 2
+            numbers = numbers - base
         if len(numbers) and int(np.abs(numbers).max()) >= LARGEST:
             raise ValueError(f"{name}: a number does not fit")
         order, planes = _smallest(numbers)
         self.index[name] = {
             "at": self._size, "n": len(numbers), "planes": len(planes), "order": order,
-            "quantum": quantum,
+            "quantum": quantum, **({"base": base} if base else {}),
         }  # fmt: skip
         blob = planes.tobytes()
         self._blobs.append(blob)
@@ -55,14 +64,15 @@ class Pack:
         """
         given = np.asarray(values, dtype=np.float64).ravel()
         finite = np.isfinite(given)
-        largest = float(np.abs(given[finite]).max()) if finite.any() else 0.0
-        while largest / quantum >= LARGEST / 2:
+        known = given[finite] if finite.any() else np.zeros(1)
+        least, most = float(known.min()), float(known.max())
+        while most / quantum - least / quantum >= LARGEST or max(-least, most) / quantum >= EXACT:
             quantum *= 10.0
         if not finite.all():
             kinds = np.select([finite, np.isnan(given), given > 0.0], [FINITE, NAN, INF], MINUS_INF)
             self.whole(f"{name}?", kinds)
             given = _filled(given, finite)
-        self.whole(name, np.rint(given / quantum), quantum)
+        self.whole(name, np.rint(given / quantum), quantum, far=True)
 
     def to_base64(self, header: dict[str, Any]) -> str:
         """All of it as text; ``header`` gets the key ``arrays``."""

@@ -15,9 +15,34 @@ EDITS = (
     ),
     Edit(
         "page", f"{ROOM}/packing.py", "Pack.whole",
-        ">= LARGEST", "> 4 * LARGEST",
+        "if len(numbers) and int(np.abs(numbers).max()) >= LARGEST",
+        "if len(numbers) and int(np.abs(numbers).max()) >= 4 * LARGEST",
         "a number that does not fit is refused",
         f"{DATA}::test_a_number_that_does_not_fit_is_refused",
+    ),
+    Edit(
+        "page", f"{ROOM}/packing.py", "Pack.whole",
+        "if far and len(numbers)", "if False and len(numbers)",
+        "places far from the origin keep their digits",
+        f"{DATA}::test_a_run_far_from_the_origin_is_shown_as_well",
+    ),
+    Edit(
+        "page", f"{ROOM}/data.py", "_pack_poses",
+        "apart >= MOST_APART or away >= FARTHEST", "False",
+        "robots too far apart are refused in a line",
+        f"{DATA}::test_robots_too_far_apart_are_refused_in_a_line",
+    ),
+    Edit(
+        "page", f"{ROOM}/events.py", "stands",
+        "end if arrived < 0 else min(int(end), arrived)", "end",
+        "a robot that has arrived no longer counts as standing",
+        "tests/page/test_events.py::test_what_counts_as_standing",
+    ),
+    Edit(
+        "page", f"{ROOM}/findings.py", "_findings",
+        "yield from _contacts(found, summary)", "",
+        "every contact of a validation leads to its moment",
+        "tests/page/test_findings.py::test_contacts_and_disagreements_are_all_told",
     ),
     Edit(
         "page", f"{ROOM}/knots.py", "_knots_of",

@@ -35,8 +35,8 @@ const SPECIAL = [0, NaN, Infinity, -Infinity];
 /** Real numbers: so many times the quantum, and those that are not finite. */
 function real(bytes, index, name) {
   const numbers = Float64Array.from(whole(bytes, index[name]));
-  const { quantum } = index[name];
-  for (let k = 0; k < numbers.length; k++) numbers[k] *= quantum;
+  const { quantum, base = 0 } = index[name];
+  for (let k = 0; k < numbers.length; k++) numbers[k] = (numbers[k] + base) * quantum;
   const kinds = index[`${name}?`];
   if (kinds) {
     whole(bytes, kinds).forEach((kind, k) => {

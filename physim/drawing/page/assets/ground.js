@@ -6,6 +6,9 @@ const PATH_TINT = 0.58; // opacity of robots' own paths
 export class Ground {
   constructor(run) {
     const { scene } = run.header;
+    // canvases compute with few digits: far from the origin of the world shapes need one of their own
+    this.origin = [...scene.reference, ...scene.walls.flat(), [0, 0]][0];
+    const shape = (lines, closed) => shapeOf(lines, closed, this.origin);
     this.areas = scene.areas.map(({ key, rings }) => ({ key, path: shape(rings, true) }));
     this.obstacles = shape(scene.obstacles, true);
     this.walls = shape(scene.walls, false);
@@ -20,7 +23,7 @@ export class Ground {
   /** Draws on a canvas whose pixels are those of `lens`. */
   draw(context, lens, colours) {
     context.save();
-    context.transform(lens.scale, 0, 0, -lens.scale, lens.x, lens.y);
+    this.place(context, lens);
     const pixel = 1 / lens.scale;
     for (const { key, path } of this.areas) {
       context.fillStyle = colours[key];
@@ -47,7 +50,7 @@ export class Ground {
   /** Draws what can be told apart when it is small. */
   drawPlain(context, lens, colours) {
     context.save();
-    context.transform(lens.scale, 0, 0, -lens.scale, lens.x, lens.y);
+    this.place(context, lens);
     const { key, path } = this.areas.at(-1) ?? { key: "floor", path: new Path2D() };
     context.fillStyle = colours[key];
     context.fill(this.areas[0]?.path ?? path, "evenodd");
@@ -58,6 +61,11 @@ export class Ground {
     context.restore();
   }
 
+  place(context, { scale, x, y }) {
+    const [east, north] = this.origin;
+    context.transform(scale, 0, 0, -scale, x + east * scale, y - north * scale);
+  }
+
   stroke(context, path, colour, width) {
     context.strokeStyle = colour;
     context.lineWidth = width;
@@ -65,11 +73,11 @@ export class Ground {
   }
 }
 
-/** Lines, or rings, of points [m]. */
-function shape(lines, closed) {
+/** Lines, or rings, of points [m], about an origin. */
+function shapeOf(lines, closed, [east, north]) {
   const path = new Path2D();
   for (const line of lines) {
-    line.forEach(([x, y], k) => (k ? path.lineTo(x, y) : path.moveTo(x, y)));
+    line.forEach(([x, y], k) => (k ? path.lineTo(x - east, y - north) : path.moveTo(x - east, y - north)));
     if (closed) path.closePath();
   }
   return path;

@@ -75,7 +75,7 @@ EDITS = (
         "fits &= shapely.distance(way, shapes) >= 0.5 * passage + SPARE",
         "",
         "obstacles leave the passage free",
-        "tests/world/test_random_road.py::test_a_road_is_as_stated_or_refused",
+        "tests/world/test_random_road.py::test_the_shipped_road_is_as_stated_with_every_seed",
     ),
     Edit(
         "world",

@@ -88,7 +88,7 @@ def schema(options: Options) -> int:
     return 0
 
 
-TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse")
+TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse", "random")
 
 
 @command("new", "a world to begin with, every key explained")
@@ -119,6 +119,7 @@ def new(options: Options) -> int:
       corridor    straight, 8 m wide           s_bend      a turn left and a turn right
       bend        a quarter turn               roundabout  in, three quarters round, out
       doorway     a door one robot wide        warehouse   a path through aisles between shelves
+      random      bends and obstacles that the seed draws, beside a clear passage
 
     exit codes:
       0    written; the world runs as it is

@@ -13,7 +13,7 @@ from physim.reproduction.studies import studies
 from tests.cli.commands import physim
 from tests.says import check_error
 
-TEMPLATES = "corridor, bend, doorway, s_bend, roundabout, warehouse"
+TEMPLATES = "corridor, bend, doorway, s_bend, roundabout, warehouse, random"
 THERE_ARE = ", ".join(COMMANDS)
 
 MISTAKES = {

@@ -19,6 +19,7 @@ from physim.simulation.run import simulate
 from physim.world import Formation, World
 from physim.world.file import parse_world
 from physim.world.file.schema import world_schema
+from physim.world.layout.layout import lay_out
 from physim.world.layout.scene_builder import build_scene
 
 every_template = pytest.mark.parametrize("template", ROADS)
@@ -28,6 +29,7 @@ def test_the_command_offers_what_there_is() -> None:
     assert tuple(ROADS) == TEMPLATES
     assert {name: most_robots(name) for name in ROADS} == {
         "corridor": 22, "bend": 22, "doorway": 10, "s_bend": 22, "roundabout": 15, "warehouse": 15,
+        "random": 15,
     }  # fmt: skip
 
 
@@ -58,6 +60,19 @@ def test_every_number_of_robots_stands_apart_on_a_sound_road(template: str) -> N
         safe = scene.area.polygon.buffer(-1.0)
         places = shapely.points(scene.start[:, :2])
         assert shapely.covers(safe.buffer(1e-6), places).all()
+
+
+def test_another_seed_draws_another_road_that_runs_as_well() -> None:
+    text = world_text("w", "random", 4)
+    roads = set()
+    for seed in range(1, 7):
+        world = parse_world(text.replace("seed: 1 ", f"seed: {seed} "))
+        laid = lay_out(world)
+        assert len(laid.obstacles) > 0
+        roads.add(laid.reference.tobytes())
+        with simulate(world) as record:
+            assert [one for one in summarise(record).expectations if not one.held] == []
+    assert len(roads) == 6
 
 
 @every_template

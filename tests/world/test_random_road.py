@@ -22,6 +22,7 @@ from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
 from physim.world.layout.layout import lay_out
 from physim.world.layout.road import plain_world
+from physim.world.layout.road_line import draw_way
 from physim.world.layout.scene_builder import build_scene, is_random, reseeded
 from physim.world.scene import Layout
 from tests.facts import facts
@@ -135,6 +136,9 @@ def check_road(laid: Layout, road: dict[str, Any]) -> None:
     assert inside.is_valid
 
     solids = [shapely.Polygon(outline) for outline in laid.obstacles]
+    for part in (slice(0, end + 1), slice(-2 - other, -1)):  # straight, so these are rectangles
+        free = shapely.Polygon(np.vstack([left[part], right[part][::-1]])).buffer(-5e-3)
+        assert not any(free.intersects(solid) for solid in solids), "an obstacle at an end"
     wanted = round(road["clutter"] * (road["length"] - 2.0 * road["ends"]) / 100.0)
     assert abs(len(solids) - wanted) <= 1  # the length as rounded
     for outline, solid in zip(laid.obstacles, solids, strict=True):
@@ -257,6 +261,44 @@ def test_a_disc_as_wide_as_the_passage_goes_through_on_a_grid(seed: int) -> None
 def coordinates(laid: Layout) -> bytes:
     parts = [centreline(laid), laid.reference, *laid.obstacles, *laid.boundaries.values()]
     return np.vstack(parts).tobytes()
+
+
+def test_winding_roads_stay_away_from_themselves() -> None:
+    """Most roads that are drawn first cross themselves here; none that is kept comes near."""
+    winding = {"bends": 7, "turns": [1.9, 2.6], "radii": [5.0, 6.0], "width": [6.0, 6.0],
+               "length": 160.0, "ends": 6.0, "passage": 3.0}  # fmt: skip
+    kept = 0
+    for seed in range(1, 13):
+        try:
+            laid = lay_out(world(seed=seed, **winding))
+        except WorldError:
+            continue
+        kept += 1
+        left, right = laid.boundaries["left wall"], laid.boundaries["right wall"]
+        inside = shapely.Polygon(np.vstack([left, right[::-1]]))
+        assert inside.is_valid
+        wider = shapely.LineString(centreline(laid)).buffer(3.45, cap_style="flat")
+        assert len(wider.interiors) == 0, "two parts of the road nearly touch"
+    assert kept >= 2
+
+
+def test_a_way_nearer_to_a_wall_than_the_passage_is_drawn_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The passage is proved, whatever drew the way."""
+    drawn = []
+
+    def astray(road: Any, centreline: Array, widths: Array, *rest: Any) -> Array:
+        way = draw_way(road, centreline, widths, *rest)
+        drawn.append(way)
+        return way + (0.0, 0.6) if len(drawn) == 1 else way
+
+    monkeypatch.setattr("physim.world.layout.road.draw_way", astray)
+    given_ = {"width": [3.0, 3.0], "passage": 2.8, "clutter": 0.0}
+    laid = lay_out(world(**given_))
+    assert len(drawn) > 1
+    walls = segments(list(laid.boundaries.values()))
+    assert 2.0 * distances(sampled(laid.reference, 0.05), walls).min() >= 2.8 - AS_ROUNDED
 
 
 def test_the_seed_decides_to_the_last_bit() -> None:

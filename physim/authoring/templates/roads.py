@@ -81,6 +81,9 @@ class Road:
     obstacles: tuple[FloatArray, ...] = ()
     notes: dict[str, str] = field(default_factory=dict)
     """comments on ``boundaries`` and ``obstacles``"""
+    drawn: tuple[tuple[str, str, str], ...] = ()
+    """key, value and comment of each key of `RandomRoad`, for a road that the seed draws; its
+    ``reference`` is as long as that"""
 
 
 def corridor(straight: float) -> Road:
@@ -171,6 +174,33 @@ def warehouse(straight: float) -> Road:
     )
 
 
+def random(straight: float) -> Road:
+    """Bends and obstacles that the seed draws, beside a passage for two lanes."""
+    ends, passage, widths = round(straight + 4.0, 2), 4.6, (6.0, 9.0)
+    length = round(2.0 * ends + 60.0, 2)
+    drawn = (
+        ("length", f"{length}", "[m] of the middle line, from (0, 0) along the x axis"),
+        ("bends", "[2, 3]", "least and greatest number"),
+        ("turns", "[0.35, 1.2]", "[rad] of one bend, to either side"),
+        (
+            "width",
+            f"[{widths[0]}, {widths[1]}]",
+            "[m] from wall to wall; the greatest at both ends",
+        ),
+        ("clutter", "8.0", "obstacles per 100 m between the ends"),
+        ("sizes", "[0.6, 1.6]", "[m] diameter of the circle round an obstacle"),
+        ("passage", f"{passage}", "[m] stays clear along the whole way, about its middle"),
+        ("ends", f"{ends}", "[m] straight, without obstacles: where robots start and stop"),
+    )
+    return Road(
+        "Robots drive along a road that the seed draws.",
+        np.array([[0.0, 0.0], [length, 0.0]]),
+        passage,
+        widths[1],
+        drawn=drawn,
+    )
+
+
 ROADS: dict[str, Callable[[float], Road]] = {
     "corridor": corridor,
     "bend": bend,
@@ -178,5 +208,6 @@ ROADS: dict[str, Callable[[float], Road]] = {
     "s_bend": s_bend,
     "roundabout": roundabout,
     "warehouse": warehouse,
+    "random": random,
 }
 """Templates by name; the first is the default."""

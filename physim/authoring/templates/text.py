@@ -118,7 +118,8 @@ def _head(name: str, road: Road) -> Iterator[str]:
     yield "# counter-clockwise positive. Further keys: at the end."
     yield f"name: {scalar_text(name)}  # label: in the video, and of the folder of a run"
     yield f"description: {scalar_text(road.what)}"
-    yield "seed: 1  # start of everything random, as headings are when they say so"
+    what = "the road, which --seed changes, and" if road.drawn else "start of"
+    yield f"seed: 1  # {what} everything random, as headings are when they say so"
     yield "time:"
     yield "  step: 0.01  # [s] one physics step"
     duration = 10 * ceil((shapely.LineString(road.reference).length / SLOWEST + 10.0) / 10.0)
@@ -126,7 +127,13 @@ def _head(name: str, road: Road) -> Iterator[str]:
 
 
 def _walls(road: Road) -> Iterator[str]:
-    if road.width is not None:
+    if road.drawn:
+        yield "corridor:  # a road that the seed draws; physim new NAME --from FILE writes it out"
+        yield "  random:  # instead of this: centreline and width, as in the template corridor"
+        for key, value, note in road.drawn:
+            yield f"    {key}: {value}  # {note}"
+        yield "  end_margin: 3.0  # [m] the road goes on beyond both ends of the line, to its caps"
+    elif road.width is not None:
         yield "corridor:  # a road along a line; or draw walls: boundaries and reference_path"
         yield "  centreline:  # [m] points [x, y]; also the path that the formation keeps to"
         yield from _points("    ", road.reference)
@@ -166,7 +173,7 @@ def _optional(road: Road, group: list[Place]) -> Iterator[str]:
     yield f"#   start: {{region: [{corners}], heading: random, min_gap: 0.3}}"
     yield "# of a robot: its mass [kg], 100 for each m²; its largest speeds [m/s], [rad/s]"
     yield "#   limits: {v: 1.5, omega: 1.6}"
-    if not road.obstacles:
+    if not road.obstacles and not road.drawn:
         yield "# obstacles: closed polygons [m], none"
     yield "# physics: friction and elasticity in contact, 0"
 

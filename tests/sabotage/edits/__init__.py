@@ -22,6 +22,7 @@ from tests.sabotage.edits import (
     record,
     reports,
     reproduction,
+    roads,
     scene,
     statistics,
     summary,
@@ -36,7 +37,7 @@ from tests.sabotage.edits import (
 EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
-        basics, geometry, statistics, world, world_file, scene, checking, physics, controllers, loop,
+        basics, geometry, statistics, world, roads, world_file, scene, checking, physics, controllers, loop,
         work, record, metrics, summary, validation, video, page, plots, preview, importing,
         templates, crashtest, campaigns, falsify, reports, reproduction, cli,
     )

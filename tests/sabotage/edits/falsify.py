@@ -132,4 +132,22 @@ EDITS = (
         "what is written is run once more",
         "tests/falsify/test_command.py::test_a_failure_that_does_not_come_again_is_told",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/results.py",
+        "named",
+        "return world.changed(name=f\"{world.name}, {Path(file).stem.replace('_', ' ')}\")",
+        "return world",
+        "a world that is found has runs in a folder of their own",
+        "tests/falsify/test_command.py::test_a_failure_is_written_as_a_world_that_fails",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/passes.py",
+        "with_robots",
+        "if isinstance(value, list) and len(value) == len(robots):",
+        "if False:",
+        "settings that list one thing a robot keep those of the robots that stay",
+        "tests/falsify/test_shrink.py::test_the_known_least_is_reached",
+    ),
 )

@@ -24,7 +24,7 @@ MOST_RUNS = 1_000_000
 MOST_EVER = 10_000_000
 """Runs of one folder: reports hold its rows in memory, at some 300 bytes each"""
 MOST_CELLS = 10_000
-ROW_BYTES, RUNS_A_SECOND = 700, 100
+ROW_BYTES, RUNS_A_SECOND = 820, 100
 """[bytes] of a row on disk, and the rate of a large machine, for estimates"""
 TOGETHER = 16
 """Cells that are gone through side by side, seed by seed: workers have so many worlds ready"""

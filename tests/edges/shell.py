@@ -69,6 +69,7 @@ class Shell:
         """Start ``physim`` and go on."""
 
         def bounded() -> None:
+            signal.signal(HANGUP, signal.SIG_DFL)  # which may be ignored where tests are run
             if memory:
                 resource.setrlimit(resource.RLIMIT_AS, (memory * 1_000_000,) * 2)
             if seconds:

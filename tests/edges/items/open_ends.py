@@ -13,4 +13,4 @@ def try_gap_at_the_right_end(shell: Shell) -> None:
     last = '<polyline points="2,13 28,13 28,8"/>'
     shell.write("plan.svg", f'{HEAD}<g id="boundary" fill="none">{walls}{last}</g></svg>')
     done = shell.physim("import", "plan.svg", "-o", "plan.yaml", "--scale", 1)
-    done.refused("plan.svg: ", "(28.00, 7.00)", "(28.00, 8.00)", "1 m")
+    done.refused("plan.svg:1: ", "(28.00, 7.00)", "(28.00, 8.00)", "1 m")

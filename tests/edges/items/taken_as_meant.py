@@ -47,14 +47,14 @@ PLAN = """\
 def try_a_drawing_without_a_layer_of_walls(shell: Shell) -> None:
     shell.write("plan.svg", PLAN)
     given = ("import", "plan.svg", "-o", "plan.yaml", "--scale", 1)
-    shell.physim(*given).refused("plan.svg: ", "--boundary", '"rim" (26 x 11 m)')
+    shell.physim(*given).refused("plan.svg: ", "--boundary", '"rim" (line 2, 26 x 11 m)')
     done = shell.physim(*given, "--boundary", "rim")
     assert done.code == 0, done.err
     assert shell.physim("check", "plan.yaml").code == 0
 
 
 def try_an_error_of_a_drawing_names_element_and_line(shell: Shell) -> None:
-    for mark, name in (("", "<line>"), ('id="w 1" ', "'w 1'")):
+    for mark, name in (("", "<line>"), ('id="w 1" ', '"w 1"')):
         shapes = f'<g id="boundary">\n<line {mark}x1="1e400" y1="0" x2="3" y2="3"/>\n</g>'
         shell.write("plan.svg", f"{HEAD}\n{ROOM}\n{shapes}</svg>")
         done = shell.physim("import", "plan.svg", "-o", "w.yaml", "--scale", 1)

@@ -30,7 +30,7 @@ def test_every_edit_has_its_place_once() -> None:
             sources.place_of(edit)
         except BadAnchorError as error:
             lost.append(str(error))
-    assert lost == []
+    assert lost == [], "\n".join(lost)
     assert len({edit[:5] for edit in EDITS}) == len(EDITS) >= 60
     rooms = {edit.room for edit in EDITS}
     assert set(ROOMS) - {"controllers"} <= rooms <= set(ROOMS)

@@ -334,13 +334,15 @@ class LosesItsMemory:
 
 class BendsThePath:
     def decide(self, observation: Observation, memory: Any) -> Decision:
-        observation.path.points[-1] += 1.0
+        points = observation.path.points
+        points.setflags(write=True)
+        points[-1] += 1.0
         return steady(observation)
 
 
 class SwapsThePath:
     def decide(self, observation: Observation, memory: Any) -> Decision:
-        observation.path.outside = np.ones((1, 2))
+        object.__setattr__(observation.path, "outside", np.ones((1, 2)))
         return steady(observation)
 
 

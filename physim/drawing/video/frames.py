@@ -119,7 +119,8 @@ class Beside:
         image[:] = self._still
         for view in self._views:
             end = view.timeline.duration
-            then, held = min(time, end), end <= time < self.duration - 1e-9
+            then = min(time, end)
+            held = view.timeline.over(time) and time < self.duration - 1e-9
             view.paint(image, view.timeline.at(then), held)
             if held:
                 draw_ended(view.box.of(image), f"this run ended at {end:.1f} s")
@@ -136,7 +137,7 @@ class Beside:
         colour = palette.CONTACT if count else palette.INK
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
         write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
-        ended = time >= timeline.duration and timeline.duration < self.duration
+        ended = timeline.over(time) and timeline.duration < self.duration
         words = f"ended at {timeline.duration:.1f} s, " if ended else ""
         words += f"{arrived} of {timeline.robots} arrived"
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")

@@ -10,7 +10,7 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/mode_switching.py",
-        "avoiding_pair",
+        "decide_one",
         "bodies, near, pairs, walls_count, rules.update_period, judge_ahead, tx, ty",
         "bodies, near, pairs, walls_count, 2.0 * rules.update_period, judge_ahead, tx, ty",
         "(12) judged at twice the period",
@@ -19,9 +19,9 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/mode_switching.py",
-        "avoiding_pair",
-        "return pairs[best], WIDEST, smallest_time(bodies, near, pairs[best], rules.horizon, -1.0), 1",
-        "return pairs[best], WIDEST, xi, 1",
+        "decide_one",
+        "pair = pairs[best] if mode == DISTANCE: xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)",
+        "pair = pairs[best]",
         "(14) with the collision time of the safe command in danger mode",
         WHOLE,
     ),
@@ -64,7 +64,7 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/mode_switching.py",
-        "avoiding_pair",
+        "decide_one",
         "walls_count = boundary < rules.safe_distance",
         "walls_count = True",
         "(12) counts boundaries however far",
@@ -73,7 +73,7 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/mode_switching.py",
-        "avoiding_pair",
+        "decide_one",
         "walls_count = boundary < rules.safe_distance",
         "walls_count = False",
         "(12) never counts boundaries",

@@ -21,7 +21,7 @@ def notes(timeline: Timeline) -> list[str]:
     record = timeline.record
     missing = {one.robot: one for one in absent(record)}
     angles = across(timeline)
-    found = []
+    found: list[tuple[int, str]] = []
     for robot, angle in enumerate(angles.tolist()):
         name = record.names[robot]
         turned = f"{abs(angle):.0f}° across its path" if abs(angle) >= ACROSS else ""
@@ -32,10 +32,11 @@ def notes(timeline: Timeline) -> list[str]:
             line = f"{name} stands {turned}"
         else:
             continue
-        found.append(f"{line}: {why(timeline, robot, arrived=robot not in missing)}")
-    if len(found) > MOST_NOTES:
-        found[MOST_NOTES - 1 :] = [f"and {len(found) - MOST_NOTES + 1} robots more"]
-    return found
+        found.append((robot, line))
+    shown = found if len(found) <= MOST_NOTES else found[: MOST_NOTES - 1]
+    lines = [f"{line}: {why(timeline, k, arrived=k not in missing)}" for k, line in shown]
+    more = len(found) - len(shown)
+    return [*lines, f"and {more} robots more"] if more else lines
 
 
 def across(timeline: Timeline) -> FloatArray:

@@ -49,8 +49,7 @@ python -m benchmarks.safety safety safety-many --write      # this page
 avoidance: the null arm; `constant` gives one command for ever, here none: the robots stand,
 so nothing touches, and nothing finishes.
 What the rates do not say: starts are drawn as each world says, and a worse start can be looked for
-([FALSIFY.md](FALSIFY.md)). {most} runs without a contact show that at least {bound:.1%} of all are
-free of one, and no more than that.
+([FALSIFY.md](FALSIFY.md)). {most} runs without a contact show a rate within {bound}, no more.
 
 {table}
 Made with {versions}.
@@ -94,7 +93,7 @@ def page(folders: Sequence[Path]) -> str:
     table = "".join(lines[key] for key in sorted(lines, key=lambda key: (key[0], order[key[1]])))
     return TEXT.format(
         runs=runs, commands=commands(worlds), table=HEADER + table, versions=", ".join(versions),
-        most=most, bound=clopper_pearson(most, most)[0],
+        most=most, bound=interval(*clopper_pearson(most, most)),
     )  # fmt: skip
 
 

@@ -176,6 +176,8 @@ class Episodes:
     """(C,) [s]"""
     ended: FloatArray
     """(C,) [s] first sample apart; after the record's end for a contact that lasts to the end"""
+    apart: FloatArray
+    """(C,) [s] how long the two were apart before; inf for their first contact"""
     bodies: IntArray
     """(C, 2) body ids"""
     swept: NDArray[np.bool_]
@@ -207,6 +209,11 @@ class Episodes:
         """Return the episodes that began at most ``lasts`` seconds before ``time``, old first."""
         first = int(np.searchsorted(self.began, time - lasts, side="right"))
         return np.arange(first, self.count(time))
+
+    def latest(self, rows: IntArray) -> IntArray:
+        """Return of ``rows``, old first, the last of each pair of bodies: pairs may rattle."""
+        _, back = np.unique(self.bodies[rows][::-1], axis=0, return_index=True)
+        return np.sort(rows[::-1][back])
 
     def present(self, time: float) -> IntArray:
         """Return the episodes in which bodies touch at ``time`` [s], old first."""
@@ -245,9 +252,11 @@ def episodes(record: Record) -> Episodes:
             mine = table[first[k] : first[k] + samples[k]]
             beyond = mine["step"][mine["depth"] > one.allowed]
             deep[k] = beyond[0] * record.dt if len(beyond) else np.inf
+    began, ended = step * record.dt, (step + samples) * record.dt
     return Episodes(
-        began=np.asarray(step * record.dt),
-        ended=np.asarray((step + samples) * record.dt),
+        began=np.asarray(began),
+        ended=np.asarray(ended),
+        apart=_apart(np.column_stack((a, b)), began, ended),
         bodies=np.column_stack((a, b)),
         swept=np.array(swept, dtype=bool),
         deep=deep,
@@ -256,3 +265,12 @@ def episodes(record: Record) -> Episodes:
         times=np.asarray(table["step"] * record.dt, dtype=np.float64),
         places=np.column_stack((table["x"], table["y"])).astype(np.float64),
     )
+
+
+def _apart(bodies: IntArray, began: FloatArray, ended: FloatArray) -> FloatArray:
+    """How long [s] each pair was apart before it touched (C,); inf where it had not before."""
+    order = np.lexsort((began, bodies[:, 1], bodies[:, 0]))
+    again = (bodies[order[1:]] == bodies[order[:-1]]).all(axis=1)
+    found = np.full(len(order), np.inf)
+    found[order[1:]] = np.where(again, began[order[1:]] - ended[order[:-1]], np.inf)
+    return found

@@ -60,6 +60,26 @@ def test_a_contact_shows_when_it_begins_and_not_long_after(made: Callable[..., A
     assert counts[3] == 0
 
 
+def test_a_pair_that_rattles_has_one_mark_and_flashes_once(
+    made: Callable[..., Any], changed: Callable[..., Any]
+) -> None:
+    record = made(3)
+    began, stays, ended = Phase.BEGAN, Phase.STAYS, Phase.ENDED
+    held = [(step, stays) for step in range(21, 60)]
+    shaken = [(20 + k, (began, stays, ended)[k % 3]) for k in range(39)]
+
+    def frame(rows: list[tuple[int, Phase]], time: float) -> Any:
+        contacts = np.zeros(len(rows), record.contacts.dtype)
+        contacts["step"], contacts["phase"] = np.array(rows).T
+        contacts["b"], contacts["x"], contacts["y"] = 1, 8.0, 2.5
+        return frame_at(changed(record, contacts=contacts), time, speed=1.0)[VIEW]
+
+    whole = frame([(20, began), *held, (60, ended)], 0.96)
+    parts = frame(shaken, 0.96)
+    assert pixels(whole, palette.CONTACT) > 150
+    assert np.array_equal(whole, parts)
+
+
 def test_a_contact_that_lasts_has_a_mark_at_its_place_all_the_time(
     made: Callable[..., Any], changed: Callable[..., Any]
 ) -> None:

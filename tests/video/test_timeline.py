@@ -66,6 +66,9 @@ def test_episodes_by_pair_and_time(made: Callable[..., Any], changed: Callable[.
     places = [found.place_at(0, t)[0] for t in (0.5, 1.0, 1.09, 1.1, 9.0)]
     assert places == [0.0, 0.0, 0.0, 1.0, 1.0], "the last row before it ended"
     assert [found.place_at(2, t)[0] for t in (2.0, 2.5)] == [4.0, 9.0], "the next of that pair"
+    assert found.apart.tolist() == pytest.approx([np.inf, np.inf, 0.8, np.inf])
+    assert found.latest(np.arange(4)).tolist() == [1, 2, 3], "of 0 and 1 the second time alone"
+    assert found.latest(np.arange(0)).tolist() == []
 
 
 def test_the_modes_that_the_controller_declares_are_explained(

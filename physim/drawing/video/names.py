@@ -19,7 +19,7 @@ PRICES = (0.0, 0.3, 0.9, 1.6)
 """What these gaps cost; covering a whole label costs 10."""
 TURN = 0.2
 """What it costs to stand below rather than above: a label that glides must not cross its robot."""
-COVERED, ON_WALL, ASTRAY, OUTSIDE = 10.0, 2.0, 1.5, 2.0
+COVERED, ON_WALL, ASTRAY, OUTSIDE = 10.0, 2.0, 1.5, 12.0
 """What it costs to cover a whole label, to cross a wall, to touch another robot than the own, and
 to reach out of the view (a hundredth of it more for every px)."""
 STAYS = 0.6

@@ -148,20 +148,26 @@ class View:
         """A flash where a contact begins; a cross that goes with it for as long as it lasts.
 
         A swept contact, between two samples, has a sign of its own. Of a crowd signs are small.
+        A pair that rattles, apart for less than a mark lasts, has one mark and flashes once.
         """
-        contacts = self.timeline.contacts
-        recent = contacts.recent(time, mark_lasts(self._speed))
-        for row in recent:
+        contacts, lasts = self.timeline.contacts, mark_lasts(self._speed)
+        recent = contacts.recent(time, lasts)
+        for row in recent[contacts.apart[recent] > lasts]:
             began = float(contacts.began[row])
             place = lens.pixels(contacts.place_at(row, began))
             draw_flash(view, place, time - began, self._speed)
-        rows = np.union1d(recent, contacts.present(time)) if len(contacts.began) else recent
-        if len(rows):
-            places = lens.pixels(np.array([contacts.place_at(row, time) for row in rows]))
-            for swept in (False, True):
-                chosen = places[contacts.swept[rows] == swept]
-                draw_contacts(view, chosen, swept, small=self._crowd)
-            draw_contacts(view, places[contacts.deep[rows] <= time + 1e-9], False, deep=True)
+        shown = np.union1d(recent, contacts.present(time))
+        deep = shown[contacts.deep[shown] <= time + 1e-9]
+        rows = contacts.latest(shown)
+        for swept in (False, True):
+            chosen = self._places(lens, rows[contacts.swept[rows] == swept], time)
+            draw_contacts(view, chosen, swept, small=self._crowd)
+        draw_contacts(view, self._places(lens, deep, time), False, deep=True)
+
+    def _places(self, lens: Lens, rows: IntArray, time: float) -> FloatArray:
+        """Places (C, 2) [px] of contacts at a time."""
+        contacts = self.timeline.contacts
+        return lens.pixels(np.array([contacts.place_at(k, time) for k in rows]).reshape(-1, 2))
 
     def _draw_trails(self, view: Image, lens: Lens, now: Moment) -> None:
         """Trails of the robots, those of a crowd in one colour; only what reaches into the view."""

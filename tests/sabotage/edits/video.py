@@ -4,7 +4,27 @@ from __future__ import annotations
 
 from tests.sabotage.edit import Edit
 
+RATTLES = "tests/video/test_frames.py::test_a_pair_that_rattles_has_one_mark_and_flashes_once"
+
 EDITS = (
+    Edit(
+        "video",
+        "physim/drawing/video/view.py",
+        "View._mark_contacts",
+        "recent[contacts.apart[recent] > lasts]",
+        "recent",
+        "a pair that rattles flashes once",
+        RATTLES,
+    ),
+    Edit(
+        "video",
+        "physim/drawing/timeline.py",
+        "Episodes.latest",
+        "np.sort(rows[::-1][back])",
+        "rows",
+        "a pair that rattles has one mark",
+        "tests/video/test_timeline.py::test_episodes_by_pair_and_time",
+    ),
     Edit(
         "video",
         "physim/drawing/timeline.py",

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple, overload
 
 from physim.campaigns.sources import Source, sources_of
-from physim.campaigns.spec import Label, RunSpec, spec_of
+from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
 from physim.errors import PhysimError, WorldError
 from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.world import World
@@ -94,7 +94,7 @@ class Grid(Sequence[RunSpec]):
         if k is None:
             return False
         place = self._place(k, seed)
-        return place in self._mine and self._run(place).key == key
+        return place in self._mine and key_of(self._identities[k], seed) == key
 
     @cached_property
     def _mine(self) -> range:
@@ -105,6 +105,11 @@ class Grid(Sequence[RunSpec]):
     def _numbers(self) -> dict[Label, int]:
         """Numbers of the cells."""
         return {cell.label: k for k, cell in enumerate(self.cells)}
+
+    @cached_property
+    def _identities(self) -> list[str]:
+        """Identities of the cells."""
+        return [cell.identity for cell in self.cells]
 
     @cached_property
     def _alone(self) -> list[int]:

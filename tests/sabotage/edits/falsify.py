@@ -150,4 +150,22 @@ EDITS = (
         "settings that list one thing a robot keep those of the robots that stay",
         "tests/falsify/test_shrink.py::test_the_known_least_is_reached",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/later.py",
+        "later",
+        "and starts.fit(poses)",
+        "",
+        "a run that starts later keeps the distances of a start",
+        "tests/falsify/test_shrink.py::test_the_run_starts_shortly_before_its_contact_and_no_nearer_than_a_start_may_be",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/later.py",
+        "_from",
+        'tree["formation"]["spacing"] = build_scene(world).formation.lead.tolist()',
+        "pass",
+        "robots keep their formation in a run that starts later",
+        "tests/falsify/test_shrink.py::test_robots_keep_their_formation_in_a_run_that_starts_later",
+    ),
 )

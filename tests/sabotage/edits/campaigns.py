@@ -111,7 +111,7 @@ EDITS = (
         "place in self._mine and ",
         "",
         "a run of another shard is none of this one",
-        "tests/campaigns/test_grid.py",
+        "tests/campaigns/test_grid.py::test_a_run_is_found_by_its_place_and_back",
     ),
     Edit(
         "campaigns",
@@ -120,7 +120,7 @@ EDITS = (
         "len(self._mine)",
         "self.total",
         "a shard has its own runs only",
-        "tests/campaigns/test_grid.py",
+        "tests/campaigns/test_grid.py::test_shards_are_the_whole_without_overlap",
     ),
     Edit(
         "campaigns",
@@ -129,7 +129,7 @@ EDITS = (
         "count > MOST_EVER",
         "False",
         "more runs than a folder bears are refused",
-        "tests/campaigns/test_grid.py",
+        "tests/campaigns/test_grid.py::test_too_many_are_counted_and_not_made",
     ),
     Edit(
         "campaigns",
@@ -138,7 +138,7 @@ EDITS = (
         'elif sign == "," and not depth:',
         'elif sign == ",":',
         "a comma within brackets parts no values",
-        "tests/campaigns/test_grid.py",
+        "tests/campaigns/test_grid.py::test_values_of_an_axis",
     ),
     Edit(
         "campaigns",
@@ -147,7 +147,7 @@ EDITS = (
         "tuple(one) != versions()",
         "False",
         "workers with another version are refused",
-        "tests/campaigns/test_cluster.py",
+        "tests/campaigns/test_scheduler.py::test_workers_of_another_version_are_refused",
     ),
     Edit(
         "campaigns",
@@ -156,7 +156,7 @@ EDITS = (
         'kind != "Scheduler"',
         "False",
         "what is no scheduler is refused",
-        "tests/campaigns/test_scheduler.py",
+        "tests/campaigns/test_scheduler.py::test_what_is_no_scheduler_is_told",
     ),
     Edit(
         "campaigns",

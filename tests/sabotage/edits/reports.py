@@ -104,7 +104,7 @@ EDITS = (
         "replace(f, corrected=next(corrected))",
         "replace(f, corrected=f.p)",
         "all p values are corrected together",
-        "tests/campaigns/test_compare.py",
+        "tests/campaigns/test_compare.py::test_p_values_are_those_of_the_tests_corrected_together",
     ),
     Edit(
         "reports",
@@ -113,7 +113,7 @@ EDITS = (
         "if len(twice := seeds[:-1][np.diff(seeds) == 0]):",
         "if False:",
         "a seed that is there twice is refused",
-        "tests/campaigns/test_compare.py",
+        "tests/campaigns/test_compare.py::test_what_cannot_be_compared_is_refused",
     ),
     Edit(
         "reports",
@@ -122,7 +122,7 @@ EDITS = (
         "direction = MEASURES.get(self.name, 1)",
         "direction = 1",
         "the better of two is that with less where less is better",
-        "tests/campaigns/test_compare.py",
+        "tests/campaigns/test_compare.py::test_less_is_better_for_times",
     ),
     Edit(
         "reports",
@@ -131,7 +131,7 @@ EDITS = (
         "until.first if before is None else min(until.first, before.first)",
         "until.first",
         "runs count from the least first seed on",
-        "tests/campaigns/test_until.py",
+        "tests/campaigns/test_until.py::test_the_folder_tells_the_goal_from_the_first_row_on",
     ),
     Edit(
         "reports",

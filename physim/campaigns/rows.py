@@ -29,7 +29,7 @@ from physim.campaigns.columns import (
     Row,
     schema,
 )
-from physim.campaigns.shard import Shard, read_shard
+from physim.campaigns.shard import Part, read_shard
 from physim.drafts import draft_of
 from physim.errors import Notice, PhysimError
 
@@ -89,7 +89,7 @@ class Shards:
         return self._put(0, lines) if lines else []
 
     def tables(self, but: set[str] | None = None) -> Iterator[pa.Table]:
-        """The rows of each shard, some runs more than once, every row checked.
+        """The rows of all shards, part by part, some runs more than once, every row checked.
 
         Shards whose names are in ``but`` are left out; those that were read are added to it. Raises
         PhysimError for a row that is none.
@@ -99,14 +99,15 @@ class Shards:
             for file in new:
                 known.add(file.name)
                 with suppress(FileNotFoundError):  # its rows are in a larger one by now
-                    yield self._read(file).table
+                    for part in self._read(file):
+                        yield part.table
 
-    def _read(self, file: Path) -> Shard:
+    def _read(self, file: Path) -> Iterator[Part]:
         """One shard. A last line that was cut off is told and left out."""
-        shard = read_shard(file)
-        if shard.cut:
-            self._tell_cut(file, shard.cut)
-        return shard
+        for part in read_shard(file):
+            if part.cut:
+                self._tell_cut(file, part.cut)
+            yield part
 
     def _tell_cut(self, file: Path, number: int) -> None:
         if file not in self._cut:
@@ -137,11 +138,11 @@ class Shards:
         read = []
         for file in files:
             with suppress(FileNotFoundError):
-                shard = self._read(file)
-                runs, ends = (shard.table[name].to_pylist() for name in ("run", "ended"))
-                for run, end, line in zip(runs, ends, shard.lines, strict=True):
-                    if end not in FAILED or lines.get(run, (True,))[0]:
-                        lines[run] = end in FAILED, line.rstrip() + b"\n"
+                for part in self._read(file):
+                    runs, ends = (part.table[name].to_pylist() for name in ("run", "ended"))
+                    for run, end, line in zip(runs, ends, part.lines, strict=True):
+                        if end not in FAILED or lines.get(run, (True,))[0]:
+                            lines[run] = end in FAILED, line.rstrip() + b"\n"
                 read.append(file)
         names = self._put(level, [line for _, line in lines.values()]) if lines else []
         _settle(self.folder)

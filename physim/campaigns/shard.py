@@ -6,6 +6,7 @@ It may come from a stranger. Both ways take the same shards; the slow one says w
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,35 +18,46 @@ if TYPE_CHECKING:
 
 DEEPEST = 100
 """Brackets in a line that Arrow is given; a row has two."""
+AT_ONCE = 1 << 24
+"""[bytes] about, of a shard that are read at a time: memory does not grow with its size"""
 
 
-class Shard(NamedTuple):
-    """The rows of a file of JSON lines."""
+class Part(NamedTuple):
+    """Rows that stand one behind another in a file of JSON lines."""
 
     table: pa.Table
     lines: list[bytes]
     """of each row its line, without the end of it"""
     cut: int = 0
-    """number of the last line, from 1, where that is cut off and no row; else 0"""
+    """number in the file of the last line, from 1, where that is cut off and no row; else 0"""
 
 
-def read_shard(file: Path) -> Shard:
-    """Read a shard, each row of it checked.
+def read_shard(file: Path) -> Iterator[Part]:
+    """Read a shard part by part, each row of it checked; an empty one has none.
 
     Raises FileNotFoundError; PhysimError with file, line and column for what is no row.
     """
+    before = 0
     try:
-        data = file.read_bytes()
+        with open(file, "rb") as stream:
+            while data := stream.read(AT_ONCE) + stream.readline():
+                part = _part(file, data, before)
+                before += len(part.lines)
+                yield part
     except FileNotFoundError:
         raise
     except OSError as error:
         raise PhysimError(f"{file}: cannot be read: {error.strerror}") from None
+
+
+def _part(file: Path, data: bytes, before: int) -> Part:
+    """The rows of some lines of a file, which has so many ``before`` them."""
     lines = data.split(b"\n")
     ends = not lines[-1]
     if ends:
         lines.pop()
     table = _in_bulk(data, lines) if ends else None
-    return _one_by_one(file, lines, ends) if table is None else Shard(table, lines)
+    return Part(table, lines) if table is not None else _one_by_one(file, lines, ends, before)
 
 
 def _in_bulk(data: bytes, lines: list[bytes]) -> pa.Table | None:
@@ -81,21 +93,21 @@ def _are_plain(data: bytes, lines: list[bytes]) -> bool:
     return all(line.count(b"[") + line.count(b"{") <= DEEPEST for line in lines)
 
 
-def _one_by_one(file: Path, lines: list[bytes], ends: bool) -> Shard:
+def _one_by_one(file: Path, lines: list[bytes], ends: bool, before: int) -> Part:
     """The rows of lines, of which the last may be cut off unless it ``ends``."""
     rows: list[Row] = []
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(lines, before + 1):
         try:
             try:
                 tree = json.loads(line)
             except (ValueError, RecursionError) as error:
-                if ends or number < len(lines):
+                if ends or line is not lines[-1]:
                     raise ValueError(f"is no row ({error})") from None
-                return Shard(_table(rows), lines[:-1], number)
+                return Part(_table(rows), lines[:-1], number)
             rows.append(row_of(tree))
         except ValueError as error:
             raise PhysimError(f"{file}:{number}: {error}") from None
-    return Shard(_table(rows), lines)
+    return Part(_table(rows), lines)
 
 
 def _table(rows: list[Row]) -> pa.Table:
@@ -109,4 +121,4 @@ def _table(rows: list[Row]) -> pa.Table:
     return pa.table(columns, schema=schema())
 
 
-__all__ = ["Shard", "read_shard"]
+__all__ = ["Part", "read_shard"]

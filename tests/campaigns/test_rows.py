@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 
@@ -14,10 +15,11 @@ import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import rows as module
+from physim.campaigns import shard
 from physim.campaigns.columns import rows_of
 from physim.campaigns.folder import Folder
 from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, read, schema
-from physim.campaigns.shard import Shard
+from physim.campaigns.shard import Part
 from physim.errors import Notice, PhysimError
 from tests.campaigns.samples import rows_in
 from tests.facts import facts
@@ -52,6 +54,19 @@ def test_many_rows_are_few_files_and_each_is_there_once(folder: Path) -> None:
     assert len(rows_in(folder)) == count
 
 
+def test_a_shard_is_read_part_by_part(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = [row(number, reason="x" * number) for number in range(40)]
+    Shards(folder).write(given)
+    monkeypatch.setattr(shard, "AT_ONCE", 1000)
+    parts = list(Shards(folder).tables())
+    assert len(parts) > 10
+    assert [one for part in parts for one in rows_of(part)] == given == rows_in(folder)
+    (file,) = Shards(folder).files()
+    file.write_bytes(file.read_bytes()[:-30])
+    with pytest.warns(Notice, match=facts(f"{file.name}:40:")):
+        assert rows_in(folder) == given[:-1]
+
+
 def test_shards_that_are_there_twice_count_once(folder: Path) -> None:
     Shards(folder).write([row(1), row(2)])
     Shards(folder).write([row(2), row(3)])  # as after a kill between merging and removing
@@ -82,7 +97,7 @@ def test_a_shard_that_is_gone_is_looked_for_in_a_larger_one(
         writer.write([row(number)])
     true, merged = module.read_shard, []
 
-    def read_while_another_merges(file: Path) -> Shard:
+    def read_while_another_merges(file: Path) -> Iterator[Part]:
         if not merged:
             merged.append(True)
             Shards(folder).put_together()
@@ -210,9 +225,13 @@ DAMAGED = [
 
 
 @pytest.mark.parametrize("damage", DAMAGED, ids=range(len(DAMAGED)))
-@pytest.mark.parametrize("before", [0, 1])
-def test_any_other_damage_is_refused(folder: Path, damage: bytes, before: int) -> None:
-    """As two rows on one line, or what is no text, also in a column of a later version."""
+@pytest.mark.parametrize(("before", "at_once"), [(0, 1 << 20), (1, 1 << 20), (5, 1000)])
+def test_any_other_damage_is_refused(
+    folder: Path, damage: bytes, before: int, at_once: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As two rows on one line, or what is no text, also in a column of a later version; in the
+    first part of a shard and in later ones."""
+    monkeypatch.setattr(shard, "AT_ONCE", at_once)
     Shards(folder).write([row(1)])
     (file,) = Shards(folder).files()
     lines = [file.read_bytes()] * before + [damage + b"\n", file.read_bytes()]

@@ -78,6 +78,9 @@ def test_what_came_to_its_end_stands_whatever_was_written_later(folder: Path) ->
     Shards(folder).write([row(1, "killed"), row(2)])
     Shards(folder).write([row(1), row(2, "timeout")])
     assert [one.ended for one in rows_in(folder)] == ["finished", "finished"]
+    Shards(folder).put_together()
+    assert len(Shards(folder).files()) == 1
+    assert [one.ended for one in rows_in(folder)] == ["finished", "finished"]
 
 
 def test_only_new_shards_are_read_again(folder: Path) -> None:

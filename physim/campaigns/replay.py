@@ -6,10 +6,12 @@ import re
 from pathlib import Path
 
 from physim._version import __version__
+from physim.campaigns.columns import rows_of
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.processes import Job, Processes, Stop
-from physim.campaigns.rows import ERROR, Row, Shards, in_order
+from physim.campaigns.reading import read_table
+from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
@@ -28,16 +30,18 @@ def find_row(folder: Folder, which: str) -> Row:
 
     Raises PhysimError where there is none, or several begin with these digits.
     """
+    from pyarrow import compute
+
     folder.cells()  # says where there is no campaign
-    rows = in_order(Shards(folder.path).read())
+    table = read_table(folder.path)
     if re.fullmatch("[0-9]+", which) and len(which) <= LONGEST_NUMBER:
-        if int(which) < len(rows):
-            return rows[int(which)]
-        raise PhysimError(f"{folder.path}: has no row {which}; there are 0 to {len(rows) - 1}")
-    found = [row for row in rows if row.run.startswith(which)]
-    if len(found) == 1 and which:
-        return found[0]
-    what = "has no run" if not found else f"has {len(found)} runs"
+        if int(which) < table.num_rows:
+            return rows_of(table.slice(int(which), 1))[0]
+        raise PhysimError(f"{folder.path}: has no row {which}; there are 0 to {table.num_rows - 1}")
+    found = table.filter(compute.starts_with(table["run"], which))
+    if found.num_rows == 1 and which:
+        return rows_of(found)[0]
+    what = "has no run" if not found.num_rows else f"has {found.num_rows} runs"
     raise PhysimError(
         f"{folder.path}: {what} whose digits begin with {which[:40]!r}; give a number of a row "
         "(from 0) or the digits in its column run"

@@ -27,9 +27,9 @@ from physim.campaigns.columns import (
     TIMEOUT,
     TIMES,
     Row,
-    row_of,
     schema,
 )
+from physim.campaigns.shard import Part, read_shard
 from physim.drafts import draft_of
 from physim.errors import Notice, PhysimError
 
@@ -88,46 +88,26 @@ class Shards:
         lines = [_line(row) for row in rows]
         return self._put(0, lines) if lines else []
 
-    def read(self, but: set[str] | None = None) -> Iterator[Row]:
-        """All rows on disk, each run once: of one that was done again the row that says more.
+    def tables(self, but: set[str] | None = None) -> Iterator[pa.Table]:
+        """The rows of all shards, part by part, some runs more than once, every row checked.
 
         Shards whose names are in ``but`` are left out; those that were read are added to it. Raises
         PhysimError for a row that is none.
         """
-        found: dict[str, Row] = {}
-        for row in self.each(but):
-            found[row.run] = _better(found.get(row.run), row)
-        yield from found.values()
-
-    def each(self, but: set[str] | None = None) -> Iterator[Row]:
-        """All rows as they are read, some runs more than once; otherwise as `read`."""
         known = set() if but is None else but
         while new := [file for file in self.files() if file.name not in known]:
             for file in new:
-                with suppress(FileNotFoundError):  # its rows are in a larger one by now
-                    for row, _ in self._rows(file):
-                        yield row
                 known.add(file.name)
+                with suppress(FileNotFoundError):  # its rows are in a larger one by now
+                    for part in self._read(file):
+                        yield part.table
 
-    def rows_of(self, file: Path) -> list[Row]:
-        """Rows of one shard. Raises PhysimError where it is none, FileNotFoundError."""
-        return [row for row, _ in self._rows(file)]
-
-    def _rows(self, file: Path) -> Iterator[tuple[Row, bytes]]:
-        """Rows of one shard with their lines. A last line that was cut off is told and left out."""
-        for number, line in enumerate(_lines(file), 1):
-            try:
-                try:
-                    tree = json.loads(line)
-                except (ValueError, RecursionError) as error:
-                    if line.endswith(b"\n"):
-                        raise ValueError(f"is no row ({error})") from None
-                    self._tell_cut(file, number)
-                    return
-                row = row_of(tree)
-            except ValueError as error:
-                raise PhysimError(f"{file}:{number}: {error}") from None
-            yield row, line
+    def _read(self, file: Path) -> Iterator[Part]:
+        """One shard. A last line that was cut off is told and left out."""
+        for part in read_shard(file):
+            if part.cut:
+                self._tell_cut(file, part.cut)
+            yield part
 
     def _tell_cut(self, file: Path, number: int) -> None:
         if file not in self._cut:
@@ -158,9 +138,11 @@ class Shards:
         read = []
         for file in files:
             with suppress(FileNotFoundError):
-                for row, line in self._rows(file):
-                    if not row.failed or lines.get(row.run, (True,))[0]:
-                        lines[row.run] = row.failed, line.rstrip() + b"\n"
+                for part in self._read(file):
+                    runs, ends = (part.table[name].to_pylist() for name in ("run", "ended"))
+                    for run, end, line in zip(runs, ends, part.lines, strict=True):
+                        if end not in FAILED or lines.get(run, (True,))[0]:
+                            lines[run] = end in FAILED, line.rstrip() + b"\n"
                 read.append(file)
         names = self._put(level, [line for _, line in lines.values()]) if lines else []
         _settle(self.folder)
@@ -187,13 +169,6 @@ def read(folder: str | os.PathLike[str]) -> pa.Table:
     return read_table(Path(folder))
 
 
-def in_order(rows: Iterable[Row]) -> list[Row]:
-    """Rows in the order of world, settings, controller and seed."""
-    return sorted(
-        rows, key=lambda row: (row.world, row.settings, row.controller, row.seed, row.run)
-    )
-
-
 def write_whole(path: Path, data: bytes) -> None:
     """Put a file in its place, whole and on the disk. PhysimError where that fails."""
     draft = draft_of(path)
@@ -210,23 +185,8 @@ def write_whole(path: Path, data: bytes) -> None:
             draft.unlink()
 
 
-def _better(one: Row | None, other: Row) -> Row:
-    """Of two rows of the same run the one that says more, else the later one."""
-    return one if one is not None and other.failed and not one.failed else other
-
-
 def _line(row: Row) -> bytes:
     return json.dumps(asdict(row), allow_nan=False).encode() + b"\n"
-
-
-def _lines(file: Path) -> Iterator[bytes]:
-    try:
-        with open(file, "rb") as stream:
-            yield from stream
-    except FileNotFoundError:
-        raise
-    except OSError as error:
-        raise PhysimError(f"{file}: cannot be read: {error.strerror}") from None
 
 
 def _settle(folder: Path) -> None:
@@ -262,7 +222,6 @@ __all__ = [
     "TIMES",
     "Row",
     "Shards",
-    "in_order",
     "read",
     "schema",
     "write_whole",

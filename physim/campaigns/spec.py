@@ -54,8 +54,12 @@ class RunSpec:
     @property
     def key(self) -> str:
         """20 hex digits by which the run is known: of world, seed, controller and versions."""
-        parts = (self.text, self.controller, self.source_hash, __version__, engine())
-        return hashlib.sha256(f"{_joined(parts)}\0{self.seed}".encode()).hexdigest()[:KEY_DIGITS]
+        return key_of(self.identity, self.seed)
+
+    @property
+    def identity(self) -> str:
+        """Hash of all that its key is made of but the seed."""
+        return _joined((self.text, self.controller, self.source_hash, __version__, engine()))
 
     @property
     def label(self) -> Label:
@@ -67,6 +71,11 @@ class RunSpec:
         """A few words for people."""
         changed = f" with {self.settings}" if self.settings else ""
         return f"{self.world}{changed}, {self.controller}, seed {self.seed}"
+
+
+def key_of(identity: str, seed: int) -> str:
+    """Key of the run of an identity with a seed."""
+    return hashlib.sha256(f"{identity}\0{seed}".encode()).hexdigest()[:KEY_DIGITS]
 
 
 def spec_of(
@@ -112,4 +121,4 @@ def _joined(parts: tuple[str, ...]) -> str:
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-__all__ = ["Label", "RunSpec", "engine", "spec_of", "usual_limit"]
+__all__ = ["Label", "RunSpec", "engine", "key_of", "spec_of", "usual_limit"]

@@ -8,8 +8,10 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
+from physim.campaigns.columns import Brief, briefs
 from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
@@ -21,7 +23,7 @@ from physim.campaigns.spec import RunSpec
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""
 
-Decided = Callable[[list[Row]], bool]
+Decided = Callable[[list[Brief | Row]], bool]
 """Whether enough is known: of the rows of the first specs, in their order"""
 
 
@@ -43,7 +45,7 @@ class Tally:
     """how many of the first runs decided what was asked"""
     began: float = field(default_factory=time.monotonic)
 
-    def add(self, row: Row) -> None:
+    def add(self, row: Brief | Row) -> None:
         """Count a row."""
         self.failed += row.failed
         self.with_contacts += not row.failed and not row.contact_free
@@ -118,7 +120,7 @@ def _cells(specs: Iterable[RunSpec]) -> Iterable[RunSpec]:
     return {one.label: one for one in specs}.values()
 
 
-def _membership(specs: Collection[RunSpec]) -> Callable[[Row], bool]:
+def _membership(specs: Collection[RunSpec]) -> Callable[[Brief], bool]:
     """Whether a row is of one of the runs; a grid knows that without making them all."""
     if isinstance(specs, Grid):
         return lambda row: specs.has((row.world, row.settings, row.controller), row.seed, row.run)
@@ -168,9 +170,9 @@ class _Sweep:
         self.failed: set[str] = set()
         """those of them that failed"""
         self.again = retry
-        self.rows: dict[str, Row] = {}
+        self.rows: dict[str, Brief | Row] = {}
         """of runs whose turn to decide has not come"""
-        self.in_order: list[Row] = []
+        self.in_order: list[Brief | Row] = []
         self.turn = iter(specs) if decided is not None else iter(())
         self.next = next(self.turn, None)
         self.theirs: deque[RunSpec] = deque()
@@ -235,7 +237,7 @@ class _Sweep:
 
     def _look(self) -> None:
         """Take notice of rows that others wrote."""
-        for row in self.place.shards.each(self.read):
+        for row in chain.from_iterable(map(briefs, self.place.shards.tables(self.read))):
             if self.stop():
                 return
             if not self.is_wanted(row) or (self.again and row.failed):
@@ -258,7 +260,7 @@ class _Sweep:
         self._decide()
         self._flush()
 
-    def _count(self, row: Row) -> None:
+    def _count(self, row: Brief | Row) -> None:
         self.have.add(row.run)
         (self.failed.add if row.failed else self.failed.discard)(row.run)
         self.tally.add(row)

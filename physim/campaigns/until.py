@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from physim.campaigns.columns import Brief
 from physim.campaigns.folder import Folder, check_version
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
@@ -45,7 +46,7 @@ class Decided:
         self.watches = {label: Watch(until.goal) for label in cells}
         self.seen = 0
 
-    def __call__(self, rows: Sequence[Row]) -> bool:
+    def __call__(self, rows: Sequence[Brief | Row]) -> bool:
         """Take notice of the rows that are new."""
         if not self.seen:
             write_until(self.folder, self.until)
@@ -109,7 +110,7 @@ def _sum(one: Tally, other: Tally) -> Tally:
     )  # fmt: skip
 
 
-def succeeded(row: Row, rate: str) -> bool:
+def succeeded(row: Brief | Row, rate: str) -> bool:
     """Whether a run counts as a success for a rate of `physim.statistics.goal.RATES`."""
     if rate == "rate":
         return row.safe

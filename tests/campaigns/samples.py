@@ -7,7 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from physim.campaigns.rows import TIMES, Row, Shards
+from physim.campaigns.columns import rows_of
+from physim.campaigns.rows import TIMES, Row, read
 from physim.campaigns.spec import RunSpec, spec_of
 from physim.world.file import parse_world
 
@@ -85,9 +86,8 @@ def specs(count: int, text: str = WORLD) -> list[RunSpec]:
 
 
 def rows_in(folder: Path) -> list[Row]:
-    """Rows of a folder in the order of seeds."""
-    found = list(Shards(folder).read())
-    return sorted(found, key=lambda row: (row.world, row.settings, row.controller, row.seed))
+    """Rows of a folder in the order of seeds; none where it has not been made yet."""
+    return rows_of(read(folder)) if (folder / "rows").is_dir() else []
 
 
 def without_times(rows: Iterable[Row]) -> list[dict[str, Any]]:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards, in_order, read
+from physim.campaigns.columns import row_of
+from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards, read
 from physim.errors import PhysimError
 from tests.campaigns.tables import many
 from tests.facts import facts
@@ -17,6 +18,19 @@ from tests.facts import facts
 def rows(count: int) -> list[Row]:
     found = many(count, cells=6).to_pylist()
     return [Row(**{key: value for key, value in one.items() if key in COLUMNS}) for one in found]
+
+
+def one_by_one(folder: Path) -> list[Row]:
+    """All rows, each run once: the last that did not fail, else the last."""
+    found: dict[str, Row] = {}
+    for file in Shards(folder).files():
+        for row in map(row_of, map(json.loads, file.read_text().splitlines())):
+            if not row.failed or row.run not in found or found[row.run].failed:
+                found[row.run] = row
+    return sorted(
+        found.values(),
+        key=lambda row: (row.world, row.settings, row.controller, row.seed, row.run),
+    )
 
 
 def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
@@ -30,7 +44,7 @@ def test_in_bulk_as_one_by_one(tmp_path: Path) -> None:
     later = [replace(one, deviation=9.0) for one in given if not one.failed][5:9]
     shards.write([*again, *worse, *later])
     table = read(tmp_path)
-    expected = in_order(Shards(tmp_path).read())
+    expected = one_by_one(tmp_path)
     assert table.to_pylist() == [asdict(one) for one in expected]
     assert len(expected) == 500
     assert sum(one.ended in FAILED for one in expected) == sum(one.failed for one in given) - 3
@@ -43,8 +57,10 @@ def test_what_is_as_it_should_be_is_read_in_bulk(
     shards = Shards(tmp_path)
     shards.folder.mkdir()
     shards.write(rows(50))
-    monkeypatch.delattr("physim.campaigns.reading._one_by_one")
+    monkeypatch.delattr("physim.campaigns.shard._one_by_one")
     assert read(tmp_path)["formation_error"].null_count == 50
+    shards.put_together()
+    assert len(list(shards.tables())) == 1
 
 
 def test_rows_with_fewer_or_more_columns_and_odd_texts(tmp_path: Path) -> None:

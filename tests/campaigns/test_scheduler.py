@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
+from physim.campaigns import executors
+from physim.errors import PhysimError
 from tests.cli.commands import shell, tree
+from tests.facts import facts
 from tests.says import check_error
 
 
@@ -40,3 +44,34 @@ def test_nobody_is_there(here: Path) -> None:
 
 def test_no_answer_in_time(here: Path, silent: str) -> None:
     check(here, silent, f"--scheduler {silent}:", "5 s")
+
+
+def test_what_is_no_scheduler_is_told(silent: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the address of a worker."""
+
+    async def kind(address: str) -> str:
+        return "Worker"
+
+    monkeypatch.setattr(executors, "_kind", kind)
+    with (
+        pytest.raises(PhysimError, match=facts(silent, "Worker", "scheduler")),
+        executors.executor(scheduler=silent),
+    ):
+        raise AssertionError("it was taken")
+
+
+def test_workers_of_another_version_are_refused() -> None:
+    """Of two workers the second would do other runs than this machine."""
+    same = executors.versions()
+
+    class Client:
+        found: ClassVar = {"tcp://a:1": list(same), "tcp://b:2": ["0.0.1", same[1]]}
+
+        def run(self, ask: Callable[[], tuple[str, str]]) -> dict[str, list[str]]:
+            assert ask() == same
+            return self.found
+
+    with pytest.raises(PhysimError, match=facts("tcp://b:2", "0.0.1", same[0])):
+        executors._check_versions("tcp://s:3", Client())
+    Client.found = {"tcp://a:1": list(same)}
+    executors._check_versions("tcp://s:3", Client())

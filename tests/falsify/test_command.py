@@ -53,17 +53,19 @@ def test_a_failure_is_written_as_a_world_that_fails(
     }  # fmt: skip
     text = (out / "worst.yaml").read_text()
     head = "".join(line for line in text.splitlines(keepends=True) if line.startswith("#"))
-    assert "r2 and r4 touch at 4.00 s" in head
+    (time,) = re.findall(r"r2 and r4 touch at ([\d.]+) s", head)
+    assert float(time) < 1.0
     assert "physim falsify five.yaml --budget 9" in head
     story = (out / "story.txt").read_text()
     assert story in done.out
-    for word in ("r2", "r4", "4.00 s", "1.00 m/s", "front", "rear", "Responsible"):
+    for word in ("r2", "r4", f"{time} s", "1.00 m/s", "front", "rear", "Responsible"):
         assert word in story
     assert re.search("robots 5 to 2", done.out)
     found = json.loads((here / "found.json").read_text())
     assert (found["failed"], found["runs"], found["worst"]["touched"]["time_s"]) == (True, 1, 4.0)
     assert {one["kind"] for one in found["bounds"]} == {"pose", "heading"}
-    assert frames(out / "video.mp4") > 50
+    assert found["shrunk"]["worst"]["touched"]["time_s"] == pytest.approx(float(time), abs=5e-3)
+    assert frames(out / "video.mp4") > 5
     with Record.load(out / "record.h5") as record:
         assert record.world == judge_file(out / "worst.yaml")
     names = {load_world(file).stem for file in (here / "five.yaml", *out.glob("*.yaml"))}

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import pytest
 
 import physim
 from benchmarks.planted import MIDDLE, planted_world
+from physim import Decision, Observation
 from physim.analysis.validation import validate
 from physim.campaigns.falsify.evaluate import accepted, controller_of
+from physim.campaigns.falsify.later import later
 from physim.campaigns.falsify.passes import tree_of, with_robots
-from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged
+from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged, Moment, Touched
 from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
 from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run
@@ -86,8 +89,10 @@ def test_the_known_least_is_reached() -> None:
     """Two robots of five, to the sample of their contact, between walls of two points."""
     found = shrink(five_robots(), judge(five_robots()), EVALUATE, ACCEPTS)
     assert found.is_least
+    assert found.judged.touched is not None
     assert size_of(found.world) == {
-        "robots": 2, "duration": 4.0, "wall_points": 2, "obstacles": 0, "path_points": 0,
+        "robots": 2, "duration": found.judged.touched.time, "wall_points": 2, "obstacles": 0,
+        "path_points": 0,
     }  # fmt: skip
     assert [one.name for one in found.world.robots] == ["r2", "r4"]
     assert found.world.corridor is not None
@@ -95,10 +100,75 @@ def test_the_known_least_is_reached() -> None:
     assert dict(found.world.controller.settings) == {"commands": ((1.0, 0.0), (0.0, 0.0))}
 
 
+def gap(world: World) -> float:
+    """[m] between the second robot's rear and the first one's front, of two in a row."""
+    one, other = (robot.pose for robot in world.robots)
+    assert one is not None
+    assert other is not None
+    return other[0] - one[0] - 1.02
+
+
+def test_the_run_starts_shortly_before_its_contact_and_no_nearer_than_a_start_may_be() -> None:
+    """The two start 3.98 m apart and touch after 4 s; 0.3 m is what starts keep, but for rounding.
+
+    A world in which they start nearer, by 0.2 m, keeps that.
+    """
+    found = shrink(five_robots(), judge(five_robots()), EVALUATE, ACCEPTS)
+    assert 0.25 <= gap(found.world) <= 0.45
+    assert found.world.time.duration == pytest.approx(gap(found.world), abs=0.051)
+    near = with_robots(tree_of(five_robots()), [1, 3])
+    near["robots"][1]["pose"] = [4.22, 0.0, 0.0]
+    world = World(**near)
+    shrunk = shrink(world, judge(world), EVALUATE, ACCEPTS)
+    assert gap(shrunk.world) >= 0.15
+
+
+class Waits:
+    """The second robot stands for three seconds, then drives ahead; the others stand."""
+
+    def decide(self, observation: Observation, memory: object) -> Decision:
+        drives = observation.index == 1 and observation.time >= 3.0
+        return Decision(v=1.0 if drives else 0.0, omega=0.0, hold=0.1)
+
+
+def test_where_the_failure_needs_what_came_before_the_run_starts_no_later() -> None:
+    """Two robots 0.6 m apart touch after the three seconds, whenever the run starts."""
+    tree = tree_of(five_robots(controller={"type": "tests.falsify.test_shrink:Waits"}))
+    tree["robots"][3]["pose"] = [4.62, 0.0, 0.0]
+    world = World(**tree)
+    before = judge(world)
+    assert before.touched is not None
+    assert before.touched.time > 3.0
+    accepts = accepted("tests.falsify.test_shrink:Waits")
+    found = shrink(world, before, EVALUATE, accepts, most_runs=40)
+    assert found.world.time.duration > 3.0
+    assert judge(found.world).failed
+
+
+def test_robots_keep_their_formation_in_a_run_that_starts_later() -> None:
+    """Their wanted distances are those of the first start, not of where they are later."""
+    robots = [robot(name, 2.0 + 3.0 * k, 0.0, 0.0) for k, name in enumerate("abc")]
+    world = five_robots(
+        robots=robots, obstacles=[], controller={"type": "path_following"}, formation={}
+    )
+    tree = tree_of(world)
+    poses = ((3.0, 0.0, 0.0), (7.0, 0.0, 0.0), (9.5, 0.0, 7.0))
+    touched = Touched(ROBOTS, ("a", "b"), 4.0, ("", ""))
+    result = Judged(-0.1, ("a", "b"), 4.0, touched, before=(Moment(3.0, poses),))
+    (proposed,) = later(Shrunk(world, result, tree))
+    assert proposed["formation"]["spacing"] == pytest.approx([0.0, 3.0, 6.0], abs=1e-3)
+    assert [one["pose"][:2] for one in proposed["robots"]] == [[3.0, 0.0], [7.0, 0.0], [9.5, 0.0]]
+    assert proposed["robots"][2]["pose"][2] == pytest.approx(7.0 - 2.0 * pi)
+    assert 1.0 < proposed["time"]["duration"] < 4.0
+    assert tree == tree_of(world)
+
+
 def test_numbers_become_round() -> None:
     found = shrink(into_the_wall(), judge(into_the_wall()), EVALUATE, ACCEPTS)
     (one,) = found.world.robots
-    assert one.pose == (4.0, 0.0, 1.0)
+    assert one.pose is not None
+    assert all(number == round(number, 1) for number in one.pose)
+    assert one.pose[2] == 1.0
     assert found.world.corridor is not None
     assert found.world.corridor.width == 7.0
     assert one.footprint == into_the_wall().robots[0].footprint
@@ -136,13 +206,18 @@ def test_every_run_is_told_as_it_is_made() -> None:
 
 
 def test_another_kind_of_failure_is_not_taken() -> None:
-    """Without r4, r2 would drive on and into the wall ahead: that is not the failure found."""
-    world = five_robots(time={"step": 0.05, "duration": 30.0})
-    alone = World(**with_robots(tree_of(world), [1]))
-    touched = judge(alone).touched
-    assert touched is not None
-    assert touched.kind == WALL
-    found = shrink(world, judge(world), EVALUATE, ACCEPTS)
+    """r2 reaches r4 and an obstacle beside it at once: without r4 it is the obstacle alone."""
+    tree = tree_of(five_robots())
+    tree["robots"][3]["pose"] = [8.0, 0.3, 0.0]
+    tree["obstacles"] = [[[7.49, -1.0], [8.5, -1.0], [8.5, -0.35], [7.49, -0.35]]]
+    world = World(**tree)
+    before = judge(world)
+    alone = judge(World(**with_robots(tree, [1])))
+    assert before.touched is not None
+    assert alone.touched is not None
+    assert (before.touched.kind, alone.touched.kind) == (ROBOTS, WALL)
+    assert alone.touched.time == before.touched.time
+    found = shrink(world, before, EVALUATE, ACCEPTS)
     assert found.judged.touched is not None
     assert found.judged.touched.kind == ROBOTS
     assert len(found.world.robots) == 2

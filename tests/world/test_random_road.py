@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import re
 from itertools import combinations
-from math import ceil
+from math import ceil, pi
 from typing import Any
 
 import numpy as np
@@ -21,9 +21,10 @@ from physim.world import World
 from physim.world.checks import check_world
 from physim.world.file import load_world, parse_world
 from physim.world.layout.layout import lay_out
-from physim.world.layout.road import plain_world
-from physim.world.layout.road_line import draw_way
+from physim.world.layout.road import DrawnRoad, draw_road, plain_world
+from physim.world.layout.road_line import draw_way, lanes_advance
 from physim.world.layout.scene_builder import build_scene, is_random, reseeded
+from physim.world.road import RandomRoad
 from physim.world.scene import Layout
 from tests.facts import facts
 from tests.test_worlds_contract import differences
@@ -280,6 +281,28 @@ def test_winding_roads_stay_away_from_themselves() -> None:
         wider = shapely.LineString(centreline(laid)).buffer(3.45, cap_style="flat")
         assert len(wider.interiors) == 0, "two parts of the road nearly touch"
     assert kept >= 2
+
+
+@pytest.mark.parametrize(("offset", "advances"), [(2.9, True), (3.1, False), (-9.0, True)])
+def test_a_lane_advances_where_it_is_not_inside_the_centre_of_a_bend(
+    offset: float, advances: bool
+) -> None:
+    """A way straight on, to the left about a centre 3 m beside it, and straight on again."""
+    angle = np.linspace(0.0, 0.5 * pi, 40)
+    bend = np.column_stack([3.0 * np.sin(angle), 3.0 - 3.0 * np.cos(angle)])
+    way = np.vstack([[-8.0, 0.0], bend, [3.0, 11.0]])
+    assert lanes_advance(way, [0.0, offset]) is advances
+    assert lanes_advance(way[::-1], [-offset]) is advances
+
+
+def test_no_road_is_drawn_in_which_a_lane_would_run_backwards() -> None:
+    """Beside a road with bends a lane 40 m off does in every draw; a straight road bears it."""
+    bent, straight = (World(**values(bends=bends)).corridor.random for bends in (6, 0))  # type: ignore[union-attr]
+    assert isinstance(bent, RandomRoad)
+    assert isinstance(straight, RandomRoad)
+    assert isinstance(draw_road(bent, 3.0, 2.0, [0.0], 1), DrawnRoad)
+    assert not isinstance(draw_road(bent, 3.0, 2.0, [0.0, 40.0], 1), DrawnRoad)
+    assert isinstance(draw_road(straight, 3.0, 5.0, [0.0, 40.0], 1), DrawnRoad)
 
 
 def test_a_way_nearer_to_a_wall_than_the_passage_is_drawn_again(

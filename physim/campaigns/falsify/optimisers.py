@@ -83,7 +83,7 @@ class Evolution:
         return {
             "bounds": [0.0, 1.0],
             "randn": lambda *shape: self._random.standard_normal(shape),
-            "seed": math.nan,  # which leaves numpy's own generator alone
+            "seed": math.nan,  # none: all that is drawn is drawn by randn
             "verbose": -9,
             "verb_log": 0,
             "tolfun": FLAT,

@@ -257,8 +257,3 @@ def _numbers(value: Any, place: Place) -> Iterator[Place]:
             yield from _numbers(item, (*place, k))
     elif type(value) is float:
         yield place
-
-
-Pass = Callable[[State], Iterator[Tree]]
-PASSES: tuple[Pass, ...] = (shorter, fewer_robots, fewer_things, straighter, shorter, rounder)
-"""In the order in which they are tried: what makes runs cheap comes first."""

@@ -15,7 +15,7 @@ at its samples, after the engine has eased the two apart.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +27,19 @@ from physim.record import Record
 
 ROBOTS, WALL = "robots", "wall"
 """Kinds of failure: two robots touch; a robot touches a boundary or an obstacle."""
+
+
+LEADS = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3 / 4)
+"""[-] of the time until the first contact: so long before it is each of the moments kept"""
+
+
+class Moment(NamedTuple):
+    """Where all robots were at a recorded sample."""
+
+    time: float
+    """[s]"""
+    poses: tuple[tuple[float, float, float], ...]
+    """[m, m, rad] of each robot"""
 
 
 class Touched(NamedTuple):
@@ -56,6 +69,8 @@ class Judged:
     """None where nothing touched"""
     reason: str = ""
     """why there was no run, or why it broke off: one line"""
+    before: tuple[Moment, ...] = field(default=(), compare=False)
+    """moments before the first contact, the last of them first"""
     refused: bool = False
     """the world was no world that can be run; otherwise the run broke off"""
 
@@ -78,15 +93,28 @@ def judged(record: Record) -> Judged:
     # touching within the contact tolerance is touching, though the distance may be above 0
     found += [(0.0, one.time, one.a, one.b) for one in touches]
     first = min(touches, key=lambda one: (one.step, one.a, one.b), default=None)
-    touched = None
+    touched: Touched | None = None
+    before: tuple[Moment, ...] = ()
     if first is not None:
+        before = _before(record, first.step)
         kind = ROBOTS if first.robots else WALL
         modes = _mode(record, first.a, first.step), _mode(record, first.b, first.step)
         touched = Touched(kind, (names[first.a], names[first.b]), first.time, modes)
     if not found:
-        return Judged(float("inf"), touched=touched)
+        return Judged(float("inf"), touched=touched, before=before)
     value, time, a, b = min(found)
-    return Judged(value, (names[a], names[b]), time, touched)
+    return Judged(value, (names[a], names[b]), time, touched, before=before)
+
+
+def _before(record: Record, step: int) -> tuple[Moment, ...]:
+    """The recorded samples that lie as long before a step as `LEADS` say, or a little longer."""
+    wanted = [step - max(1, round(share * step)) for share in LEADS]
+    rows = np.searchsorted(record.steps, wanted, side="right") - 1
+    found = dict.fromkeys(int(at) for at in record.steps[rows] if at > 0)
+    return tuple(
+        Moment(at * record.dt, tuple((x, y, h) for x, y, h in record.pose_at(at).tolist()))
+        for at in found
+    )
 
 
 def _mode(record: Record, body: int, step: int) -> str:

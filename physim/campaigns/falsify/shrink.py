@@ -10,18 +10,32 @@ depends on the failing world alone.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
-from physim.campaigns.falsify.passes import PASSES, Tree, tree_of
+from physim.campaigns.falsify.later import later
+from physim.campaigns.falsify.passes import (
+    State,
+    Tree,
+    fewer_robots,
+    fewer_things,
+    rounder,
+    shorter,
+    straighter,
+    tree_of,
+)
 from physim.campaigns.falsify.robustness import Judged
 from physim.errors import WorldError
 from physim.world import World
 
 MOST_RUNS = 500
 """Runs at most, where nothing else is asked for."""
+PASSES: tuple[Callable[[State], Iterator[Tree]], ...] = (
+    shorter, later, shorter, fewer_robots, fewer_things, straighter, shorter, rounder,
+)  # fmt: skip
+"""In the order in which they are tried: what makes runs cheap comes first."""
 
 
 class _SpentError(Exception):

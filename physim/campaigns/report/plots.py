@@ -13,7 +13,7 @@ from physim.campaigns.report.markup import text
 
 STEPS = (1.0, 2.0, 5.0)
 BINS = 36
-LEFT, BOTTOM, TOP = 34.0, 34.0, 8.0
+LEFT, BOTTOM, TOP = 42.0, 38.0, 8.0
 """[px] around a plot"""
 
 
@@ -68,12 +68,12 @@ def rate_plot(share: float, low: float, high: float, axis: Axis, what: str) -> s
         f'<line class="grid" x1="{axis.at(t)}" x2="{axis.at(t)}" y1="1" y2="17"/>' for t in ticks
     )
     labels = "".join(
-        f'<text x="{axis.at(t)}" y="28" text-anchor="{anchor}">{100 * t:.4g} %</text>'
+        f'<text x="{axis.at(t)}" y="31" text-anchor="{anchor}">{100 * t:.4g} %</text>'
         for t, anchor in zip(ends, ("start", "end"), strict=True)
     )
     dot = "" if math.isnan(share) else f'<circle class="dot" cx="{x[2]}" cy="{middle}" r="4"/>'
     return (
-        f'<svg viewBox="0 0 {width:g} 31" width="{width:g}" role="img" aria-label="{text(what)}">'
+        f'<svg viewBox="0 0 {width:g} 35" width="{width:g}" role="img" aria-label="{text(what)}">'
         f'{lines}<line class="line" x1="{x[0]}" x2="{x[1]}" y1="{middle}" y2="{middle}"/>'
         f"{dot}{labels}</svg>"
     )
@@ -90,7 +90,7 @@ def spread_axis(values: FloatArray, width: float) -> Axis:
 
 
 def distribution(
-    values: FloatArray, axis: Axis, unit_text: str, what: str, height: float = 130.0
+    values: FloatArray, axis: Axis, unit_text: str, what: str, height: float = 136.0
 ) -> str:
     """Histogram of values (K,) without nan: those below 0 in the colour of contacts.
 
@@ -152,12 +152,12 @@ def _lower_axis(axis: Axis, floor: float, unit_text: str) -> str:
     ticks = axis.ticks(5)
     step = ticks[1] - ticks[0] if len(ticks) > 1 else 1.0
     labels = "".join(
-        f'<text x="{axis.at(t)}" y="{floor + 14}" text-anchor="middle">{written(t, step)}</text>'
+        f'<text x="{axis.at(t)}" y="{floor + 16}" text-anchor="middle">{written(t, step)}</text>'
         for t in ticks
     )
     return (
         f'<line class="axis" x1="{axis.start}" x2="{axis.start + axis.length}" y1="{floor}" '
-        f'y2="{floor}"/>{labels}<text x="{axis.start + axis.length}" y="{floor + 29}" '
+        f'y2="{floor}"/>{labels}<text x="{axis.start + axis.length}" y="{floor + 33}" '
         f'text-anchor="end">{text(unit_text)}</text>'
     )
 
@@ -172,16 +172,16 @@ def shift_plot(value: float, low: float, high: float, unit: str, width: float, w
     x = [axis.at(each) for each in (low, high, value)]
     zero = axis.at(0.0)
     labels = "".join(
-        f'<text x="{axis.at(t)}" y="28" text-anchor="{anchor}">'
+        f'<text x="{axis.at(t)}" y="31" text-anchor="{anchor}">'
         f"{'+' if t > 0 else ''}{written(t, step)} {text(unit)}</text>"
         for t, anchor in ((-most, "start"), (most, "end"))
     )
     return (
-        f'<svg viewBox="0 0 {width:g} 31" width="{width:g}" role="img" aria-label="{text(what)}">'
+        f'<svg viewBox="0 0 {width:g} 35" width="{width:g}" role="img" aria-label="{text(what)}">'
         f'<line class="zero" x1="{zero}" x2="{zero}" y1="0" y2="19"/>'
         f'<line class="line" x1="{x[0]}" x2="{x[1]}" y1="9" y2="9"/>'
         f'<circle class="dot" cx="{x[2]}" cy="9" r="4"/>{labels}'
-        f'<text x="{zero}" y="28" text-anchor="middle">0</text></svg>'
+        f'<text x="{zero}" y="31" text-anchor="middle">0</text></svg>'
     )
 
 

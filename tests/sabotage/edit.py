@@ -59,6 +59,7 @@ ROOMS = MappingProxyType(
             "tests/test_recording.py",
             "tests/test_size.py",
             "tests/test_grazes.py",
+            "tests/test_given.py",
         ),
         "work": ("tests/test_work.py",),
         "record": ("tests/record",),

@@ -29,7 +29,7 @@ from physim.parts.registry import (
     make_part,
 )
 from physim.parts.stages import Disturbance, Filter, SensingStage, check_sensed
-from physim.parts.user_code import kind_of
+from physim.parts.user_code import kind_of, place_of
 from physim.parts.world_checks import (
     call,
     listed,
@@ -133,7 +133,9 @@ def _controller(world: World, given: Controller | str | None) -> Controller:
         made = make_part(CONTROLLER, given, {}, trusted=True)
         return made
     if isinstance(given, type):
-        raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
+        raise ControllerError(
+            f"controller is the class {given.__name__}; give an instance of it{place_of(given)}"
+        )
     if given is None:
         made = make_part(CONTROLLER, world.controller.type, world.controller.settings)
         return made

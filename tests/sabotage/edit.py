@@ -60,6 +60,7 @@ ROOMS = MappingProxyType(
             "tests/test_size.py",
             "tests/test_grazes.py",
             "tests/test_given.py",
+            "tests/test_class_faults.py",
         ),
         "work": ("tests/test_work.py",),
         "record": ("tests/record",),

@@ -392,4 +392,22 @@ EDITS = (
         "an object with other settings than the world's is not told as the world's",
         "tests/test_given.py::test_settings_that_are_not_the_worlds_are_never_told_as_the_worlds",
     ),
+    Edit(
+        "loop",
+        "physim/parts/declarations.py",
+        "Declared.of",
+        'f"{error}{place_of(type(controller))}"',
+        "str(error)",
+        "what a class declares wrongly names its line",
+        "tests/test_class_faults.py::test_a_fault_of_a_class_names_the_line_at_which_its_author_wrote_it",
+    ),
+    Edit(
+        "loop",
+        "physim/parts/registry.py",
+        "settings_model",
+        "{place_of(settings) or place_of(part)}",
+        "",
+        "Settings that are no model name the line of the class",
+        "tests/test_class_faults.py::test_a_fault_of_a_class_names_the_line_at_which_its_author_wrote_it",
+    ),
 )

@@ -65,7 +65,7 @@ ROOMS = MappingProxyType(
         "work": ("tests/test_work.py",),
         "record": ("tests/record",),
         "metrics": ("tests/metrics",),
-        "summary": ("tests/test_summary.py",),
+        "summary": ("tests/test_summary.py", "tests/test_walls_named.py"),
         "validation": ("tests/validation",),
         "video": ("tests/video",),
         "page": ("tests/page",),

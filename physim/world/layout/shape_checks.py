@@ -198,12 +198,13 @@ def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any | None)
 
 
 def _meeting(shape: Any, body: Any) -> FloatArray:
-    """A point (2,) [m] of a boundary or obstacle in the middle of what a robot has of it."""
+    """A point (2,) [m] of a boundary or obstacle: in the middle of what a robot has most of it."""
     common = shape.intersection(body)
     if common.is_empty:  # it only touches
         common = shapely.shortest_line(body, shape)
-    middle = common.interpolate(0.5, normalized=True) if common.length and not common.area else None
-    at = middle if middle is not None else common.representative_point()
+    most = max(shapely.get_parts(common), key=lambda part: (part.area, part.length))
+    is_line = most.geom_type == "LineString"
+    at = most.interpolate(0.5, normalized=True) if is_line else most.representative_point()
     return np.asarray(shapely.get_coordinates(at)[0], dtype=np.float64)
 
 

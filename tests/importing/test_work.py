@@ -80,7 +80,7 @@ def chained(length: int) -> str:
 
 
 SVGS = {
-    "elements": (svg("<g/>" * 1000), svg("<g/>" * svg_guard.MOST_ELEMENTS), "100000 elements"),
+    "elements": (svg("<g/>" * 1000), svg("<g/>" * svg_guard.MOST_ELEMENTS), "1: … 100000 elements"),
     "copies written out": (doubled(10), doubled(20), "100000 elements, copies written out"),
     "copies of copies": (
         chained(svg_guard.MOST_COPIES - 10), chained(svg_guard.MOST_COPIES + 10), "copies",

@@ -1,9 +1,10 @@
-"""Which signals end a command, how, and that nothing of it stays behind."""
+"""Which signals end a command, how, and that a reader that has gone ends it in silence."""
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Iterator
 
@@ -55,6 +56,17 @@ def test_a_command_started_by_nohup_goes_on(
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     stop_at_once(monkeypatch, signal.SIGHUP)
     assert main(["list"]) == 0
+
+
+def test_a_reader_that_has_gone_is_no_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    with open(write, "w") as gone:
+        monkeypatch.setattr(sys, "stdout", gone)
+        assert main(["list"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_a_command_that_is_ending_is_not_broken_off_again() -> None:

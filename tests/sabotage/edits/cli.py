@@ -210,6 +210,6 @@ EDITS = (
         "silence(sys.stdout) return code",
         "return FAULT",
         "a reader that goes is no fault",
-        "tests/cli/test_streams.py::test_a_closed_output_is_no_fault",
+        "tests/cli/test_signals.py::test_a_reader_that_has_gone_is_no_fault",
     ),
 )

@@ -49,7 +49,7 @@ def test_every_edit_names_a_test_of_its_room() -> None:
 
 def test_the_table_is_that_of_the_edits() -> None:
     """Made by ``python -m tests.sabotage --table``."""
-    assert table.parts(ROOT / "CONTRIBUTING.md")[1] == table.table(EDITS)
+    assert (ROOT / table.PAGE).read_text(encoding="utf-8") == table.page(EDITS)
 
 
 # Anchors

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from physim.analysis.summary.table import table
 from physim.analysis.validation import validate
 from physim.analysis.validation.report import report
 from physim.world.checks import check_world
+from physim.world.layout.scene_builder import build_scene
 from physim.world.walls import nearest_stretch, stretch_text
 from tests.checking.test_robots import DRAWN, changed
 from tests.validation.runs import Drivers
@@ -49,6 +52,43 @@ def test_a_contact_says_where_along_the_wall(hit):
     (one,) = found.contacts
     assert one.along.endswith(STRETCH)
     assert STRETCH in report(found)
+
+
+SPIKE = "[25, 4], [11, 4], [TIP], [10.5, 4], [10, 4]"
+
+
+def test_a_graze_says_where_along_the_wall():
+    """A corner of a robot that turns passes the tip of the wall in the middle of a step."""
+    out, at = np.hypot(0.9, 0.5) - 1e-3, np.arctan2(0.5, 0.9) + 0.305
+    tip = f"{10.0 + out * np.cos(at)}, {out * np.sin(at)}"
+    text = RING.replace("[25, 4], [10, 4]", SPIKE.replace("TIP", tip))
+    text = text.replace("[15.0, 2.0, 1.5707963]", "[10.0, 0.0, 0.0]").replace("DURATION", "0.6")
+    record = physim.simulate(physim.parse_world(text), controller=Drivers((0.0, 1.0)))
+    summary = physim.summarise(record)
+    assert summary.contacts.count == 0
+    (line,) = [line for line in table(summary).splitlines() if "before and after" in line]
+    found = validate(record)
+    (graze,) = json.loads(summary.to_json())["grazes"]
+    for told in (line, graze["where"], " ".join(report(found).split())):
+        assert "boundaries[0][4] to [5]" in told
+    assert "(10.71, 0.746" in graze["where"]
+
+
+@pytest.mark.parametrize(
+    ("pose", "place"),
+    [
+        ("[15.0, 3.6, 0.0]", STRETCH),  # it crosses the line
+        ("[15.0, 3.5, 0.0]", STRETCH),  # it touches it
+        ("[0.0, -3.7, 0.0]", "boundaries[0][0] to [1]"),
+    ],
+)
+def test_an_overlap_at_the_start_says_where_along_the_wall(pose, place):
+    text = RING.replace("[15.0, 2.0, 1.5707963]", pose).replace("DURATION", "1.0")
+    with pytest.raises(physim.WorldError) as refused:
+        build_scene(physim.parse_world(text))
+    (fault,) = refused.value.faults
+    assert f"at ({pose[1:].split('.')[0]}" in fault.message
+    assert place in fault.message
 
 
 def test_the_nearest_wall_says_where(near):

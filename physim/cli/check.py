@@ -162,7 +162,7 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
 @changes(controller=False)  # fmt: skip
 def preview(options: Options) -> int:
     """Draw one picture of a world: boundaries, safe and danger area, paths, robots at the start,
-    the narrowest place, and the width along the reference path.
+    the narrowest place, and the width along the path of the first robot.
 
     exit codes:
       0    drawn

@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 
 from physim.errors import ControllerError
+from physim.parts.user_code import place_of
 
 NO_NUMBER = -1
 """In tables, the mode or rule of a decision that gave none."""
@@ -94,8 +95,15 @@ class Declared:
         """Declarations of a controller: its attributes ``modes``, ``rules`` and ``columns``.
 
         Raises ControllerError for what is no such thing, for names given twice, and for a standard
-        column with another unit.
+        column with another unit; it names the line of the class.
         """
+        try:
+            return cls._of(controller)
+        except ControllerError as error:
+            raise ControllerError(f"{error}{place_of(type(controller))}") from None
+
+    @classmethod
+    def _of(cls, controller: object) -> Declared:
         declared = cls(
             *(
                 _declared(controller, key, kind)

@@ -16,7 +16,14 @@ from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
-from physim.parts.user_code import broken_by, load_class, make_folder_importable, place_of, takes
+from physim.parts.user_code import (
+    broken_by,
+    kind_of,
+    load_class,
+    make_folder_importable,
+    place_of,
+    takes,
+)
 from physim.world.faults import describe, faults_of, unknown_key
 from physim.world.kinds import thawed
 
@@ -135,12 +142,14 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
 def check_part(kind: Kind, part: object) -> None:
     """Raise `ControllerError` where an object lacks a method of its kind, or is a class."""
     if isinstance(part, type):
-        raise ControllerError(f"{kind.word} is the class {part.__name__}; give an instance of it")
+        raise ControllerError(
+            f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
+        )
     for method in kind.methods:
         if not callable(getattr(part, method, None)):
             raise ControllerError(
                 f"{kind.word} {type(part).__name__} has no method {method}; it needs "
-                f"{', '.join(kind.methods)}"
+                f"{', '.join(kind.methods)}{place_of(type(part))}"
             )
 
 
@@ -155,7 +164,10 @@ def settings_model(part: type[Any]) -> type[BaseModel] | None:
     if settings is None:
         return None
     if not (isinstance(settings, type) and issubclass(settings, BaseModel)):
-        raise ControllerError(f"{part.__name__}.Settings must be a pydantic model")
+        raise ControllerError(
+            f"{part.__name__}.Settings must be a pydantic model; it is {kind_of(settings)}"
+            f"{place_of(settings) or place_of(part)}"
+        )
     return settings
 
 

@@ -73,13 +73,18 @@ def takes(call: Callable[..., Any], *given: Any) -> bool:
 
 
 def place_of(written: Any) -> str:
-    """`` (file:line)`` at which a function, method or class is written; empty if unknown."""
+    """`` (file:line)`` at which a function, method or class is written; empty if unknown.
+
+    Of a module its file alone.
+    """
     try:
+        if inspect.ismodule(written):
+            return f" ({inspect.getsourcefile(written) or written.__file__})"
         code = getattr(inspect.unwrap(written), "__code__", None)
         if code is not None:
             return f" ({code.co_filename}:{code.co_firstlineno})"
         return f" ({inspect.getsourcefile(written)}:{inspect.getsourcelines(written)[1]})"
-    except (OSError, TypeError, ValueError):
+    except (AttributeError, OSError, TypeError, ValueError):
         return ""
 
 
@@ -136,13 +141,13 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
         raise ControllerError(
             f"{kind.word} {describe(name)}: module {describe(module_name)} has no class "
-            f"{describe(class_name)}{nearest(class_name[:100], classes)}"
+            f"{describe(class_name)}{nearest(class_name[:100], classes)}{place_of(module)}"
         )
     for method in kind.methods:
         if not callable(getattr(found, method, None)):
             raise ControllerError(
                 f"{kind.word} {describe(name)}: class {class_name} has no method "
-                f"{kind.usage(method)}"
+                f"{kind.usage(method)}{place_of(found)}"
             )
     return found
 

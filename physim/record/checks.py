@@ -131,6 +131,13 @@ def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:
     found = _from_json(versions)
     if not isinstance(found, dict) or not all(map(_is_line, chain.from_iterable(found.items()))):
         yield f"attribute versions is {_shown(versions)}; it must be a JSON object of texts"
+    settings = attributes.get("given_settings", "[]")
+    found = _from_json(settings)
+    if not isinstance(found, list) or not all(map(_is_settings, found)):
+        yield (
+            f"attribute given_settings is {_shown(settings)}; it must be a JSON list of "
+            "settings and not_known, one for each part in given"
+        )
 
 
 def _is_sound(name: str, value: Any) -> bool:
@@ -157,6 +164,15 @@ def _is_sound(name: str, value: Any) -> bool:
     is_whole = np.issubdtype(np.asarray(value).dtype, np.integer)
     least, most = (1, MOST_EVERY) if name == "record_every" else (0, 2**63)
     return bool(is_whole and least <= value <= most)
+
+
+def _is_settings(value: Any) -> bool:
+    """Whether a value tells the settings of one part from Python."""
+    if not isinstance(value, dict) or value.keys() != {"settings", "not_known"}:
+        return False
+    settings, not_known = value["settings"], value["not_known"]
+    lines = isinstance(settings, dict) and isinstance(not_known, list)
+    return lines and all(map(_is_line, (*settings, *not_known)))
 
 
 def _is_line(value: Any) -> bool:

@@ -175,9 +175,12 @@ ATTRIBUTES = (
     "steps_run",
     "rejected_contacts",
 )
-"""Root attributes, all inside the digest. ``versions`` (of physim and its libraries) is outside.
+"""Root attributes, all inside the digest. Outside, and not needed: ``versions`` of
+physim and its libraries, and ``given_settings``.
 ``tables`` are the optional ones that the run recorded, ``given`` the parts [kind, name] that came
-from Python in place of or beside those that the world names, both JSON lists."""
+from Python in place of or beside those that the world names, both JSON lists. ``given_settings``
+is one, too: for each of ``given`` its ``settings`` that differ from their defaults, and the names
+of those that are ``not_known``."""
 
 TEXTS = ("format", "version", "units", "name", "world", "tables", "given")
 """Attributes that are texts."""
@@ -215,9 +218,9 @@ def digest(record: Record, file: h5py.File) -> str:
     """SHA-256 (hexadecimal) over all datasets and the root attributes in `layout.ATTRIBUTES`.
 
     Each part goes in with its name, type and shape, so nothing can move from one to another. Left
-    out: ``/wall_clock`` and the attribute ``versions``; chunks and places in the file do not
-    matter. Two runs of the same world, seed and version on one machine have equal digests; so have
-    a record in memory and its copy on disk.
+    out: ``/wall_clock``, the attributes ``versions`` and ``given_settings``; chunks and places in
+    the file do not matter. Two runs of the same world, seed and version on one machine have equal
+    digests; so have a record in memory and its copy on disk.
     """
     total = hashlib.sha256()
     for name in ATTRIBUTES:

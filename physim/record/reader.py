@@ -17,6 +17,7 @@ from physim.drafts import draft_of
 from physim.errors import RecordError
 from physim.escaping import html_table
 from physim.parts.declarations import Declared, Mode
+from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import check_layout, open_record
 from physim.record.history import RecordedHistory
@@ -171,7 +172,7 @@ class Record(RecordedHistory):
     @cached_property
     def setup(self) -> Setup:
         """Controller, stages and versions of the run. RecordError where its world is no YAML."""
-        return setup_of(self.world_settings, self.given, self.versions)
+        return setup_of(self.world_settings, self.given, self.versions, self.given_settings)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -206,6 +207,12 @@ class Record(RecordedHistory):
             why = f": {' '.join(str(error).split())}" if isinstance(error, yaml.YAMLError) else ""
             raise RecordError(f"{self.where}: the world inside cannot be read{why}") from error
         return world if isinstance(world, Mapping) else {}
+
+    @cached_property
+    def given_settings(self) -> tuple[GivenSettings, ...]:
+        """Settings of the parts in ``given``, in their order; empty where the record has none."""
+        found = json.loads(self._file.attrs.get("given_settings", "[]"))
+        return tuple(GivenSettings(one["settings"], tuple(one["not_known"])) for one in found)
 
     @cached_property
     def versions(self) -> dict[str, str]:

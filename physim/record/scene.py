@@ -26,6 +26,7 @@ from physim.geometry.shapes import (
     pack_polylines,
 )
 from physim.parts.declarations import Column, Declared, Mode, Rule
+from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import damaged
 from physim.record.datasets import put, put_texts
@@ -45,6 +46,7 @@ def write_attributes(
     safe_distance: float,
     tables: Sequence[str],
     given: Sequence[tuple[str, str]],
+    given_settings: Sequence[GivenSettings],
 ) -> None:
     """Set the root attributes of a run that begins."""
     attributes = {
@@ -65,6 +67,8 @@ def write_attributes(
         "versions": json.dumps(_versions()),
         "ended": np.array(b"running", dtype=f"S{layout.ENDED_BYTES}"),
     }
+    if given_settings:
+        attributes["given_settings"] = json.dumps([vars(one) for one in given_settings])
     for key, value in attributes.items():
         file.attrs[key] = value
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain, repeat
 from types import MappingProxyType
 from typing import Any
 
+from physim.parts.given import GivenSettings
 from physim.world.run import ControllerChoice
 
 STAGES = MappingProxyType(
@@ -21,19 +23,30 @@ STAGES = MappingProxyType(
 
 @dataclass(frozen=True)
 class Part:
-    """A part of a run by name, with the settings that the world gives it; others had defaults."""
+    """A part of a run by name, with its settings; others had their defaults.
+
+    They are those that the world gives it, or, of an object given from Python, those that differ.
+    """
 
     name: str
     settings: dict[str, Any]
+    not_known: tuple[str, ...] = ()
+    """settings of an object of which it does not tell what they are"""
 
     def __str__(self) -> str:
         """``mode_switching (time_low 1.5, horizon 4.5)``."""
-        given = ", ".join(f"{key} {_short(value)}" for key, value in self.settings.items())
-        return f"{self.name} ({given})" if given else self.name
+        return f"{self.name} ({self.set_to})" if self.set_to else self.name
+
+    @property
+    def set_to(self) -> str:
+        """The settings, in words; empty where there are none to tell."""
+        known = (f"{key} {_short(value)}" for key, value in self.settings.items())
+        return ", ".join((*known, *(f"{name} not known" for name in self.not_known)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Name and settings, for JSON."""
-        return {"type": self.name, "settings": self.settings}
+        """Name and settings, for JSON, and which are not known where there are such."""
+        told = {"type": self.name, "settings": self.settings}
+        return {**told, "not_known": list(self.not_known)} if self.not_known else told
 
 
 @dataclass(frozen=True)
@@ -41,11 +54,11 @@ class Setup:
     """What a run was made with."""
 
     controller: Part
-    """the name ``module:Class`` and no settings where it came from Python as an object"""
+    """the name ``module:Class`` where it came from Python as an object"""
     stages: dict[str, tuple[Part, ...]]
     """by the words of `STAGES`, in the order in which they act"""
     others: tuple[str, ...]
-    """parts that came from Python, such as ``filter my_module:Slow``"""
+    """parts that came from Python, such as ``filter my_module:Slow (share 0.5)``"""
     versions: dict[str, str]
     """of physim and its libraries; empty where the record does not say"""
 
@@ -67,15 +80,23 @@ class Setup:
 
 
 def setup_of(
-    world: Mapping[str, Any], given: tuple[tuple[str, str], ...], versions: Mapping[str, str]
+    world: Mapping[str, Any],
+    given: tuple[tuple[str, str], ...],
+    versions: Mapping[str, str],
+    settings: tuple[GivenSettings, ...] = (),
 ) -> Setup:
-    """Setup by the world as plain values, the parts from Python, and the versions."""
-    own = dict(given).get("controller")
+    """Setup by the world as plain values, the parts from Python with theirs, and the versions."""
+    told = chain(settings, repeat(GivenSettings({})))  # a record of before knows of none
+    parts = [
+        (kind, Part(name, dict(one.settings), one.not_known))
+        for (kind, name), one in zip(given, told, strict=False)
+    ]
+    own = dict(parts).get("controller")
     choice = _part(world.get("controller"), ControllerChoice().type)
     return Setup(
-        controller=choice if own is None else Part(own, {}),
+        controller=choice if own is None else own,
         stages={word: _parts(world, where) for word, where in STAGES.items()},
-        others=tuple(f"{kind} {name}" for kind, name in given if kind != "controller"),
+        others=tuple(f"{kind} {part}" for kind, part in parts if kind != "controller"),
         versions=dict(versions),
     )
 

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from physim.errors import RecordError
 from physim.geometry.shapes import IntArray
 from physim.parts.declarations import Declared
+from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import open_record
 from physim.record.crash_safe import PAGE, CrashSafeFile
@@ -136,6 +137,7 @@ class RecordWriter:
         declared: Declared = NOTHING,
         tables: Sequence[str] = layout.OPTIONAL,
         given: Sequence[tuple[str, str]] = (),
+        given_settings: Sequence[GivenSettings] = (),
         flush_every_s: float = 0.5,
         overwrite: bool = True,
     ) -> None:
@@ -145,8 +147,9 @@ class RecordWriter:
         [m] from the boundaries. ``name`` and ``record_every`` [steps] are those of the scene's
         world where they are not given. ``declared`` are modes, rules and columns of the controller,
         ``tables`` those of `layout.OPTIONAL` that the run fills, ``given`` the parts that came from
-        Python. Raises RecordError where the file cannot be written, where another run is
-        writing it, and, without ``overwrite``, where it exists.
+        Python, with their ``given_settings`` where these are known. Raises RecordError where the
+        file cannot be written, where another run is writing it, and, without ``overwrite``, where
+        it exists.
         """
         world = getattr(scene, "world", None)
         name = name if name is not None else str(world.name) if world else ""
@@ -162,6 +165,7 @@ class RecordWriter:
             write_attributes(
                 self._file, scene, name=name, world_text=world_text,
                 record_every=every, safe_distance=safe_distance, tables=tables, given=given,
+                given_settings=given_settings,
             )  # fmt: skip
             write_scene(self._file, scene, accessible, safe)
             write_declared(self._file, declared)

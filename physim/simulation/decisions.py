@@ -23,7 +23,7 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
-from physim.parts.user_code import asked, broken_by
+from physim.parts.user_code import asked, broken_by, place_of
 from physim.simulation.decision_checks import checked, plainly_fine
 from physim.simulation.observation import Sight, Views
 from physim.world.scene import Scene
@@ -172,7 +172,8 @@ def decide(
             next_step = checked(scene, sensed.step, due, decisions, declared)
         except ControllerError as error:
             name = type(getattr(batch, "controller", batch)).__name__
-            raise ControllerError(f"controller {name}: {error}") from None
+            written = getattr(getattr(batch, "controller", batch), "decide", None)
+            raise ControllerError(f"controller {name}: {error}{place_of(written)}") from None
     nominal = held.copy()
     nominal[due] = decisions.command
     return Decided(read_only(nominal), decisions, next_step)
@@ -231,7 +232,8 @@ class PerRobotAdapter:
         try:
             return decision, decision_row(decision, self.declared, self.scene.robots)
         except ControllerError as error:
-            raise ControllerError(f"{self._where(i, views)}: {error}") from None
+            place = place_of(self.controller.decide)
+            raise ControllerError(f"{self._where(i, views)}: {error}{place}") from None
 
     def _where(self, i: int, views: Views) -> str:
         name = type(self.controller).__name__

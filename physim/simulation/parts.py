@@ -14,6 +14,7 @@ import numpy as np
 from physim.errors import ControllerError, Fault
 from physim.geometry.shapes import FloatArray, read_only
 from physim.parts.controller import Controller, Sensed, Snapshot
+from physim.parts.given import GivenSettings, given_settings
 from physim.parts.registry import (
     CONTROLLER,
     DISTURBANCE,
@@ -22,10 +23,13 @@ from physim.parts.registry import (
     STAGES,
     Kind,
     check_part,
+    checked_settings,
+    find_part,
+    made_part,
     make_part,
 )
 from physim.parts.stages import Disturbance, Filter, SensingStage, check_sensed
-from physim.parts.user_code import kind_of
+from physim.parts.user_code import kind_of, place_of
 from physim.parts.world_checks import (
     call,
     listed,
@@ -50,6 +54,8 @@ class Parts:
     disturbances: tuple[Disturbance, ...] = ()
     given: tuple[tuple[str, str], ...] = ()
     """stage and name of what was given from Python in place of or beside what the world names"""
+    given_settings: tuple[GivenSettings, ...] = ()
+    """of each of these"""
     names: tuple[str, ...] = ()
     """of all of them"""
 
@@ -85,6 +91,7 @@ def parts_of(
     chosen = _controller(world, controller)
     name = "" if controller is None else _given_name(controller, chosen, world)
     given = [("controller", name)] if name else []
+    settings = [given_settings(chosen)] if name else []
     names = [name or world.controller.type]
     found: list[tuple[Any, ...]] = []
     in_world = (world.sensing.stages, world.filters, world.disturbances)
@@ -94,6 +101,7 @@ def parts_of(
         for part in extra:
             check_part(kind, part)
             given.append((kind.word, class_name(part)))
+            settings.append(given_settings(part))
         named = (
             make_part(kind, choice.type, choice.settings, where=(*kind.key, k))
             for k, choice in enumerate(choices)
@@ -101,7 +109,7 @@ def parts_of(
         found.append((*named, *extra))
         names += [f"{kind.word} {choice.type}" for choice in choices]
         names += [f"{kind.word} {class_name(part)}" for part in extra]
-    return Parts(chosen, found[0], found[1], found[2], tuple(given), tuple(names))
+    return Parts(chosen, found[0], found[1], found[2], tuple(given), tuple(settings), tuple(names))
 
 
 def part_faults(parts: Parts, world: World) -> list[Fault]:
@@ -125,7 +133,9 @@ def _controller(world: World, given: Controller | str | None) -> Controller:
         made = make_part(CONTROLLER, given, {}, trusted=True)
         return made
     if isinstance(given, type):
-        raise ControllerError(f"controller is the class {given.__name__}; give an instance of it")
+        raise ControllerError(
+            f"controller is the class {given.__name__}; give an instance of it{place_of(given)}"
+        )
     if given is None:
         made = make_part(CONTROLLER, world.controller.type, world.controller.settings)
         return made
@@ -138,15 +148,25 @@ def _given_name(given: Controller | str, chosen: Controller, world: World) -> st
     own = world.controller
     if isinstance(given, str):
         return "" if given == own.type else given
-    if ":" not in own.type and _alike(chosen, make_part(CONTROLLER, own.type, own.settings)):
-        return ""
     name = class_name(given)
-    return "" if name == own.type else name
+    same = name == own.type
+    if ":" not in own.type:
+        same = find_part(CONTROLLER, own.type) is type(given)
+    return "" if same and _as_in_world(chosen, type(given), world) else name
 
 
-def _alike(one: Controller, other: Controller) -> bool:
-    settings = (getattr(controller, "settings", None) for controller in (one, other))
-    return type(one) is type(other) and next(settings) == next(settings)
+def _as_in_world(given: Controller, part: type[Any], world: World) -> bool:
+    """Whether an object has, as far as it tells, the settings that the world gives to its class."""
+    own = world.controller
+    made, faults = checked_settings(part, own.settings, CONTROLLER.key)
+    if faults:
+        return False
+    try:
+        other = made_part(CONTROLLER, part, made, own.type)
+    except ControllerError:
+        return False
+    settings = (getattr(controller, "settings", None) for controller in (given, other))
+    return bool(next(settings) == next(settings)) and given_settings(given) == given_settings(other)
 
 
 def ask_sense(

@@ -215,7 +215,7 @@ def _writer(
         path, scene, scene.world.to_yaml(), accessible=area.accessible_rings,
         safe=area.safe_rings(distance), safe_distance=distance, record_every=every,
         declared=simulation.declared, tables=tables, given=simulation.parts.given,
-        overwrite=overwrite,
+        given_settings=simulation.parts.given_settings, overwrite=overwrite,
     )  # fmt: skip
 
 

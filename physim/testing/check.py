@@ -82,7 +82,9 @@ def candidate(
         )
     kind = controller if isinstance(controller, type) else type(controller)
     if not callable(getattr(controller, "decide", None)):
-        raise ControllerError(f"{kind.__name__} has no method decide(observation, memory)")
+        raise ControllerError(
+            f"{kind.__name__} has no method decide(observation, memory){place_of(kind)}"
+        )
     if isinstance(controller, type):
         return Candidate(kind.__name__, kind, settings, None)
     if settings is not None:

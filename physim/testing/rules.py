@@ -106,6 +106,8 @@ class FindingLog:
             self._more[rule] += 1
             return
         line = " ".join(text.split())
+        if self._place:  # said once, behind the finding
+            line = line.removesuffix(f" ({self._place})")
         place = "" if ".py:" in line else self._place  # of an error, its text says where
         self._first[rule] = Finding(rule, self.world, robot, time, line, place)
         self._more[rule] = 0

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from physim.record.layout import MAJOR
 from tests.forgeries.tools import (
     Change,
     attribute,
@@ -332,8 +333,8 @@ WORLD = [
 ]  # fmt: skip
 
 REFUSED = [
-    Forgery("another major version", "free", attribute("version", "4.0"),
-            ("record version '4.0'; this physim reads version 3",), (), 2),
+    Forgery("another major version", "free", attribute("version", f"{MAJOR + 1}.0"),
+            (f"record version '{MAJOR + 1}.0'; this physim reads version {MAJOR}",), (), 2),
     Forgery("a robot that is not there", "free", column(UP, "robot", 9, 5),
             ("robot is 9; allowed: 0 to 2",), (), 2),
     Forgery("a decision twice", "free", column(UP, "robot", 0, 1),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
@@ -76,6 +78,28 @@ FAULTS = {
         ),
         ":2: … 'boundary a' … (24.00, 14.00) … (24.00, 11.00) … 'boundary b', line 3 … 3 m apart",
     ),
+    "no room at the start": (
+        svg(
+            '<path id="boundary" d="M 0,6 30,6 30,0 40,0 40,14 30,14 30,7.2 0,7.2 Z"/>\n'
+            '<path id="path" d="M 0.5,6.6 38,6.6"/>'
+        ),
+        ":3: … 'path' … no room … 'boundary', line 2",
+    ),
+    "room for some": (
+        svg(f"{WALLS}\n{PATH}"), ":3: … 'path' … room for … of 40 … 'boundary', line 2",
+    ),
+    "robots over each other": (
+        svg(
+            f"{WALLS}\n{PATH}\n"
+            '<rect id="robot a" x="3" y="6" width="2" height="1"/>\n'
+            '<rect id="robot b" x="4" y="6" width="2" height="1"/>'
+        ),
+        ":5: … 'robot b' … cannot run … robots[1]",
+    ),
+    "robot in a wall": (
+        svg(f'{WALLS}\n{PATH}\n<rect id="robot a" x="-1" y="6" width="2" height="1"/>'),
+        ":4: … 'robot a' … cannot run … boundaries[0]",
+    ),
     "what could be a boundary": (
         svg(
             '<path id="fence" d="M 0,0 24,0 24,14 Z"/>\n'
@@ -86,12 +110,18 @@ FAULTS = {
 }  # fmt: skip
 
 
+OPTIONS = {
+    "no room at the start": replace(METRES, robot=(1.8, 1.1)),
+    "room for some": replace(METRES, robots=40),
+}
+
+
 @pytest.mark.parametrize("text", FAULTS)
 def test_a_fault_names_the_element_its_line_and_what_is_wrong(tmp_path, text):
     path = tmp_path / "plan.svg"
     path.write_text(FAULTS[text][0])
     with pytest.raises(ImportSourceError) as caught:
-        import_world(path, METRES)
+        import_world(path, OPTIONS.get(text, METRES))
     check_says(str(caught.value).removeprefix(str(path)), FAULTS[text][1])
 
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import shapely
 
+from physim.analysis import metrics
 from physim.drawing.preview.contents import contents
 from physim.geometry.corridor import sampled_widths, widths_at
+from physim.simulation.run import simulate
 from physim.world.file import load_world, parse_world
 from physim.world.file.files import shipped_worlds
 from physim.world.layout.layout import lay_out
@@ -99,6 +101,20 @@ def test_obstacles_narrow_the_width_and_boundaries_alone_are_kept() -> None:
     assert seen.widths.width[at] < alone - 1.0
     assert seen.widths.width[seen.widths.narrowest] == pytest.approx(1.5)
     assert shown(world()).boundary_widths is None
+
+
+def test_a_preview_and_a_run_have_one_width() -> None:
+    """Along the path of the first robot (Fig. 4), which here is not the reference path."""
+    text = world(((0.0, 0.0), (20.0, 0.0), (34.0, 14.0)), (8.0, 5.0, 9.0))
+    text = text.replace('"offset": 0.0', '"offset": 1.0')
+    seen = shown(text)
+    loaded = parse_world(text).changed(time={"step": 0.01, "duration": 0.1})
+    told = metrics.corridor_width(simulate(loaded))
+    same = np.interp(told.station, seen.widths.station, seen.widths.width)
+    assert np.allclose(told.width, same, atol=0.02, rtol=0.0)
+    assert seen.course_length == pytest.approx(told.station[-1], abs=0.1)
+    assert seen.widths.width.min() == pytest.approx(np.nanmin(told.width), abs=0.02)
+    assert not np.allclose(seen.course[0], seen.reference[0])
 
 
 def test_a_path_along_the_edge_of_the_safe_area_is_safe() -> None:

@@ -28,7 +28,7 @@ def main(given: Sequence[str] | None = None) -> int:
     """Run the program; returns the exit code."""
     options = _arguments(given)
     if options.table:
-        table.write(ROOT / "CONTRIBUTING.md", EDITS)
+        (ROOT / table.PAGE).write_text(table.page(EDITS), encoding="utf-8")
         return 0
     rooms = list(ROOMS) if options.all else options.room
     edits = [edit for edit in EDITS if edit.room in rooms]
@@ -64,7 +64,7 @@ def _arguments(given: Sequence[str] | None) -> argparse.Namespace:
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--room", action="append", choices=list(ROOMS), help="may be repeated")
     what.add_argument("--all", action="store_true", help="all rooms")
-    what.add_argument("--table", action="store_true", help="write the table in CONTRIBUTING.md")
+    what.add_argument("--table", action="store_true", help=f"write {table.PAGE}")
     parser.add_argument("--function", action="append", help="only edits of this function")
     parser.add_argument("--jobs", type=int, default=1, help="edits at a time (1)")
     parser.add_argument("--json", action="store_true", help="print what was found as JSON")

@@ -96,7 +96,9 @@ def test_what_a_run_would_refuse(what: str) -> None:
     text = only(controller, Rule.DECISION)
     with pytest.raises(ControllerError) as refused:
         physim.Simulation(load_world("straight"), controller=controller).step()
-    assert str(refused.value).endswith(f"r1 at 0 s: {text.removesuffix(' (and 9 more)')}")
+    told, _, place = str(refused.value).rpartition(" (")
+    assert told.endswith(f"r1 at 0 s: {text.removesuffix(' (and 9 more)')}")
+    assert place.startswith(f"{broken.__file__}:")
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from physim.drawing.video.closest import Closest
 from physim.drawing.video.frames import Painter
 from physim.errors import PhysimError
 from physim.parts.declarations import PAPER_MODES, SAFE, Mode
+from physim.record.setup import Part
 from tests.records import make_record
 
 VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - layout.PANEL_WIDTH))
@@ -25,6 +26,19 @@ VIEW = (slice(0, layout.HEIGHT - layout.STRIP_HEIGHT), slice(0, layout.WIDTH - l
 
 def pixels(image: Any, colour: palette.Colour, part: Any = VIEW) -> int:
     return int((image[part] == np.array(colour, np.uint8)).all(axis=2).sum())
+
+
+def words_of_the_panel(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """All that the panel writes from now on."""
+    words: list[str] = []
+    write = panel.write
+
+    def noted(image: Any, text: str, *more: Any, **named: Any) -> Any:
+        words.append(text)
+        return write(image, text, *more, **named)
+
+    monkeypatch.setattr(panel, "write", noted)
+    return words
 
 
 def test_same_record_same_frames(made: Callable[..., Any], tmp_path: Any) -> None:
@@ -176,19 +190,24 @@ def test_an_overlap_is_told_as_one_in_the_panel(
     record = made(3)
     pose, gap = record.pose.copy(), np.full(record.clearance.shape, -0.025)
     pose[100:, 1] = pose[100:, 0] + [0.3, 0.0, 0.0]  # from 2 s on robot 1 is within robot 0
-    words: list[str] = []
-    write = panel.write
-
-    def noted(image: Any, text: str, *more: Any, **named: Any) -> Any:
-        words.append(text)
-        return write(image, text, *more, **named)
-
-    monkeypatch.setattr(panel, "write", noted)
+    words = words_of_the_panel(monkeypatch)
     for time, overlap in ((1.0, False), (2.5, True)):
         words.clear()
         frame_at(changed(record, pose=pose, clearance=gap), time)
         assert ("−0.025 m" in words) == overlap
         assert "0.000 m" not in words
+
+
+def test_the_settings_of_the_controller_are_told(
+    made: Callable[..., Any], changed: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = words_of_the_panel(monkeypatch)
+    record = made(2)
+    frame_at(record, 1.0)
+    assert not any("look_ahead" in text for text in told)
+    setup = dataclasses.replace(record.setup, controller=Part("mine:Own", {"look_ahead": 2.5}))
+    frame_at(changed(record, setup=setup), 1.0)
+    assert "look_ahead 2.5" in told
 
 
 def test_what_the_strip_shows(made: Callable[..., Any], changed: Callable[..., Any]) -> None:

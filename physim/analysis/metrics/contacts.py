@@ -81,6 +81,8 @@ class Graze:
     """[s] of that sample"""
     depth: float
     """[m] greatest depth within the step, 0 when they only touch"""
+    place: tuple[float, float]
+    """[m] world frame, where the two are closest within the step"""
 
 
 def contact_episodes(record: Record) -> tuple[Episode, ...]:
@@ -102,10 +104,10 @@ def contact_episodes(record: Record) -> tuple[Episode, ...]:
 def grazes(record: Record) -> tuple[Graze, ...]:
     """Contacts between two samples, in the order of time. A pair may have one a step."""
     rows = record.contacts[record.contacts["kind"] == Kind.SWEPT]
-    columns = zip(*(rows[key].tolist() for key in ("a", "b", "step", "depth")), strict=True)
+    columns = (rows[key].tolist() for key in ("a", "b", "step", "depth", "x", "y"))
     return tuple(
-        Graze(a, b, b < record.robots, step, step * record.dt, depth)
-        for a, b, step, depth in columns
+        Graze(a, b, b < record.robots, step, step * record.dt, depth, (x, y))
+        for a, b, step, depth, x, y in zip(*columns, strict=True)
     )
 
 

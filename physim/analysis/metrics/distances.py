@@ -18,7 +18,7 @@ import shapely
 from physim.analysis.metrics.metric import Moment, Place, Series
 from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
-from physim.geometry.corridor import SIDES, side_feet
+from physim.geometry.corridor import SIDES, widths_at
 from physim.geometry.queries import collision_times as times_of_pair
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -192,7 +192,7 @@ class Width(NamedTuple):
     """(K, 2) [m] the same on the right"""
     width: FloatArray
     """(K,) [m]; inf where a side is open, NaN where the two nearest points are not on opposite
-    sides (`side_feet`): there is no width there"""
+    sides (`physim.geometry.corridor.side_feet`): there is no width there"""
 
 
 def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
@@ -209,16 +209,12 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
         raise PhysimError(f"robot {robot} given; there are 0 to {record.robots - 1}")
     lines = record.paths
     run = slice(lines.start[robot], lines.start[robot + 1])
-    points, station = lines.points[run], lines.station[run]
-    at: FloatArray = every * np.arange(float(int(station[-1] / every + 1e-9) + 1))
-    k = np.clip(np.searchsorted(station, at, side="right") - 1, 0, len(station) - 2)
-    along = np.diff(points, axis=0) / np.diff(station)[:, None]
-    places = points[k] + (at - station[k])[:, None] * along[k]
+    at: FloatArray = every * np.arange(float(int(lines.station[run][-1] / every + 1e-9) + 1))
     walls, obstacles = sides_of(record)
-    left, right, between = side_feet(places, along[k], obstacles, walls)
-    width = np.hypot(*(left - places).T) + np.hypot(*(right - places).T)
-    counts = ~np.isfinite(width) | between
-    return Width(at, places, left, right, np.where(counts, width, np.nan))
+    found = widths_at(lines.points[run], at, obstacles, walls)
+    counts = ~np.isfinite(found.width) | found.between
+    width = np.where(counts, found.width, np.nan)
+    return Width(at, found.point, found.left_foot, found.right_foot, width)
 
 
 def width_extreme(course: Width, robot: int, largest: bool) -> Place | None:

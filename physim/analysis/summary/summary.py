@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain, repeat
 from typing import Any
 
 from physim.analysis.expectations import Held, expectations
@@ -24,7 +25,7 @@ from physim.analysis.metrics import (
     measured,
     shortest_boundary_distance,
 )
-from physim.analysis.metrics.walls import near_wall, touched_wall
+from physim.analysis.metrics.walls import along_wall, near_wall, touched_wall
 from physim.escaping import html_table
 from physim.record import Record
 from physim.record.setup import Setup
@@ -60,7 +61,7 @@ class Contacts:
 
 
 MOST_PLACED = 20
-"""Episodes of contact whose place along a wall is looked up."""
+"""Contacts, and grazes, whose place along a wall is looked up."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -89,6 +90,8 @@ class Summary:
     contacts: Contacts | None
     grazes: tuple[Graze, ...]
     """contacts between two samples, in the order of time; none of ``contacts``"""
+    graze_places: tuple[str, ...]
+    """where along a wall the first ones were; empty between robots"""
     deep_contacts: tuple[Deep, ...]
     """contacts too deep to be true: from the first on the record is not physical"""
     no_safe_area: float | None
@@ -170,10 +173,13 @@ class Summary:
             "time_to_finish_s": self.value("time_to_finish"),
             "not_arrived": [self._absent(one) for one in self.not_arrived],
             "contacts": self._contacts(),
-            "grazes": [
-                {"bodies": self.names_of(g.a, g.b), "time_s": g.time, "max_depth_m": g.depth}
-                for g in self.grazes
-            ],
+            "grazes": _with_places(
+                [
+                    {"bodies": self.names_of(g.a, g.b), "time_s": g.time, "max_depth_m": g.depth}
+                    for g in self.grazes
+                ],
+                self.graze_places,
+            ),
             "deep_contacts": [self._deep(one) for one in self.deep_contacts],
             "no_safe_area_at_m": self.no_safe_area,
             "rejected_contacts": self.rejected_contacts,
@@ -214,9 +220,7 @@ class Summary:
             }
             for e in self.contacts.episodes
         ]
-        for episode, where in zip(episodes, self.contacts.places, strict=False):
-            if where:
-                episode["where"] = where
+        episodes = _with_places(episodes, self.contacts.places)
         found = {**vars(self.contacts), "episodes": episodes}
         del found["places"]
         return found
@@ -264,6 +268,7 @@ def summarise(record: Record) -> Summary:
     """Compute the summary of a run from its record alone. Raises RecordError if it is damaged."""
     found, faults = measured(record)
     recorded = "contacts" in record.tables
+    between = grazes(record)
     return Summary(
         name=record.name,
         seed=record.seed,
@@ -276,7 +281,8 @@ def summarise(record: Record) -> Summary:
         metric_faults=faults,
         not_arrived=absent(record),
         contacts=_contacts(record, contact_episodes(record)) if recorded else None,
-        grazes=grazes(record),
+        grazes=between,
+        graze_places=tuple(along_wall(record, g.b, g.place) for g in between[:MOST_PLACED]),
         deep_contacts=deep_contacts(record),
         no_safe_area=None if record.safe else record.safe_distance or None,
         rejected_contacts=record.rejected_contacts,
@@ -308,6 +314,14 @@ def _contacts(record: Record, episodes: Sequence[Episode]) -> Contacts:
         episodes=tuple(episodes),
         places=tuple(touched_wall(record, episode) for episode in episodes[:MOST_PLACED]),
     )
+
+
+def _with_places(told: list[dict[str, Any]], places: Sequence[str]) -> list[dict[str, Any]]:
+    """Contacts with where along a wall they were, those that were at one."""
+    along = chain(places, repeat(""))
+    return [
+        {**one, "where": place} if place else one for one, place in zip(told, along, strict=False)
+    ]
 
 
 def _finite(value: Any) -> Any:

@@ -119,10 +119,10 @@ def _graze_rows(summary: Summary) -> list[tuple[str, str]]:
     rows = [
         (
             f"  {g.time:.2f} s",
-            f"{summary.bodies[g.a]} and {summary.bodies[g.b]}, {1e3 * g.depth:.3g} mm deep, "
-            "apart at the samples before and after",
+            f"{summary.bodies[g.a]} and {summary.bodies[g.b]}{where and f' {where}'}, "
+            f"{1e3 * g.depth:.3g} mm deep, apart at the samples before and after",
         )
-        for g in grazes[:SHOWN_CONTACTS]
+        for g, where in zip(grazes[:SHOWN_CONTACTS], summary.graze_places, strict=False)
     ]
     first = ("grazes between samples", f"{len(grazes)}, first at {grazes[0].time:.2f} s")
     return [first, *rows, *_more(len(grazes) - len(rows))]

@@ -9,6 +9,7 @@ import numpy as np
 
 from physim.analysis.validation.contact_report import (
     ContactReport,
+    SweptContactReport,
     describe_bodies,
     describe_cause,
     describe_responsibility,
@@ -80,12 +81,13 @@ def _grazes(validation: Validation) -> list[str]:
     names, first = validation.names, validation.grazes[0]
     count = len(validation.grazes)
     times = "once" if count == 1 else f"{count} times"
+    where = f"({first.place[0]:.3f}, {first.place[1]:.3f}) m{_along(first)}"
     return [
         f"Between samples, where the engine does not look, bodies touched {times}; touching is a "
         "contact all the same.",
         f"{'That' if count == 1 else 'The first of these'} was just before {first.time:.2f} s: "
-        f"{describe_bodies(first, names)}, {length(first.depth)} deep, at ({first.place[0]:.3f}, "
-        f"{first.place[1]:.3f}) m. Responsible is {describe_responsibility(first, names)}",
+        f"{describe_bodies(first, names)}, {length(first.depth)} deep, at {where}. "
+        f"Responsible is {describe_responsibility(first, names)}",
     ]
 
 
@@ -172,7 +174,7 @@ def paragraph(
     return [*items, ("note", before)] if before else items
 
 
-def _along(one: ContactReport) -> str:
+def _along(one: ContactReport | SweptContactReport) -> str:
     """The stretch of the boundary as the file has it; empty elsewhere."""
     _, comma, stretch = one.along.rpartition("), ")
     return f"; {stretch}" if comma else ""

@@ -85,6 +85,13 @@ class Drawing:
             return None
         return some[int(np.argmin(shapely.distance(_lines(some), shapely.Point(point[:2]))))]
 
+    def is_on(self, point: Sequence[float] | FloatArray, role: str, distance: float) -> bool:
+        """Whether a source of a role lies within a distance [m] of a point (2,) [m]."""
+        source = self.source_at(point, role)
+        return source is not None and bool(
+            shapely.dwithin(_lines([source])[0], shapely.Point(point[:2]), distance)
+        )
+
     def named(self, point: Sequence[float] | FloatArray, *roles: str) -> str:
         """`` ('pillar', line 3)`` for the source nearest to a point; empty where none is known."""
         source = self.source_at(point, *roles)

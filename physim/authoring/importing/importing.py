@@ -6,7 +6,7 @@ The world file is pleasant to read: every length to the millimetre, sources name
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from math import ceil
@@ -16,6 +16,7 @@ import numpy as np
 
 from physim.authoring.importing.drawing import (
     Drawing,
+    ImportSourceError,
     Options,
     number,
     place,
@@ -33,7 +34,7 @@ from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
 from physim.authoring.importing.work import GRAIN
-from physim.errors import WorldError, plural
+from physim.errors import Location, WorldError, plural
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
 from physim.world import World
@@ -208,7 +209,11 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     drawing.facts += stop_warnings(found.reference, robots, found.size)
     text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
     return Imported(
-        text, _checked(source, text), drawing.kind, tuple(drawing.facts), tuple(drawing.changes)
+        text,
+        _checked(source, text, drawing, robots),
+        drawing.kind,
+        tuple(drawing.facts),
+        tuple(drawing.changes),
     )
 
 
@@ -266,7 +271,7 @@ def _name(source: Path) -> str:
     return (escaped(source.stem).strip() or "imported")[:100]
 
 
-def _checked(source: Path, text: str) -> World:
+def _checked(source: Path, text: str, drawing: Drawing, robots: Sequence[Placed]) -> World:
     """Load the world and build its scene, as a run would."""
     if len(text) > 5_000_000:
         raise refused(
@@ -280,5 +285,25 @@ def _checked(source: Path, text: str) -> World:
     except WorldError as error:
         first = error.faults[0]
         more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""
-        raise refused(source, f"the world made of it cannot run: {first}{more}") from None
+        message = f"the world made of it cannot run: {first}{more}"
+        raise _refused_where(source, message, first.location, drawing, robots) from None
     return world
+
+
+def _refused_where(
+    source: Path, message: str, location: Location, drawing: Drawing, robots: Sequence[Placed]
+) -> ImportSourceError:
+    """Error of the world at what of the drawing became the key that it is about."""
+    key, k = location[0] if location else "", location[1] if len(location) > 1 else None
+    if isinstance(k, int) and key == "robots" and k < len(robots):
+        drawn = [one for one in drawing.sources if one.role == "robot"]
+        if len(drawn) == len(robots) and drawing.robots:
+            return refused(source, f"{drawn[k].label}: {message}", drawn[k].line)
+        return drawing.refused_at(source, message, robots[k].pose[:2], "path", "boundary")
+    lines = {"boundaries": drawing.boundaries, "obstacles": drawing.obstacles}.get(str(key), [])
+    if isinstance(k, int) and k < len(lines):
+        roles = ("boundary", "obstacle") if key == "boundaries" else ("obstacle", "boundary")
+        return drawing.refused_at(source, message, lines[k][len(lines[k]) // 2], *roles)
+    if drawing.reference is not None and key == "reference_path":
+        return drawing.refused_at(source, message, drawing.reference[0], "path")
+    return refused(source, message)

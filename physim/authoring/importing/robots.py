@@ -154,7 +154,7 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
     """
     count = options.robots or options.lanes or 1
     lanes = min(1 if options.lanes is None else options.lanes, count)
-    group = _stopping_apart(path, drawing, _group(path, drawing.area, found, count, lanes))
+    group = _stopping_apart(path, drawing, _group(path, drawing, found, count, lanes))
     drawing.changes += [
         f"lane {one.offset:+.2f} m beside the path {narrowing}"
         for one in sorted(group.lanes, key=lambda one: one.offset)
@@ -164,17 +164,18 @@ def fill_in(path: Path, drawing: Drawing, found: Fit, options: Options) -> tuple
 
 
 def _group(
-    path: Path, area: Any, found: Fit, count: int, lanes: int, spread: float = 1.0
+    path: Path, drawing: Drawing, found: Fit, count: int, lanes: int, spread: float = 1.0
 ) -> _Group:
     """Lanes and starts, robots ``spread`` times as far apart along the path as they need be."""
     reference, size = found.reference, found.size
     made = [
-        lane(reference, offset * size, area, found.room, size) for offset in lane_offsets(lanes)
+        lane(reference, offset * size, drawing.area, found.room, size)
+        for offset in lane_offsets(lanes)
     ]
     in_one_file = lanes == 1 or any(abs(one.offset) - one.narrowest > 0.01 for one in made)
     step = spread * size * (COLUMN if in_one_file else ROW / lanes)
     own = [made[i % lanes] for i in range(count)]
-    poses = _poses(path, area, found, own[::-1], step)[::-1]
+    poses = _poses(path, drawing, found, own[::-1], step)[::-1]
     robots = [
         Placed(f"r{i + 1}", found.box, pose, one.line, one.plain_offset)
         for i, (one, pose) in enumerate(zip(own, poses, strict=True))
@@ -193,7 +194,7 @@ def _stopping_apart(path: Path, drawing: Drawing, group: _Group) -> _Group:
         shorter = replace(found, reference=rounded(line))
         count, lanes = len(group.robots), len(group.lanes)
         try:
-            other = _group(path, drawing.area, shorter, count, lanes, spread)
+            other = _group(path, drawing, shorter, count, lanes, spread)
         except ImportSourceError:  # no room at the start on a shorter path
             continue
         if min(other.gap, wanted) > best.gap:
@@ -217,10 +218,10 @@ def _tries(found: Fit) -> list[tuple[float, float]]:
     return [(spread, float(cut)) for spread in SPREADS for cut in cuts if (spread, cut) != (1, 0)]
 
 
-def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
+def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: float) -> list[Pose]:
     """Poses from the rear to the front: each as far back as the gaps allow."""
     most = MOST_SHARE * length_of(found.reference)
-    inner = shrunk(area, WALL_GAP * found.size, 16)
+    inner = shrunk(drawing.area, WALL_GAP * found.size, 16)
     shapely.prepare(inner)
     poses: list[Pose] = []
     shapes: list[Any] = []
@@ -228,7 +229,7 @@ def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) ->
     for one in lanes:
         while True:
             if station > most:
-                raise _no_room(path, found, len(poses), len(lanes), most)
+                raise _no_room(path, drawing, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
             shape = shape_at(found.box, pose)
             if inner.covers(shape) and not (
@@ -242,21 +243,29 @@ def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) ->
     return poses
 
 
-def _no_room(path: Path, found: Fit, placed: int, wanted: int, most: float) -> ImportSourceError:
-    """Error where only some of the robots, or none, start on the first ``most`` [m] of a path."""
+def _no_room(
+    path: Path, drawing: Drawing, found: Fit, placed: int, wanted: int, most: float
+) -> ImportSourceError:
+    """Error where only some of the robots, or none, start on the first ``most`` [m] of a path.
+
+    At the path where that is drawn; the wall is the one nearest to where the next would stand.
+    """
     box = f"{number(found.box[0])} x {number(found.box[1])} m"
+    start, end = points_at(found.reference, 0.0), points_at(found.reference, most)
+    wall = drawing.named(end if placed else start, "boundary", "obstacle")
     where = f"on the first {most:.1f} m of the path"
-    if placed:
-        return refused(
-            path,
-            f"room for {placed} of {wanted} robots of {box} {where}; fewer --robots, more --lanes, "
-            "or a smaller --robot LENGTH,WIDTH",
-        )
-    return refused(
-        path,
-        f"no room for a robot of {box} {where}, {WALL_GAP * found.size:.2g} m clear of the walls; "
-        "a smaller --robot LENGTH,WIDTH, or another --from",
+    message = (
+        f"no room for a robot of {box} {where}, {WALL_GAP * found.size:.2g} m clear of the walls"
+        f"{wall}; a smaller --robot LENGTH,WIDTH, or another --from"
     )
+    if placed:
+        message = (
+            f"room for {placed} of {wanted} robots of {box} {where}{wall and f', beside{wall}'}; "
+            "fewer --robots, more --lanes, or a smaller --robot LENGTH,WIDTH"
+        )
+    if drawing.is_on(start, "path", found.size):
+        return drawing.refused_at(path, message, start, "path")
+    return refused(path, message)
 
 
 def _pose(found: Fit, one: Lane, station: float) -> Pose:

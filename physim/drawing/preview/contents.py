@@ -51,6 +51,10 @@ class Contents:
     """(n, 2) without waypoints that are there twice"""
     length: float
     """[m] of the reference path"""
+    course: FloatArray
+    """(n, 2) path of the first robot, along which stations and widths are (Fig. 4), as of a run"""
+    course_length: float
+    """[m]"""
     routes: list[Route]
     widths: Widths
     """between boundaries and obstacles"""
@@ -64,8 +68,9 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
     reference = corners_of_line(scene.reference)
     others, walls = _sides(layout)
     rings = _segments(map(closed, scene.obstacles))
-    widths = sampled_widths(reference, np.concatenate((others, rings)), PLACES, walls)
-    alone = sampled_widths(reference, others, PLACES, walls) if len(rings) else None
+    course = corners_of_line(scene.paths[0])
+    widths = sampled_widths(course, np.concatenate((others, rings)), PLACES, walls)
+    alone = sampled_widths(course, others, PLACES, walls) if len(rings) else None
     return Contents(
         scene=scene,
         description=layout.world.description,
@@ -73,6 +78,8 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
         random_road=layout.world.is_road_random,
         reference=reference,
         length=float(shapely.LineString(reference).length),
+        course=course,
+        course_length=float(shapely.LineString(course).length),
         routes=_routes(scene),
         widths=widths,
         boundary_widths=alone,
@@ -125,7 +132,7 @@ def counts(preview: Contents) -> str:
     words.append(f"reference path {significant(preview.length, 4)} m")
     if len(width):
         ends = dict.fromkeys((significant(width.min()), significant(width.max())))
-        words.append(f"{' to '.join(ends)} m wide along it")
+        words.append(f"{' to '.join(ends)} m wide along the path of the first robot")
     if preview.random:
         what = "road and start" if preview.random_road else "start"
         words.append(f"{what} drawn with seed {scene.seed}")

@@ -114,7 +114,7 @@ def _wall(axis: Any, preview: Contents) -> float:
 
 
 def _reference(axis: Any, preview: Contents) -> None:
-    """The reference path, with a tick across it every round number of metres."""
+    """The reference path, and a tick across the first robot's path every round number of metres."""
     grey = hexed(palette.REFERENCE)
     add_lines(axis, [preview.reference], colors=grey, linewidths=2.6, alpha=0.55, zorder=2.0,
            gid="reference")  # fmt: skip
@@ -126,12 +126,13 @@ def _reference(axis: Any, preview: Contents) -> None:
 
 
 def station_ticks(preview: Contents) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Points (T, 2), normals (T, 2) and stations (T,) [m] of the ticks on the reference path."""
-    step = round_step(preview.length, MOST_TICKS)
-    stations = step * np.arange(np.floor(preview.length / step * (1.0 + 1e-12)) + 1.0)
-    line = shapely.LineString(preview.reference)
-    hair = preview.length * 1e-6
-    ends = [np.clip(stations + d, 0.0, preview.length) for d in (-hair, hair)]
+    """Points (T, 2), normals (T, 2), stations (T,) [m] of the ticks on the first robot's path."""
+    length = preview.course_length
+    step = round_step(length, MOST_TICKS)
+    stations = step * np.arange(np.floor(length / step * (1.0 + 1e-12)) + 1.0)
+    line = shapely.LineString(preview.course)
+    hair = length * 1e-6
+    ends = [np.clip(stations + d, 0.0, length) for d in (-hair, hair)]
     before, after = (shapely.get_coordinates(shapely.line_interpolate_point(line, e)) for e in ends)
     direction = after - before
     direction /= np.maximum(np.hypot(*direction.T), np.finfo(float).tiny)[:, None]

@@ -50,13 +50,11 @@ def _areas(preview: Contents) -> Iterator[tuple[Any, str]]:
 
 
 def _paths(preview: Contents) -> Iterator[tuple[Any, str]]:
-    step = round_step(preview.length, MOST_TICKS)
-    reference = _line(
-        color=hexed(palette.REFERENCE), linewidth=2.6, alpha=0.55, marker="|",
-        markeredgecolor=QUIET, markersize=7.0,
-    )  # fmt: skip
-    yield reference, f"reference path, ticks every {step:,g} m"
+    step = round_step(preview.course_length, MOST_TICKS)
     crowd, alone = is_crowd(preview.scene), len(preview.scene.names) == 1
+    yield _line(color=hexed(palette.REFERENCE), linewidth=2.6, alpha=0.55), "reference path"
+    ticks = _line(color=QUIET, linewidth=0.0, marker="|", markersize=7.0)
+    yield ticks, f"stations, every {step:,g} m"
     first, second = (hexed(palette.robot_colour(i)) for i in (0, 1))
     first = TOGETHER if crowd else first
     words = "paths of all robots" if crowd else f"path of {'the' if alone else 'a'} robot"

@@ -1,4 +1,4 @@
-"""The width profile of a preview: corridor width along the reference path (Fig. 4)."""
+"""The width profile of a preview: corridor width along the first robot's path (Fig. 4)."""
 
 from __future__ import annotations
 
@@ -43,9 +43,9 @@ def draw_profile(axis: Any, preview: Contents) -> None:
               gid="width")  # fmt: skip
     _name_narrowest(axis, preview, top)
     _needs(axis, preview, top)
-    axis.set(xlim=(0.0, preview.length), ylim=(0.0, top))
-    axis.set(xlabel="station along the reference path [m]", ylabel="width [m]")
-    axis.xaxis.set_major_locator(MultipleLocator(round_step(preview.length, MOST_TICKS)))
+    axis.set(xlim=(0.0, preview.course_length), ylim=(0.0, top))
+    axis.set(xlabel="station along the path of the first robot [m]", ylabel="width [m]")
+    axis.xaxis.set_major_locator(MultipleLocator(round_step(preview.course_length, MOST_TICKS)))
     axis.yaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
 
 
@@ -55,11 +55,10 @@ def _name_narrowest(axis: Any, preview: Contents, top: float) -> None:
     if k is None:
         return
     axis.plot(station[k], width[k], "o", color=WIDTHS, markersize=4.5, zorder=4.0)
-    words = (
-        f"{significant(float(width[k]))} m at {station_words(float(station[k]), preview.length)} m"
-    )
+    place = station_words(float(station[k]), preview.course_length)
+    words = f"{significant(float(width[k]))} m at {place} m"
     room = axis.get_position().size * axis.figure.get_size_inches() * 72.0
-    scale = room / (preview.length, top)
+    scale = room / (preview.course_length, top)
     curve = np.column_stack((station, np.where(np.isfinite(width), width, 2.0 * top))) * scale
     levels = np.array([level for level, *_ in _levels(preview)]) * scale[1]
     size = np.array(text_size(axis.figure, words, 8.5, "bold"))

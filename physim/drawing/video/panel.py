@@ -153,8 +153,8 @@ _SIGNS: dict[str, Callable[[Image, Lens], None]] = {
 PAD = 18
 CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
-FIGURE, HEAD = 22, 18
-"""[px] height of a line of figures, and of the words above the modes"""
+FIGURE, HEAD, SETTINGS = 22, 18, 15
+"""[px] height of a line of figures, and of the words and settings above the modes"""
 NOW, CLOSEST_NOW = "touching now", "closest now: "
 ROOMS = (90, 72, 60, 48, 40, 34, 28)
 """[px] for each of two names, the first with which they fit beside words and a value"""
@@ -184,6 +184,8 @@ class Panel:
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
         self._modes_top = FIGURES + 20 + lines * FIGURE
+        self._set_to = timeline.record.setup.controller.set_to
+        self._head = HEAD + (SETTINGS if self._set_to else 0)
         self._scales = scales
         self._still = self._draw_still(speed, signs)
         self._shown: dict[Box, object] = {}
@@ -212,9 +214,11 @@ class Panel:
         top = self._modes_top
         self._rule(image, top - 8)
         words = f"{'modes of' if modes else 'controller'} {record.setup.controller.name}"
-        whose = shorten(words, SMALL, room)
-        write(image, whose, (PAD, top + 10), SMALL, colour=palette.QUIET)
-        self._modes_top = top = top + HEAD
+        write(image, shorten(words, SMALL, room), (PAD, top + 10), SMALL, colour=palette.QUIET)
+        if self._set_to:
+            at = PAD, top + 10 + SETTINGS
+            write(image, shorten(self._set_to, SMALL, room), at, SMALL, colour=palette.QUIET)
+        self._modes_top = top = top + self._head
         if modes:
             draw_modes(image, PAD, top, row, modes, room - 30)
             top += len(modes) * row + 12
@@ -227,7 +231,7 @@ class Panel:
 
     def _row(self, rows: int) -> int:
         """Height of a line of the legend [px], so that scale bar and overview have room."""
-        room = self._box.height - self._modes_top - HEAD - BELOW
+        room = self._box.height - self._modes_top - self._head - BELOW
         return max(LEAST_ROW, min(ROW, room // max(rows, 1)))
 
     def _rule(self, image: Image, y: int) -> None:

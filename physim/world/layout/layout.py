@@ -158,7 +158,7 @@ def _placed(laid: PartialLayout, is_whole: bool) -> PartialLayout:
         if not np.isnan(start[i]).any()
     ]
     accessible = laid.area.polygon if laid.area is not None else None
-    of_places = wall_faults(standing, laid.walls, laid.solids, accessible)
+    of_places = wall_faults(standing, laid.walls, laid.solids, accessible, laid.world.boundaries)
     of_places += robot_faults(standing)
     faults += laid.world.as_written(of_places)
     return replace(laid, start=start, faults=tuple(laid.world.of_the_road(faults)))

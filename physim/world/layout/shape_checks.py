@@ -28,6 +28,7 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH, TUNNEL_FRACTION
 from physim.world import Limits
 from physim.world.faults import describe
+from physim.world.walls import stretch_text
 
 MOST_REPORTED = 3
 """Bodies that one robot overlaps which are reported one by one."""
@@ -148,11 +149,13 @@ def wall_faults(
     walls: Sequence[tuple[str, Any]],
     solids: Sequence[tuple[str, Any]],
     accessible: Any | None,
+    boundaries: Sequence[Any] | None = None,
 ) -> list[Fault]:
     """Robots in or against a boundary or obstacle, or outside the accessible area.
 
-    ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it. Without
-    ``accessible`` only contact is reported.
+    ``walls`` and ``solids`` are shapely lines and polygons, each with what to call it;
+    ``boundaries`` are those of the world as written. Without ``accessible`` only contact is
+    reported.
     """
     if not robots:
         return []
@@ -168,12 +171,13 @@ def wall_faults(
         where: Location = ("robots", number, "pose")
         name = describe(given)
         for k in sorted(near[i])[:MOST_REPORTED]:
+            label, body = (*walls, *solids)[k]
             if k < len(walls):
-                contact = _boundary_message(shape, *walls[k], accessible)
+                contact = _boundary_message(shape, label, body, accessible)
             else:
-                label, solid = solids[k - len(walls)]
-                contact = _overlap(shape, solid, label)
-            faults.append(Fault(where, f"{name} {contact} at the start; move it away"))
+                contact = _overlap(shape, body, label)
+            place = stretch_text(boundaries, label, _meeting(shape, body))
+            faults.append(Fault(where, f"{name} {contact} {place} at the start; move it away"))
         if not near[i] and accessible is not None and not accessible.covers(shape):
             far = accessible.distance(shape)
             away = f", {far:.4g} m from it" if far > 0.0 else ""
@@ -191,6 +195,17 @@ def _boundary_message(shape: Any, label: str, wall: Any, accessible: Any | None)
     points = shapely.points(shapely.get_coordinates(beyond))
     reach = float(shapely.distance(points, accessible).max())
     return f"touches {label}" if reach <= CONTACT else f"reaches {reach:.4g} m over {label}"
+
+
+def _meeting(shape: Any, body: Any) -> FloatArray:
+    """A point (2,) [m] of a boundary or obstacle: in the middle of what a robot has most of it."""
+    common = shape.intersection(body)
+    if common.is_empty:  # it only touches
+        common = shapely.shortest_line(body, shape)
+    most = max(shapely.get_parts(common), key=lambda part: (part.area, part.length))
+    is_line = most.geom_type == "LineString"
+    at = most.interpolate(0.5, normalized=True) if is_line else most.representative_point()
+    return np.asarray(shapely.get_coordinates(at)[0], dtype=np.float64)
 
 
 def _overlap(a: Any, b: Any, label: str) -> str:

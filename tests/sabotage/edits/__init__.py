@@ -12,6 +12,7 @@ from tests.sabotage.edits import (
     crashtest,
     falsify,
     geometry,
+    import_work,
     importing,
     loop,
     metrics,
@@ -38,7 +39,7 @@ EDITS: tuple[Edit, ...] = tuple(
     edit
     for room in (
         basics, geometry, statistics, world, roads, world_file, scene, checking, physics, controllers, loop,
-        work, record, metrics, summary, validation, video, page, plots, preview, importing,
+        work, record, metrics, summary, validation, video, page, plots, preview, importing, import_work,
         templates, crashtest, campaigns, falsify, reports, reproduction, cli,
     )
     for edit in room.EDITS

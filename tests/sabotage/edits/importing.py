@@ -187,4 +187,22 @@ EDITS = (
         "a fault of a drawing names the line",
         "tests/importing/test_svg_places.py::test_a_fault_names_the_element_its_line_and_what_is_wrong",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/robots.py",
+        "_no_room",
+        'if drawing.is_on(start, "path", found.size):',
+        "if False:",
+        "where there is no room names the path and its line",
+        "tests/importing/test_svg_places.py::test_a_fault_names_the_element_its_line_and_what_is_wrong",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/importing.py",
+        "_refused_where",
+        "drawn[k].line",
+        "None",
+        "a world that cannot run names the element that it is about",
+        "tests/importing/test_svg_places.py::test_a_fault_names_the_element_its_line_and_what_is_wrong",
+    ),
 )

@@ -60,4 +60,13 @@ EDITS = (
         "the profile shows danger where the corridor is narrower than 2 L",
         "tests/preview/test_picture.py::test_danger_is_shown_where_the_corridor_is_narrow",
     ),
+    Edit(
+        "preview",
+        "physim/drawing/preview/contents.py",
+        "contents",
+        "course = corners_of_line(scene.paths[0])",
+        "course = reference",
+        "a preview and a run have one width, along the first robot's path",
+        "tests/preview/test_contents.py::test_a_preview_and_a_run_have_one_width",
+    ),
 )

@@ -312,4 +312,22 @@ EDITS = (
         "an elastic impact loses less energy",
         "tests/metrics/test_severity.py::test_two_boxes_in_a_line",
     ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/near_misses.py",
+        "_same_episode",
+        "return farthest_between(record, one.a, one.b, (first, last)) <= PARTED",
+        "return False",
+        "a pair that never parts has one near miss",
+        "tests/validation/test_near_misses.py::test_an_oscillation_is_one_near_miss_until_the_two_part",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/near_misses.py",
+        "_same_episode",
+        "return farthest_between(record, one.a, one.b, (first, last)) <= PARTED",
+        "return True",
+        "a pair that parts and comes back has two near misses",
+        "tests/validation/test_near_misses.py::test_an_oscillation_is_one_near_miss_until_the_two_part",
+    ),
 )

@@ -187,4 +187,22 @@ EDITS = (
         "the schema shows registered stages with their settings",
         "tests/world_file/test_named_parts.py::test_schema_shows_registered_parts_with_their_settings",
     ),
+    Edit(
+        "world_file",
+        "physim/world/file/files.py",
+        "find_world",
+        "if near := _near(Path(), given):",
+        "if near := []:",
+        "a name without its ending is told with the file that is there",
+        "tests/world_file/test_loading.py::test_a_name_without_its_ending_is_told_with_the_file_that_is_there",
+    ),
+    Edit(
+        "world_file",
+        "physim/world/file/files.py",
+        "_near",
+        "if same := [name for name in worlds if Path(name).stem == given]:",
+        "if same := worlds:",
+        "only files that are much like a name are suggested",
+        "tests/world_file/test_loading.py::test_a_name_without_its_ending_is_told_with_the_file_that_is_there",
+    ),
 )

@@ -6,11 +6,13 @@ from tests.sabotage.edit import Edit
 from tests.sabotage.edits.controllers import (
     avoidance,
     checking,
+    decision_reports,
     following,
     formation,
     memory,
     mode_switching,
-    mode_switching_rest,
+    plain_form,
+    plans,
     switching,
 )
 
@@ -19,8 +21,10 @@ EDITS: tuple[Edit, ...] = tuple(
     for part in (
         avoidance,
         mode_switching,
-        mode_switching_rest,
+        plans,
         switching,
+        decision_reports,
+        plain_form,
         following,
         formation,
         memory,

@@ -1,0 +1,81 @@
+"""Which signals end a command, how, and that a reader that has gone ends it in silence."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from physim.cli import main
+from physim.cli.signals import Break
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def stop_at_once(monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+    """Put in the place of every command one that is hit by a signal while it works."""
+
+    def work(arguments: object) -> int:
+        os.kill(os.getpid(), number)
+        time.sleep(0.2)
+        return 0
+
+    monkeypatch.setattr("physim.cli.parser.run_command", work)
+
+
+@pytest.fixture
+def handlers() -> Iterator[None]:
+    """Put back what the test changes, and let no signal end the tests themselves."""
+    before = {number: signal.signal(number, lambda *_: None) for number in SIGNALS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_signal_ends_a_command_with_130_and_one_line(
+    number: int,
+    handlers: None,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    stop_at_once(monkeypatch, number)
+    before = [signal.getsignal(one) for one in SIGNALS]
+    assert main(["list"]) == 130
+    assert capsys.readouterr() == ("", "interrupted\n")
+    assert [signal.getsignal(one) for one in SIGNALS] == before
+
+
+def test_a_command_started_by_nohup_goes_on(
+    handlers: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    stop_at_once(monkeypatch, signal.SIGHUP)
+    assert main(["list"]) == 0
+
+
+def test_a_reader_that_has_gone_is_no_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    with open(write, "w") as gone:
+        monkeypatch.setattr(sys, "stdout", gone)
+        assert main(["list"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_command_that_is_ending_is_not_broken_off_again() -> None:
+    found = Break(alone=False)
+    with pytest.raises(KeyboardInterrupt):
+        found(signal.SIGINT, None)
+    found.ignore()
+    try:
+        found(signal.SIGINT, None)
+    except KeyboardInterrupt:  # which would end the tests
+        pytest.fail("it was broken off again")
+    assert found.came

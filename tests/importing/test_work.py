@@ -1,0 +1,144 @@
+"""Bounds on the work of an import: what is beyond one is refused before the work is done."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import svgelements
+
+from physim.authoring.importing import enclosure, polygons, source, svg_guard, track_file, work
+from physim.authoring.importing.drawing import Drawing, ImportSourceError, Options
+from physim.authoring.importing.geojson import read_geojson
+from physim.authoring.importing.polygons import read_wkt
+from physim.authoring.importing.svg import subpaths
+from physim.authoring.importing.svg_guard import look_at
+from physim.authoring.importing.track_file import read_track_file
+from tests.importing.plans import check_says
+
+PLACE = Path("plan")
+RING = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+
+def circle(count: int, radius: float = 100.0) -> np.ndarray:
+    turn = 2.0 * np.pi * np.arange(count) / count
+    return radius * np.stack((np.cos(turn), np.sin(turn)), axis=1)
+
+
+def teeth(count: int) -> np.ndarray:
+    """A line that goes up and down, each time a little further on."""
+    return np.stack((0.05 * np.arange(count), 20.0 * (np.arange(count) % 2)), axis=1)
+
+
+def zigzag(count: int) -> np.ndarray:
+    """A line that goes up and down through all the places it has been at."""
+    k = np.arange(count)
+    return np.stack((0.001 * (k * 389 % 997), 20.0 * (k % 2)), axis=1)
+
+
+LINES = {
+    "points": ([circle(work.MOST_POINTS)], [circle(work.MOST_POINTS + 1)], "50001 points"),
+    "extent": (
+        [np.array([[0.0, 0.0], [work.FARTHEST, 0.0]])],
+        [np.array([[0.0, 0.0], [work.FARTHEST + 1.0, 0.0]])],
+        "50000 m … --scale",
+    ),
+    "meetings": ([zigzag(100)], [zigzag(1000)], "over each other"),
+    "density": ([teeth(1000)], [teeth(work.MOST_ACROSS + 3)], "to and fro"),
+}
+
+
+@pytest.mark.parametrize("bound", LINES)
+def test_lines_beyond_a_bound_are_refused_and_those_within_are_read(bound: str) -> None:
+    within, beyond, told = LINES[bound]
+    work.check_work(PLACE, within)
+    with pytest.raises(ImportSourceError) as caught:
+        work.check_work(PLACE, beyond)
+    check_says(str(caught.value), f"plan: … {told}")
+
+
+def svg(inner: str) -> str:
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{inner}</svg>'
+
+
+def nested(depth: int, inside: int) -> str:
+    return svg("<g>" * depth + "<path/>" * inside + "</g>" * depth)
+
+
+def doubled(times: int) -> str:
+    """A drawing with an element that is there 2 to the power of so many times by copies."""
+    link = "".join(
+        f'<g id="g{k}"><use href="#g{k + 1}"/><use href="#g{k + 1}"/></g>' for k in range(times)
+    )
+    return svg(f'{link}<path id="g{times}"/>')
+
+
+def chained(length: int) -> str:
+    link = "".join(f'<g id="g{k}"><use href="#g{k + 1}"/></g>' for k in range(length))
+    return svg(f'<use href="#g0"/><defs>{link}<path id="g{length}"/></defs>')
+
+
+SVGS = {
+    "elements": (svg("<g/>" * 1000), svg("<g/>" * svg_guard.MOST_ELEMENTS), "1: … 100000 elements"),
+    "copies written out": (doubled(10), doubled(20), "100000 elements, copies written out"),
+    "copies of copies": (
+        chained(svg_guard.MOST_COPIES - 10), chained(svg_guard.MOST_COPIES + 10), "copies",
+    ),
+    "nested": (nested(150, 1000), nested(150, 14_000), "1: … groups within each other"),
+    "numbers": (
+        svg(f'<path d="M{" 1" * 1000}"/>'),
+        svg(f'<path d="M{" 1" * (svg_guard.MOST_NUMBERS + 1)}"/>'),
+        "300000 numbers",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("bound", SVGS)
+def test_drawings_beyond_a_bound_are_refused_before_they_are_read(bound: str) -> None:
+    within, beyond, told = SVGS[bound]
+    look_at(PLACE, within)
+    with pytest.raises(ImportSourceError) as caught:
+        look_at(PLACE, beyond)
+    check_says(str(caught.value), f"plan: … {told}")
+
+
+def test_curves_make_no_more_points_than_are_read() -> None:
+    path = svgelements.Path("M0 0 L1 0 L2 0 L3 0 L4 0")
+    assert len(subpaths(path, 0.1, 4)[0][0]) == 5
+    with pytest.raises(ValueError, match="points up to here"):
+        subpaths(path, 0.1, 3)
+
+
+def test_no_more_geometries_are_read_than_stated(tmp_path: Path) -> None:
+    count = polygons.MOST_GEOMETRIES + 1
+    wkt, geojson = tmp_path / "a.wkt", tmp_path / "a.geojson"
+    wkt.write_text("POINT (1 2)\n" * count)
+    points = ",".join(['{"type": "Point", "coordinates": [1, 2]}'] * count)
+    geojson.write_text(f'{{"type": "GeometryCollection", "geometries": [{points}]}}')
+    for read, path in ((read_wkt, wkt), (read_geojson, geojson)):
+        with pytest.raises(ImportSourceError, match="10000 geometries"):
+            read(path, Options())
+
+
+def test_no_more_obstacles_are_read_than_stated() -> None:
+    walls = [10.0 * np.array([[-9, -9], [9, -9], [9, 9], [-9, 9], [-9, -9]], dtype=float)]
+    drawing = Drawing("plan", list(walls), [RING] * (enclosure.MOST_OBSTACLES + 1))
+    with pytest.raises(ImportSourceError, match="3001 obstacles"):
+        enclosure.check_sound(PLACE, drawing)
+
+
+def test_no_more_rows_of_a_track_are_read_than_stated() -> None:
+    rows = "\n".join(f"{k},0,3,3" for k in range(track_file.MOST_POINTS + 1))
+    with pytest.raises(ImportSourceError, match="15000 points"):
+        read_track_file(PLACE, f"# x_m,y_m,w_tr_right_m,w_tr_left_m\n{rows}\n", 1.0)
+
+
+@pytest.mark.parametrize("bound", [source.MOST_TEXT, source.MOST_IMAGE])
+def test_a_file_larger_than_stated_is_not_read(tmp_path: Path, bound: int) -> None:
+    path = tmp_path / "plan"
+    with path.open("wb") as file:
+        file.truncate(bound + 1)
+    read = source.read_text if bound == source.MOST_TEXT else source.read_image
+    with pytest.raises(ImportSourceError, match=f"at most {bound / 1e6:.0f} MB"):
+        read(path)

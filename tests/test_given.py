@@ -1,0 +1,172 @@
+"""What a run's record knows of the settings of parts that came from Python as objects."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+import physim
+from physim.analysis.summary import summarise
+from physim.analysis.summary.table import table_rows
+from physim.controllers.mode_switching import ModeSwitching
+from physim.controllers.settings import ModeSwitchingSettings
+from physim.errors import RecordError
+from physim.parts.given import given_settings
+from physim.simulation.run import simulate
+from tests.roads import road
+
+HOLD = physim.Decision(0.0, 0.0, 0.1)
+
+
+class Base:
+    def decide(self, observation: Any, memory: Any) -> physim.Decision:
+        return HOLD
+
+
+class Settings(BaseModel):
+    gap: float = 2.2
+    names: list[str] = ["a"]
+
+
+class OfModel(Base):
+    Settings = Settings
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+
+class Hidden(OfModel):
+    def __init__(self, own: Settings) -> None:
+        self._s = own
+
+
+@dataclass
+class AsData(Base):
+    gap: float = 2.2
+    table: list[int] = field(default_factory=lambda: [1, 2])
+
+
+class Kept(Base):
+    pace = 0.8
+
+    def __init__(self, gap: float = 2.2, far: Any = None, *, scale: float) -> None:
+        self.gap, self.far, self.scale = gap, far, scale
+
+
+class NotKept(Base):
+    def __init__(self, gap: float = 2.2, *more: int) -> None:
+        self._gap = gap
+
+
+class Raises(Base):
+    def __init__(self, gap: float = 2.2) -> None:
+        pass
+
+    @property
+    def gap(self) -> float:
+        raise RuntimeError("no")
+
+
+def paced(part: Any) -> Any:
+    part.pace, part._private = 0.5, 3
+    return part
+
+
+@pytest.mark.parametrize(
+    ("part", "settings", "not_known"),
+    [
+        (OfModel(Settings()), {}, ()),
+        (OfModel(Settings(gap=3)), {"gap": 3.0}, ()),
+        (Hidden(Settings(names=["b"])), {"names": ["b"]}, ()),
+        (AsData(), {}, ()),
+        (AsData(1.0, [3]), {"gap": 1.0, "table": [3]}, ()),
+        (Kept(scale=1.0), {"scale": 1.0}, ()),
+        (Kept(3.0, np.array([1.0, 2.0]), scale=np.float32(0.5)),
+         {"gap": 3.0, "far": [1.0, 2.0], "scale": 0.5}, ()),
+        (Kept(far=print, scale=1.0), {"scale": 1.0}, ("far",)),
+        (Kept(far="x" * 10_000, scale=1.0), {"scale": 1.0}, ("far",)),
+        (paced(Kept(scale=1.0)), {"scale": 1.0, "pace": 0.5}, ()),
+        (NotKept(), {}, ("gap", "more")),
+        (Raises(), {}, ("gap",)),
+        (Base(), {}, ()),
+        (ModeSwitching(ModeSwitchingSettings(time_low=0.7)), {"time_low": 0.7}, ()),
+        (ModeSwitching(), {}, ()),
+    ],
+)  # fmt: skip
+def test_what_an_object_tells_of_its_settings(
+    part: object, settings: dict[str, Any], not_known: tuple[str, ...]
+) -> None:
+    found = given_settings(part)
+    assert found.settings == settings
+    assert found.not_known == not_known
+
+
+class Slow:
+    def __init__(self, share: float = 1.0) -> None:
+        self.share = share
+
+    def start(self, scene: Any) -> None:
+        return None
+
+    def filter(self, scene: Any, sensed: Any, nominal: Any, state: Any) -> Any:
+        return self.share * nominal, state
+
+
+WORLD = road([[20.0, 0.0, 0.0]], duration=0.1)
+
+
+def test_settings_of_objects_stand_in_summary_and_table(tmp_path: Path) -> None:
+    given = ModeSwitching(ModeSwitchingSettings(time_low=0.7))
+    record = simulate(WORLD, controller=given, filters=[Slow(0.5), Slow()], path=tmp_path / "r.h5")
+    read = physim.Record.load(tmp_path / "r.h5")
+    assert read.given_settings == record.given_settings
+    found = json.loads(summarise(read).to_json())
+    assert found["controller"]["settings"] == {"time_low": 0.7}
+    assert "not_known" not in found["controller"]
+    assert [one.endswith("Slow (share 0.5)") for one in found["from_python"]] == [True, False]
+    assert "time_low 0.7" in dict(table_rows(summarise(read)))["controller"]
+    told = json.loads(summarise(simulate(WORLD, controller=NotKept(3.0))).to_json())["controller"]
+    assert told["settings"] == {}
+    assert told["not_known"] == ["gap", "more"]
+
+
+def test_settings_that_are_not_the_worlds_are_never_told_as_the_worlds() -> None:
+    world = WORLD.changed(controller={"type": "mode_switching", "time_low": 0.7})
+    own = simulate(world, controller=ModeSwitching(ModeSwitchingSettings(time_low=0.7)))
+    assert own.given == ()
+    assert own.setup.controller.settings == {"time_low": 0.7}
+    other = simulate(world, controller=ModeSwitching())
+    assert other.setup.controller.settings == {}
+    named = WORLD.changed(controller={"type": "tests.test_given:OfModel", "gap": 1.0})
+    assert simulate(named, controller=OfModel(Settings(gap=1.0))).given == ()
+    record = simulate(named, controller=OfModel(Settings(gap=3.0)))
+    assert record.setup.controller.settings == {"gap": 3.0}
+
+
+@pytest.mark.parametrize(
+    "text", ["{}", "[3]", '[{"settings": {}}]', "[", '[{"settings": {}, "not_known": [2]}]']
+)
+def test_settings_that_nothing_wrote_are_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "r.h5"
+    simulate(WORLD, controller=Base(), path=path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["given_settings"] = text
+    with pytest.raises(RecordError, match="given_settings"):
+        physim.Record.load(path)
+
+
+def test_a_record_of_before_has_no_settings(tmp_path: Path) -> None:
+    path = tmp_path / "r.h5"
+    digest = simulate(WORLD, controller=Kept(scale=1.0), path=path).digest()
+    with h5py.File(path, "r+") as file:
+        del file.attrs["given_settings"]
+    record = physim.Record.load(path)
+    assert record.setup.controller.settings == {}
+    assert record.digest() == digest

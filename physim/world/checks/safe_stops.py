@@ -48,7 +48,7 @@ def check_safe_stops(
         laid.path_key(stop.number),
         f"{describe(laid.names[stop.number])} stops nearer than {safe_distance:.4g} m "
         f"(controller.safe_distance) to the boundaries ahead of it{others}: its target is moved "
-        f"back by {behind:.4g} m, so it would stand {behind:.4g} m or more short of its stop and "
+        f"back by {behind:.4g} m, so it would stand at least about as far short of its stop and "
         f"may never arrive (arrival.tolerance {allowed:g} m); end its path "
         f"{ceil(behind * 100.0) / 100.0:g} m earlier, or move the wall, or lower safe_distance",
     )

@@ -22,6 +22,7 @@ import physim
 import physim.controllers as controllers
 from physim.compiled import Kernel
 from physim.controllers.batch import decide_all
+from physim.geometry import collision_time
 from physim.parts.controller import Decision, Observation
 from physim.simulation import observation
 from physim.simulation.loop import Simulation
@@ -309,3 +310,14 @@ def test_a_decision_takes_as_many_lines_among_many_as_among_few(settings: dict[s
     assert few > 100.0
     assert not grown
     assert many <= 1.05 * few
+
+
+def test_a_collision_time_of_two_robots_cuts_no_polygon() -> None:
+    """What robots are made of comes as convex parts already, asked about at every decision."""
+    box = (np.array([(-0.9, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.9, 0.5)]),)
+
+    def ask() -> float:
+        return collision_time(box, (0, 0, 0), (1, 0), box, (5, 0, 1), (0, 0))
+
+    assert 3.0 < ask() < 4.2
+    assert python_calls(ask) < 300

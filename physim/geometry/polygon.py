@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physim.compiled import compiled
 from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import FLAT, LENGTH
@@ -206,6 +207,26 @@ def convex_parts(polygon: ArrayLike) -> tuple[FloatArray, ...]:
     candidates = [[points[part] for part in parts] for parts in ways if len(parts) == fewest]
     widest = max(candidates, key=smallest_width) if len(candidates) > 1 else candidates[0]
     return tuple(_trimmed(part) for part in widest)
+
+
+@compiled
+def is_convex_part(points: FloatArray) -> bool:
+    """Whether a polygon (n, 2), n >= 3, surely is what `convex_parts` makes of it.
+
+    Every corner turns to the left by clearly more than ``FLAT``, all of them together once round,
+    and no two neighbours are one corner. No says nothing. What is asked of a part at every
+    decision would otherwise cost far more than its collision time.
+    """
+    count, turned = len(points), 0.0
+    for k in range(count):
+        a, b, c = points[k - 2], points[k - 1], points[k]
+        ux, uy, wx, wy = b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]
+        before, after = math.hypot(ux, uy), math.hypot(wx, wy)
+        cross = ux * wy - uy * wx
+        if not (after > 2.0 * LENGTH and cross > 2.0 * FLAT * before * after):
+            return False
+        turned += math.atan2(cross, ux * wx + uy * wy)
+    return turned < 3.0 * math.pi
 
 
 def _turns(points: FloatArray) -> FloatArray:

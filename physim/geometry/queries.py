@@ -24,7 +24,7 @@ from physim.compiled import compiled
 from physim.errors import PhysimError
 from physim.geometry.collision import bodies_time
 from physim.geometry.motion import Course, arc_course, straight_course
-from physim.geometry.polygon import convex_parts
+from physim.geometry.polygon import convex_parts, is_convex_part
 from physim.geometry.separation import body_distance, body_separation
 from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_shapes
 
@@ -94,7 +94,7 @@ def parts_of(shape: Any, what: str) -> tuple[FloatArray, ...]:
     parts: list[FloatArray] = []
     for item in items:
         points = points_of(item, what)
-        if len(points) < 3:
+        if len(points) < 3 or is_convex_part(points):
             parts.append(points)
             continue
         try:

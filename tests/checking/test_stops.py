@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from physim import simulate
+from physim.world.file import parse_world
 from physim.world.file.files import shipped_worlds
 from tests.checking.worlds import check, check_finding, lines
 from tests.roads_to_stops import dead_end
@@ -44,6 +46,40 @@ def test_a_robot_that_stops_close_behind_another_is_told(tmp_path, spacing, warn
     if warned:
         assert '"r2"' in found[0]
         assert "0.9 m" in found[0]
+
+
+def alone(margin: float, slant: float = 0.0) -> str:
+    """A small robot without a formation whose end wall lies ``margin`` [m] beyond its path."""
+    wall = [(-2, -2), (12 + margin + slant, -2), (12 + margin - slant, 2), (-2, 2), (-2, -2)]
+    return (
+        "name: alone\ntime: {step: 0.01, duration: 20.0}\n"
+        f"boundaries: [{[list(point) for point in wall]}]\n"
+        "reference_path: [[0, 0], [12, 0]]\nrobots:\n"
+        "  - {name: r1, footprint: {length: 0.8, width: 0.5}, pose: [2, 0, 0], path: {offset: 0}}\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("margin", "slant", "arrives"),
+    [(0.65, 0.0, False), (0.95, 0.0, False), (1.05, 0.0, True), (0.9, 0.4, False)],
+)
+def test_a_stop_in_the_danger_area_is_told_where_the_robot_would_stand_before_it(
+    tmp_path, margin, slant, arrives
+):
+    text = alone(margin, slant)
+    assert simulate(parse_world(text)).ended == ("finished" if arrives else "duration")
+    found = told(tmp_path, text)
+    assert len(found) == (not arrives)
+    if not slant and not arrives:
+        assert f"{1.0 - margin:.4g} m" in found[0]
+        assert "safe_distance" in found[0]
+
+
+def test_a_stop_in_the_danger_area_harms_no_formation_and_no_path_beside_a_wall(tmp_path):
+    assert told(tmp_path, alone(0.7) + "formation: {}\n") == []
+    assert told(tmp_path, alone(0.7) + "controller: {safe_distance: 0.6}\n") == []
+    assert told(tmp_path, alone(1.05).replace("{offset: 0}", "{offset: 1.2}")) == []
+    assert told(tmp_path, alone(0.7) + "expect: {finished: false}\n") == []
 
 
 def overlapping(folder: Path, text: str) -> list[str]:

@@ -14,6 +14,7 @@ from physim.geometry.polygon import (
     convex_hull,
     convex_parts,
     counter_clockwise,
+    is_convex_part,
     is_simple,
     least_width,
     signed_area,
@@ -149,3 +150,25 @@ def test_width_of_known_shapes():
     assert least_width([(0, 0), (3, 0), (0, 4)]) == pytest.approx(2.4)
     assert least_width([(0, 0), (1, 1), (2, 2)]) == 0.0
     assert circumscribed_radius([(0, 0), (3, 4), (1, 0)]) == 5.0
+
+
+@given(st.one_of(star_polygons(), grid_polygons()))
+def test_what_is_taken_for_a_convex_part_is_what_a_cut_makes_of_it(polygon):
+    if is_convex_part(polygon):
+        (part,) = convex_parts(polygon)
+        assert np.array_equal(part, polygon)
+
+
+@pytest.mark.parametrize("polygon", [L, U, T, PLUS])
+def test_parts_of_a_cut_are_known_as_such_and_their_whole_is_not(polygon):
+    assert not is_convex_part(np.array(polygon, dtype=float))
+    parts = convex_parts(polygon)
+    assert all(is_convex_part(part) for part in parts)
+    assert not any(is_convex_part(np.ascontiguousarray(part[::-1])) for part in parts)
+
+
+def test_an_outline_that_always_turns_left_but_twice_round_is_no_convex_part():
+    angles = 4.0 * math.pi * np.arange(5) / 5.0
+    star = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    assert not is_simple(star)
+    assert not is_convex_part(star)

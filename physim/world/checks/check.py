@@ -28,6 +28,7 @@ from physim.world.checks.paths import (
 )
 from physim.world.checks.roads import road_notes
 from physim.world.checks.room import ClearanceProfile, clearance_profiles
+from physim.world.checks.safe_stops import check_safe_stops
 from physim.world.checks.shared_stops import check_shared_stops
 from physim.world.checks.starts import (
     check_expected,
@@ -146,6 +147,8 @@ def _check_layout(
             setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
         )
         check_stops(laid, StopLimits(speed, time, low, distance), found)
+        look_ahead = setting(laid, checked.controller, "look_ahead")
+        check_safe_stops(laid, safe_distance, look_ahead, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
     if checked.world is not None:

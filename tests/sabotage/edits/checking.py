@@ -188,4 +188,22 @@ EDITS = (
         "a wall too near ahead of a stop is told",
         "tests/checking/test_stops.py::test_an_end_wall_below_the_threshold_is_told_with_the_margin_that_mends_it",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/safe_stops.py",
+        "check_safe_stops",
+        "2.0 * behind > allowed - LENGTH",
+        "behind > allowed",
+        "a stop before which a robot stands for ever is told",
+        "tests/checking/test_stops.py::test_a_stop_in_the_danger_area_is_told_where_the_robot_would_stand_before_it",
+    ),
+    Edit(
+        "checking",
+        "physim/world/checks/safe_stops.py",
+        "_short",
+        "(x - px) * dx + (y - py) * dy",
+        "np.hypot(x - px, y - py)",
+        "a safe point beside a stop keeps nobody from it",
+        "tests/checking/test_stops.py::test_a_stop_in_the_danger_area_harms_no_formation_and_no_path_beside_a_wall",
+    ),
 )

@@ -520,4 +520,22 @@ EDITS = (
         "only a wall in sight comes near",
         "tests/geometry/test_wall_tree.py::test_parts_in_sight_are_all_of_them_in_order",
     ),
+    Edit(
+        "geometry",
+        "physim/geometry/polygon.py",
+        "is_convex_part",
+        "turned < 3.0 * math.pi",
+        "True",
+        "a convex part goes once round",
+        "tests/geometry/test_polygon.py::test_an_outline_that_always_turns_left_but_twice_round_is_no_convex_part",
+    ),
+    Edit(
+        "geometry",
+        "physim/geometry/polygon.py",
+        "is_convex_part",
+        "cross > 2.0 * FLAT * before * after",
+        "abs(cross) > 2.0 * FLAT * before * after",
+        "a convex part turns to the left at each corner",
+        "tests/geometry/test_polygon.py::test_parts_of_a_cut_are_known_as_such_and_their_whole_is_not",
+    ),
 )

@@ -62,10 +62,9 @@ def _shard(shards: Shards, file: Path) -> pa.Table:
     import pyarrow as pa
     from pyarrow import compute, json
 
-    data = file.read_bytes()
-    whole = data.endswith(b"\n") and all(map(_is_plain, data.splitlines()))
-    if not whole:  # at the nested Arrow would break the whole process off
+    if not shards.are_plain(file, _is_plain):  # the nested would break the whole process off
         return _one_by_one(shards.rows_of(file))
+    data = file.read_bytes()
     options = json.ParseOptions(explicit_schema=schema(), unexpected_field_behavior="ignore")
     try:
         found = json.read_json(pa.BufferReader(data), parse_options=options).select(list(COLUMNS))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -32,12 +32,15 @@ from physim.campaigns.columns import (
 )
 from physim.drafts import draft_of
 from physim.errors import Notice, PhysimError
+from physim.json_text import parse_json
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
 FOLDER = "rows"
 SUFFIX = ".jsonl"
+LONGEST_ROW = 1_000_000
+"""Bytes of a line; a row has a thousandth of them"""
 TOGETHER = 64
 """Shards of one size that are put together into one of the next"""
 
@@ -109,6 +112,10 @@ class Shards:
                         yield row
                 known.add(file.name)
 
+    def are_plain(self, file: Path, plain: Callable[[bytes], bool]) -> bool:
+        """Whether all lines of a shard are whole and ``plain``. Raises as `rows_of`."""
+        return all(line.endswith(b"\n") and plain(line) for line in _lines(file))
+
     def rows_of(self, file: Path) -> list[Row]:
         """Rows of one shard. Raises PhysimError where it is none, FileNotFoundError."""
         return [row for row, _ in self._rows(file)]
@@ -118,10 +125,10 @@ class Shards:
         for number, line in enumerate(_lines(file), 1):
             try:
                 try:
-                    tree = json.loads(line)
-                except (ValueError, RecursionError) as error:
+                    tree = parse_json(line)
+                except ValueError as error:
                     if line.endswith(b"\n"):
-                        raise ValueError(f"is no row ({error})") from None
+                        raise ValueError(f"is no row: {error}") from None
                     self._tell_cut(file, number)
                     return
                 row = row_of(tree)
@@ -222,7 +229,14 @@ def _line(row: Row) -> bytes:
 def _lines(file: Path) -> Iterator[bytes]:
     try:
         with open(file, "rb") as stream:
-            yield from stream
+            number = 0
+            while line := stream.readline(LONGEST_ROW):
+                number += 1
+                if len(line) == LONGEST_ROW:
+                    raise PhysimError(
+                        f"{file}:{number}: is no row: has {LONGEST_ROW} bytes or more"
+                    )
+                yield line
     except FileNotFoundError:
         raise
     except OSError as error:

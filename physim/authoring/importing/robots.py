@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
-from math import atan2, cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -91,9 +90,10 @@ def stop_stations(
 def least_stop_gap(
     reference: FloatArray, robots: Sequence[Placed], window: float
 ) -> tuple[float, int, int]:
-    """Least distance [m] between two robots at their stops, and which two; infinite for one.
+    """Least distance [m] between two robots at their stops, and which two.
 
-    Each heads along the chord of its path over ``window`` [m] about its stop.
+    Each heads along the chord of its path over ``window`` [m] about its stop. Infinite where all
+    are further apart than ``CLEAR`` times the window.
     """
     lines, poses = [one.path for one in robots], [one.pose for one in robots]
     stops = stop_stations(reference, lines, poses)
@@ -101,7 +101,8 @@ def least_stop_gap(
         shape_at(one.footprint, pose_at(one.path, station, window))
         for one, station in zip(robots, stops, strict=True)
     ]
-    pairs = combinations(range(len(shapes)), 2)
+    near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=CLEAR * window)
+    pairs = ((int(i), int(j)) for i, j in near.T if i < j)
     gaps = ((float(shapes[i].distance(shapes[j])), i, j) for i, j in pairs)
     return min(gaps, default=(float("inf"), 0, 0))
 
@@ -224,6 +225,8 @@ def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) ->
     shapely.prepare(inner)
     poses: list[Pose] = []
     shapes: list[Any] = []
+    centres = np.full((len(lanes), 2), np.inf)
+    near = hypot(*found.box) + GAP * found.size
     station = 0.0
     for one in lanes:
         while True:
@@ -231,11 +234,12 @@ def _poses(path: Path, area: Any, found: Fit, lanes: list[Lane], step: float) ->
                 raise _no_room(path, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
             shape = shape_at(found.box, pose)
-            if inner.covers(shape) and not (
-                shapes and shapely.distance(shape, shapes).min() < GAP * found.size
-            ):
-                break
+            if inner.covers(shape):
+                close = np.flatnonzero(np.hypot(*(centres - pose[:2]).T) <= near)
+                if all(shape.distance(shapes[k]) >= GAP * found.size for k in close):
+                    break
             station += 0.1 * found.size
+        centres[len(poses)] = pose[:2]
         poses.append(pose)
         shapes.append(shape)
         station += step

@@ -100,6 +100,20 @@ def try_lines_of_a_text_and_lists_within_lists(shell: Shell) -> None:
         check_refused(shell, "lists.geojson", text, "[[[[" if depth < 900 else "nested")
 
 
+def try_very_many_robots(shell: Shell) -> None:
+    def robots(count: int) -> str:
+        return "".join(
+            f'<rect id="robot {k}" x="{1 + k % 100 * 0.25}" y="{1 + k // 100 * 0.25}" width="0.2" '
+            'height="0.1"/>' for k in range(count)
+        )  # fmt: skip
+
+    check_refused(shell, "many.svg", f"{HEAD}{PLAN}{robots(5000)}</svg>", "5000 robots", "500")
+    assert "400 robots as drawn" in check_read(shell, "few.svg", f"{HEAD}{PLAN}{robots(400)}</svg>")
+    shell.write("road.wkt", "POLYGON ((0 0, 10000 0, 10000 1000, 0 1000, 0 0))")
+    given = ("import", "road.wkt", "-o", "w.yaml", "--robots", 3000, "--lanes", 30, "--force")
+    shell.physim(*given, **BOUNDS).refused("room for", "of 3000 robots")
+
+
 def try_transforms_of_very_many_shapes(shell: Shell) -> None:
     turn = "rotate(1)" * 3000
     shapes = "".join(f'<rect x="{k % 30}" y="1" width="1" height="1"/>' for k in range(1000))

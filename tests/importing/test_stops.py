@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from physim.authoring.importing import Imported, Options, import_world
 from physim.authoring.importing.robots import Placed, least_stop_gap, stop_stations
@@ -36,14 +37,16 @@ def test_stops_are_those_of_the_scene(tmp_path: Path) -> None:
 
 
 def test_the_gap_at_the_stops() -> None:
-    """Two boxes on the same leg, and one far behind, beyond what matters."""
+    """Two boxes on the same leg, and one far behind, before the corner."""
     poses = [(19.4, 0.0, 0.0), (3.0, 0.0, 0.0), (17.0, 0.0, 0.0)]
     robots = [Placed("r", BOX, pose, CORNER, 0.0) for pose in poses]
     assert least_stop_gap(CORNER, robots, 1.0) == (pytest.approx(0.6), 0, 2)
     same = [robots[0], robots[1], robots[0]]
     assert least_stop_gap(CORNER, same, 1.0) == (0.0, 0, 2)
-    for few in (robots[:2], robots[:1]):
-        assert least_stop_gap(CORNER, few, 1.0)[0] == np.inf
+    first, other = shapely.box(29.5, 9.1, 30.5, 10.9), shapely.box(22.7, -0.5, 24.5, 0.5)
+    far = first.distance(other)
+    assert least_stop_gap(CORNER, robots[:2], 1.0) == (pytest.approx(far), 0, 1)
+    assert least_stop_gap(CORNER, robots[:1], 1.0)[0] == np.inf
 
 
 def finishes(imported: Imported) -> bool:

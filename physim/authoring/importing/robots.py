@@ -90,10 +90,9 @@ def stop_stations(
 def least_stop_gap(
     reference: FloatArray, robots: Sequence[Placed], window: float
 ) -> tuple[float, int, int]:
-    """Least distance [m] between two robots at their stops, and which two.
+    """Least distance [m] between two robots at their stops, and which two; infinite for one.
 
-    Each heads along the chord of its path over ``window`` [m] about its stop. Infinite where all
-    are further apart than ``CLEAR`` times the window.
+    Each heads along the chord of its path over ``window`` [m] about its stop.
     """
     lines, poses = [one.path for one in robots], [one.pose for one in robots]
     stops = stop_stations(reference, lines, poses)
@@ -101,10 +100,14 @@ def least_stop_gap(
         shape_at(one.footprint, pose_at(one.path, station, window))
         for one, station in zip(robots, stops, strict=True)
     ]
-    near = shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=CLEAR * window)
-    pairs = ((int(i), int(j)) for i, j in near.T if i < j)
-    gaps = ((float(shapes[i].distance(shapes[j])), i, j) for i, j in pairs)
-    return min(gaps, default=(float("inf"), 0, 0))
+    if len(shapes) < 2:
+        return float("inf"), 0, 0
+    tree, within, near = shapely.STRtree(shapes), window, np.empty((2, 0), np.int64)
+    while not near.size:
+        near = tree.query(shapes, predicate="dwithin", distance=within)
+        near, within = near[:, near[0] < near[1]], 2.0 * within
+    gaps = (float(shapes[i].distance(shapes[j])) for i, j in near.T)
+    return min((gap, int(i), int(j)) for gap, (i, j) in zip(gaps, near.T, strict=True))
 
 
 def stop_warnings(reference: FloatArray, robots: Sequence[Placed], size: float) -> list[str]:

@@ -109,9 +109,6 @@ def try_very_many_robots(shell: Shell) -> None:
 
     check_refused(shell, "many.svg", f"{HEAD}{PLAN}{robots(5000)}</svg>", "5000 robots", "500")
     assert "400 robots as drawn" in check_read(shell, "few.svg", f"{HEAD}{PLAN}{robots(400)}</svg>")
-    shell.write("road.wkt", "POLYGON ((0 0, 10000 0, 10000 1000, 0 1000, 0 0))")
-    given = ("import", "road.wkt", "-o", "w.yaml", "--robots", 3000, "--lanes", 30, "--force")
-    shell.physim(*given, **BOUNDS).refused("room for", "of 3000 robots")
 
 
 def try_transforms_of_very_many_shapes(shell: Shell) -> None:

@@ -187,4 +187,13 @@ EDITS = (
         "the schema shows registered stages with their settings",
         "tests/world_file/test_named_parts.py::test_schema_shows_registered_parts_with_their_settings",
     ),
+    Edit(
+        "world_file",
+        "physim/world/file/overrides.py",
+        "_applied",
+        "if len(location) > MOST_DEPTH:",
+        "if False:",
+        "--set makes no deeper world than a file may have",
+        "tests/world_file/test_overrides.py::test_keys_within_very_many_keys_are_refused",
+    ),
 )

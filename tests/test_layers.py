@@ -2,7 +2,7 @@
 
 Reads the sources with `ast`, imports inside functions included. What stands under
 ``if TYPE_CHECKING:`` is exempt: it is never executed, so it ties no module to another, and types
-may be named upward (``control.BatchCapable`` speaks of a `Scene`).
+may be named upward (an observer's contract speaks of a `Simulation`).
 """
 
 from __future__ import annotations

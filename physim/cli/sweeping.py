@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import Counter
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -91,10 +92,15 @@ def tell_fixed(grid: Grid, quiet: bool) -> None:
         print(f"WARNING  {line}", file=sys.stderr)
     if grid.seeds is None or quiet:
         return
-    for k in sorted(grid.fixed):
-        cell = grid.cells[k]
-        changed = f" with {cell.settings}" if cell.settings else ""
-        print(f"Nothing in {cell.world}{changed} is random: it is run once.", file=sys.stderr)
+    cells = Counter(cell.world for cell in grid.cells)
+    fixed = Counter(grid.cells[k].world for k in sorted(grid.fixed))
+    for world, n in fixed.items():
+        if n < cells[world]:
+            words = f"In {n} of the {cells[world]} variants of {world} nothing is random: each is"
+        else:
+            each = f"each of its {n} variants" if n > 1 else "it"
+            words = f"Nothing in {world} is random: {each} is"
+        print(f"{words} run once.", file=sys.stderr)
 
 
 def _warm_up(quiet: bool) -> None:

@@ -135,6 +135,19 @@ def test_what_is_not_random_is_run_once(here: Path, capsys: pytest.CaptureFixtur
     assert "runs/s" not in done.err  # no bar in a pipe
 
 
+def test_of_a_world_without_chance_one_line_is_said_however_many_variants(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    values = ("--set", "time.duration=0.1,0.2", "--controller", "constant,path_following")
+    worlds = "fixed.yaml", "small.yaml"
+    done = physim("sweep", *worlds, "--seeds", "0:2", *values, "-o", "o", capture=capsys)
+    assert done.code == 0, done.err
+    said = [line for line in done.err.splitlines() if "random" in line]
+    assert len(said) == 1
+    assert "fixed" in said[0]
+    assert "4" in said[0]
+
+
 def test_a_name_leads_nowhere(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

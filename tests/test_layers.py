@@ -29,6 +29,7 @@ LAYERS = {
     "physim.escaping": (0, 0),
     "physim.tolerances": (0, 0),
     "physim.drafts": (0, 0),
+    "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),
     "physim.linking": (0, 1),
     "physim.c_calls": (0, 0),

@@ -11,6 +11,7 @@ import pytest
 
 from physim.errors import ControllerError, Fault, WorldError
 from physim.parts.controller import Decision, Sensed
+from physim.parts.user_code import broken_by
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.run import record_run, simulate
@@ -304,3 +305,11 @@ def test_an_observer_that_fails_ends_the_run_and_the_record_is_kept(
 def test_what_is_no_observer_is_refused_before_the_run(tmp_path: Path) -> None:
     with pytest.raises(ControllerError, match=facts("observer object", "start")):
         record_run(Simulation(world()), observers=[object()])  # type: ignore[list-item]
+
+
+def test_an_error_whose_text_cannot_be_had_is_told_by_its_type():
+    class MuteError(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError("no text")
+
+    assert broken_by(MuteError()).startswith("MuteError: (")

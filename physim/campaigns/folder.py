@@ -15,6 +15,7 @@ from physim.campaigns.rows import Shards, read, write_whole
 from physim.campaigns.spec import Label, RunSpec, engine
 from physim.drafts import draft_of
 from physim.errors import PhysimError
+from physim.json_text import file_json
 
 CAMPAIGN, RESULTS, RECORDS, WORLDS = "campaign.json", "results.parquet", "records", "worlds"
 FORMAT, VERSION = "physim-campaign", 1
@@ -61,17 +62,18 @@ class Folder:
         Raises PhysimError where this is no folder of a campaign.
         """
         try:
-            found = json.loads((self.path / CAMPAIGN).read_text(encoding="utf-8"))
-            if found["format"] != FORMAT:
+            found = file_json(self.path / CAMPAIGN)
+            if not isinstance(found, dict) or found.get("format") != FORMAT:
                 raise ValueError("another format")
-            check_version(self.path / CAMPAIGN, found["version"], VERSION)
-            cells: list[dict[str, str]] = found["cells"]
-            return [{key: str(one[key]) for key in _KEYS} for one in cells]
+            check_version(self.path / CAMPAIGN, found.get("version"), VERSION)
+            return [_cell(one) for one in _list(found.get("cells"))]
         except FileNotFoundError:
             raise PhysimError(
                 f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
             ) from None
-        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        except OSError as error:
+            raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read: {error.strerror}") from None
+        except ValueError as error:
             raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read ({error})") from None
 
     def world_file(self, world_hash: str) -> Path:
@@ -163,6 +165,22 @@ class Claims:
 
 
 _KEYS = ("world", "settings", "controller", "world_hash", "source_hash", "physim", "engine")
+
+
+def _list(value: object) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError("cells: must be a list")
+    return value
+
+
+def _cell(value: object) -> dict[str, str]:
+    """A cell as it stands in the file. Raises ValueError."""
+    if not isinstance(value, dict):
+        raise ValueError("cells: each must be an object")
+    for key in _KEYS:
+        if not isinstance(value.get(key), str):
+            raise ValueError(f"cells: each must have a text {key}")
+    return {key: value[key] for key in _KEYS}
 
 
 def _described(spec: RunSpec) -> dict[str, str]:

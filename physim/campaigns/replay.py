@@ -19,6 +19,7 @@ from physim.errors import PhysimError
 from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.record import Record
 from physim.simulation.run import record_run
+from physim.world.file.files import file_text
 from physim.world.file.loading import parse_world
 
 LONGEST_NUMBER = 8
@@ -64,12 +65,7 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
             f"run {row.run}: its controller {row.controller} is code of your own; give it again by "
             f"--controller {row.controller}"
         )
-    try:
-        text = folder.world_file(row.world_hash).read_text(encoding="utf-8")
-    except OSError as error:
-        raise PhysimError(
-            f"{folder.path}: the world of run {row.run} is missing: {error}"
-        ) from None
+    text = file_text(folder.world_file(row.world_hash))
     shipped = row.controller in shipped_parts(CONTROLLER)
     sources = () if shipped else sources_of(row.controller)
     differing = [

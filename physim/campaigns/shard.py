@@ -5,13 +5,13 @@ It may come from a stranger. Both ways take the same shards; the slow one says w
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from physim.campaigns.columns import COLUMNS, Row, are_rows, row_of, schema
 from physim.errors import PhysimError
+from physim.json_text import parse_json
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -20,6 +20,9 @@ DEEPEST = 100
 """Brackets in a line that Arrow is given; a row has two."""
 AT_ONCE = 1 << 24
 """[bytes] about, of a shard that are read at a time: memory does not grow with its size"""
+
+LONGEST_ROW = 1_000_000
+"""Bytes of a line; a row has a thousandth of them"""
 
 
 class Part(NamedTuple):
@@ -40,7 +43,7 @@ def read_shard(file: Path) -> Iterator[Part]:
     before = 0
     try:
         with open(file, "rb") as stream:
-            while data := stream.read(AT_ONCE) + stream.readline():
+            while data := stream.read(AT_ONCE) + stream.readline(LONGEST_ROW):
                 part = _part(file, data, before)
                 before += len(part.lines)
                 yield part
@@ -53,6 +56,9 @@ def read_shard(file: Path) -> Iterator[Part]:
 def _part(file: Path, data: bytes, before: int) -> Part:
     """The rows of some lines of a file, which has so many ``before`` them."""
     lines = data.split(b"\n")
+    for number, line in enumerate(lines, before + 1):
+        if len(line) >= LONGEST_ROW:
+            raise PhysimError(f"{file}:{number}: is no row: has {LONGEST_ROW} bytes or more")
     ends = not lines[-1]
     if ends:
         lines.pop()
@@ -99,10 +105,10 @@ def _one_by_one(file: Path, lines: list[bytes], ends: bool, before: int) -> Part
     for number, line in enumerate(lines, before + 1):
         try:
             try:
-                tree = json.loads(line)
-            except (ValueError, RecursionError) as error:
+                tree = parse_json(line)
+            except ValueError as error:
                 if ends or line is not lines[-1]:
-                    raise ValueError(f"is no row ({error})") from None
+                    raise ValueError(f"is no row: {error}") from None
                 return Part(_table(rows), lines[:-1], number)
             rows.append(row_of(tree))
         except ValueError as error:

@@ -19,6 +19,7 @@ from physim.campaigns.rows import FINISHED, Row, write_whole
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally, sweep
 from physim.errors import PhysimError
+from physim.json_text import file_json
 from physim.statistics.goal import Goal, Watch, read_goal
 
 UNTIL = "until.json"
@@ -132,12 +133,17 @@ def read_until(folder: Path) -> Until | None:
     """Goal of a campaign; None where it had none. Raises PhysimError for a file of another kind."""
     path = folder / UNTIL
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        if found["format"] != FORMAT or not isinstance(found["first_seed"], int):
+        found = file_json(path)
+        if not isinstance(found, dict) or found.get("format") != FORMAT:
             raise ValueError("another format")
-        check_version(path, found["version"], VERSION)
-        return Until(read_goal(str(found["goal"])), found["first_seed"])
+        check_version(path, found.get("version"), VERSION)
+        first = found.get("first_seed")
+        if not isinstance(first, int) or isinstance(first, bool) or not 0 <= first < 2**63:
+            raise ValueError("first_seed: must be a whole number from 0")
+        return Until(read_goal(str(found.get("goal"))), first)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
         raise PhysimError(f"{path}: cannot be read ({error})") from None

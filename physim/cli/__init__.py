@@ -33,7 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _with_streams(arguments, broken)
         except KeyboardInterrupt:
             pass
-        except Exception:
+        except SystemExit:
+            raise
+        except BaseException:  # somebody else's code may raise what is no Exception
             if not broken.came:
                 return _fault()
         broken.ignore()

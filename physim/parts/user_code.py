@@ -35,7 +35,7 @@ def broken_by(error: BaseException) -> str:
     """Type, text and place of an error in somebody else's code, on one line."""
     if isinstance(error, MistakenError):
         return str(error)
-    text = " ".join(str(error).split())[:200]
+    text = " ".join(_said(error).split())[:200]
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
@@ -44,6 +44,14 @@ def broken_by(error: BaseException) -> str:
     inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
     place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""
     return f"{type(error).__name__}: {text}{place}"
+
+
+def _said(error: BaseException) -> str:
+    """Text of an error, whose class may be theirs, too."""
+    try:
+        return str(error)
+    except Exception:
+        return "(its text cannot be had)"
 
 
 def asked(call: Callable[..., Any], usage: str, *given: Any) -> Any:

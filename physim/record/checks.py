@@ -6,7 +6,6 @@ caught here are files that break off, that are something else, or that lack or t
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy as np
 
 from physim.errors import RecordError
 from physim.escaping import escaped
+from physim.json_text import parse_json
 from physim.record import layout
 
 MOST_PACKED = 1100
@@ -189,7 +189,7 @@ def _shown(value: Any) -> str:
 def _from_json(text: Any) -> Any:
     """What a JSON text says; None where it is none."""
     try:
-        return json.loads(text)
+        return parse_json(text)
     except (TypeError, ValueError):
         return None
 

@@ -12,6 +12,7 @@ from typing import ClassVar
 from pydantic import ConfigDict, TypeAdapter
 
 from physim.errors import PhysimError
+from physim.json_text import parse_json
 from physim.reproduction.study import Verdict
 
 FORMAT = "physim-reproduction"
@@ -77,7 +78,7 @@ class Report:
     def from_json(cls, text: str) -> Report:
         """Read back. Raises PhysimError for what is no such text."""
         try:
-            tree = json.loads(text)
+            tree = parse_json(text)
             if tree.pop("format") != FORMAT or tree.pop("version") != VERSION:
                 raise KeyError("format")
             return TypeAdapter(cls).validate_python(tree)

@@ -8,9 +8,16 @@ from physim.cli import FAULT, main
 from physim.cli.listing import listing
 
 
-@pytest.mark.parametrize("error", [IndexError("beyond the end"), ValueError("x"), OSError("odd")])
+class OddError(BaseException):
+    """What is no Exception, as some libraries have."""
+
+
+ERRORS = [IndexError("beyond the end"), ValueError("x"), OSError("odd"), OddError("odd")]
+
+
+@pytest.mark.parametrize("error", ERRORS)
 def test_a_fault_in_physim(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: Exception
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: BaseException
 ) -> None:
     def broken(options: object) -> int:
         raise error

@@ -36,16 +36,16 @@ def test_stops_are_those_of_the_scene(tmp_path: Path) -> None:
     assert stops == pytest.approx(scene.stop_station, abs=1e-6)
 
 
-@pytest.mark.parametrize(("behind", "gap"), [(2.4, 0.6), (14.0, 9.0 - 0.5)])
-def test_the_gap_at_the_stops(behind: float, gap: float) -> None:
-    """One box at the end of the path, the other on the same leg, or 4 m before the corner."""
-    poses = [(3.0 + behind, 0.0, 0.0), (3.0, 0.0, 0.0)]
+def test_the_gap_at_the_stops() -> None:
+    """Two boxes on the same leg, and one far behind, before the corner."""
+    poses = [(19.4, 0.0, 0.0), (3.0, 0.0, 0.0), (17.0, 0.0, 0.0)]
     robots = [Placed("r", BOX, pose, CORNER, 0.0) for pose in poses]
-    found = least_stop_gap(CORNER, robots, 1.0)
-    first = shapely.box(29.5, 9.1, 30.5, 10.9)
-    if behind > 10.0:
-        gap = first.distance(shapely.box(25.1, -0.5, 26.9, 0.5))
-    assert found == (pytest.approx(gap), 0, 1)
+    assert least_stop_gap(CORNER, robots, 1.0) == (pytest.approx(0.6), 0, 2)
+    same = [robots[0], robots[1], robots[0]]
+    assert least_stop_gap(CORNER, same, 1.0) == (0.0, 0, 2)
+    first, other = shapely.box(29.5, 9.1, 30.5, 10.9), shapely.box(22.7, -0.5, 24.5, 0.5)
+    far = first.distance(other)
+    assert least_stop_gap(CORNER, robots[:2], 1.0) == (pytest.approx(far), 0, 1)
     assert least_stop_gap(CORNER, robots[:1], 1.0)[0] == np.inf
 
 

@@ -156,3 +156,41 @@ def test_lengths_in_percent_and_shapes_out_of_sight_are_no_fault(tmp_path):
     (ring,) = import_world(path, METRES).world.obstacles
     assert min(x for x, _ in ring) == pytest.approx(12.0)
     assert not [one for one in import_world(path, METRES).changes if "nothing" in one]
+
+
+def test_what_a_style_sheet_hides_is_left_out(tmp_path):
+    path = tmp_path / "plan.svg"
+    text = shape("rect", 'class="a b" x="10" y="10" width="1" height="1"')
+    sheet = "<style>/* all { */ .c, .b {fill: red; display: none !important}</style>"
+    for rules, count in ((sheet, 0), (sheet.replace(".b", ".d"), 1)):
+        path.write_text(text.replace("<rect", f"{rules}<rect", 1))
+        assert len(import_world(path, METRES).world.obstacles) == count
+
+
+def test_a_style_sheet_that_moves_shapes_is_refused(tmp_path):
+    path = tmp_path / "plan.svg"
+    text = shape("rect", 'class="a" x="10" y="10" width="1" height="1"')
+    path.write_text(text.replace("<rect", "<style>.a {transform: rotate(5deg)}</style><rect", 1))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, METRES)
+    check_says(str(caught.value), '<style> … ".a" … transform')
+
+
+def test_the_style_of_a_shape_moves_it(tmp_path):
+    path = tmp_path / "plan.svg"
+    style = 'style="fill:red; transform: translate(2px, 0px)"'
+    path.write_text(shape("rect", f'{style} x="10" y="10" width="1" height="1"'))
+    (ring,) = import_world(path, METRES).world.obstacles
+    assert min(x for x, _ in ring) == pytest.approx(12.0)
+
+
+@pytest.mark.parametrize("copied", [False, True])
+def test_transforms_count_for_every_shape_that_they_move(tmp_path, copied):
+    path = tmp_path / "plan.svg"
+    turn, many = "rotate(1)" * 1000, '<use href="#one"/>' if copied else '<rect width="1"/>'
+    text = f'<g id="{"one" if copied else "all"}" transform="{turn}"><rect width="1"/>'
+    text += f"</g>{many * 200}" if copied else f"{many * 200}</g>"
+    path.write_text(shape("rect", 'width="1" height="1"').replace("</svg>", f"{text}</svg>"))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, METRES)
+    check_says(str(caught.value), "transforms … 150000")

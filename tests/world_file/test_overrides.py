@@ -111,3 +111,10 @@ def test_wrong_overrides_are_told_as_such(override, place, parts):
 def test_an_override_mends_a_fault_of_the_file():
     text = STRAIGHT.replace("seed: 3", "seed: 1e3")
     assert parse_world(text, overrides=["seed=5"]).seed == 5
+
+
+def test_keys_within_very_many_keys_are_refused():
+    for key in ("a" + ".a" * 3000, "robots" + "[0]" * 3000):
+        for value in ("1", "null"):
+            with pytest.raises(WorldError, match=r"3001 keys within each other.* 50"):
+                parse_world(STRAIGHT, overrides=[f"{key}={value}"])

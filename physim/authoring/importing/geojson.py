@@ -137,12 +137,12 @@ def _shape(path: Path, value: dict[str, Any]) -> Any:
 
 
 def _no_number(value: Any, depth: int) -> Any:
-    """First text, bool or object within lists of coordinates; None where there is none.
+    """First text, bool, object or list too deep within lists of coordinates; None without one.
 
-    What is no list at all, or nested too deeply, is for shapely to refuse.
+    What is no list at all is for shapely to refuse.
     """
-    if isinstance(value, list):
-        found = (_no_number(one, depth + 1) for one in value if depth < MOST_DEPTH)
+    if isinstance(value, list) and depth < MOST_DEPTH:
+        found = (_no_number(one, depth + 1) for one in value)
         return next((one for one in found if one is not None), None)
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return None if is_number or depth == 0 else value

@@ -153,6 +153,8 @@ def _scaled(value: float, size: float) -> str:
     return text + "0" if text.endswith(".") else text
 
 
+MOST_DRAWN = 500
+"""Robots of a drawing, each of which gets a lane of its own"""
 READERS = {
     "track": ("physim.authoring.importing.track", "read_track"),
     "ros-map": ("physim.authoring.importing.ros_map", "read_ros_map"),
@@ -189,6 +191,13 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
+    drawn = bool(drawing.robots) and options.robots is None
+    if drawn and len(drawing.robots) > MOST_DRAWN:
+        raise refused(
+            source,
+            f"{len(drawing.robots)} robots are drawn; at most {MOST_DRAWN} are read; draw fewer, "
+            "or have boxes placed instead by --robots N",
+        )
     thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
     check_sound(source, drawing)
     if drawing.area is None:
@@ -196,7 +205,6 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     _check_extent(source, drawing)
     _find_route(source, drawing, options)
     found = fit(source, drawing, options)
-    drawn = bool(drawing.robots) and options.robots is None
     if drawing.robots and not drawn:
         drawing.changes.append(
             f"{plural(len(drawing.robots), 'robot')} of the drawing left out (--robots)"

@@ -51,20 +51,20 @@ class Part:
 def read_wkt(path: Path, options: Options) -> Drawing:
     """Read a WKT file: one geometry, or one a line; ``#`` begins a comment."""
     rows = read_text(path).split("\n")
-    texts: list[tuple[int, str]] = []
+    texts: list[tuple[int, list[str]]] = []
     for k, row in enumerate(rows, start=1):
         row = row.split("#", 1)[0].strip().rstrip(";")
         if not row:
             continue
         if re.match(r"(SRID\s*=\s*\d+\s*;?\s*)?[A-Za-z]", row) or not texts:
-            texts.append((k, row))
+            texts.append((k, [row]))
         else:  # a geometry may go over several lines
-            texts[-1] = (texts[-1][0], f"{texts[-1][1]} {row}")
+            texts[-1][1].append(row)
     if not texts:
         raise refused(path, "holds no geometry; POLYGON ((x y, ...)) is needed")
     parts: list[Part] = []
-    for k, text in texts:
-        parts += _from_wkt(path, k, text)
+    for k, rows in texts:
+        parts += _from_wkt(path, k, " ".join(rows))
     return drawing_of(path, "WKT", parts, options)
 
 

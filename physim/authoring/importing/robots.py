@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
-from math import atan2, cos, pi, sin
+from math import atan2, cos, hypot, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -101,9 +100,14 @@ def least_stop_gap(
         shape_at(one.footprint, pose_at(one.path, station, window))
         for one, station in zip(robots, stops, strict=True)
     ]
-    pairs = combinations(range(len(shapes)), 2)
-    gaps = ((float(shapes[i].distance(shapes[j])), i, j) for i, j in pairs)
-    return min(gaps, default=(float("inf"), 0, 0))
+    if len(shapes) < 2:
+        return float("inf"), 0, 0
+    tree, within, near = shapely.STRtree(shapes), window, np.empty((2, 0), np.int64)
+    while not near.size:
+        near = tree.query(shapes, predicate="dwithin", distance=within)
+        near, within = near[:, near[0] < near[1]], 2.0 * within
+    gaps = (float(shapes[i].distance(shapes[j])) for i, j in near.T)
+    return min((gap, int(i), int(j)) for gap, (i, j) in zip(gaps, near.T, strict=True))
 
 
 def stop_warnings(reference: FloatArray, robots: Sequence[Placed], size: float) -> list[str]:
@@ -225,6 +229,8 @@ def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: fl
     shapely.prepare(inner)
     poses: list[Pose] = []
     shapes: list[Any] = []
+    centres = np.full((len(lanes), 2), np.inf)
+    near = hypot(*found.box) + GAP * found.size
     station = 0.0
     for one in lanes:
         while True:
@@ -232,11 +238,12 @@ def _poses(path: Path, drawing: Drawing, found: Fit, lanes: list[Lane], step: fl
                 raise _no_room(path, drawing, found, len(poses), len(lanes), most)
             pose = _pose(found, one, station)
             shape = shape_at(found.box, pose)
-            if inner.covers(shape) and not (
-                shapes and shapely.distance(shape, shapes).min() < GAP * found.size
-            ):
-                break
+            if inner.covers(shape):
+                close = np.flatnonzero(np.hypot(*(centres - pose[:2]).T) <= near)
+                if all(shape.distance(shapes[k]) >= GAP * found.size for k in close):
+                    break
             station += 0.1 * found.size
+        centres[len(poses)] = pose[:2]
         poses.append(pose)
         shapes.append(shape)
         station += step

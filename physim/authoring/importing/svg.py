@@ -29,7 +29,8 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_guard import LINE, TAG, SvgLook, look_at
+from physim.authoring.importing.svg_bare import LINE, TAG
+from physim.authoring.importing.svg_guard import SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
@@ -156,7 +157,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     drawing = Drawing(kind="SVG drawing")
     drawing.changes += listed(look.left_out)
     try:
-        root = svgelements.SVG.parse(io.StringIO(look.marked(text)), reify=True, ppi=96.0)
+        root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=True, ppi=96.0)
     except RecursionError:
         raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:

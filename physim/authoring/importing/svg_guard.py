@@ -14,13 +14,13 @@ from pathlib import Path
 from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
+from physim.authoring.importing.svg_bare import LABEL, SVG, XLINK, BareSvg, functions_of
 from physim.authoring.importing.svg_values import (
     NUMBER,
     SHAPES,
     page_fault,
     shape_fault,
     transform_fault,
-    without_colours,
 )
 from physim.escaping import escaped
 
@@ -32,12 +32,9 @@ MOST_NESTED = 2_000_000
 """Elements, each counted as often as groups stand about it: the work of reading them."""
 MOST_NUMBERS = 300_000
 """Numbers of all path data: the work of reading them."""
+MOST_TURNED = 150_000
+"""Functions of transforms, each counted for every element that it moves, copies written out."""
 
-XLINK = "http://www.w3.org/1999/xlink|href"
-LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
-LINE, TAG = "physim-line", "physim-tag"
-"""Attributes that tell of an element where it stands; see `SvgLook.marked`."""
-SVG = "http://www.w3.org/2000/svg|"
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
 HIDDEN = re.compile(r"display\s*:\s*none")
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
@@ -53,15 +50,12 @@ class SvgLook:
     lines: dict[str, int] = field(default_factory=dict)
     left_out: list[str] = field(default_factory=list)
     width: str = ""
-    tags: list[tuple[int, str, int]] = field(default_factory=list)
-    """byte at which each element begins, its name as written, and its line"""
+    line: int = 1
+    """of the root"""
+    bare: BareSvg = field(default_factory=BareSvg)
+    """what is left to read"""
     drawn: list[tuple[int, str]] = field(default_factory=list)
     """line of each shape that is to be seen, and what it is called: ``<rect> "pillar"``"""
-
-    @property
-    def line(self) -> int:
-        """Line of the root."""
-        return self.tags[0][2]
 
     def not_among(self, lines: Set[int | None]) -> list[str]:
         """What is to be said of shapes of which none was found in these lines."""
@@ -71,27 +65,24 @@ class SvgLook:
             if line not in lines
         ]
 
-    def marked(self, text: str) -> str:
-        """The text with its line and name in every element, as attributes `LINE` and `TAG`.
-
-        Colours are plain: a library that cannot read one would drop the shape.
-        """
-        data, at, parts = text.encode("utf-8"), 0, []
-        for begin, name, line in self.tags:
-            end = begin + 1
-            while data[end : end + 1] not in (b"", b" ", b"\n", b"\t", b"/", b">"):
-                end += 1
-            parts += [data[at:end], f' {LINE}="{line}" {TAG}="{name}"'.encode()]
-            at = end
-        return without_colours(b"".join([*parts, data[at:]]).decode("utf-8"))
-
 
 @dataclass
 class _Element:
-    """An element with the ids that it copies and its children."""
+    """An element with its children, and what it copies."""
 
+    functions: int = 0
+    """of its transform"""
     count: int = 1
-    copies: list[str] = field(default_factory=list)
+    """elements, itself among them"""
+    turned: int = 0
+    """functions that move these, its own only when it has ended"""
+    copies: list[tuple[str, int]] = field(default_factory=list)
+    """ids, and how many functions below this element move what is copied"""
+
+    def moved_by(self, functions: int) -> None:
+        """Take all in it to be moved by so many functions more."""
+        self.turned += functions * self.count
+        self.copies = [(name, moved + functions) for name, moved in self.copies]
 
 
 def look_at(path: Path, text: str) -> SvgLook:
@@ -116,12 +107,14 @@ class _Guard:
         self.nested = 0
         self.drawn = 0
         self.hidden = 0
+        self.sheet: list[str] = []
         self.parser = expat.ParserCreate("utf-8", namespace_separator="|")
 
     def run(self, text: str) -> SvgLook:
         parser = self.parser
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._text
         parser.EntityDeclHandler = self._entity
         parser.ExternalEntityRefHandler = self._external
         parser.SkippedEntityHandler = self._entity
@@ -130,8 +123,15 @@ class _Guard:
         except expat.ExpatError as error:
             reason = expat.ErrorString(error.code)
             raise refused(self.path, f"not valid XML: {reason}", error.lineno) from None
-        if self._written_out(self.all) > MOST_ELEMENTS:
+        count, turned = self._written_out()
+        if count > MOST_ELEMENTS:
             raise refused(self.path, f"more than {MOST_ELEMENTS} elements, copies written out")
+        if turned > MOST_TURNED:
+            raise refused(
+                self.path,
+                f"transforms of groups and shapes add up to more than {MOST_TURNED} functions; "
+                "apply them to the shapes (Inkscape: ungroup)",
+            )
         return self.look
 
     def _refused(self, message: str) -> ImportSourceError:
@@ -146,12 +146,11 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
-        shown = tag if tag.isascii() and tag.isalnum() else "element"
-        self.look.tags.append((self.parser.CurrentByteIndex, shown, line))
+        self.look.bare.start(name, attributes, line)
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
         if not self.open:
-            self.look.width = attributes.get("width", "")
+            self.look.width, self.look.line = attributes.get("width", ""), line
         self.seen += 1
         if self.seen > MOST_ELEMENTS:
             raise self._refused(f"more than {MOST_ELEMENTS} elements")
@@ -187,7 +186,7 @@ class _Guard:
             if wrong := shape_fault(tag, attributes):
                 raise self._refused(f"{_called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, _called(tag, attributes)))
-        element = _Element()
+        element = _Element(functions_of(tag, attributes))
         href = attributes.get(XLINK, attributes.get("href", ""))
         if tag in NOT_LINES and not self.hidden:
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
@@ -196,34 +195,56 @@ class _Guard:
                 raise self._refused(
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'
                 )
-            element.copies.append(href[1:])
+            element.copies.append((href[1:], 1))  # x and y of a copy move it
         own = attributes.get("id")
         if own is not None:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
 
+    def _text(self, text: str) -> None:
+        if self.open[-1][0] == "style":
+            self.sheet.append(text)
+
     def _end(self, _: str) -> None:
-        _, element = self.open.pop()
+        tag, element = self.open.pop()
         self.hidden = max(self.hidden - 1, 0)
+        if tag == "style":
+            if moves := self.look.bare.sheet("".join(self.sheet)):
+                raise self._refused(
+                    f'<style>: "{escaped(moves)[:60]}" has a transform; only those of elements are '
+                    "read"
+                )
+            self.sheet.clear()
+        self.look.bare.end()
+        element.moved_by(element.functions)
         parent = self.open[-1][1] if self.open else self.all
         parent.count += element.count
+        parent.turned += element.turned
         parent.copies += element.copies
 
-    def _written_out(self, element: _Element) -> int:
-        """Elements below one, copies counted; refuses copies that contain themselves."""
-        known: dict[str, int] = {}
+    def _written_out(self) -> tuple[int, int]:
+        """Elements, and functions that move them, copies counted.
 
-        def count(name: str, within: tuple[str, ...]) -> int:
+        Refuses copies that contain themselves.
+        """
+        known: dict[str, tuple[int, int]] = {}
+
+        def whole(element: _Element, within: tuple[str, ...]) -> tuple[int, int]:
+            count, turned = element.count, element.turned
+            for name, functions in element.copies:
+                copied, moved = copy_of(name, within)
+                count, turned = count + copied, turned + moved + functions * copied
+            return count, turned
+
+        def copy_of(name: str, within: tuple[str, ...]) -> tuple[int, int]:
             if name in within:
                 line = self.look.lines.get(name)
                 raise refused(self.path, f'"{escaped(name[:60])}" copies itself (use)', line)
+            if len(within) > MOST_COPIES:
+                return 10**9, 0
             if name not in known:
-                found = self.elements.get(name)
-                inner = 1 if found is None else found.count
-                for other in () if found is None else found.copies:
-                    inner += count(other, (*within, name)) if len(within) < MOST_COPIES else 10**9
-                known[name] = inner
+                known[name] = whole(self.elements.get(name, _Element()), (*within, name))
             return known[name]
 
-        return element.count + sum(count(name, ()) for name in element.copies)
+        return whole(self.all, ())

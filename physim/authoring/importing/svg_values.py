@@ -21,12 +21,6 @@ NO_POINTS = re.compile(r"[^eE0-9+\-.,\s]")
 PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
 EXTENTS = ("width", "height", "r", "rx", "ry")
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-COLOUR = re.compile(r"\brgba?\s*\([^()<>\"']*\)", re.I)
-
-
-def without_colours(text: str) -> str:
-    """The text with colours that hold nothing for an import, nor need be read, as one word."""
-    return COLOUR.sub("black", text)
 
 
 def page_fault(values: dict[str, str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from physim.authoring.importing.svg_guard import LINE
+from physim.authoring.importing.svg_bare import LINE
 from physim.errors import nearest
 from physim.escaping import escaped
 

@@ -11,7 +11,7 @@ from physim.parts.registry import STAGES
 from physim.world import World
 from physim.world.faults import describe, field_at
 from physim.world.file.nodes import Document, Member, Node, OverridePosition
-from physim.world.file.reading import read_document
+from physim.world.file.reading import MOST_DEPTH, read_document
 
 NULL = ("null", "Null", "NULL")
 """Values that leave a key out (not ~, which shells replace). A file leaves the key itself out."""
@@ -45,6 +45,9 @@ def _applied(document: Document, override: str) -> Document:
         )
         raise WorldError([Fault((), message)], [place])
     location = _location(key)
+    if len(location) > MOST_DEPTH:
+        message = f"{len(location)} keys within each other; a world has at most {MOST_DEPTH}"
+        raise WorldError([Fault((), message)], [place])
     if not text.strip():
         message = "no value after the =; null leaves a key out"
         raise WorldError([Fault(location, message)], [place])

@@ -76,6 +76,51 @@ def try_very_many_shapes(shell: Shell) -> None:
     check_refused(shell, "holes.wkt", text, "obstacles")
 
 
+PLAN = '<rect id="boundary" width="30" height="15"/><path id="path" d="M3 7 L27 7"/>'
+
+
+def try_what_an_import_need_not_read(shell: Shell) -> None:
+    sheet = f"<style>{'.a{fill:red}' * 300_000}{'/*' * 300_000}</style>"
+    check_read(shell, "sheet.svg", f"{HEAD}{sheet}{PLAN}</svg>")
+    names = " ".join(f'a{k}="1"' for k in range(20_000))
+    shapes = "".join(f'<rect x="{k % 30}" y="1" width="1" height="1"/>' for k in range(5000))
+    check_read(shell, "names.svg", f"{HEAD}<g {names}>{shapes}</g>{PLAN}</svg>")
+    style = ";".join(f"a{k}:1" for k in range(20_000))
+    check_read(shell, "style.svg", f'{HEAD}<g style="{style}">{shapes}</g>{PLAN}</svg>')
+    sheet = f"<style>*{{{style}}}</style>"
+    check_read(shell, "all.svg", f"{HEAD}{sheet}{shapes}{PLAN}</svg>")
+
+
+def try_lines_of_a_text_and_lists_within_lists(shell: Shell) -> None:
+    rows = "\n".join([", 1 1"] * 300_000)
+    check_refused(shell, "rows.wkt", f"POLYGON ((0 0\n{rows}\n", "bracket")
+    for depth in (30, 500, 985):
+        lists = "[" * depth + "]" * depth
+        text = f'{{"type": "Polygon", "coordinates": {lists}}}'
+        check_refused(shell, "lists.geojson", text, "[[[[" if depth < 900 else "nested")
+
+
+def try_very_many_robots(shell: Shell) -> None:
+    def robots(count: int) -> str:
+        return "".join(
+            f'<rect id="robot {k}" x="{1 + k % 100 * 0.25}" y="{1 + k // 100 * 0.25}" width="0.2" '
+            'height="0.1"/>' for k in range(count)
+        )  # fmt: skip
+
+    check_refused(shell, "many.svg", f"{HEAD}{PLAN}{robots(5000)}</svg>", "5000 robots", "500")
+    assert "400 robots as drawn" in check_read(shell, "few.svg", f"{HEAD}{PLAN}{robots(400)}</svg>")
+
+
+def try_transforms_of_very_many_shapes(shell: Shell) -> None:
+    turn = "rotate(1)" * 3000
+    shapes = "".join(f'<rect x="{k % 30}" y="1" width="1" height="1"/>' for k in range(1000))
+    group = f'<g transform="{turn}">{shapes}</g>'
+    check_refused(shell, "group.svg", f"{HEAD}{group}{PLAN}</svg>", "transforms")
+    copies = "".join(f'<use href="#a" x="{k}"/>' for k in range(1000))
+    group = f'<g id="a" transform="{turn}"><rect width="1" height="1"/></g>'
+    check_refused(shell, "copies.svg", f"{HEAD}{group}{copies}{PLAN}</svg>", "transforms")
+
+
 def try_walls_that_fill_the_place(shell: Shell) -> None:
     teeth = " ".join(f"{k * 0.0015:.4f},{k // 2 % 2 * 14 + 0.5}" for k in range(20_000))
     text = f'{HEAD}<polygon id="boundary" points="0,0 {teeth} 30,0"/></svg>'

@@ -185,4 +185,22 @@ EDITS = (
         "the folder of another campaign is refused",
         "tests/campaigns/test_sweep.py::test_the_folder_of_another_campaign_is_refused",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/shard.py",
+        "read_shard",
+        "stream.readline(LONGEST_ROW)",
+        "stream.readline()",
+        "a line of gigabytes is refused before it is read",
+        "tests/campaigns/test_places.py::test_a_file_that_claims_gigabytes_is_refused_at_once",
+    ),
+    Edit(
+        "campaigns",
+        "physim/json_text.py",
+        "parse_json",
+        "except RecursionError:",
+        "except ZeroDivisionError:",
+        "what is no JSON is told in plain words",
+        "tests/campaigns/test_places.py::test_what_is_no_json_is_told_in_plain_words",
+    ),
 )

@@ -205,4 +205,13 @@ EDITS = (
         "only files that are much like a name are suggested",
         "tests/world_file/test_loading.py::test_a_name_without_its_ending_is_told_with_the_file_that_is_there",
     ),
+    Edit(
+        "world_file",
+        "physim/world/file/overrides.py",
+        "_applied",
+        "if len(location) > MOST_DEPTH:",
+        "if False:",
+        "--set makes no deeper world than a file may have",
+        "tests/world_file/test_overrides.py::test_keys_within_very_many_keys_are_refused",
+    ),
 )

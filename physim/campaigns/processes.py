@@ -4,9 +4,7 @@ A job that kills its process, or that goes on beyond its limit, ends with an err
 another process takes the next job. The system's own timer ends a process at its limit, also one
 that is in native code, or whose parent is gone.
 
-A `concurrent.futures.ProcessPoolExecutor` is broken by the first worker that is killed, with every
-job that it had, and knows neither limits nor an end of one job alone: it would take the rest here.
-"""
+A `ProcessPoolExecutor` is broken by the first worker that is killed, and knows no limits."""
 
 from __future__ import annotations
 

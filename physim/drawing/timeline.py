@@ -252,10 +252,11 @@ def episodes(record: Record) -> Episodes:
             mine = table[first[k] : first[k] + samples[k]]
             beyond = mine["step"][mine["depth"] > one.allowed]
             deep[k] = beyond[0] * record.dt if len(beyond) else np.inf
-    began, ended = step * record.dt, (step + samples) * record.dt
+    began = np.asarray(step * record.dt, dtype=np.float64)
+    ended = np.asarray((step + samples) * record.dt, dtype=np.float64)
     return Episodes(
-        began=np.asarray(began),
-        ended=np.asarray(ended),
+        began=began,
+        ended=ended,
         apart=_apart(np.column_stack((a, b)), began, ended),
         bodies=np.column_stack((a, b)),
         swept=np.array(swept, dtype=bool),

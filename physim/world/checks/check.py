@@ -30,6 +30,7 @@ from physim.world.checks.roads import road_notes
 from physim.world.checks.room import ClearanceProfile, clearance_profiles
 from physim.world.checks.safe_stops import check_safe_stops
 from physim.world.checks.shared_stops import check_shared_stops
+from physim.world.checks.standing import stops
 from physim.world.checks.starts import (
     check_expected,
     check_footprints,
@@ -142,17 +143,18 @@ def _check_layout(
     check_safe_area(laid, safe_distance, found)
     check_always_danger(profiles, low, found)
     check_turning_room(laid, profiles, found)
+    at = [] if checked.world is None or laid.faults else stops(laid)
     if checked.world is not None:
         time, distance = (
             setting(laid, checked.controller, key) for key in ("time_low", "distance_low")
         )
-        check_stops(laid, StopLimits(speed, time, low, distance), found)
+        check_stops(laid, at, StopLimits(speed, time, low, distance), found)
         look_ahead = setting(laid, checked.controller, "look_ahead")
-        check_safe_stops(laid, safe_distance, look_ahead, found)
+        check_safe_stops(laid, at, safe_distance, look_ahead, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
     if checked.world is not None:
-        check_shared_stops(laid, found)
+        check_shared_stops(laid, at, found)
     found.notes += _not_judged(laid, profiles)
     return profiles
 

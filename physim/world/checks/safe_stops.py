@@ -17,13 +17,17 @@ from physim.errors import plural
 from physim.geometry.area import shrunk
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
-from physim.world.checks.standing import Stop, stops
+from physim.world.checks.standing import Stop
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 
 
 def check_safe_stops(
-    laid: PartialLayout, safe_distance: float | None, look_ahead: float | None, found: Diagnostics
+    laid: PartialLayout,
+    at: list[Stop],
+    safe_distance: float | None,
+    look_ahead: float | None,
+    found: Diagnostics,
 ) -> None:
     """Warn of stops whose safe points [m] lie too far behind them; None: no such setting."""
     world, expect = laid.world, laid.world.expect
@@ -33,7 +37,7 @@ def check_safe_stops(
         return
     safe = shrunk(laid.area.polygon, safe_distance, 16)
     allowed = world.arrival.tolerance
-    short = [(_short(stop, safe, look_ahead), stop) for stop in stops(laid)]
+    short = [(_short(stop, safe, look_ahead), stop) for stop in at]
     told = {fault.location for fault in found.warnings}
     near = [
         (behind, stop)

@@ -10,7 +10,7 @@ from physim.errors import plural
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
-from physim.world.checks.standing import Stop, stops
+from physim.world.checks.standing import Stop
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 
@@ -18,7 +18,7 @@ MOST_PAIRS = 5_000
 """Pairs that are counted: of a crowd that stops in one place, these."""
 
 
-def check_shared_stops(laid: PartialLayout, found: Diagnostics) -> None:
+def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) -> None:
     """Warn of robots whose stops overlap, unless the run is not to finish.
 
     One warning for all of them, at the pair that overlaps most.
@@ -30,7 +30,7 @@ def check_shared_stops(laid: PartialLayout, found: Diagnostics) -> None:
         return  # those overlap all the way
     if any(fault.location[-1:] == ("footprint",) for fault in found.warnings):
         return  # what is out of scale is told first
-    pairs = _overlapping(stops(laid))
+    pairs = _overlapping(at)
     if not pairs:
         return
     back, stop, other = _earlier(*_deepest(pairs))

@@ -19,7 +19,7 @@ from physim.errors import Location, plural
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
-from physim.world.checks.standing import Stop, stops
+from physim.world.checks.standing import Stop
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shape_checks import placed_outline
@@ -46,7 +46,9 @@ class StopLimits:
     """[m]"""
 
 
-def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> None:
+def check_stops(
+    laid: PartialLayout, at: list[Stop], limits: StopLimits, found: Diagnostics
+) -> None:
     """Warn of walls, and of other robots at their stops, too near ahead of where robots stop."""
     if limits.time_low is None or limits.boundary_low is None or laid.faults:
         return
@@ -54,7 +56,6 @@ def check_stops(laid: PartialLayout, limits: StopLimits, found: Diagnostics) -> 
         return  # what is out of scale is told first: the rest follows from it
     plan = laid.world.formation
     speed = (limits.speed or 1.0) if plan is None else plan.speed
-    at = stops(laid)
     if not at:
         return
     fastest = {one.number: min(speed, laid.world.robots[one.number].limits.v) for one in at}

@@ -28,7 +28,7 @@ from physim.world.layout.scene_builder import is_random
 PAGE = Path(__file__).parents[1] / "docs" / "SAFETY.md"
 MANY = "hundred_robots", "thousand_robots"
 """Worlds that get few seeds."""
-SEEDS, FEW = "0:20", "0:2"
+SEEDS, FEW = "0:23", "0:2"
 CONTROLLERS = "mode_switching,path_following,constant"
 
 TEXT = """\

@@ -83,7 +83,7 @@ SVGS = {
     "elements": (svg("<g/>" * 1000), svg("<g/>" * svg_guard.MOST_ELEMENTS), "1: … 100000 elements"),
     "copies written out": (doubled(10), doubled(20), "100000 elements, copies written out"),
     "copies of copies": (
-        chained(svg_guard.MOST_COPIES - 10), chained(svg_guard.MOST_COPIES + 10), "copies",
+        chained(svg_guard.MOST_COPIES // 2), chained(svg_guard.MOST_COPIES + 10), "copies",
     ),
     "nested": (nested(150, 1000), nested(150, 14_000), "1: … groups within each other"),
     "numbers": (

@@ -22,7 +22,7 @@ as `evaluations`, by command looked at: one for every considered robot, and one 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import cos, sin
+from math import asin, copysign, cos, pi, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -166,8 +166,8 @@ def decide_one(
     xi = smallest_time(bodies, near, pair, rules.horizon, -1.0)
     evaluations = len(rows) + 1
     mode = next_mode(memory.mode, distance, xi, boundary, rules)  # Fig. 5
-    if mode != SAFE and pair[1] == 0.0 and stops_within(own, paths, pose[me, 2], pair[0], xi):
-        mine = course_under(bodies, me, pair[0], 0.0)
+    if mode != SAFE and stops_within(own, paths, pose[me, 2], pair[0], pair[1], xi):
+        mine = course_under(bodies, me, pair[0], keep * pair[1])
         met = first_robot(bodies, near, mine, rules.horizon, -1.0)
         mode = next_mode(memory.mode, distance, met, boundary, rules)
     rule = FOLLOW if dwell == 0 else PLAN
@@ -207,15 +207,25 @@ def decide_one(
 
 
 @compiled
-def stops_within(own: EgoState, paths: Polylines, heading: float, v: float, time: float) -> bool:
-    """Whether a robot that goes straight on at v comes to its stop, and stands, within ``time``.
+def stops_within(
+    own: EgoState, paths: Polylines, heading: float, v: float, omega: float, time: float
+) -> bool:
+    """Whether a robot under (v, omega) comes to its stop, and stands, within ``time``.
 
     A wall that it would only meet later puts nobody in danger. Otherwise it would depend on when
-    the robot decides whether it still comes to a stop before an end wall.
+    the robot decides, and how it is turned, whether it still comes to a stop before an end wall.
     """
     dx, dy = point_at(paths, own.path, own.station)[2:]
-    advance = v * (cos(heading) * dx + sin(heading) * dy)
-    return advance > 0.0 and own.stop_station - own.station <= advance * time
+    c, s = cos(heading), sin(heading)
+    missing, advance = own.stop_station - own.station, v * (c * dx + s * dy)
+    if advance <= 0.0:
+        return False
+    if omega == 0.0:
+        return missing <= advance * time
+    astray = asin(max(-1.0, min(1.0, (s * dx - c * dy) * copysign(1.0, v))))
+    across = (0.5 * pi - astray * copysign(1.0, omega)) / abs(omega)  # farther it does not come
+    turned = sin(astray + omega * min(time, across)) - sin(astray)
+    return missing <= abs(v) * turned / omega
 
 
 class ModeSwitching:

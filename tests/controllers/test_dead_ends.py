@@ -14,12 +14,32 @@ from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.scenes import single_robot
 from tests.roads_to_stops import dead_end
 
+SLANTED = """
+name: slanted
+time: {{step: 0.01, duration: 30.0}}
+boundaries: [[[-2, -1.5], [7.3069, -1.5], [7.7572, 1.5], [-2, 1.5], [-2, -1.5]]]
+reference_path: [[0, 0], [6.232, 0]]
+robots:
+  - name: a
+    footprint: {{length: 1.321, width: 0.792}}
+    pose: [0, 0, {heading}]
+    path: {{offset: 0.0}}
+"""
+
 
 @pytest.mark.parametrize("margin", [1.2, 1.6])
 @pytest.mark.parametrize("start", [2.0, 2.03, 2.06, 2.09])
 def test_arrival_does_not_depend_on_the_phase_of_decisions(margin: float, start: float) -> None:
     """The gap at the stop, 0.3 or 0.7 m, is well below time_low at 1 m/s."""
     record = physim.simulate(parse_world(dead_end(margin, [start], width=2.4)))
+    assert record.ended == "finished"
+    assert len(record.contacts) == 0
+
+
+@pytest.mark.parametrize("heading", [-0.213, -0.1, 0.1, 0.25])
+def test_arrival_before_a_slanted_wall_does_not_depend_on_the_heading(heading: float) -> None:
+    """Where its way to the target is a turn it would stand for ever 0.25 m before its stop."""
+    record = physim.simulate(parse_world(SLANTED.format(heading=heading)))
     assert record.ended == "finished"
     assert len(record.contacts) == 0
 

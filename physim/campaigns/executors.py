@@ -6,7 +6,7 @@ import asyncio
 import re
 import socket
 from collections.abc import Iterator
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
@@ -86,7 +86,9 @@ def _check_scheduler(address: str) -> None:
             (found["host"].strip("[]"), int(found["port"])), CONNECT_SECONDS
         ):
             pass
-        kind = asyncio.run(_kind(address))
+        # In a thread of its own: a notebook has its own loop, which runs.
+        with ThreadPoolExecutor(1) as aside:
+            kind = aside.submit(asyncio.run, _kind(address)).result()
     except Exception as error:
         raise _unreachable(address, error) from None
     if kind != "Scheduler":

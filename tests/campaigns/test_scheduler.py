@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -58,6 +59,19 @@ def test_what_is_no_scheduler_is_told(silent: str, monkeypatch: pytest.MonkeyPat
         executors.executor(scheduler=silent),
     ):
         raise AssertionError("it was taken")
+
+
+def test_a_notebook_can_ask(silent: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its event loop runs already, in the thread that asks."""
+
+    async def kind(address: str) -> str:
+        return "Scheduler"
+
+    async def cell() -> None:
+        executors._check_scheduler(silent)
+
+    monkeypatch.setattr(executors, "_kind", kind)
+    asyncio.run(cell())
 
 
 def test_workers_of_another_version_are_refused() -> None:

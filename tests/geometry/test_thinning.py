@@ -63,6 +63,16 @@ def test_few_points_are_taken_as_they_are() -> None:
     assert len(thinned({"a": line, "b": line})["b"]) < len(line)  # all together count
 
 
+TAKEN = 0.01 + 0.0012 + SIMPLER + SMALL**2 / 8.0
+"""Share of the distance that shapely, chords, simplification and hulls may take."""
+
+
+def check_gaps(room: shapely.Polygon, safe: shapely.Geometry, distance: float) -> None:
+    """Assert that the edge of a safe area lies where it should."""
+    gaps = shapely.distance(room.boundary, shapely.points(shapely.get_coordinates(safe)))
+    assert np.abs(gaps - distance).max() <= TAKEN * distance
+
+
 @pytest.mark.parametrize("pieces", [8_000, 25_000])
 def test_the_safe_area_between_finely_drawn_straight_walls(pieces: int) -> None:
     """Two sides drawn finely, without a point on the two that close them."""
@@ -88,6 +98,7 @@ def test_the_safe_area_between_finely_drawn_winding_walls(points: int) -> None:
     near = shapely.union_all(shapely.buffer(legs, 1.0, quad_segs=64))
     true = shapely.Polygon(coarse).difference(near).area
     assert shapely.Polygon(safe).area == pytest.approx(true, rel=1e-3)
+    check_gaps(room.polygon, shapely.Polygon(safe), 1.0)
 
 
 def rough(points: int, roughness: float) -> FloatArray:
@@ -100,13 +111,11 @@ def rough(points: int, roughness: float) -> FloatArray:
     return line
 
 
-TAKEN = 0.01 + 0.0012 + SIMPLER + SMALL**2 / 8.0
-"""Share of the distance that shapely, chords, simplification and hulls may take."""
-
-
-@pytest.mark.parametrize("roughness", [1e-3, 4e-3, 4e-2])
-def test_the_safe_area_between_rough_walls(roughness: float) -> None:
-    ring = rough(4 * MANY, roughness)
+@pytest.mark.parametrize(
+    ("points", "roughness"), [(4_000, 1e-3), (4_000, 4e-3), (4_000, 4e-2), (1_200, 0.1)]
+)
+def test_the_safe_area_between_rough_walls(points: int, roughness: float) -> None:
+    ring = rough(points, roughness)
     face = shapely.get_parts(shapely.make_valid(shapely.Polygon(ring)))
     room = max(face, key=lambda one: float(one.area))
     found = shrunk(room, 0.5, 16)
@@ -115,8 +124,20 @@ def test_the_safe_area_between_rough_walls(roughness: float) -> None:
     near = shapely.union_all(shapely.buffer(shapely.linestrings(legs), 0.5, quad_segs=64))
     true = room.difference(near)
     assert found.area == pytest.approx(true.area, rel=5e-3)
-    gaps = shapely.distance(room.boundary, shapely.points(shapely.get_coordinates(found)))
-    assert np.abs(gaps - 0.5).max() <= TAKEN * 0.5
+    check_gaps(room, found, 0.5)
+
+
+def comb(tooth: float, count: int) -> FloatArray:
+    """Outline of a room of 3 m whose floor has teeth, eight edges from one to the next."""
+    x = np.arange(8 * count + 1) * tooth / 8.0
+    floor = np.stack([x, -0.4 * np.minimum(np.arange(len(x)) % 8, 1)], axis=1)
+    return np.concatenate([floor, [[x[-1], 3.0], [0.0, 3.0]]])
+
+
+def test_the_safe_area_reaches_in_between_teeth() -> None:
+    """By 1.6 cm, between teeth that are 0.25 m apart."""
+    room = shapely.Polygon(comb(0.25, 150))
+    check_gaps(room, shrunk(room, 0.5, 16), 0.5)
 
 
 MEMORY = """

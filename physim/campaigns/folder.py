@@ -13,7 +13,7 @@ from physim._version import __version__
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.rows import Shards, read, write_whole
 from physim.campaigns.spec import Label, RunSpec, engine
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 from physim.json_text import file_json
 
@@ -93,7 +93,7 @@ class Folder:
         except OSError as error:
             raise PhysimError(f"{path}: cannot be written: {error}") from None
         finally:
-            draft.unlink(missing_ok=True)
+            discard(draft)
 
     def _is_there(self) -> bool:
         """Whether it holds a campaign; PhysimError where it holds something else."""

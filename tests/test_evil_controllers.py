@@ -60,6 +60,7 @@ ANSWERS = {
     "robots": (lambda o: decided(considered=Fails()), ("GeneratorExit",)),
     "a robot": (lambda o: decided(considered=[Fails()]), ("OddError", "not a robot")),
     "a mode": (lambda o: decided(mode=Fails()), ("mode", "of type Fails")),
+    "one too many": (lambda o: decided(considered=[0, 1, 2, 0]), ("considered", "each once")),
     "robots without end": (lambda o: decided(considered=endless()), ("considered", "each once")),
 }
 

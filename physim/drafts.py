@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from uuid import uuid4
 
@@ -11,4 +12,13 @@ def draft_of(path: Path) -> Path:
     return path.with_name(f".physim-{uuid4().hex}.part")
 
 
-__all__ = ["draft_of"]
+def discard(draft: Path) -> None:
+    """Remove what is left of a draft after an error, which stays the one to be told.
+
+    A folder that is gone or read-only by now would raise another, about a name nobody gave.
+    """
+    with suppress(OSError):
+        draft.unlink(missing_ok=True)
+
+
+__all__ = ["discard", "draft_of"]

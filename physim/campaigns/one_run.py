@@ -80,7 +80,9 @@ def take(
             if keep == "all" or (keep == "failed" and not row.contact_free):
                 image = _keep(record, spec, folder)
                 found |= {"record": record_name(spec), "digest": record.digest()}
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         found = {**found, "ended": ERROR, "reason": one_line(error)}
     found["wall_seconds"] = time.perf_counter() - began
     found["cpu_seconds"] = time.process_time() - cpu

@@ -11,7 +11,7 @@ import numpy as np
 from physim.campaigns.columns import FAILED, schema
 from physim.campaigns.folder import CAMPAIGN, Folder, label_of
 from physim.campaigns.spec import identity_of, key_of, short_hash
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
 from physim.escaping import escaped
 from physim.world.file.files import file_text
@@ -71,7 +71,7 @@ def write_results(folder: Path) -> None:
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written: {error}") from None
     finally:
-        draft.unlink(missing_ok=True)
+        discard(draft)
 
 
 def _check_runs(place: Folder, table: pa.Table) -> None:

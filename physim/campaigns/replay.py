@@ -119,7 +119,9 @@ def _record(spec: RunSpec, path: Path, stop: Stop) -> str:
     """In the other process: the run, and the error that ended it."""
     try:
         record_run(simulation_of(spec), path=path, overwrite=True, stop=stop).close()
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         return one_line(error)
     return ""
 

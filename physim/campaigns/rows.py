@@ -30,7 +30,7 @@ from physim.campaigns.columns import (
     schema,
 )
 from physim.campaigns.shard import Part, read_shard
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.errors import Notice, PhysimError
 
 if TYPE_CHECKING:
@@ -183,8 +183,7 @@ def write_whole(path: Path, data: bytes) -> None:
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
-        with suppress(OSError):
-            draft.unlink()
+        discard(draft)
 
 
 def _line(row: Row) -> bytes:

@@ -195,7 +195,12 @@ def _project(options: Options) -> int:
     name, stem = _named(
         options.name if options.name is not None else options.template or TEMPLATES[0]
     )
-    title = folder.resolve().name or name
+    title = Path(os.path.abspath(folder)).name or name
+    if not title.isprintable():
+        raise PhysimError(
+            f'--project "{escaped(str(folder))[:60]}": a name with signs that cannot be shown; use '
+            "letters and digits, as in my_study"
+        )
     files = new_project(title, stem, _world(name, options), schema_text())
     empty_folder(folder, options.force, *(folder / place for place in files), option="--project")
     with writing(folder):

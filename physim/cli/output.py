@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.errors import PhysimError, WorldError
 
 CUT_SHORT = ".cut_short"
@@ -175,7 +175,7 @@ def write_text(path: Path, text: str) -> None:
             part.write_text(text, encoding="utf-8")
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
-            part.unlink(missing_ok=True)
+            discard(part)
 
 
 def _same(one: Path, other: Path) -> bool:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 
 REFRESH_SECONDS = 0.1
+PATIENCE = 1.0
+"""[s] after which a second Ctrl-C breaks off what has not heard the first"""
 
 
 class Bar:
@@ -85,12 +87,22 @@ class Interrupt:
 
     def __init__(self) -> None:
         self.count = 0
+        self._unheard: float | None = None
 
     def __call__(self) -> bool:
         """Whether there was one."""
+        self._unheard = None
         return self.count > 0
 
     def _note(self, number: int, frame: FrameType | None) -> None:
+        """Count it. Raises KeyboardInterrupt where nobody has asked for a while after the last.
+
+        A controller may never return.
+        """
+        now = time.monotonic()
+        if self._unheard is not None and now - self._unheard > PATIENCE:
+            raise KeyboardInterrupt
+        self._unheard = self._unheard or now
         self.count += 1
 
 

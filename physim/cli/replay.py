@@ -65,11 +65,13 @@ def replay(options: Options) -> int:
             raise PhysimError(f"run {row.run}: {broke or 'nothing was recorded'}")
         with Record.load(path) as record:
             differing = [] if interrupt() else check(record, row)
+            if broke and not row.failed and differing:
+                differing = [f"broke off here: {broke}"]  # the figures follow from it
             if not options.no_video and not interrupt():
                 write_video(record, folder / "video.mp4", options.quiet, interrupt)
             ended, seconds = record.ended, record.steps_run * record.dt
     if not options.quiet:
-        if broke:
+        if broke and not differing:
             print(f"broke off: {broke}", file=sys.stderr)
         print(f"run {row.run}: {spec.note}; ended {ended} after {seconds:g} s")
         print(f"written to {folder}/: {', '.join(n for n in FILES if (folder / n).exists())}")

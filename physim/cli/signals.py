@@ -77,7 +77,8 @@ def _imports(frame: FrameType | None) -> bool:
 def breaks(last: bool) -> Iterator[Break]:
     """Let the signals raise KeyboardInterrupt while a block runs.
 
-    With ``last`` the process ends after it: it is told no more, and its exit code stands.
+    With ``last`` the process ends after it: it is told no more, and its exit code stands; where a
+    thread that the user's code left behind keeps it, a signal ends it.
     """
     found = Break(alone=last)
     hook = sys.unraisablehook
@@ -87,5 +88,12 @@ def breaks(last: bool) -> Iterator[Break]:
         yield found
     finally:
         sys.unraisablehook = hook
+        after = signal.SIG_DFL if _is_kept() else signal.SIG_IGN
         for number, handler in before.items():
-            signal.signal(number, signal.SIG_IGN if last else handler)
+            signal.signal(number, after if last else handler)
+
+
+def _is_kept() -> bool:
+    """Whether a thread other than this one keeps the process from ending."""
+    mine = threading.current_thread()
+    return any(not one.daemon for one in threading.enumerate() if one is not mine)

@@ -195,7 +195,9 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
     given = () if settings is None else (settings,)
     try:
         return part(*given)
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         reason = broken_by(error)
         if isinstance(error, TypeError) and not takes(part, *given):
             reason = _unmade(part, bool(given))

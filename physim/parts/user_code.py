@@ -50,7 +50,9 @@ def _said(error: BaseException) -> str:
     """Text of an error, whose class may be theirs, too."""
     try:
         return str(error)
-    except Exception:
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         return "(its text cannot be had)"
 
 
@@ -67,6 +69,11 @@ def asked(call: Callable[..., Any], usage: str, *given: Any) -> Any:
         raise MistakenError(
             f"it is called as {usage}, which it does not take{place_of(call)}"
         ) from error
+
+
+def is_shipped(part: object) -> bool:
+    """Whether a part comes with physim: an error in it is a fault of ours, and told as one."""
+    return type(part).__module__.partition(".")[0] == "physim"
 
 
 def takes(call: Callable[..., Any], *given: Any) -> bool:
@@ -137,7 +144,9 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
             f"{kind.word} {describe(name)}: no module {describe(module_name)} in the current "
             f"folder or on the Python path{advice}"
         ) from error
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         raise ControllerError(
             f"{kind.word} {describe(name)}: module {describe(module_name)} cannot be imported: "
             f"{broken_by(error)}"

@@ -73,7 +73,9 @@ def _faults(say: Callable[..., Iterable[Fault]], usage: str, *given: Any) -> lis
     try:
         answer = asked(say, usage, *given)
         faults = list(answer) if isinstance(answer, Iterable) else []
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         raise ControllerError(f"{name} fails: {broken_by(error)}") from error
     wrong = [fault for fault in faults if not isinstance(fault, Fault)]
     if wrong or not isinstance(answer, Iterable) or isinstance(answer, str):
@@ -118,8 +120,8 @@ def naming(kind: Kind, part: object, time: float) -> Iterator[None]:
     """Make an error within a part one line that names it, the time [s] and the line of code."""
     try:
         yield
-    except PhysimError:
+    except (PhysimError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         where = f"{kind.word} {type(part).__name__} at {time:g} s"
         raise ControllerError(f"{where}: {broken_by(error)}") from error

@@ -27,7 +27,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.record.lock import WriteLock, is_at
 
 PAGE = 4096
@@ -92,7 +92,7 @@ class CrashSafeFile(io.RawIOBase):
         if not self.closed:
             os.close(self._fd)
             if self._draft is not None:
-                self._draft.unlink(missing_ok=True)
+                discard(self._draft)
             self._lock.release()
         super().close()
 

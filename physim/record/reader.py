@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import h5py
 
 from physim.contacts import Phase
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.errors import RecordError
 from physim.escaping import html_table
 from physim.parts.declarations import Declared, Mode
@@ -255,7 +255,7 @@ class Record(RecordedHistory):
                 draft.write_bytes(self._file.id.get_file_image())
             draft.replace(target)
         except OSError as error:
-            draft.unlink(missing_ok=True)
+            discard(draft)
             raise RecordError(f"{target}: cannot be written: {error.strerror}") from error
         finally:
             if lock is not None:

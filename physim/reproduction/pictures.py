@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from physim.analysis.metrics.distances import HORIZON, pair_collision_times
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.drawing.plots.frame import framed, mark, names_of, nothing, time_axis
 from physim.drawing.plots.style import CYCLE, INK, MARKERS, NARROW, QUIET, WIDTH, styled
 from physim.record import Record
@@ -42,7 +42,7 @@ def picture(path: Path) -> Iterator[Callable[[Any], None]]:
             small.save(part, format="PNG", optimize=True)
             part.replace(path)
         finally:
-            part.unlink(missing_ok=True)
+            discard(part)
 
     with styled(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script

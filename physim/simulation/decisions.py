@@ -6,6 +6,7 @@ A controller that decides for one robot at a time is adapted to the batch form o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from math import nan
 from operator import index
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from physim.errors import ControllerError, PhysimError, nearest
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
+    BatchCapable,
     BatchController,
     Controller,
     Decision,
@@ -23,7 +25,7 @@ from physim.parts.controller import (
     Sensed,
 )
 from physim.parts.declarations import NO_NUMBER, Declared, Mode, Rule
-from physim.parts.user_code import asked, broken_by, place_of
+from physim.parts.user_code import asked, broken_by, is_shipped, place_of
 from physim.simulation.decision_checks import checked, plainly_fine
 from physim.simulation.observation import Sight, Views
 from physim.world.scene import Scene
@@ -47,19 +49,26 @@ def decision_row(decision: object, declared: Declared, robots: int) -> Row:
     """Numbers of a decision.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
-    names what the controller has not declared.
+    names what the controller has not declared; or when a value of the user's own class fails as it
+    is read.
     """
     if not isinstance(decision, Decision):
         given = type(decision).__name__
         raise ControllerError(f"decide returned {given}; it must return a Decision")
-    return Row(
-        (_number(decision.v, "v"), _number(decision.omega, "omega")),
-        _number(decision.hold, "hold"),
-        _declared(decision.mode, "mode", declared.modes),
-        _declared(decision.rule, "rule", declared.rules),
-        _considered(decision.considered, robots),
-        _report(decision.report, declared),
-    )
+    try:
+        return Row(
+            (_number(decision.v, "v"), _number(decision.omega, "omega")),
+            _number(decision.hold, "hold"),
+            _declared(decision.mode, "mode", declared.modes),
+            _declared(decision.rule, "rule", declared.rules),
+            _considered(decision.considered, robots),
+            _report(decision.report, declared),
+        )
+    except (PhysimError, KeyboardInterrupt):
+        raise
+    except BaseException as error:
+        text = f"decide returned what cannot be read: {broken_by(error)}"
+        raise ControllerError(text) from error
 
 
 def _number(value: object, field: str) -> float:
@@ -92,7 +101,7 @@ def _considered(given: object, robots: int) -> list[int]:
     if type(given) is tuple and not given:
         return []
     try:
-        found = [index(j) for j in given]  # type: ignore[attr-defined]
+        found = [index(j) for j in islice(given, robots + 1)]  # type: ignore[call-overload]
     except TypeError:
         raise ControllerError(
             f"considered is {_quoted(given)}; it must list robots by index"
@@ -131,7 +140,9 @@ def _quoted(value: object) -> str:
     """What was given, on one line and cut off where it is long."""
     try:
         text = " ".join(repr(value).split())
-    except Exception:  # of code that is not ours; or a whole number too long to be written out
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # of code that is not ours; or a whole number too long to be written out
         text = f"of type {type(value).__name__}"
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -152,6 +163,42 @@ class Decided(NamedTuple):
     next_step: IntArray = NOBODY
 
 
+def begun(
+    controller: Controller, scene: Scene, declared: Declared
+) -> tuple[BatchController, dict[str, NDArray[Any]]]:
+    """Batch form of a controller, and the memory with which it begins.
+
+    Raises ControllerError where one of the user's own fails.
+    """
+    if not isinstance(controller, BatchCapable):
+        plain = PerRobotAdapter(controller, scene, declared)
+        return plain, plain.memory()
+    try:
+        batch = controller.batch(scene)
+        return batch, batch.memory()
+    except (PhysimError, KeyboardInterrupt):
+        raise
+    except BaseException as error:
+        if is_shipped(controller):
+            raise
+        raise broken(error, f"controller {type(controller).__name__}, batch form") from error
+
+
+def unreadable(decisions: object, due: IntArray) -> str:
+    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
+    if not isinstance(decisions, Decisions):
+        return f"returned {type(decisions).__name__}; it must return Decisions"
+    for name, values in zip(decisions._fields, decisions, strict=True):
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
+            return f"returned {name} that is not an array of numbers"
+    if decisions.command.shape != (len(due), 2):
+        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
+    if not np.array_equal(decisions.robot, due):
+        given = np.asarray(decisions.robot).tolist()
+        return f"decided for robots {given} when asked for {due.tolist()}"
+    return ""
+
+
 def decide(
     batch: BatchController,
     scene: Scene,
@@ -165,8 +212,19 @@ def decide(
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
-    decisions = batch.decide_due(sensed, due, memory)
-    next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
+    decisions = None
+    try:
+        decisions = batch.decide_due(sensed, due, memory)
+        next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
+    except (PhysimError, KeyboardInterrupt):
+        raise
+    except BaseException as error:
+        if is_shipped(batch):
+            raise
+        where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
+        if decisions is not None and (fault := unreadable(decisions, due)):
+            raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}") from error
+        raise broken(error, where) from error
     if next_step is None:
         try:
             next_step = checked(scene, sensed.step, due, decisions, declared)
@@ -225,9 +283,9 @@ class PerRobotAdapter:
         observation = views.observation(i)
         try:
             decision = asked(self.controller.decide, DECIDE, observation, memory)
-        except PhysimError:
+        except (PhysimError, KeyboardInterrupt):
             raise
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
             raise broken(error, self._where(i, views)) from error
         try:
             return decision, decision_row(decision, self.declared, self.scene.robots)

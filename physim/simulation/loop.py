@@ -18,8 +18,6 @@ from physim.errors import PhysimError, WorldError
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
-    BatchCapable,
-    BatchController,
     Controller,
     Observation,
     Sensed,
@@ -38,7 +36,7 @@ from physim.parts.stages import (
 from physim.parts.world_checks import listed
 from physim.simulation.arrival import Arrivals
 from physim.simulation.decision_checks import outside
-from physim.simulation.decisions import Decided, PerRobotAdapter, decide
+from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
 from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
@@ -309,12 +307,7 @@ class Simulation:
     def _begin(self) -> None:
         """Everything but the engine, as it is at sample 0."""
         scene, robots, controller = self.scene, self.scene.robots, self.parts.controller
-        self._batch: BatchController = (
-            controller.batch(scene)
-            if isinstance(controller, BatchCapable)
-            else PerRobotAdapter(controller, scene, self.declared)
-        )
-        self.memory = self._batch.memory()
+        self._batch, self.memory = begun(controller, scene, self.declared)
         self._shared = shared(robots)
         self._stages = self.parts.start(scene)
         self._tracking = Tracking(

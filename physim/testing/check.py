@@ -97,7 +97,9 @@ def candidate(
 def _copy(controller: Controller, name: str) -> Controller:
     try:
         return copy.deepcopy(controller)
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         reason = " ".join(str(error).split())[:200]
         raise ControllerError(
             f"the {name} given cannot be copied ({type(error).__name__}: {reason}); give its class"

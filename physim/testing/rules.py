@@ -17,7 +17,7 @@ from physim.geometry.shapes import IntArray
 from physim.parts.controller import BatchCapable, BatchController, Controller
 from physim.parts.declarations import Declared
 from physim.simulation.decision_checks import check_decisions
-from physim.simulation.decisions import broken
+from physim.simulation.decisions import broken, unreadable
 from physim.testing.contents import (
     Contents,
     Difference,
@@ -36,7 +36,6 @@ from physim.testing.trial import (
     other_answer,
     own,
     rows_of,
-    unreadable,
     values_of,
 )
 
@@ -212,9 +211,7 @@ class _Repeated:
 
     def from_pickled_memory(self) -> None:
         """A new instance with the memory pickled and unpickled."""
-        for one in self._copyable(self.trial.asked):
-            if one.memory is None:
-                continue
+        for one in (one for one in self._copyable(self.trial.asked) if one.memory is not None):
             try:
                 memory = pickle.loads(pickle.dumps(one.memory))
             except Exception as error:
@@ -329,7 +326,9 @@ class _BatchDriver:
                 self.batch = self.controller.batch(self.trial.scene)
                 self.memory = self.batch.memory()
             decisions = self.batch.decide_due(sensed, asked, self.memory)
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             self.report(str(broken(error, "the batch form fails")), due[0])
             return False
         given, after = (contents(pair, "") for pair in ((step.sensed, due), (sensed, asked)))

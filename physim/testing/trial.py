@@ -53,7 +53,9 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     where = f"{observation.name} at {observation.time:g} s"
     try:
         decision = controller.decide(observation, memory)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         reported = error if isinstance(error, PhysimError) else broken(error, where)
         fault = str(reported).removeprefix(f"{where}: ")
         return Answer({RAISES: type(error).__name__}, None, fault)
@@ -67,21 +69,6 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
         fault = str(error).removeprefix(f"{where}: ")
         return Answer({REFUSED: fault}, None, fault)
     return Answer({**values_of(row, declared), **contents(decision.memory, "memory")}, decision)
-
-
-def unreadable(decisions: object, due: IntArray) -> str:
-    """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
-    if not isinstance(decisions, Decisions):
-        return f"returned {type(decisions).__name__}; it must return Decisions"
-    for name, values in zip(decisions._fields, decisions, strict=True):
-        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
-            return f"returned {name} that is not an array of numbers"
-    if decisions.command.shape != (len(due), 2):
-        return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
-    if not np.array_equal(decisions.robot, due):
-        given = np.asarray(decisions.robot).tolist()
-        return f"decided for robots {given} when asked for {due.tolist()}"
-    return ""
 
 
 def rows_of(decisions: Decisions) -> dict[int, Row]:
@@ -246,7 +233,9 @@ def _change_within(spare: Observation, given: Observation) -> Difference | None:
     try:
         if pickle.dumps(spare) == pickle.dumps(given):  # the quick way, for most of them
             return None
-    except Exception:  # of what a controller put into it
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # of what a controller put into it
         pass
     return difference(contents(spare, "observation"), contents(given, "observation"))
 
@@ -255,5 +244,7 @@ def _copy_of(memory: Any) -> tuple[Any, str]:
     """Copy of a memory, or None and why there is none."""
     try:
         return copy.deepcopy(memory), ""
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         return None, f"{type(error).__name__}: {error}"

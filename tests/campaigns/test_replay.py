@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns.one_run import simulation_of
+from physim.campaigns.spec import RunSpec
 from physim.record import Record
+from physim.simulation.run import record_run
 from tests.campaigns.samples import rows_in
 from tests.cli.commands import physim
 
@@ -119,3 +122,16 @@ def test_no_row_says_where_outside_its_folder_a_record_goes() -> None:
         folder = usual_folder(world, 3, "0123456789abcdef0123")
         assert folder.parent == Path("runs")
         assert folder.name.replace("-", "").replace("_", "").isalnum()
+
+
+def test_a_run_that_breaks_off_here_is_told_so_and_no_figures(
+    swept: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(spec: RunSpec, path: Path, stop: object) -> str:
+        record_run(simulation_of(spec), path=path, stop=lambda: True).close()
+        return "the disk is full"
+
+    monkeypatch.setattr("physim.campaigns.replay.replay", full)
+    done = again("out:1", "-o", "again", "--no-video", capture=capsys)
+    assert (done.code, done.err.count("\n")) == (3, 1), done.err
+    assert "the disk is full" in done.err

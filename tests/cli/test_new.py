@@ -96,6 +96,8 @@ def test_names_are_safe_in_files_and_whole_in_worlds(tmp_path, capsys, name, fil
         (["--project", "full"], ("full:", "not empty", "--force")),
         (["--project", "taken.yaml"], ("taken.yaml:", "is a file", "--project", "a folder")),
         (["--project", "taken.yaml/x"], ("taken.yaml/x", "Not a directory")),
+        (["--project", "a\nb"], (r"a\u000ab", "cannot be shown", "my_study")),
+        (["--project", "loop"], ("loop",)),
         (["a/b", "--project", "new"], ('"a/b":', "is a path")),
         (["--project", "new", "--robots", "99"], ("--robots 99:", "1 to 22")),
     ],
@@ -106,6 +108,7 @@ def test_bad_wishes_are_refused_on_one_line_and_nothing_is_written(
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "mine").write_text("mine")
     (tmp_path / "taken.yaml").write_text("mine")
+    (tmp_path / "loop").symlink_to("loop")
     before = tree(tmp_path)
     done = physim("new", *arguments, capture=capsys)
     assert (done.code, done.out) == (2, "")

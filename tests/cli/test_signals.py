@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
 import pytest
 
 from physim.cli import main
-from physim.cli.signals import Break
+from physim.cli.progress import interrupts
+from physim.cli.signals import Break, breaks
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -56,6 +58,41 @@ def test_a_command_started_by_nohup_goes_on(
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     stop_at_once(monkeypatch, signal.SIGHUP)
     assert main(["list"]) == 0
+
+
+def hit(number: int) -> None:
+    os.kill(os.getpid(), number)
+    time.sleep(1.0)
+
+
+def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
+    handlers: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("physim.cli.progress.PATIENCE", 0.0)
+    with interrupts() as interrupt:
+        try:
+            for _ in range(3):
+                os.kill(os.getpid(), signal.SIGINT)
+                assert interrupt()  # it is heard
+        except KeyboardInterrupt:  # which would end the tests
+            pytest.fail("who asks was broken off")
+        os.kill(os.getpid(), signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            hit(signal.SIGTERM)
+    assert interrupt.count == 4
+
+
+@pytest.mark.parametrize("left", [False, True])
+def test_a_thread_left_behind_does_not_outlive_a_signal(handlers: None, left: bool) -> None:
+    stop = threading.Event()
+    thread = threading.Thread(target=stop.wait)
+    if left:
+        thread.start()
+    with breaks(last=True):
+        pass
+    stop.set()
+    after = signal.SIG_DFL if left else signal.SIG_IGN
+    assert {signal.getsignal(one) for one in SIGNALS} == {after}
 
 
 def test_a_reader_that_has_gone_is_no_fault(

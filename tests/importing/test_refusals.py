@@ -216,6 +216,7 @@ DRAWINGS = {
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
     "deep": (svg("<g>" * 3000 + "</g>" * 3000), ":2: … groups … ungroup"),
     "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: … path data … "garbage"'),
+    "path data of numbers": (svg('<path id="boundary" d="M 1e1e1 5"/>'), ':2: … data … "e1 5"'),
     "rotation": (
         svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),
         ':2: … transform: … "rotate(30,120)" … 2 … 1 or 3',

@@ -95,6 +95,10 @@ def test_of_a_page_that_cannot_be_written_nothing_is_left(record: Record, tmp_pa
     with pytest.raises(PhysimError, match=r"run\.html"):
         write_page([record], folder)
     assert list(tmp_path.iterdir()) == [folder]
+    inside = tmp_path / "file"
+    inside.write_text("mine")
+    with pytest.raises(PhysimError, match=r"file/run\.html: .*Not a directory"):
+        write_page([record], inside / "run.html")
 
 
 def test_a_notebook_shows_the_page_in_a_frame_of_its_own(record: Record) -> None:

@@ -49,6 +49,7 @@ ROOMS = MappingProxyType(
         "loop": (
             "tests/test_decision_checks.py",
             "tests/test_simulation.py",
+            "tests/test_evil_controllers.py",
             "tests/test_arrival.py",
             "tests/test_state.py",
             "tests/test_stages.py",

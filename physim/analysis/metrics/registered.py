@@ -174,7 +174,9 @@ def _found(name: str, part: Any, run: Courses) -> Found:
     """Value of the metric for a run, in plain types."""
     try:
         value = asked(part.measure, "measure(record)", run.record)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         raise PhysimError(f'metric "{name}" fails: {broken_by(error)}') from None
     try:
         return checked_value(value, run.record)

@@ -35,7 +35,8 @@ MOST_NUMBERS = 300_000
 MOST_TURNED = 150_000
 """Functions of transforms, each counted for every element that it moves, copies written out."""
 
-NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAaEe0-9+\-.,\s]")
+NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAa,\s]")
+"""Beside its numbers."""
 HIDDEN = re.compile(r"display\s*:\s*none")
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
@@ -94,6 +95,10 @@ def _called(tag: str, attributes: dict[str, str]) -> str:
     """``<rect> "pillar"``: an element as messages call it, by its label or else its id."""
     name = attributes.get(LABEL) or attributes.get("id") or ""
     return f'<{escaped(tag[:40])}> "{escaped(name)[:60]}"' if name else f"<{escaped(tag[:40])}>"
+
+
+def _blank(number: re.Match[str]) -> str:
+    return " " * len(number[0])
 
 
 class _Guard:
@@ -167,7 +172,7 @@ class _Guard:
                 f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
                 "or delete what is no wall, obstacle, path or robot"
             )
-        if bad := NO_PATH_DATA.search(attributes.get("d", "")):
+        if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(f'path data: "{escaped(around)}" cannot be read')
         if wrong := transform_fault(attributes.get("transform", "")):

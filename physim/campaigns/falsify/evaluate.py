@@ -53,16 +53,18 @@ def judge_world(world: World, stop: Callable[[], bool] = never) -> Judged:
         simulation = Simulation(world, controller=controller_of(world))
     except WorldError as error:
         return Judged(None, reason=one_line(error), refused=True)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         return Judged(None, reason=one_line(error))
     try:
         with record_run(simulation, save=NEEDED, stop=stop) as record:
             if record.ended == "interrupted":
                 raise StoppedError
             return judged(record)
-    except StoppedError:
+    except (StoppedError, KeyboardInterrupt):
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         return Judged(None, reason=one_line(error))
 
 

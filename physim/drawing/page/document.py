@@ -14,7 +14,7 @@ from typing import Any
 from physim._version import __version__
 from physim.analysis.summary import Summary, summarise, table_rows
 from physim.analysis.validation import Validation
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.drawing.labels import clean
 from physim.drawing.page.bundle import asset, policy, script
 from physim.drawing.page.colours import schemes, styles
@@ -62,7 +62,7 @@ class Page:
         except OSError as error:
             raise PhysimError(f"{target}: cannot be written ({error.strerror})") from None
         finally:  # of an error or Ctrl-C nothing is left
-            draft.unlink(missing_ok=True)
+            discard(draft)
         return target
 
 

@@ -148,7 +148,9 @@ def _own_figure(name: str, part: Any, record: Record) -> Any:
     """Figure of a registered picture. Raises PhysimError, one line, where it fails."""
     try:
         figure = asked(part.draw, "draw(record)", record)
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         raise PhysimError(f'plot "{name}" fails: {broken_by(error)}') from None
     if not callable(getattr(figure, "savefig", None)):
         raise PhysimError(

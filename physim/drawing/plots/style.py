@@ -6,14 +6,13 @@ no state of matplotlib's is read or changed outside `styled`.
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.drawing import palette
 from physim.drawing.palette import hexed
 
@@ -93,8 +92,7 @@ def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any
             figure.savefig(part, format=format, metadata=dates.get(format, {}), **options)
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
-            if os.path.lexists(part):
-                part.unlink()
+            discard(part)
 
 
 def robot_mark(index: int) -> tuple[str, str]:

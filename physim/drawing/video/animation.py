@@ -7,6 +7,7 @@ complete.
 
 from __future__ import annotations
 
+import io
 import os
 import zlib
 from collections.abc import Iterator, Sequence
@@ -17,7 +18,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.drawing.palette import Colour
 from physim.drawing.video.files import kind_of, size_at, unwritable
 from physim.drawing.video.indexed import MOST, Indexer, chosen_colours
@@ -79,14 +80,15 @@ class Animation:
         """Write the file and give it its name, or leave nothing after an error."""
         try:
             if kind is None:
-                self._save()
+                self._part.write_bytes(self._packed())
                 os.replace(self._part, self.path)
         except OSError as fault:
             raise unwritable(self.path, fault) from fault
         finally:
-            self._part.unlink(missing_ok=True)
+            discard(self._part)
 
-    def _save(self) -> None:
+    def _packed(self) -> bytes:
+        """The file, made in memory: imageio tells errors of a disk by tracebacks of its own."""
         from imageio import v3 as imageio
 
         how: dict[str, Any] = {"duration": self._durations(), "loop": 0}
@@ -101,9 +103,11 @@ class Animation:
             pictures = (colours[numbers] for numbers in pictures)
             how |= WEBP
         file: Any
-        with imageio.imopen(self._part, "w", plugin="pillow", extension=self._suffix) as file:
-            for picture in pictures:
-                file.write(picture, is_batch=False, **how)
+        with io.BytesIO() as made:
+            with imageio.imopen(made, "w", plugin="pillow", extension=self._suffix) as file:
+                for picture in pictures:
+                    file.write(picture, is_batch=False, **how)
+            return made.getvalue()
 
     def _unpacked(self, step: int = 1) -> Iterator[Image]:
         wide, high = self._size
@@ -142,9 +146,12 @@ def save_still(path: Path, image: Image) -> None:
 
     part = draft_of(path.absolute())
     try:
-        imageio.imwrite(part, image, plugin="pillow", extension=path.suffix.lower(), optimize=True)
+        packed = imageio.imwrite(
+            "<bytes>", image, plugin="pillow", extension=path.suffix.lower(), optimize=True
+        )
+        part.write_bytes(packed)
         os.replace(part, path)
     except OSError as fault:
         raise unwritable(path, fault) from fault
     finally:
-        part.unlink(missing_ok=True)
+        discard(part)

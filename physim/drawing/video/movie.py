@@ -18,7 +18,7 @@ import av
 import cv2
 import numpy as np
 
-from physim.drafts import draft_of
+from physim.drafts import discard, draft_of
 from physim.drawing.video.animation import resized
 from physim.drawing.video.files import kind_of, size_at, unwritable
 from physim.drawing.video.layout import WIDTH, Image
@@ -92,7 +92,7 @@ class VideoFile:
             self._part.touch()
             self._open()
         except (OSError, av.FFmpegError) as fault:
-            self._part.unlink(missing_ok=True)
+            discard(self._part)
             raise unwritable(self.path, fault) from fault
         self._thread.start()
         return self
@@ -168,6 +168,6 @@ class VideoFile:
         except (OSError, av.FFmpegError) as fault:
             self._fault = self._fault or fault
         finally:
-            self._part.unlink(missing_ok=True)
+            discard(self._part)
         if kind is None and self._fault is not None:
             raise unwritable(self.path, self._fault) from self._fault

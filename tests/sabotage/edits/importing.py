@@ -223,4 +223,13 @@ EDITS = (
         "a world that cannot run names the element that it is about",
         "tests/importing/test_svg_places.py::test_a_fault_names_the_element_its_line_and_what_is_wrong",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_guard.py",
+        "NO_PATH_DATA",
+        "MmZzLlHhVvCcSsQqTtAa,",
+        "MmZzLlHhVvCcSsQqTtAaEe0-9,",
+        "what is no number in path data is refused",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
 )

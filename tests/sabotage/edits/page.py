@@ -96,4 +96,13 @@ EDITS = (
         "in HTML a name is only a name",
         "tests/page/test_notebook.py::test_a_notebook_shows_a_small_table",
     ),
+    Edit(
+        "page",
+        "physim/drafts.py",
+        "discard",
+        "suppress(OSError)",
+        "suppress(KeyError)",
+        "an error of writing is told, not one of clearing up",
+        "tests/page/test_page.py::test_of_a_page_that_cannot_be_written_nothing_is_left",
+    ),
 )  # fmt: skip

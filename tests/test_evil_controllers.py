@@ -1,0 +1,137 @@
+"""Controllers that fail in ways of their own: one line that names them, and their line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from physim.errors import ControllerError
+from physim.parts.controller import Decision
+from physim.record import Record
+from physim.simulation.decisions import decision_row
+from physim.simulation.loop import Simulation
+from physim.simulation.run import simulate
+from tests.facts import facts
+from tests.roads import road
+from tests.says import THREE, Says
+
+
+class OddError(BaseException):
+    """What is no Exception."""
+
+
+class Fails:
+    """A value that cannot be read."""
+
+    def __float__(self) -> float:
+        raise OddError("not a number")
+
+    def __index__(self) -> int:
+        raise OddError("not a robot")
+
+    def __iter__(self) -> Iterator[int]:
+        raise GeneratorExit
+
+    def __repr__(self) -> str:
+        raise OddError("no text")
+
+
+def endless() -> Iterator[int]:
+    while True:
+        yield 0
+
+
+def raised(error: BaseException) -> Decision:
+    raise error
+
+
+def decided(**fields: Any) -> Decision:
+    return Decision(**{"v": 0.0, "omega": 0.0, "hold": 0.1, **fields})
+
+
+ANSWERS = {
+    "no exception": (lambda o: raised(OddError("odd")), ("OddError", "odd")),
+    "an end of generators": (lambda o: raised(GeneratorExit()), ("GeneratorExit",)),
+    "a group": (lambda o: raised(BaseExceptionGroup("two", [OddError()])), ("two",)),
+    "a number": (lambda o: decided(v=Fails()), ("OddError", "not a number")),
+    "robots": (lambda o: decided(considered=Fails()), ("GeneratorExit",)),
+    "a robot": (lambda o: decided(considered=[Fails()]), ("OddError", "not a robot")),
+    "a mode": (lambda o: decided(mode=Fails()), ("mode", "of type Fails")),
+    "one too many": (lambda o: decided(considered=[0, 1, 2, 0]), ("considered", "each once")),
+    "robots without end": (lambda o: decided(considered=endless()), ("considered", "each once")),
+}
+
+
+@pytest.mark.parametrize("answer", ANSWERS)
+def test_whatever_it_raises_is_one_line_that_names_it(answer: str, tmp_path: Path) -> None:
+    decide, said = ANSWERS[answer]
+    with pytest.raises(ControllerError, match=facts("r1", "0 s", *said)) as caught:
+        simulate(road(THREE), controller=Says(decide), path=tmp_path / "r.h5")
+    assert "\n" not in str(caught.value)
+    assert "test_evil_controllers.py:" in str(caught.value) or "says.py:" in str(caught.value)
+    with Record.load(tmp_path / "r.h5") as record:
+        assert record.ended == "error"
+
+
+def test_ctrl_c_within_it_is_no_error_of_its_own() -> None:
+    with pytest.raises(KeyboardInterrupt):
+        Simulation(road(THREE), controller=Says(lambda o: raised(KeyboardInterrupt()))).step()
+    with pytest.raises(KeyboardInterrupt):
+        decision_row(decided(considered=interrupted()), Simulation(road(THREE)).declared, 3)
+
+
+def interrupted() -> Iterator[int]:
+    yield 0
+    raise KeyboardInterrupt
+
+
+class Batched:
+    """A batch form that fails where it is told to."""
+
+    def __init__(self, fails: str, answer: Any = None) -> None:
+        self.fails, self.answer = fails, answer
+
+    def decide(self, observation: Any, memory: Any) -> Decision:
+        return decided()
+
+    def batch(self, scene: Any) -> Batched:
+        return self._at("batch", self)
+
+    def memory(self) -> Any:
+        return self._at("memory", {})
+
+    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Any:
+        return self._at("decide_due", self.answer)
+
+    def _at(self, place: str, answer: Any) -> Any:
+        if self.fails == place:
+            raise OddError(place)
+        return answer
+
+
+@pytest.mark.parametrize("place", ["batch", "memory", "decide_due"])
+def test_a_batch_form_that_fails_is_one_line(place: str) -> None:
+    with pytest.raises(ControllerError, match=facts("Batched", "OddError", place)) as caught:
+        Simulation(road(THREE), controller=Batched(place)).step()
+    assert "test_evil_controllers.py:" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_batch_form_that_answers_something_else_is_told_what_it_must() -> None:
+    with pytest.raises(ControllerError, match=facts("Batched", "int", "Decisions")) as caught:
+        Simulation(road(THREE), controller=Batched("", 5)).step()
+    assert "test_evil_controllers.py:" in str(caught.value)
+
+
+def test_a_fault_of_a_shipped_controller_is_not_told_as_the_users(monkeypatch: Any) -> None:
+    simulation = Simulation(road(THREE))
+
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(type(simulation._batch), "decide_due", broken)
+    with pytest.raises(ZeroDivisionError):
+        simulation.step()

@@ -232,9 +232,7 @@ def _parts(run: Run) -> list[str]:
     for one in setup.others:
         kind, _, name = one.partition(" ")
         parts.append((kind, name + python))
-    return [
-        line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")
-    ]
+    return [line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")]
 
 
 def _contacts(validation: Validation) -> list[str]:

@@ -33,8 +33,8 @@ from physim.analysis.validation.recorded_distances import exact_distances
 from physim.analysis.validation.rerun import Rerun, compare_runs
 from physim.errors import RecordError, plural
 from physim.record import Record
-from physim.record.setup import Setup
 from physim.record.layout import OPTIONAL
+from physim.record.setup import Setup
 from physim.world.faults import describe
 from physim.world.scene import Body
 

@@ -17,9 +17,9 @@ import numpy as np
 
 import physim
 from physim.campaigns.outcomes import Cell, Outcomes
+from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
 from physim.campaigns.report.wording import interval
-from physim.campaigns.rows import read
 from physim.errors import PhysimError
 from physim.statistics.proportion import clopper_pearson
 from physim.world.file.files import find_world

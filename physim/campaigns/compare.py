@@ -174,7 +174,7 @@ def compare(
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
     A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
-    have no seed in common, or one has a seed twice.
+    have no seed in common.
     """
     made = [_compared(a, b, common, names, TESTS[test]) for a, b, common in pairs]
     corrected = iter(holm([one.p for comparison in made for one in comparison.findings]))
@@ -188,12 +188,6 @@ def _compared(
     a: Arm, b: Arm, common: str, names: Sequence[str], test: Callable[[FloatArray], float]
 ) -> Comparison:
     seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
-    for arm, seeds in ((a, seeds_a), (b, seeds_b)):
-        if len(twice := seeds[:-1][np.diff(seeds) == 0]):
-            raise PhysimError(
-                f"{arm.cell.name}: has seed {twice[0]} twice: its world or its controller was "
-                "changed within the campaign"
-            )
     both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
     if not len(both):
         raise PhysimError(f"{a.cell.name} and {b.cell.name}: have no seed in common")
@@ -241,8 +235,7 @@ def _findings(
 
 
 def _arm(outcomes: Outcomes, cell: Cell, place: int) -> Arm:
-    label = cell.names[place] or "as it is"
-    return Arm(f"{label} ({cell.note})" if cell.note else label, outcomes, cell)
+    return Arm(cell.names[place] or "as it is", outcomes, cell)
 
 
 def _key(cell: Cell, sole: Sequence[bool]) -> tuple[str, ...]:

@@ -5,19 +5,20 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
 from physim.campaigns.rows import FOLDER as ROWS
-from physim.campaigns.rows import Shards, read, write_whole
+from physim.campaigns.rows import Shards, write_whole
 from physim.campaigns.spec import Label, RunSpec, engine
-from physim.drafts import draft_of
 from physim.errors import PhysimError
 from physim.json_text import file_json
+from physim.world.file.reading import MOST_BYTES
 
-CAMPAIGN, RESULTS, RECORDS, WORLDS = "campaign.json", "results.parquet", "records", "worlds"
+CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
 FORMAT, VERSION = "physim-campaign", 1
 CLAIMS = ".claims"
 
@@ -40,6 +41,12 @@ class Folder:
         Raises PhysimError where it holds another campaign or something else, or cannot be written.
         """
         wanted = {spec.label: spec for spec in cells}
+        for spec in wanted.values():
+            if len(spec.text.encode()) > MOST_BYTES:  # it could not be read again
+                raise PhysimError(
+                    f"{spec.world}: is too large for a campaign: written out it has more than "
+                    f"{MOST_BYTES} bytes"
+                )
         known = self.cells() if self._is_there() else []
         _check(self.path, known, wanted)
         try:
@@ -51,7 +58,7 @@ class Folder:
             file = self.world_file(spec.world_hash)
             if not file.exists():
                 write_whole(file, spec.text.encode())
-        there = {(one["world"], one["settings"], one["controller"]) for one in known}
+        there = {label_of(one) for one in known}
         new = [_described(spec) for label, spec in wanted.items() if label not in there]
         if new or not known:
             self._describe([*known, *new])
@@ -66,7 +73,7 @@ class Folder:
             if not isinstance(found, dict) or found.get("format") != FORMAT:
                 raise ValueError("another format")
             check_version(self.path / CAMPAIGN, found.get("version"), VERSION)
-            return [_cell(one) for one in _list(found.get("cells"))]
+            return _cells(found.get("cells"))
         except FileNotFoundError:
             raise PhysimError(
                 f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
@@ -79,21 +86,6 @@ class Folder:
     def world_file(self, world_hash: str) -> Path:
         """File of an effective world, with the seed 0."""
         return self.path / WORLDS / f"{world_hash}.yaml"
-
-    def write_results(self) -> None:
-        """Write all rows to ``results.parquet``, whole or not at all."""
-        import pyarrow.parquet as parquet
-
-        table = read(self.path)
-        path = self.path / RESULTS
-        draft = draft_of(path)
-        try:
-            parquet.write_table(table, draft)
-            draft.replace(path)
-        except OSError as error:
-            raise PhysimError(f"{path}: cannot be written: {error}") from None
-        finally:
-            draft.unlink(missing_ok=True)
 
     def _is_there(self) -> bool:
         """Whether it holds a campaign; PhysimError where it holds something else."""
@@ -167,20 +159,27 @@ class Claims:
 _KEYS = ("world", "settings", "controller", "world_hash", "source_hash", "physim", "engine")
 
 
-def _list(value: object) -> list[Any]:
-    if not isinstance(value, list):
+def label_of(cell: dict[str, str]) -> Label:
+    """World, settings and controller of a cell as it stands in the file."""
+    return cell["world"], cell["settings"], cell["controller"]
+
+
+def _cells(values: object) -> list[dict[str, str]]:
+    """Cells as they stand in the file. Raises ValueError."""
+    if not isinstance(values, list):
         raise ValueError("cells: must be a list")
-    return value
-
-
-def _cell(value: object) -> dict[str, str]:
-    """A cell as it stands in the file. Raises ValueError."""
-    if not isinstance(value, dict):
-        raise ValueError("cells: each must be an object")
-    for key in _KEYS:
-        if not isinstance(value.get(key), str):
-            raise ValueError(f"cells: each must have a text {key}")
-    return {key: value[key] for key in _KEYS}
+    for value in values:
+        if not isinstance(value, dict):
+            raise ValueError("cells: each must be an object")
+        for key in _KEYS:
+            if not isinstance(value.get(key), str):
+                raise ValueError(f"cells: each must have a text {key}")
+        if not re.fullmatch("[0-9a-f]{1,64}", value["world_hash"]):  # names a file
+            raise ValueError("cells: world_hash: must be hex digits")
+    found = [{key: value[key] for key in _KEYS} for value in values]
+    if len({label_of(one) for one in found}) < len(found):
+        raise ValueError("cells: one is there twice")
+    return found
 
 
 def _described(spec: RunSpec) -> dict[str, str]:
@@ -193,7 +192,7 @@ def _check(path: Path, known: list[dict[str, str]], wanted: dict[Label, RunSpec]
 
     It may have more cells than are wanted or fewer, but those in both must be the same.
     """
-    there = {(one["world"], one["settings"], one["controller"]): one for one in known}
+    there = {label_of(one): one for one in known}
     for label in there.keys() & wanted.keys():
         one, other = there[label], _described(wanted[label])
         differing = [key for key in _KEYS if one[key] != other[key]]
@@ -224,4 +223,4 @@ def _offset(key: str) -> int:
     return int(key[:15], 16)
 
 
-__all__ = ["CAMPAIGN", "RECORDS", "RESULTS", "WORLDS", "Claims", "Folder"]
+__all__ = ["CAMPAIGN", "RECORDS", "WORLDS", "Claims", "Folder"]

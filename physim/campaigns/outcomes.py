@@ -17,8 +17,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 CELL = ("world", "settings", "controller")
-VERSIONS = ("world_hash", "physim", "engine")
-"""What sets cells of the same name apart: a world that was edited, another version."""
 DONE = ("finished", "duration")
 """Ends of runs that ran as long as they were to; all others failed."""
 
@@ -30,8 +28,6 @@ class Cell:
     world: str
     settings: str
     controller: str
-    note: str
-    """world_hash and versions where other cells have the same names, else empty"""
     start: int
     stop: int
 
@@ -48,7 +44,7 @@ class Cell:
     @property
     def name(self) -> str:
         """``ten_robots, gain=0.1, mode_switching``."""
-        return ", ".join(part for part in (*self.names, self.note) if part)
+        return ", ".join(part for part in self.names if part)
 
     @property
     def names(self) -> tuple[str, str, str]:
@@ -60,7 +56,7 @@ class Outcomes:
     """All rows of a campaign, sorted by cell and seed, each column as an array (K,)."""
 
     def __init__(self, table: pa.Table) -> None:
-        keys = [_codes(table[name]) for name in (*CELL, *VERSIONS)]
+        keys = [_codes(table[name]) for name in CELL]
         seed = table["seed"].to_numpy()
         order = np.lexsort((seed, *(codes for codes, _ in reversed(keys))))
         self.table: pa.Table = table.take(order)
@@ -140,14 +136,9 @@ def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
     if not count:
         return ()
     starts = [0, *(1 + np.flatnonzero(np.any(np.diff(codes, axis=1), axis=0))).tolist()]
-    named = []
-    for start in starts:
-        at = codes[:, start]
-        words = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
-        named.append(((words[0], words[1], words[2]), " ".join(words[len(CELL) :])))
-    names = [name for name, _ in named]
     found = []
-    for (name, versions), start, stop in zip(named, starts, [*starts[1:], count], strict=True):
-        note = versions if names.count(name) > 1 else ""
-        found.append(Cell(*name, note, start, stop))
+    for start, stop in zip(starts, [*starts[1:], count], strict=True):
+        at = codes[:, start]
+        words = (known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True))
+        found.append(Cell(*words, start, stop))
     return tuple(found)

@@ -1,36 +1,50 @@
-"""All rows of a campaign as one table."""
+"""All rows of a campaign as one table, each of them of a run that the campaign tells of."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from physim.campaigns.columns import FAILED, schema
-from physim.campaigns.rows import Shards
+from physim.campaigns.folder import CAMPAIGN, Folder, label_of
+from physim.campaigns.spec import identity_of, key_of, short_hash
+from physim.drafts import draft_of
 from physim.errors import PhysimError
+from physim.escaping import escaped
+from physim.world.file.files import file_text
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
     from physim.campaigns.grid import Grid
 
+RESULTS = "results.parquet"
 ORDER = ("world", "settings", "controller", "seed", "run")
+OF_CELL = ("world_hash", "physim", "engine")
+"""Columns that all rows of a cell have alike."""
 
 
-def read_table(folder: Path) -> pa.Table:
+def read(folder: str | os.PathLike[str]) -> pa.Table:
     """All rows, each run once, in the order of world, settings, controller and seed.
 
     Of a run that was done again the last row that did not fail, else the last. Raises PhysimError
-    where there is no campaign or a shard cannot be read.
+    where there is no campaign, a shard cannot be read, or a row is of no run of the campaign: its
+    cell is not in ``campaign.json``, or its key is not that of its cell and seed.
     """
+    place = Folder(folder)
+    table = read_rows(place)
+    _check_runs(place, table)
+    return table
+
+
+def read_rows(place: Folder) -> pa.Table:
+    """As `read`, whatever the campaign tells."""
     import pyarrow as pa
 
-    shards = Shards(folder)
-    if not shards.folder.is_dir():
-        raise PhysimError(f"{folder}: holds no campaign (physim sweep WORLD -o {folder} makes one)")
-    found = _each_once(pa.concat_tables([schema().empty_table(), *shards.tables()]))
+    found = _each_once(pa.concat_tables([schema().empty_table(), *place.shards.tables()]))
     return found.sort_by([(name, "ascending") for name in ORDER])
 
 
@@ -38,10 +52,61 @@ def read_part(folder: Path, grid: Grid) -> pa.Table:
     """The rows of the runs of a grid; the folder may have others. Raises PhysimError as `read`."""
     import pyarrow as pa
 
-    table = read_table(folder)
+    table = read(folder)
     columns = (table[name].to_pylist() for name in (*ORDER[:4], "run"))
     mine = [grid.has((w, s, c), seed, run) for w, s, c, seed, run in zip(*columns, strict=True)]
     return table.filter(pa.array(mine, pa.bool_()))
+
+
+def write_results(folder: Path) -> None:
+    """Write all rows to ``results.parquet``, whole or not at all. Raises PhysimError as `read`."""
+    import pyarrow.parquet as parquet
+
+    table = read(folder)
+    path = folder / RESULTS
+    draft = draft_of(path)
+    try:
+        parquet.write_table(table, draft)
+        draft.replace(path)
+    except OSError as error:
+        raise PhysimError(f"{path}: cannot be written: {error}") from None
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _check_runs(place: Folder, table: pa.Table) -> None:
+    """Raise PhysimError for a row that is of no run of the campaign, with file and line."""
+    known = _identities(place)
+    columns = [table[name].to_pylist() for name in (*ORDER, *OF_CELL)]
+    for *label, seed, run, world_hash, physim, engine in zip(*columns, strict=True):
+        cell = known.get(tuple(label))
+        if cell is None:
+            named = ", ".join(part for part in label if part)
+            why = f"{CAMPAIGN} has no runs of {named}"
+        elif (key_of(cell[0], seed), world_hash, physim, engine) != (run, *cell[1:]):
+            why = f"run {run} is not what {CAMPAIGN} makes of its world, controller and seed {seed}"
+        else:
+            continue
+        raise PhysimError(
+            f"{place.shards.place_of(run)}: {escaped(why)}; is this a row of another campaign?"
+        )
+
+
+def _identities(place: Folder) -> dict[tuple[str, ...], tuple[str, str, str, str]]:
+    """Of each cell what the keys of its runs are made of but the seed, and its columns `OF_CELL`.
+
+    Raises PhysimError for a world that was changed.
+    """
+    found = {}
+    for cell in place.cells():
+        file = place.world_file(cell["world_hash"])
+        text = file_text(file)
+        if short_hash(text) != cell["world_hash"]:
+            raise PhysimError(f"{file}: was changed since its runs were made")
+        parts = cell["controller"], cell["source_hash"], cell["physim"], cell["engine"]
+        identity = identity_of(text, *parts)
+        found[label_of(cell)] = identity, cell["world_hash"], cell["physim"], cell["engine"]
+    return found
 
 
 def _each_once(table: pa.Table) -> pa.Table:
@@ -53,3 +118,6 @@ def _each_once(table: pa.Table) -> pa.Table:
     order = np.lexsort((np.arange(len(codes)), fine, codes))
     last = np.flatnonzero(np.diff(codes[order], append=-1))
     return table.take(np.sort(order[last]))
+
+
+__all__ = ["read", "read_part", "read_rows", "write_results"]

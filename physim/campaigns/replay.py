@@ -7,10 +7,10 @@ from pathlib import Path
 
 from physim._version import __version__
 from physim.campaigns.columns import rows_of
-from physim.campaigns.folder import Folder
+from physim.campaigns.folder import Folder, label_of
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.processes import Job, Processes, Stop
-from physim.campaigns.reading import read_table
+from physim.campaigns.reading import read
 from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import source_hash, sources_of
@@ -33,8 +33,7 @@ def find_row(folder: Folder, which: str) -> Row:
     """
     from pyarrow import compute
 
-    folder.cells()  # says where there is no campaign
-    table = read_table(folder.path)
+    table = read(folder.path)
     if re.fullmatch("[0-9]+", which) and len(which) <= LONGEST_NUMBER:
         if int(which) < table.num_rows:
             return rows_of(table.slice(int(which), 1))[0]
@@ -55,17 +54,15 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
     ``controller`` allows a class of one's own, which is code, to be imported. Raises PhysimError
     where versions or the source of the controller are others now, with all that is.
     """
-    label = (row.world, row.settings, row.controller)
-    cells = folder.cells()
-    cell = next((c for c in cells if (c["world"], c["settings"], c["controller"]) == label), None)
-    if cell is None:
-        raise PhysimError(f"{folder.path}: its campaign.json does not tell of run {row.run}")
+    cells = {label_of(one): one for one in folder.cells()}
+    cell = cells[row.world, row.settings, row.controller]
     if ":" in row.controller and controller != row.controller:
         raise PhysimError(
             f"run {row.run}: its controller {row.controller} is code of your own; give it again by "
             f"--controller {row.controller}"
         )
-    text = file_text(folder.world_file(row.world_hash))
+    file = folder.world_file(row.world_hash)
+    text = file_text(file)
     shipped = row.controller in shipped_parts(CONTROLLER)
     sources = () if shipped else sources_of(row.controller)
     differing = [
@@ -80,10 +77,8 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
     own = row.controller if ":" in row.controller else None
     spec = RunSpec(
         text, row.seed, row.world, row.settings, row.controller, sources,
-        usual_limit(parse_world(text, str(folder.world_file(row.world_hash)), controller=own)),
+        usual_limit(parse_world(text, str(file), controller=own)),
     )  # fmt: skip
-    if not differing and spec.key != row.run:
-        differing = [f"{folder.world_file(row.world_hash)} was changed"]
     if differing:
         raise PhysimError(f"run {row.run} would not be the same again: {'; '.join(differing)}")
     return spec

@@ -115,6 +115,16 @@ class Shards:
             text = f"{file}:{number}: the last line is cut off; its run counts as not done"
             warnings.warn(text, Notice, stacklevel=2)
 
+    def place_of(self, run: str) -> str:
+        """``FILE:LINE`` of the last row of a run, which one of the shards has."""
+        place = str(self.folder)
+        for file in self.files():
+            with suppress(OSError):
+                for number, line in enumerate(file.read_bytes().split(b"\n"), 1):
+                    if run.encode() in line:
+                        place = f"{file}:{number}"
+        return place
+
     def put_together(self) -> None:
         """Leave few shards of whatever writer, none cut off; others may write meanwhile."""
         small = [file for file in self.files() if _level(file) < 2 or file in self._cut]
@@ -159,14 +169,6 @@ class Shards:
         except FileNotFoundError:
             return []
         return [self.folder / name for name in names if name.endswith(SUFFIX) and name[0] != "."]
-
-
-def read(folder: str | os.PathLike[str]) -> pa.Table:
-    """All rows of a campaign's folder, each run once, in the order of world, settings, controller
-    and seed. Raises PhysimError where there are none or one cannot be read."""
-    from physim.campaigns.reading import read_table
-
-    return read_table(Path(folder))
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -222,7 +224,6 @@ __all__ = [
     "TIMES",
     "Row",
     "Shards",
-    "read",
     "schema",
     "write_whole",
 ]

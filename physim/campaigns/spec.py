@@ -44,7 +44,7 @@ class RunSpec:
     @property
     def world_hash(self) -> str:
         """Short hash of the effective world without its seed."""
-        return _short(self.text)
+        return short_hash(self.text)
 
     @property
     def source_hash(self) -> str:
@@ -59,7 +59,7 @@ class RunSpec:
     @property
     def identity(self) -> str:
         """Hash of all that its key is made of but the seed."""
-        return _joined((self.text, self.controller, self.source_hash, __version__, engine()))
+        return identity_of(self.text, self.controller, self.source_hash, __version__, engine())
 
     @property
     def label(self) -> Label:
@@ -112,13 +112,24 @@ def engine() -> str:
 
 
 @functools.lru_cache(maxsize=64)
-def _short(text: str) -> str:
+def short_hash(text: str) -> str:
+    """Hash of an effective world, by which its file is called."""
     return hashlib.sha256(text.encode()).hexdigest()[:HASH_DIGITS]
 
 
 @functools.lru_cache(maxsize=64)
-def _joined(parts: tuple[str, ...]) -> str:
+def identity_of(*parts: str) -> str:
+    """Hash of an effective world, a controller's name and source, and both versions."""
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()
 
 
-__all__ = ["Label", "RunSpec", "engine", "key_of", "spec_of", "usual_limit"]
+__all__ = [
+    "Label",
+    "RunSpec",
+    "engine",
+    "identity_of",
+    "key_of",
+    "short_hash",
+    "spec_of",
+    "usual_limit",
+]

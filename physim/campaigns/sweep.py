@@ -16,6 +16,7 @@ from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
 from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError, Stop
+from physim.campaigns.reading import write_results
 from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Row, write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
 from physim.campaigns.spec import RunSpec
@@ -104,7 +105,7 @@ def sweep(
     finally:
         work.close()
     place.shards.put_together()
-    place.write_results()
+    write_results(place.path)
     return work.tally
 
 

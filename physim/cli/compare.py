@@ -192,11 +192,9 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
 
 def outcomes(folder: Path) -> Outcomes:
     """Rows of a campaign. Raises PhysimError where there is none, or it has no rows yet."""
-    from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
-    from physim.campaigns.rows import read
+    from physim.campaigns.reading import read
 
-    Folder(folder).cells()
     found = Outcomes(read(folder))
     if not len(found):
         raise PhysimError(f"{folder}: its campaign has no runs yet")

@@ -62,12 +62,12 @@ def report(options: Options) -> int:
     """
     from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.reading import read
     from physim.campaigns.report.contents import report_of
     from physim.campaigns.report.markup import is_ours
     from physim.campaigns.report.page import report_page
     from physim.campaigns.report.pictures import pictures, remake
     from physim.campaigns.report.text import report_text, report_values
-    from physim.campaigns.rows import read
     from physim.campaigns.until import read_until
 
     folder: Path = options.folder

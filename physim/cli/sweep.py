@@ -129,8 +129,8 @@ def _tell(
 ) -> None:
     """Print what came of it: counts of each cell, and the runs to look at."""
     from physim.campaigns.outcomes import Outcomes
+    from physim.campaigns.reading import read
     from physim.campaigns.report.sweep_text import sweep_text, sweep_values
-    from physim.campaigns.rows import read
 
     labels, found = [cell.label for cell in grid.cells], Outcomes(read(folder))
     if options.json:

@@ -7,8 +7,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
+
 from physim.campaigns.columns import rows_of
-from physim.campaigns.rows import TIMES, Row, read
+from physim.campaigns.folder import Folder
+from physim.campaigns.reading import read_rows
+from physim.campaigns.rows import TIMES, Row
 from physim.campaigns.spec import RunSpec, spec_of
 from physim.world.file import parse_world
 
@@ -83,6 +87,11 @@ def specs(count: int, text: str = WORLD) -> list[RunSpec]:
     """Runs of the small world with seeds from 0 on."""
     world = parse_world(text)
     return [spec_of(world, seed) for seed in range(count)]
+
+
+def read(folder: Path) -> pa.Table:
+    """All rows of a folder, each run once, whatever its campaign.json tells."""
+    return read_rows(Folder(folder))
 
 
 def rows_in(folder: Path) -> list[Row]:

@@ -161,9 +161,6 @@ def test_what_cannot_be_compared_is_refused() -> None:
         between(many, other, ("A", "B"))
     with pytest.raises(PhysimError, match="no seed in common"):
         compare(between(one, Outcomes(table([row(2)])), ("A", "B")))
-    twice = Outcomes(table([row(1, run="a"), row(1, run="b")]))
-    with pytest.raises(PhysimError, match=facts("seed 1", "twice")):
-        compare(between(one, twice, ("A", "B")))
     crowd = Outcomes(table([row(1, controller=str(k)) for k in range(30)]))
     with pytest.raises(PhysimError, match=facts("435", "200")):
         by(crowd, "controller")

@@ -31,14 +31,6 @@ def test_cells_are_sorted_and_have_their_rows_by_seed() -> None:
         assert outcomes.column("deviation")[cell.rows].tolist() == [1.0, 3.0, 5.0]
 
 
-def test_cells_of_a_name_that_mean_another_world_or_version_stay_apart() -> None:
-    rows = [row(1), row(1, world_hash="f" * 12), row(2, physim="0.2.0")]
-    cells = Outcomes(table(rows)).cells
-    assert [cell.count for cell in cells] == [1, 1, 1]
-    assert len({cell.name for cell in cells}) == 3
-    assert Outcomes(table([row(1), row(2, world="other")])).cells[0].note == ""
-
-
 @pytest.mark.parametrize(
     ("one", "free", "finished", "failed_"),
     [

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns.folder import CAMPAIGN, Folder
-from physim.campaigns.rows import FOLDER, Row, Shards, read
+from physim.campaigns.rows import FOLDER, Row, Shards
 from physim.campaigns.until import UNTIL, read_until
 from physim.errors import PhysimError
+from tests.campaigns.samples import read
 
 
 @pytest.fixture

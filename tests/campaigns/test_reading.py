@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns import reading
 from physim.campaigns.columns import row_of
-from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards, read
+from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards
 from physim.errors import PhysimError
+from tests.campaigns.samples import read
 from tests.campaigns.tables import many
 from tests.facts import facts
 
@@ -88,8 +90,10 @@ def test_what_is_no_shard_is_refused(tmp_path: Path, text: str) -> None:
         read(tmp_path)
 
 
-def test_a_folder_without_rows_is_no_campaign(tmp_path: Path) -> None:
-    with pytest.raises(PhysimError, match=facts(str(tmp_path), "physim sweep")):
-        read(tmp_path)
+def test_a_folder_without_campaign_json_is_none(tmp_path: Path) -> None:
+    with pytest.raises(PhysimError, match=facts(str(tmp_path), "no campaign", "physim sweep")):
+        reading.read(tmp_path)
     Shards(tmp_path).folder.mkdir()
     assert read(tmp_path).num_rows == 0
+    with pytest.raises(PhysimError, match="no campaign"):
+        reading.read(tmp_path)

@@ -6,7 +6,7 @@ import errno
 import json
 import os
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pandas as pd
@@ -18,10 +18,12 @@ from physim.campaigns import rows as module
 from physim.campaigns import shard
 from physim.campaigns.columns import rows_of
 from physim.campaigns.folder import Folder
-from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, read, schema
+from physim.campaigns.one_run import row_without_run
+from physim.campaigns.reading import write_results
+from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, schema
 from physim.campaigns.shard import Part
 from physim.errors import Notice, PhysimError
-from tests.campaigns.samples import rows_in
+from tests.campaigns.samples import read, rows_in, specs
 from tests.facts import facts
 
 
@@ -133,8 +135,11 @@ def test_a_damaged_shard_is_named(folder: Path) -> None:
 
 
 def test_results_open_elsewhere(folder: Path) -> None:
-    Shards(folder).write([row(2, "error", reason="x"), row(1, contacts=3, deepest=0.01)])
-    Folder(folder).write_results()
+    one, two = specs(3)[1:]
+    Folder(folder).open([one])
+    touched = replace(row_without_run(one, "finished", ""), contacts=3, deepest=0.01)
+    Shards(folder).write([row_without_run(two, "error", "x"), touched])
+    write_results(folder)
     table = parquet.read_table(folder / "results.parquet")
     assert table.schema.remove_metadata() == schema()
     assert tuple(table.column_names) == COLUMNS
@@ -144,11 +149,6 @@ def test_results_open_elsewhere(folder: Path) -> None:
     assert frame["contacts"].isna().tolist() == [False, True]
     assert frame["deepest"][0] == 0.01
     assert not list(folder.glob(".*"))
-
-
-def test_a_folder_without_rows_is_none(tmp_path: Path) -> None:
-    with pytest.raises(PhysimError, match="no campaign"):
-        read(tmp_path)
 
 
 @pytest.mark.parametrize(

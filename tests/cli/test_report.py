@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from physim.campaigns.rows import read
+from physim.campaigns.reading import read
 from physim.campaigns.until import Until, write_until
 from physim.record import Record
 from physim.statistics.goal import read_goal
@@ -48,8 +48,8 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFi
 def test_the_worst_lead_to_pages_at_their_moments(
     made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    from physim.campaigns.reading import read
     from physim.campaigns.report import pictures
-    from physim.campaigns.rows import read
 
     assert physim("report", made, "--pages", "--quiet", capture=capsys).code == 0
     page = Elements((made / "report.html").read_text(encoding="utf-8"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.rows import read
+from physim.campaigns.reading import read
 from tests.campaigns.real import WORLD
 from tests.cli.commands import physim
 from tests.says import check_error

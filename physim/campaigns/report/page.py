@@ -165,8 +165,7 @@ def _rate(rate: Rate) -> str:
 
 def _name(one: CellReport) -> str:
     cell = one.cell
-    more = ", ".join(part for part in (cell.settings, cell.note) if part)
-    more = f"<span>{text(more)}</span>" if more else ""
+    more = f"<span>{text(cell.settings)}</span>" if cell.settings else ""
     return (
         f'<td class="name"><b>{text(cell.world)}</b><span>{text(cell.controller)}</span>{more}</td>'
     )

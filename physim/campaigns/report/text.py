@@ -142,7 +142,6 @@ def report_values(report: Report) -> dict[str, Any]:
                 "world": one.cell.world,
                 "settings": one.cell.settings,
                 "controller": one.cell.controller,
-                "note": one.cell.note,
                 "runs": one.cell.count,
                 "failed": one.failed,
                 "with_contacts": one.touched,

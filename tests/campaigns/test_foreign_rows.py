@@ -1,0 +1,124 @@
+"""Rows that are of no run of their campaign are refused, wherever they come from."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+
+from physim.campaigns.folder import CAMPAIGN, Folder
+from physim.campaigns.one_run import row_without_run
+from physim.campaigns.reading import read
+from physim.campaigns.rows import FINISHED, Row
+from physim.errors import PhysimError
+from tests.campaigns.samples import FIXED, specs
+from tests.cli.commands import physim
+from tests.facts import facts
+from tests.says import check_error
+
+WORLD, SEED = "other", 7
+
+
+@pytest.fixture
+def campaign(tmp_path: Path) -> Path:
+    """Rows of three seeds, none of which was run."""
+    folder = tmp_path / "campaign"
+    place = Folder(folder)
+    place.open(specs(1))
+    place.shards.write([row_without_run(one, FINISHED, "") for one in specs(3)])
+    assert read(folder).num_rows == 3
+    return folder
+
+
+def put(folder: Path, row: Row) -> str:
+    """A row in a shard of its own, behind an empty run of the campaign; its place."""
+    good = json.dumps(asdict(row_without_run(specs(1)[0], FINISHED, "")))
+    file = folder / "rows/9-2-x-1.jsonl"
+    file.write_text(f"{good}\n{json.dumps(asdict(row))}\n", encoding="utf-8")
+    return f"{file}:2"
+
+
+CHANGES: dict[str, Callable[[Row], Row]] = {
+    "world": lambda row: replace(row, world=WORLD),
+    "controller": lambda row: replace(row, controller="path_following"),
+    "settings": lambda row: replace(row, settings="time.step=0.1"),
+    "seed": lambda row: replace(row, seed=SEED),
+    "run": lambda row: replace(row, run="f" * 20),
+    "physim": lambda row: replace(row, physim="0.0.1"),
+    "engine": lambda row: replace(row, engine="pymunk 1.0"),
+    "world_hash": lambda row: replace(row, world_hash="0" * 12),
+}
+
+
+@pytest.mark.parametrize("column", CHANGES)
+def test_a_changed_column_is_told_with_its_line(campaign: Path, column: str) -> None:
+    changed = CHANGES[column](row_without_run(specs(4)[3], FINISHED, ""))
+    place = put(campaign, changed)
+    with pytest.raises(PhysimError, match=facts(place, CAMPAIGN)):
+        read(campaign)
+
+
+def test_rows_of_another_campaign_are_refused(campaign: Path) -> None:
+    other = row_without_run(specs(4, FIXED)[3], FINISHED, "")
+    place = put(campaign, other)
+    with pytest.raises(PhysimError, match=facts(place, "fixed")):
+        read(campaign)
+
+
+def test_the_same_rows_in_a_second_file_count_once(campaign: Path) -> None:
+    (file,) = (campaign / "rows").iterdir()
+    shutil.copy(file, file.with_name("9-2-copy-1.jsonl"))
+    assert read(campaign).num_rows == 3
+
+
+def test_a_changed_world_is_told(campaign: Path) -> None:
+    (file,) = (campaign / "worlds").iterdir()
+    file.write_text(file.read_text().replace("1.8", "1.7"))
+    with pytest.raises(PhysimError, match=facts(str(file), "changed")):
+        read(campaign)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda cells: cells * 2,
+        lambda cells: [{**cells[0], "world_hash": "../../outside"}],
+        lambda cells: [{**cells[0], "world_hash": ""}],
+        lambda cells: {},
+        lambda cells: [3],
+    ],
+)
+def test_cells_that_are_none_are_told(campaign: Path, change: Callable[[object], object]) -> None:
+    file = campaign / CAMPAIGN
+    tree = json.loads(file.read_text())
+    file.write_text(json.dumps({**tree, "cells": change(tree["cells"])}))
+    with pytest.raises(PhysimError, match=facts(str(file), "cells")):
+        read(campaign)
+
+
+@pytest.mark.parametrize(
+    "command", [("report",), ("compare", "--by", "controller"), ("replay",)], ids=lambda c: c[0]
+)
+def test_commands_refuse_them(
+    campaign: Path, command: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = put(campaign, CHANGES["seed"](row_without_run(specs(4)[3], FINISHED, "")))
+    name, *more = command
+    target = f"{campaign}:0" if name == "replay" else str(campaign)
+    done = physim(name, target, *more, capture=capsys)
+    assert done.code == 2
+    check_error(done.err, place, CAMPAIGN)
+    assert not (campaign / "report.html").exists()
+
+
+def test_a_world_too_large_to_be_read_again_is_refused_before_it_is_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("physim.campaigns.folder.MOST_BYTES", 100)
+    with pytest.raises(PhysimError, match=facts("small", "100")):
+        Folder(tmp_path / "campaign").open(specs(1))
+    assert not (tmp_path / "campaign").exists()

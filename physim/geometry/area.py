@@ -28,6 +28,14 @@ MANY = 1_000
 SIMPLER = 1e-4
 """How far that moves an outline at most, as a share of the distance by which it is shrunk."""
 
+STRETCH = 8
+"""Edges of an outline that are grown together where it still has `MANY` points."""
+
+SMALL = 0.05
+"""Extent of such a stretch, as a share of the distance, up to which its convex hull stands for it.
+No point of a hull is farther than half of that from a point of the wall, at a right angle or more
+to the way out: the safe area loses at most SMALL^2 / 8 = 0.0003 of the distance."""
+
 NEAR_EDGE = 1e-6
 """[m] A line farther than this from the edge lies on one side of it, however its points are
 rounded."""
@@ -109,11 +117,27 @@ def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | Mu
 
     Finely drawn outlines are simplified first. What shapely drops of an outline adds up where its
     points lie close: of a road of 6 m with 5,000 points a wall it lost 8 % at 1 m where the walls
-    wound, and everything where they were straight.
+    wound, and everything where they were straight. Where an outline is rough, as a scanner sees a
+    wall, the arcs around its points cross each other in pairs: 10 GB for 100,000 points 1.2 mm
+    apart. Such a one is grown in stretches, and taken away.
     """
     if shapely.get_num_coordinates(shape) > MANY:
         shape = shape.simplify(SIMPLER * distance)
-    return shape.buffer(-distance, quad_segs=round_segments)
+    if shapely.get_num_coordinates(shape) <= MANY:
+        return shape.buffer(-distance, quad_segs=round_segments)
+    stretches = np.array([one for ring in shapely.get_rings(shape) for one in _stretches(ring)])
+    low_x, low_y, high_x, high_y = shapely.bounds(stretches).T
+    small = np.hypot(high_x - low_x, high_y - low_y) <= SMALL * distance
+    stretches[small] = shapely.convex_hull(stretches[small])
+    near = shapely.union_all(shapely.buffer(stretches, distance, quad_segs=round_segments))
+    return shape.difference(near)
+
+
+def _stretches(ring: shapely.LinearRing) -> list[LineString]:
+    """A ring in pieces of `STRETCH` edges."""
+    points = shapely.get_coordinates(ring)
+    starts = range(0, len(points) - 1, STRETCH)
+    return [LineString(points[k : k + STRETCH + 1]) for k in starts]
 
 
 def _rings(shape: Polygon | MultiPolygon) -> list[FloatArray]:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
 
-from physim.geometry.area import accessible_area
+from physim.geometry.area import SIMPLER, SMALL, accessible_area, shrunk
 from physim.geometry.shapes import FloatArray
 from physim.geometry.thinning import MANY, thinned
 from physim.tolerances import LENGTH
 
+ROOT = Path(__file__).parents[2]
 ROOM = np.array([[-3.0, -3.0], [33.0, -3.0], [33.0, 3.0], [-3.0, 3.0], [-3.0, -3.0]])
 MIDDLE = np.array([[0.0, 0.0], [30.0, 0.0]])
 
@@ -83,3 +88,54 @@ def test_the_safe_area_between_finely_drawn_winding_walls(points: int) -> None:
     near = shapely.union_all(shapely.buffer(legs, 1.0, quad_segs=64))
     true = shapely.Polygon(coarse).difference(near).area
     assert shapely.Polygon(safe).area == pytest.approx(true, rel=1e-3)
+
+
+def rough(points: int, roughness: float) -> FloatArray:
+    """Outline of a room of 3 x 2 m as a scanner sees it."""
+    rng = np.random.default_rng(3)
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [0.0, 2.0], [0.0, 0.0]])
+    line = finely(corners, points // 4)
+    line += roughness * rng.standard_normal(line.shape)
+    line[-1] = line[0]
+    return line
+
+
+TAKEN = 0.01 + 0.0012 + SIMPLER + SMALL**2 / 8.0
+"""Share of the distance that shapely, chords, simplification and hulls may take."""
+
+
+@pytest.mark.parametrize("roughness", [1e-3, 4e-3, 4e-2])
+def test_the_safe_area_between_rough_walls(roughness: float) -> None:
+    ring = rough(4 * MANY, roughness)
+    face = shapely.get_parts(shapely.make_valid(shapely.Polygon(ring)))
+    room = max(face, key=lambda one: float(one.area))
+    found = shrunk(room, 0.5, 16)
+    edges = [shapely.get_coordinates(one) for one in shapely.get_rings(room)]
+    legs = np.concatenate([np.stack([one[:-1], one[1:]], axis=1) for one in edges])
+    near = shapely.union_all(shapely.buffer(shapely.linestrings(legs), 0.5, quad_segs=64))
+    true = room.difference(near)
+    assert found.area == pytest.approx(true.area, rel=5e-3)
+    gaps = shapely.distance(room.boundary, shapely.points(shapely.get_coordinates(found)))
+    assert np.abs(gaps - 0.5).max() <= TAKEN * 0.5
+
+
+MEMORY = """
+from resource import RUSAGE_SELF, getrusage
+from shapely import Polygon, get_parts, make_valid
+from physim.geometry.area import shrunk
+from tests.geometry.test_thinning import rough
+room = max(get_parts(make_valid(Polygon(rough(20_000, 3e-3)))), key=lambda one: one.area)
+before = getrusage(RUSAGE_SELF).ru_maxrss
+area = shrunk(room, 0.5, 16).area
+print(area, getrusage(RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+def test_rough_walls_of_many_points_take_little_memory() -> None:
+    """Their arcs cross each other in pairs: 790 MB, if they are all grown at once."""
+    command = [sys.executable, "-c", MEMORY]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-500:]
+    area, grown = map(float, done.stdout.split())
+    assert area == pytest.approx(2.0 * 1.0, rel=3e-2)
+    assert grown < 200_000.0  # [kB]

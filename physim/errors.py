@@ -94,9 +94,15 @@ def plural(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
+FEWEST_LETTERS = 3
+"""Of the beginning of a name by which it is known"""
+
+
 def nearest(given: str, allowed: list[str]) -> str:
-    """``; did you mean "x"?`` for the closest of ``allowed``, or an empty string."""
+    """``; did you mean "x"?`` for the closest of ``allowed``, else the first that begins so."""
     import difflib
 
     close = difflib.get_close_matches(given, allowed, n=1, cutoff=0.6)
+    if not close and len(given) >= FEWEST_LETTERS:
+        close = [name for name in allowed if name.startswith(given)]
     return f'; did you mean "{close[0]}"?' if close else ""

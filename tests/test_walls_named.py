@@ -11,11 +11,12 @@ import physim
 from physim.analysis.summary.table import table
 from physim.analysis.validation import validate
 from physim.analysis.validation.report import report
+from physim.analysis.validation.seeds import SeedResult, seed_line
 from physim.world.checks import check_world
 from physim.world.layout.scene_builder import build_scene
 from physim.world.walls import nearest_stretch, stretch_text
 from tests.checking.test_robots import DRAWN, changed
-from tests.validation.runs import Drivers
+from tests.validation.runs import Drivers, edited
 
 RING = """\
 name: ring
@@ -52,6 +53,22 @@ def test_a_contact_says_where_along_the_wall(hit):
     (one,) = found.contacts
     assert one.along.endswith(STRETCH)
     assert STRETCH in report(found)
+
+
+def test_a_contact_too_deep_to_be_true_says_where_along_the_wall(hit, tmp_path):
+    def deeper(rows):
+        rows["depth"] = 0.45
+        return rows
+
+    with edited(hit, tmp_path / "record.h5", deeper) as record:
+        (line,) = [s for s in table(physim.summarise(record)).splitlines() if "NOT PHYS" in s]
+        assert STRETCH in line
+        (deep,) = json.loads(physim.summarise(record).to_json())["deep_contacts"]
+        assert deep["where"].endswith(STRETCH)
+
+
+def test_a_seed_of_a_study_says_where_along_the_wall_it_failed(hit):
+    assert STRETCH in seed_line(SeedResult.of(1, validate(hit)))
 
 
 SPIKE = "[25, 4], [11, 4], [TIP], [10.5, 4], [10, 4]"

@@ -68,6 +68,11 @@ class Setup:
         found = [("controller", str(self.controller)), *stages, ("from Python", self.from_python)]
         return [(word, text) for word, text in found if text]
 
+    def to_dict(self) -> dict[str, Any]:
+        """Controller and stages with their settings, and what came from Python, for JSON."""
+        stages = {word: [part.to_dict() for part in parts] for word, parts in self.stages.items()}
+        return {"controller": self.controller.to_dict(), **stages, "from_python": self.others}
+
     @property
     def from_python(self) -> str:
         """Other parts than the controller that came from Python, in words."""

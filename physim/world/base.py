@@ -59,6 +59,10 @@ class Model(BaseModel, metaclass=_Meta):
             )
         super().__setattr__(name, value)
 
+    def __delattr__(self, name: str) -> None:
+        """Refuse like `__setattr__`."""
+        self.__setattr__(name, None)
+
     @classmethod
     def cross_faults(cls, data: Mapping[str, Any]) -> list[Fault]:
         """Faults between several values of ``data``, valid or not; nothing by default."""

@@ -100,6 +100,7 @@ def test_without_a_failure_it_says_what_that_shows() -> None:
     for words in (text, Elements(page).said):
         assert re.search(r"at most 3\.0 % go wrong; 2,895 more", words)
         assert "99.9 %" in words
+    assert text.count("at most") == 1, "of three rates of 100 %, one line says it"
     text, _ = pages(report([row(seed) for seed in range(3000)]))
     assert re.search(r"at most 0\.10 % go wrong, which shows 99\.9 %", text)
 
@@ -148,6 +149,17 @@ def test_the_worst_are_the_ten_least_distances() -> None:
     tied = report([row(seed, shortest_distance=0.5) for seed in range(30)])
     assert tied.worst == tuple(range(10))
     assert report([failed()]).worst == ()
+
+
+def test_it_says_where_the_least_distances_leave_cells_out() -> None:
+    bad = [row(seed, controller="deaf", shortest_distance=-0.1) for seed in range(12)]
+    good = [row(seed, shortest_distance=0.5) for seed in range(12)]
+    text, page = pages(report([*bad, *good]))
+    for words in (text, Elements(page).said):
+        assert "all of 1 of 2 cells" in words
+    text, page = pages(report([*bad[:5], *good[:5]]))
+    assert "of 2 cells" not in text.partition("the least distances")[2]
+    assert "They are" not in Elements(page).said
 
 
 def test_cells_without_any_value_are_told_too() -> None:

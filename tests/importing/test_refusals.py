@@ -230,6 +230,10 @@ DRAWINGS = {
         svg('<path id="boundary" d="M 0,0 24,0 24,14"/>'),
         "the boundaries enclose no area",
     ),
+    "one wall in two pieces, with a gap": (
+        svg('<path id="boundary" d="M 0,0 24,0 24,6 M 24,7 24,14 0,14 0,0"/>'),
+        ":2: … the boundaries enclose no area … (24.00, 8.00) and (24.00, 7.00) … 1 m apart",
+    ),
     "no units": (
         svg('<path id="boundary" d="M 0,0 24,0 24,14 Z"/>', 'width="240" height="140"'),
         ":1: … units … --scale",
@@ -245,12 +249,15 @@ DRAWINGS = {
 }
 
 
+UNSCALED = ("beyond numbers", "open boundary", "one wall in two pieces, with a gap")
+
+
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_drawings(tmp_path: Path, name: str) -> None:
     text, message = DRAWINGS[name]
     path = tmp_path / "d.svg"
     path.write_text(text)
-    scale = 1.0 if name in ("beyond numbers", "open boundary") else None
+    scale = 1.0 if name in UNSCALED else None
     check_says(refusal(path, Options(scale=scale)), message)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +12,13 @@ import physim
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.disagreements import GRAZE
 from physim.analysis.validation.prediction import AGREES
+from physim.analysis.validation.seeds import json_of_validation
 from physim.contacts import Phase
 from physim.errors import RecordError
+from physim.record.setup import Part
 from tests.facts import facts
 from tests.validation.reports import states
-from tests.validation.runs import lane
+from tests.validation.runs import LANE, lane
 
 
 def test_contact_free(apart):
@@ -127,6 +130,21 @@ def test_a_contact_that_lay_not_ahead_is_told_in_words(rear_end):
     assert "did not lay" not in text
 
 
-def test_the_head_names_the_controller_alone(rear_end):
+def test_the_head_names_the_controller_and_what_of_it_is_not_known(rear_end):
     (line,) = [s for s in report(validate(rear_end)).splitlines() if s.startswith("  controller ")]
-    assert line.split(maxsplit=1)[1] == "tests.validation.runs:Drivers, given from Python"
+    assert states(line, "tests.validation.runs:Drivers", "commands not known", within=60)
+    assert line.endswith("given from Python")
+
+
+def test_the_head_names_settings_and_stages():
+    chosen = ["controller.type=path_following", "controller.speed=0.75", "time.duration=0.2"]
+    record = physim.simulate(physim.parse_world(LANE, overrides=chosen))
+    found = validate(record)
+    stages = {"sensing": (), "filters": (Part("slow", {"share": 0.5}),), "disturbances": ()}
+    run = replace(found.run, setup=replace(found.run.setup, stages=stages))
+    head = report(replace(found, run=run)).split("\n\n")[0]
+    assert states(head, "controller", "path_following", "speed 0.75", within=60)
+    assert states(head, "filter", "slow", "share 0.5", within=40)
+    setup = json.loads(json_of_validation(replace(found, run=run)))["run"]["setup"]
+    assert setup["controller"] == {"type": "path_following", "settings": {"speed": 0.75}}
+    assert setup["filters"] == [{"type": "slow", "settings": {"share": 0.5}}]

@@ -232,6 +232,8 @@ def test_worlds_are_changed_by_making_new_ones():
         before = getattr(of, key)
         with pytest.raises(AttributeError, match=facts(f"{type(of).__name__}.{key}", "changed")):
             setattr(of, key, 4)
+        with pytest.raises(AttributeError, match=facts(f"{type(of).__name__}.{key}", "changed")):
+            delattr(of, key)
         assert getattr(of, key) == before
 
 

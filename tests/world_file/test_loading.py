@@ -45,15 +45,20 @@ def test_a_world_by_hand_loads(tmp_path):
 def test_files_that_cannot_be_read_say_why(tmp_path):
     (tmp_path / "straight.yaml").write_text(STRAIGHT)
     os.mkfifo(tmp_path / "pipe.yaml")
+    for name in ("plan.svg", "record.h5"):
+        (tmp_path / name).write_bytes(b"x")
     for name, *parts in (
         ("strait.yaml", "no such file", "straight.yaml"),
         ("zzz", "no such file", "straight.yaml"),
         ("no/w.yaml", "no folder"),
         ("", "a folder"),
         ("pipe.yaml", "regular file"),
+        ("plan.svg", "no world file", "physim import"),
+        ("record.h5", "no world file", "record"),
     ):
         check_error(f"{refusal(tmp_path / name)}\n", str(tmp_path / name), *parts)
     assert "cannot be read" in refusal("a\0b")
+    assert "plan.svg" not in refusal(tmp_path / "plans.yaml"), "a drawing is no world"
     with (tmp_path / "large.yaml").open("wb") as file:
         file.truncate(100_000_000)
     assert re.search(facts("large.yaml", "100.0 MB"), refusal(tmp_path / "large.yaml"))

@@ -20,16 +20,15 @@ parentheses refer to the paper.
 from __future__ import annotations
 
 from physim.analysis.metrics.contacts import (
-    Deep,
     Episode,
     Graze,
     Severity,
     contact_episodes,
-    deep_contacts,
     grazes,
     masses,
     severity,
 )
+from physim.analysis.metrics.deep import Deep, deep_contacts
 from physim.analysis.metrics.distances import (
     Width,
     collision_times,

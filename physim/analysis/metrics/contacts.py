@@ -1,6 +1,4 @@
-"""Contacts as episodes: who touched whom, when, how hard; and which are too deep to be true.
-
-A contact is too deep (`Deep`) where the engine could not hold two bodies apart.
+"""Contacts as episodes: who touched whom, when, how hard.
 
 Severity is closing speed, change of speed of each body, and energy lost. All three are about
 the first sample of a contact, the impact. Pushing after it shows in the impulse of the whole
@@ -25,14 +23,14 @@ References: impulse and energy of an impact with restitution, e.g. Stronge, Impa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.contacts import Kind, allowed_depth, touching
+from physim.contacts import Kind, touching
 from physim.geometry.motion import chord_velocity
 from physim.geometry.polygon import signed_area
 from physim.geometry.shapes import FloatArray
@@ -227,50 +225,3 @@ def _elasticity(record: Record) -> float:
     physics = record.world_settings.get("physics")
     value = physics.get("elasticity") if isinstance(physics, dict) else None
     return float(value) if isinstance(value, int | float) else 0.0
-
-
-@dataclass(frozen=True)
-class Deep:
-    """A pair of bodies that sank into each other by more than `physim.contacts.allowed_depth`."""
-
-    a: int
-    """body ids, a < b"""
-    b: int
-    time: float
-    """[s] of the first sample deeper than allowed"""
-    allowed: float
-    """[m]"""
-    depth: float
-    """[m] greatest depth"""
-    depth_time: float
-    """[s] of the greatest depth"""
-    place: tuple[float, float]
-    """[m] world frame, where it is deepest"""
-
-    def sentence(self, names: Sequence[str]) -> str:
-        """Who, where, when, how deep, and what it means; ``names`` by body id."""
-        x, y = self.place
-        return (
-            f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
-            f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "
-            f"({x:.3f}, {y:.3f}) m); allowed are {1e3 * self.allowed:.0f} mm. The "
-            "engine could not hold them apart: their motion from then on is not physical."
-        )
-
-
-def deep_contacts(record: Record) -> tuple[Deep, ...]:
-    """Pairs deeper than allowed at a sample, in the order of time; empty where all were held."""
-    rows = touching(record.contacts)
-    allowed = allowed_depth(record.shapes, record.dt)
-    rows = rows[rows["depth"] > allowed]
-    found = []
-    for a, b in np.unique(np.stack((rows["a"], rows["b"]), 1), axis=0).tolist():
-        mine = rows[(rows["a"] == a) & (rows["b"] == b)]
-        worst = mine[int(np.argmax(mine["depth"]))]
-        found.append(
-            Deep(
-                a, b, int(mine["step"].min()) * record.dt, allowed, float(worst["depth"]),
-                int(worst["step"]) * record.dt, (float(worst["x"]), float(worst["y"])),
-            )
-        )  # fmt: skip
-    return tuple(sorted(found, key=lambda one: (one.time, one.a, one.b)))

@@ -161,12 +161,7 @@ class Summary:
             "seed": self.seed,
             "robots": self.robots,
             "ended": self.ended,
-            "controller": self.setup.controller.to_dict(),
-            **{
-                word: [part.to_dict() for part in parts]
-                for word, parts in self.setup.stages.items()
-            },
-            "from_python": self.setup.others,
+            **self.setup.to_dict(),
             "versions": self.setup.versions,
             "simulated_s": self.value("simulated_time"),
             "finished": self.value("finished"),
@@ -242,6 +237,7 @@ class Summary:
             "max_depth_m": one.depth,
             "time_s": one.depth_time,
             "place_m": one.place,
+            **({"where": one.along} if one.along else {}),
             "text": one.sentence(self.bodies),
         }
 

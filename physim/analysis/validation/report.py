@@ -13,7 +13,7 @@ from physim.analysis.validation.contact_text import (
 from physim.analysis.validation.disagreements import UNEXPLAINED
 from physim.analysis.validation.mismatch import SLACK
 from physim.analysis.validation.near_misses import LOOK, PARTED, TOGETHER, NearMiss
-from physim.analysis.validation.validation import Validation, confusions
+from physim.analysis.validation.validation import Run, Validation, confusions
 from physim.analysis.validation.wording import joined, listed, wrapped
 from physim.tolerances import ONE_STEP
 
@@ -200,7 +200,6 @@ def warning_lines(validation: Validation) -> list[str]:
 
 def _head(validation: Validation) -> list[str]:
     run = validation.run
-    given = dict(run.given)
     robots = "1 robot" if run.robots == 1 else f"{run.robots} robots"
     others = [body.name for body in run.bodies[run.robots :]]
     ends = {
@@ -214,17 +213,26 @@ def _head(validation: Validation) -> list[str]:
         "COLLISION SAFETY REPORT",
         f"  run         {run.name}, seed {run.seed}: {robots}, {listed(others, 6)}",
         f"  record      {run.source}",
-        f"  controller  {run.controller}{', given from Python' if 'controller' in given else ''}",
+        *_parts(run),
         f"  time        {run.seconds:.2f} s of at most {run.planned:g} s, step {run.dt:g} s; "
         f"{ends.get(run.ended, run.ended)}",
     ]
-    lines += [
-        f"  {kind:<11} {name}, given from Python"
-        for kind, name in run.given
-        if kind != "controller"
-    ]
     made = ", ".join(f"{name} {version}" for name, version in sorted(run.versions.items()))
     return [*lines, f"  made by     {made}"] if made else lines
+
+
+def _parts(run: Run) -> list[str]:
+    """The controller and what stands between it and the robots, with their settings."""
+    setup, python = run.setup, ", given from Python"
+    is_known = setup.controller.name == run.controller
+    controller = str(setup.controller) if is_known else run.controller
+    parts = [("controller", controller + (python if "controller" in dict(run.given) else ""))]
+    for stage, ones in setup.stages.items():
+        parts += [(stage.removesuffix("s"), str(one)) for one in ones]
+    for one in setup.others:
+        kind, _, name = one.partition(" ")
+        parts.append((kind, name + python))
+    return [line for kind, text in parts for line in wrapped(f"{kind:<11} {text}", "  ", 14 * " ")]
 
 
 def _contacts(validation: Validation) -> list[str]:

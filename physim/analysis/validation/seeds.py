@@ -14,6 +14,7 @@ from physim.analysis.validation.contact_report import ContactReport, SweptContac
 from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Validation
 from physim.errors import plural
 from physim.parts.declarations import Mode, Rule
+from physim.record.setup import Setup
 from physim.statistics.proportion import clopper_pearson
 
 
@@ -54,9 +55,10 @@ class SeedResult:
             one = touches[0]
             names = found.names
             who = " and ".join(names[i] for i in one.responsible)
+            x, y = one.place
             first = (
-                f"{names[one.a]} and {names[one.b]} at {one.time:.2f} s near "
-                f"({one.place[0]:.1f}, {one.place[1]:.1f}), responsible {who}"
+                f"{names[one.a]} and {names[one.b]} at {one.time:.2f} s, "
+                f"{one.along or f'at ({x:.4g}, {y:.4g})'}, responsible {who}"
             )
         near = found.near_misses.distances
         return cls(
@@ -204,6 +206,8 @@ def plain(value: Any) -> Any:
     """Value in types that JSON knows; modes and rules by their names."""
     if isinstance(value, Mode | Rule):
         return value.name
+    if isinstance(value, Setup):
+        return plain(value.to_dict())
     if is_dataclass(value) and not isinstance(value, type):
         return {
             field.metadata.get("json", field.name): plain(getattr(value, field.name))

@@ -34,6 +34,7 @@ from physim.analysis.validation.rerun import Rerun, compare_runs
 from physim.errors import RecordError, plural
 from physim.record import Record
 from physim.record.layout import OPTIONAL
+from physim.record.setup import Setup
 from physim.world.faults import describe
 from physim.world.scene import Body
 
@@ -63,6 +64,8 @@ class Run:
     versions: dict[str, str]
     given: tuple[tuple[str, str], ...]
     """parts that came from Python in place of or beside what the world names: kind and name"""
+    setup: Setup
+    """controller and stages with their settings"""
 
 
 @dataclass(frozen=True, repr=False)
@@ -207,7 +210,7 @@ def validate_again(record: Record, again: Record, source: str) -> Validation:
     check_counts(record, counts)
     run = replace(
         found.run, ended=record.ended, versions=record.versions, given=record.given,
-        controller=_controller(record),
+        controller=_controller(record), setup=record.setup,
     )  # fmt: skip
     wrong = (*counts.found, *found.recomputed.mismatches)
     return replace(
@@ -261,6 +264,7 @@ def _run(record: Record, source: str | None) -> Run:
         record.name, source or str(record.path or "in memory"), record.seed, _controller(record),
         record.bodies, record.robots, record.dt, record.samples, record.steps_run * record.dt,
         record.steps_planned * record.dt, record.ended, record.versions, record.given,
+        record.setup,
     )  # fmt: skip
 
 

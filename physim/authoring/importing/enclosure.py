@@ -175,7 +175,10 @@ def join_ends(lines: list[FloatArray]) -> list[str]:
     crossed = np.hypot(*(first[0] - second[-1])) + np.hypot(*(first[-1] - second[0]))
     if crossed < straight:
         second = second[::-1]
-    for a, b in ((first[0], second[0]), (first[-1], second[-1])):
+    caps = ((first[0], second[0]), (first[-1], second[-1]))
+    if any((a == b).all() for a, b in caps):
+        return changes  # one wall in two pieces, and a gap
+    for a, b in caps:
         lines.append(np.array([a, b]))
         changes.append(f"two open walls closed by a cap from {place(a)} to {place(b)}")
     return changes

@@ -118,6 +118,12 @@ class Report:
         """Number of all runs."""
         return len(self.outcomes)
 
+    @property
+    def cells_of_worst(self) -> int:
+        """Number of cells that the runs with the least distances are of."""
+        stops = [one.cell.stop for one in self.cells]
+        return len(set(np.searchsorted(stops, self.worst, side="right").tolist()))
+
     def versions(self) -> list[str]:
         """``physim 0.1.0``, ``pymunk 7.3.1``: all that the runs were made with."""
         own, engine = (

@@ -27,6 +27,7 @@ from physim.campaigns.report.wording import (
     method,
     no_failure,
     number,
+    of_cells,
     percent,
 )
 from physim.errors import plural
@@ -266,6 +267,8 @@ def _worst(report: Report, shown: Sequence[Shown]) -> Iterator[str]:
         return
     count = "ten " if len(report.worst) == 10 else ""
     yield f"<h2>The {count}least distances</h2>"
+    if left := of_cells(report):
+        yield f"<p>They are{left.removeprefix(',')}; the least of each is told under it above.</p>"
     yield "<p>Each picture is the moment of the least distance. The command makes the run again,"
     yield " with its record and video.</p>"
     yield '<div class="tiles large">'

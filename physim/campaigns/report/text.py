@@ -16,6 +16,7 @@ from physim.campaigns.report.wording import (
     method,
     no_failure,
     number,
+    of_cells,
     percent,
 )
 from physim.errors import plural
@@ -37,7 +38,7 @@ def report_text(report: Report, commands: list[str]) -> str:
         lines += [f"  {failure_line(one)}" for one in report.failures]
         lines.append("")
     if report.worst:
-        lines.append("the least distances:")
+        lines.append(f"the least distances{of_cells(report)}:")
         near = report.outcomes.column("shortest_distance")
         for index, again in zip(report.worst, commands, strict=True):
             row = report.outcomes.row(index)
@@ -67,10 +68,13 @@ def _cell(report: Report, one: CellReport) -> Iterator[str]:
     )
     if report.goal is not None and one.decision is not None:
         yield f"  {decision_words(one.decision, report.goal)}"
+    told = ""
     for rate in one.rates:
         yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
-        if note := no_failure(rate):
+        note = no_failure(rate)
+        if note and note != told:  # where all went well, one line stands for the three rates
             yield f"  {'':<26}{note}"
+        told = note
     for name in TOLD:
         spread = one.spread(name)
         if spread.count:

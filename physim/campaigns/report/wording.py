@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from physim.campaigns.report.contents import SHOWN, Rate
+from physim.campaigns.report.contents import SHOWN, Rate, Report
 from physim.errors import plural
 from physim.statistics.goal import Decision, Goal
 
@@ -60,6 +60,12 @@ def no_failure(rate: Rate) -> str:
     if more > 0:
         return f"{few}; {number(more)} more, none of which does, would show {shown}"
     return f"{few}, which shows {shown}"
+
+
+def of_cells(report: Report) -> str:
+    """``, all of 1 of 6 cells``: where the runs with the least distances leave cells out."""
+    among, cells = report.cells_of_worst, len(report.cells)
+    return f", all of {among} of {cells} cells" if among < cells else ""
 
 
 def number(count: int) -> str:

@@ -148,5 +148,5 @@ def _check_robots(
         f"{describe(laid.names[stop.number])} stops {max(gap, 0.0):.4g} m behind "
         f"{describe(laid.names[other.number])}{others}; nearer than {least:.4g} m (speed x "
         "controller.time_low, or distance_low) to a robot that stands there it is in danger mode "
-        "and may never arrive; start them farther apart, or lower time_low",
+        "and may never arrive; start them farther apart, end its path earlier, or lower time_low",
     )

@@ -10,6 +10,7 @@ import os
 import stat
 from importlib.resources import as_file, files
 from pathlib import Path
+from types import MappingProxyType
 
 import yaml
 
@@ -68,6 +69,13 @@ def _near(folder: Path, given: str) -> list[str]:
 
 
 MOST_LISTED = 5
+OTHER_KINDS = MappingProxyType(
+    {
+        **dict.fromkeys((".h5", ".hdf5"), "a record is shown by physim summary, video and page"),
+        **dict.fromkeys((".svg", ".csv", ".wkt", ".geojson"), "physim import makes one of it"),
+    }
+)
+"""What is done with files that are no worlds, by ending."""
 
 
 def file_text(path: Path) -> str:
@@ -83,6 +91,8 @@ def file_text(path: Path) -> str:
             raise _unreadable(source, f"is a folder, not a world file{_listed(path, '')}")
         if not stat.S_ISREG(status.st_mode):
             raise _unreadable(source, "is not a regular file")
+        if instead := OTHER_KINDS.get(path.suffix):
+            raise _unreadable(source, f"is no world file; {instead}")
         if status.st_size > MOST_BYTES:
             raise _unreadable(source, _too_large(status.st_size))
         with path.open("rb") as file:
@@ -122,11 +132,10 @@ def _listed(folder: Path, name: str) -> str:
         names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
     except (OSError, ValueError):
         return f"; there is no folder {folder}" if not folder.exists() else ""
-    worlds = [n for n in names if n.endswith((".yaml", ".yml")) and n.isprintable()]
-    stems = {n: n.rpartition(".")[0] for n in names if n.isprintable()}  # not what all have alike
-    alike = difflib.get_close_matches(Path(name).stem, list(stems.values()), n=3, cutoff=0.6)
-    near = [n for stem in dict.fromkeys(alike) for n in stems if stems[n] == stem][:3]
-    listed = list(dict.fromkeys([*near, *worlds]))[:MOST_LISTED]
+    worlds = [n for n in names if n.endswith(SUFFIXES) and n.isprintable()]
+    stem = Path(name).stem  # without what all have alike
+    alike = difflib.get_close_matches(stem, [Path(n).stem for n in worlds], n=3, cutoff=0.6)
+    near = [n for one in dict.fromkeys(alike) for n in worlds if Path(n).stem == one][:3]
     if near:
         return f"; did you mean {' or '.join(near)}?"
-    return f"; world files there: {', '.join(listed)}" if listed else ""
+    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}" if worlds else ""

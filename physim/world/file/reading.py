@@ -12,7 +12,13 @@ import yaml
 from physim.errors import Fault, Location, Position, WorldError
 from physim.world.faults import KeyFault, describe, field_at
 from physim.world.file.nodes import UNREADABLE, Document, Member, Node, collector_paused
-from physim.world.file.pitfalls import RefusedScalarError, missing_space, scalar, syntax_hint
+from physim.world.file.pitfalls import (
+    EMPTY,
+    RefusedScalarError,
+    missing_space,
+    scalar,
+    syntax_hint,
+)
 
 MOST_BYTES = 5_000_000
 MOST_DEPTH = 50
@@ -183,7 +189,7 @@ class _Reader:
                 value = event.value if event.style else scalar(event.value)
             except RefusedScalarError as error:
                 if event.value or not self.stack or self.stack[-1].is_usable:
-                    text = str(error) if event.value else self._empty()
+                    text = self._empty() if str(error) == EMPTY else str(error)
                     self._fault(Fault(self._here(), text), line, column)
         if value is UNREADABLE:
             self.unreadable.add(self._here())

@@ -25,7 +25,7 @@ EDITS = (
     ),
     Edit(
         "metrics",
-        "physim/analysis/metrics/contacts.py",
+        "physim/analysis/metrics/deep.py",
         "deep_contacts",
         'rows["depth"] > allowed',
         'rows["depth"] > 2.0 * allowed',

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "reports",
+        "physim/campaigns/report/contents.py",
+        "Report.cells_of_worst",
+        "return len(set(",
+        "return len(self.cells) + len(set(",
+        "where the least distances leave cells out it is said",
+        "tests/campaigns/test_report.py::test_it_says_where_the_least_distances_leave_cells_out",
+    ),
+    Edit(
+        "reports",
         "physim/campaigns/outcomes.py",
         "Outcomes.contact_free",
         " & ~self.failed",

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/report.py",
+        "_parts",
+        "for stage, ones in setup.stages.items():",
+        "for stage, ones in ():",
+        "the report names the stages between controller and robots",
+        "tests/validation/test_verdict.py::test_the_head_names_settings_and_stages",
+    ),
+    Edit(
+        "validation",
         "physim/cli/validate.py",
         "_validate_seeds",
         "spec_of(world, seed, limit=math.inf)",

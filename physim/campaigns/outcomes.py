@@ -139,6 +139,6 @@ def _cells(keys: list[tuple[NDArray[np.int64], list[str]]]) -> tuple[Cell, ...]:
     found = []
     for start, stop in zip(starts, [*starts[1:], count], strict=True):
         at = codes[:, start]
-        words = (known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True))
-        found.append(Cell(*words, start, stop))
+        names = [known[k] if k >= 0 else "" for (_, known), k in zip(keys, at, strict=True)]
+        found.append(Cell(names[0], names[1], names[2], start, stop))
     return tuple(found)

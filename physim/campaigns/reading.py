@@ -97,7 +97,7 @@ def _identities(place: Folder) -> dict[tuple[str, ...], tuple[str, str, str, str
 
     Raises PhysimError for a world that was changed.
     """
-    found = {}
+    found: dict[tuple[str, ...], tuple[str, str, str, str]] = {}
     for cell in place.cells():
         file = place.world_file(cell["world_hash"])
         text = file_text(file)

@@ -59,7 +59,7 @@ class Column:
 SAFE = Mode("safe", "#0072b2", "safe")
 BY_DISTANCE = Mode("danger_distance", "#e69f00", "danger, by distance", danger=True)
 BY_TIME = Mode("danger_time", "#882255", "danger, by collision time", danger=True)
-AT_STOP = Mode("arrived", "#009e73", "at its stop")
+AT_STOP = Mode("arrived", "#009e73", "arrived")
 PAPER_MODES = (SAFE, BY_DISTANCE, BY_TIME, AT_STOP)
 """Modes of the paper's controller, in the colours of Okabe and Ito (2008)."""
 

@@ -40,7 +40,7 @@ def words(mode=None, **reported):
 def test_a_robot_that_says_it_has_arrived_and_drives_on():
     text = words(AT_STOP, distance=0.5, collision_time=0.1, considered=(0,))
     assert states(text, "fast said", "arrived", "command", "to move", within=60)
-    assert states(text, "mode at its stop", "v 1.400 m/s", within=30)
+    assert states(text, "mode arrived", "v 1.400 m/s", within=30)
     assert "standing" not in text
     assert "stood" not in text
 

@@ -25,16 +25,6 @@ EDITS = (
     ),
     Edit(
         "reports",
-        "physim/campaigns/outcomes.py",
-        "Outcomes.__init__",
-        "for name in (*CELL, *VERSIONS)",
-        "for name in (*CELL, *CELL)",
-        "another world of the same name is another cell",
-        "tests/campaigns/test_outcomes.py::"
-        "test_cells_of_a_name_that_mean_another_world_or_version_stay_apart",
-    ),
-    Edit(
-        "reports",
         "physim/campaigns/report/contents.py",
         "_cell",
         "[goal.rate][:count]",
@@ -114,15 +104,6 @@ EDITS = (
         "replace(f, corrected=f.p)",
         "all p values are corrected together",
         "tests/campaigns/test_compare.py::test_p_values_are_those_of_the_tests_corrected_together",
-    ),
-    Edit(
-        "reports",
-        "physim/campaigns/compare.py",
-        "_compared",
-        "if len(twice := seeds[:-1][np.diff(seeds) == 0]):",
-        "if False:",
-        "a seed that is there twice is refused",
-        "tests/campaigns/test_compare.py::test_what_cannot_be_compared_is_refused",
     ),
     Edit(
         "reports",

@@ -393,3 +393,12 @@ def test_a_lane_is_told_only_where_it_is_drawn_in(
     path.write_text("POLYGON ((0 0, 80 0, 80 9, 0 9, 0 0))\nLINESTRING (1 4.5, 79 4.5)")
     imported = import_world(path, Options(robots=2, lanes=2))
     assert any("drawn in" in change for change in imported.changes) == told
+
+
+def test_an_open_line_that_is_taken_for_a_robot_is_told(tmp_path: Path) -> None:
+    """``robot_lane_2`` may have been meant as something else."""
+    lane = '<polyline id="robot_lane_2" points="4,4 5,4 5,5 4,5"/>'
+    imported = drawn(tmp_path, ROOM + f"\n{lane}")
+    check_says(only(imported, "robot_lane_2"), "line 3: … robot at … not closed")
+    closed = lane.replace("polyline", "polygon")
+    assert not any("closed" in one for one in drawn(tmp_path, ROOM + closed).changes)

@@ -300,11 +300,12 @@ def _sort(path: Path, drawing: Drawing, lines: list[_Line], walls: Walls) -> Non
                 raise refused(path, message, line.line)
             drawing.robots.append(DrawnRobot(_free_name(line.name, drawing), ring))
         else:
-            if len(points) < 3 or not line.is_closed:
-                drawing.changes.append(
-                    f"obstacle at {place(points[0])} is not closed: closed by a straight line"
-                )
             drawing.obstacles.append(ring)
+        if line.role in ("robot", "obstacle") and not (line.is_closed and len(points) > 2):
+            drawing.changes.append(
+                f"line {line.line}: {line.where}: {line.role} at {place(points[0])} is not closed: "
+                "closed by a straight line"
+            )
     _paths(drawing, named_paths)
     drawing.changes += join_ends(drawing.boundaries)
     if not drawing.boundaries:

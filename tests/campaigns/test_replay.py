@@ -135,3 +135,17 @@ def test_a_run_that_breaks_off_here_is_told_so_and_no_figures(
     done = again("out:1", "-o", "again", "--no-video", capture=capsys)
     assert (done.code, done.err.count("\n")) == (3, 1), done.err
     assert "the disk is full" in done.err
+
+
+def test_a_report_says_how_runs_of_a_controller_of_ones_own_are_drawn(
+    swept: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for record in Path("out/records").iterdir():
+        record.unlink()
+    assert physim("report", "out", "--quiet", capture=capsys).code == 0
+    page = Path("out/report.html")
+    assert "physim report out --controller awkward:Awkward" in page.read_text(encoding="utf-8")
+    given = ("report", "out", "--quiet", "--controller", "awkward:Awkward")
+    assert physim(*given, capture=capsys).code == 0
+    assert "physim report out --controller" not in page.read_text(encoding="utf-8")
+    assert any(Path("out/stills").iterdir())

@@ -53,6 +53,9 @@ def remake(folder: Path, row: dict[str, Any], controllers: Collection[str] = ())
     if row["ended"] not in DONE:
         raise PhysimError("the run failed")
     given = row["controller"] if row["controller"] in controllers else None
+    if ":" in row["controller"] and given is None:
+        again = shlex.join(["physim", "report", str(folder), "--controller", row["controller"]])
+        raise PhysimError(f"its controller is code of your own; {again} runs it and draws this")
     one = Row(**{name: row[name] for name in COLUMNS if name in row})
     return record_run(simulation_of(spec_of_row(Folder(folder), one, given)))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import ClassVar
 
@@ -71,7 +72,8 @@ def test_a_notebook_can_ask(silent: str, monkeypatch: pytest.MonkeyPatch) -> Non
         executors._check_scheduler(silent)
 
     monkeypatch.setattr(executors, "_kind", kind)
-    asyncio.run(cell())
+    with ThreadPoolExecutor(1) as aside:  # browser tests leave a loop in this thread
+        aside.submit(asyncio.run, cell()).result()
 
 
 def test_workers_of_another_version_are_refused() -> None:

@@ -7,9 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import BaseModel, model_validator
 
 from physim.errors import ControllerError
 from physim.parts.controller import Decision
+from physim.parts.declarations import Declared
+from physim.parts.given import given_settings
+from physim.parts.registry import CONTROLLER, checked_settings, find_part, settings_model
 from physim.record import Record
 from physim.simulation.decisions import decision_row
 from physim.simulation.loop import Simulation
@@ -135,3 +139,75 @@ def test_a_fault_of_a_shipped_controller_is_not_told_as_the_users(monkeypatch: A
     monkeypatch.setattr(type(simulation._batch), "decide_due", broken)
     with pytest.raises(ZeroDivisionError):
         simulation.step()
+
+
+class Guarded(type):
+    """A class that fails when it is asked for what it was not given."""
+
+    def __getattr__(cls, name: str) -> Any:
+        raise SystemExit(0)
+
+
+class Unreadable(metaclass=Guarded):
+    """A class whose ``Settings`` end the program with 0."""
+
+    def decide(self, observation: Any, memory: Any) -> Decision:
+        return decided()
+
+
+class Unasked(metaclass=Guarded):
+    """The same without the one method."""
+
+
+class Validated:
+    """A controller with a validator that fails in a way of its own."""
+
+    class Settings(BaseModel):
+        @model_validator(mode="after")
+        def fail(self) -> Any:
+            raise OddError("validator")
+
+
+@pytest.mark.parametrize("key", ["modes", "rules", "columns"])
+@pytest.mark.parametrize("error", [OddError("odd"), SystemExit(0), RuntimeError("odd")])
+def test_declarations_that_cannot_be_read_are_one_line(key: str, error: BaseException) -> None:
+    part = type("Hidden", (), {key: property(lambda self: raised(error))})()
+    with pytest.raises(ControllerError, match=facts("Hidden", type(error).__name__)) as caught:
+        Declared.of(part)
+    assert "test_evil_controllers.py:" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_ctrl_c_within_declarations_is_no_error_of_theirs() -> None:
+    part = type("Hidden", (), {"modes": property(lambda self: raised(KeyboardInterrupt()))})()
+    with pytest.raises(KeyboardInterrupt):
+        Declared.of(part)
+
+
+def test_a_class_that_fails_when_it_is_asked_is_one_line() -> None:
+    asked = {
+        "Settings": lambda: settings_model(Unreadable),
+        "decide": lambda: find_part(CONTROLLER, f"{__name__}:Unasked", trusted=True),
+    }
+    for key, ask in asked.items():
+        with pytest.raises(ControllerError, match=facts(key, "SystemExit")) as caught:
+            ask()
+        assert "test_evil_controllers.py:" in str(caught.value)
+
+
+def test_a_validator_that_fails_is_a_fault_of_the_settings() -> None:
+    _, faults = checked_settings(Validated, {}, ("controller",))
+    assert [fault.location for fault in faults] == [("controller",)]
+    assert "OddError: validator" in faults[0].message
+
+
+def test_a_property_that_ends_the_program_is_not_known() -> None:
+    class Kept:
+        def __init__(self, gain: float = 1.0) -> None:
+            self._gain = gain
+
+        @property
+        def gain(self) -> float:
+            raise SystemExit(0)
+
+    assert given_settings(Kept()).not_known == ("gain",)

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 
 from physim.errors import ControllerError
-from physim.parts.user_code import place_of
+from physim.parts.user_code import broken_by, place_of
 
 NO_NUMBER = -1
 """In tables, the mode or rule of a decision that gave none."""
@@ -95,12 +95,19 @@ class Declared:
         """Declarations of a controller: its attributes ``modes``, ``rules`` and ``columns``.
 
         Raises ControllerError for what is no such thing, for names given twice, and for a standard
-        column with another unit; it names the line of the class.
+        column with another unit, with the line of the class; for what raises as it is read, too.
         """
         try:
             return cls._of(controller)
         except ControllerError as error:
             raise ControllerError(f"{error}{place_of(type(controller))}") from None
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # a property of the user's
+            raise ControllerError(
+                f"modes, rules and columns of {type(controller).__name__} cannot be read: "
+                f"{broken_by(error)}"
+            ) from error
 
     @classmethod
     def _of(cls, controller: object) -> Declared:

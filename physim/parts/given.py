@@ -109,7 +109,9 @@ def _from_factory(owner: type, name: str, default: Any) -> Any:
 def _kept(part: object, name: str) -> Any:
     try:
         return getattr(part, name, UNKNOWN)
-    except Exception:  # a property of the user's
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # a property of the user's
         return UNKNOWN
 
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from physim.errors import ControllerError, Fault, Location, WorldError, dotted, nearest
 from physim.parts.user_code import (
+    attribute,
     broken_by,
     kind_of,
     load_class,
@@ -146,7 +147,7 @@ def check_part(kind: Kind, part: object) -> None:
             f"{kind.word} is the class {part.__name__}; give an instance of it{place_of(part)}"
         )
     for method in kind.methods:
-        if not callable(getattr(part, method, None)):
+        if not callable(attribute(part, method)):
             raise ControllerError(
                 f"{kind.word} {type(part).__name__} has no method {method}; it needs "
                 f"{', '.join(kind.methods)}{place_of(type(part))}"
@@ -160,7 +161,7 @@ def settings_model(part: type[Any]) -> type[BaseModel] | None:
     """
     from pydantic import BaseModel
 
-    settings = getattr(part, "Settings", None)
+    settings = attribute(part, "Settings")
     if settings is None:
         return None
     if not (isinstance(settings, type) and issubclass(settings, BaseModel)):
@@ -248,6 +249,11 @@ def checked_settings(
         return None, faults
     except (TypeError, ValueError) as error:
         return None, [*faults, Fault(where, f"settings cannot be read: {error}")]
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # a validator of the user's
+        reason = f"settings cannot be read: {broken_by(error)}"
+        return None, [*faults, Fault(where, reason)]
     return made, faults
 
 

@@ -71,6 +71,20 @@ def asked(call: Callable[..., Any], usage: str, *given: Any) -> Any:
         ) from error
 
 
+def attribute(owner: object, name: str, default: Any = None) -> Any:
+    """Attribute of somebody else's object or class, whose code may be asked for it.
+
+    Raises ControllerError for whatever that raises.
+    """
+    try:
+        return getattr(owner, name, default)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        of = (owner if isinstance(owner, type) else type(owner)).__name__
+        raise ControllerError(f"{of}.{name} cannot be read: {broken_by(error)}") from error
+
+
 def is_shipped(part: object) -> bool:
     """Whether a part comes with physim: an error in it is a fault of ours, and told as one."""
     return type(part).__module__.partition(".")[0] == "physim"
@@ -153,7 +167,7 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
         ) from error
     found: Any = module
     for part in class_name.split("."):
-        found = getattr(found, part, None)
+        found = attribute(found, part)
     if not isinstance(found, type):
         classes = sorted(key for key, value in vars(module).items() if isinstance(value, type))
         raise ControllerError(
@@ -161,7 +175,7 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
             f"{describe(class_name)}{nearest(class_name[:100], classes)}{place_of(module)}"
         )
     for method in kind.methods:
-        if not callable(getattr(found, method, None)):
+        if not callable(attribute(found, method)):
             raise ControllerError(
                 f"{kind.word} {describe(name)}: class {class_name} has no method "
                 f"{kind.usage(method)}{place_of(found)}"

@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 import svgelements
 
-from physim.authoring.importing import enclosure, polygons, source, svg_guard, track_file, work
+from physim.authoring.importing import (
+    enclosure,
+    polygons,
+    ros_map,
+    source,
+    svg_guard,
+    track_file,
+    work,
+)
 from physim.authoring.importing.drawing import Drawing, ImportSourceError, Options
 from physim.authoring.importing.geojson import read_geojson
 from physim.authoring.importing.polygons import read_wkt
@@ -142,3 +150,34 @@ def test_a_file_larger_than_stated_is_not_read(tmp_path: Path, bound: int) -> No
     read = source.read_text if bound == source.MOST_TEXT else source.read_image
     with pytest.raises(ImportSourceError, match=f"at most {bound / 1e6:.0f} MB"):
         read(path)
+
+
+def test_lines_of_a_track_are_counted_before_they_are_worked_on() -> None:
+    head, row = "x_m,y_m,w_tr_right_m,w_tr_left_m\n", "0,0,3,3\n1,0,3,3\n"
+    empty = track_file.MOST_LINES - head.count("\n") - row.count("\n")
+    assert len(read_track_file(PLACE, head + row + "\n" * empty, 1.0).points) == 2
+    with pytest.raises(ImportSourceError) as caught:
+        read_track_file(PLACE, head + row + "\n" * (empty + 1), 1.0)
+    check_says(str(caught.value), f"plan: … {track_file.MOST_LINES + 1} lines")
+
+
+def test_pixels_as_text_are_no_more_than_a_text_may_be(tmp_path: Path) -> None:
+    path = tmp_path / "map.pgm"
+    head = b"P2\n2 1\n255\n1 1"
+    path.write_bytes(head.ljust(source.MOST_TEXT))
+    assert source.read_image(path)[0].shape == (1, 2)
+    path.write_bytes(head.ljust(source.MOST_TEXT + 1))
+    with pytest.raises(ImportSourceError) as caught:
+        source.read_image(path)
+    check_says(str(caught.value), "map.pgm: … P2 … 20 MB … P5")
+
+
+def test_noise_is_no_map(monkeypatch: pytest.MonkeyPatch) -> None:
+    cells = np.ones((12, 12), bool)
+    cells[3, 3] = False  # four edges
+    monkeypatch.setattr(ros_map, "MOST_BORDERS", 4)
+    ros_map.outline_map(PLACE, Drawing(kind="map"), cells, 1.0, (0.0, 0.0, 0.0), Options())
+    cells[3, 8] = False
+    with pytest.raises(ImportSourceError) as caught:
+        ros_map.outline_map(PLACE, Drawing(kind="map"), cells, 1.0, (0.0, 0.0, 0.0), Options())
+    check_says(str(caught.value), "plan: … 8 edges … at most 4 … noise")

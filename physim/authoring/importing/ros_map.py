@@ -42,6 +42,9 @@ SPECK = 2.0
 MOST_LOST = 0.1
 """[-] share of its area that a ring may lose or gain when it is simplified"""
 MOST_EDGES = 1_000_000
+"""Edges of cells in the outline of the free region."""
+MOST_BORDERS = 4_000_000
+"""Edges between free and other cells of a map: it has no more patches than a quarter of them."""
 
 
 def outline_map(
@@ -62,6 +65,7 @@ def outline_map(
     free = free.copy()
     if not free.any():
         raise refused(path, "no cell of the map is free; see negate and free_thresh")
+    _check_borders(path, free)
     centre = _Centres(cell, origin)
     drawing.changes += _fill_specks(free, specks, cell, centre)
     region = _region(path, drawing, free, cell, centre, options.origin)
@@ -76,6 +80,17 @@ def outline_map(
     )
     drawing.area = polygon
     drawing.add_outline(polygon)
+
+
+def _check_borders(path: Path, free: Any) -> None:
+    """Refuse noise, as memory grows with the number of patches."""
+    borders = sum(np.count_nonzero(np.diff(free, axis=axis)) for axis in (0, 1))
+    if borders > MOST_BORDERS:
+        raise refused(
+            path,
+            f"{borders} edges between free and other cells, at most {MOST_BORDERS} are worked on: "
+            "is it noise? Smooth the image or make its cells larger",
+        )
 
 
 @dataclass(frozen=True)

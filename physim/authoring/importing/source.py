@@ -192,6 +192,12 @@ def _check_pgm(path: Path, data: bytes) -> float:
     if data[:2] == b"P5":
         there = max(len(data) - at - 1, 0) // (1 if top < 256 else 2)
     else:
+        if len(data) > MOST_TEXT:
+            raise refused(
+                path,
+                f"{len(data) / 1e6:.1f} MB of pixels as text (P2); at most {MOST_TEXT / 1e6:.0f} "
+                "MB; save it as P5",
+            )
         there = len(data[at:].split())
         if b"#" in data[at:]:
             there = len(re.sub(rb"#[^\n\r]*", b"", data[at:]).split())

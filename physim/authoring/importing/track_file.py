@@ -123,6 +123,8 @@ def _check_count(path: Path, data: tuple[int, str], separator: str, count: int) 
 
 
 MOST_POINTS = 15_000
+MOST_LINES = 300_000
+"""Lines of a file, with empty ones, comments and points that are repeated."""
 
 
 @dataclass(frozen=True)
@@ -138,9 +140,11 @@ class TrackFile:
 def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     """Read the rows; ``scale`` [m per unit of the file].
 
-    Raises ImportSourceError with file:line for what is no number, not finite, out of range, or a
-    width that is not positive. A point that repeats the one before it is dropped and listed.
+    Raises ImportSourceError for too many lines; with file:line for what is no number, not finite,
+    out of range, or a width that is not positive. A point that repeats the one before it is dropped and listed.
     """
+    if (lines := text.count("\n")) > MOST_LINES:
+        raise refused(path, f"{lines} lines; at most {MOST_LINES} are read")
     rows = [(k, row.strip()) for k, row in enumerate(text.split("\n"), start=1)]
     rows = [(k, row) for k, row in rows if row]
     columns = columns_of(path, rows)

@@ -195,6 +195,8 @@ def _misspelt_type(details: Mapping[str, Any]) -> str:
 
 WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECASE)
 """Number and unit in one text, as in "6 m"."""
+DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")
+"""Number as written in many languages, as in "6,5"."""
 SCALES = MappingProxyType(
     {
         "[m]": {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
@@ -209,7 +211,7 @@ SCALES = MappingProxyType(
 
 
 def _other_units(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
-    """What to write for a number with a unit, and for a length that is too large for metres."""
+    """What to write for a number with a unit or a comma, and for a length too large for metres."""
     given = details.get("input")
     while location and (isinstance(location[-1], int) or location[-1] in TAGS):
         location = location[:-1]
@@ -217,7 +219,11 @@ def _other_units(model: type[BaseModel], location: Location, details: Mapping[st
     unit = ((field.description if field is not None else "") or "").partition(" ")[0]
     if details["type"] == "less_than_equal":
         return f"; {in_metres(given)}" if unit == "[m]" and given is not None else ""
-    found = WITH_UNIT.fullmatch(given) if isinstance(given, str) else None
+    if not isinstance(given, str) or details["type"] in ("list_type", "tuple_type"):
+        return ""
+    if comma := DECIMAL_COMMA.fullmatch(given):
+        return f"; decimals take a point: {comma[1]}.{comma[2]}"
+    found = WITH_UNIT.fullmatch(given)
     if found is None:
         return ""
     scale = SCALES.get(unit, {}).get(found[2].lower())

@@ -383,6 +383,15 @@ def test_a_number_with_its_unit(tmp_path, given, meant):
     check_finding(error, "3:50 corridor.width", f'"{given}"', meant)
 
 
+@pytest.mark.parametrize(
+    ("was", "given", "point"),
+    [("width: 8.0", 'width: "6,5"', "6.5"), ("length: 1.8,", "length: 1,8,", "length: 1.8")],
+)
+def test_a_decimal_comma_alone_and_in_braces(tmp_path, was, given, point):
+    errors, _ = lines(check(tmp_path, changed(CORRIDOR, (was, given))))
+    assert any("decimals take a point" in error and point in error for error in errors), errors
+
+
 def test_a_pose_without_its_heading(tmp_path):
     error = only_error(tmp_path, changed(CORRIDOR, ("[6.0, 1.0, 0.0]", "[6.0, 1.0]")))
     check_finding(error, "7:5 robots[0].pose[2]", "missing", "heading")

@@ -217,7 +217,18 @@ class _Reader:
         field = field_at(World, self._here())
         if field is not None and field.is_required():
             return f"empty value; needed: {field.description}"
-        return "empty value; give one, or leave the key out"
+        return f"empty value; give one, or leave the key out{self._comma_hint()}"
+
+    def _comma_hint(self) -> str:
+        """``{step: 0,5}`` is two entries, 0 and a key 5 without a value: a decimal comma."""
+        top = self.stack[-1] if self.stack else None
+        before = list((top.node.members or {}).items())[-1:] if top is not None else []
+        if top is None or not before or top.key is None or not top.key.isdecimal():
+            return ""
+        key, value = before[0][0], before[0][1].node.value
+        if type(value) is not int:
+            return ""
+        return f"; decimals take a point: {key}: {value}.{top.key}"
 
     def _dash_hint(self, top: _Open) -> str:
         """What may be missing where a key of an entry of a list comes again; said once an entry."""

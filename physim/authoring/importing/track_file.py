@@ -141,7 +141,8 @@ def read_track_file(path: Path, text: str, scale: float) -> TrackFile:
     """Read the rows; ``scale`` [m per unit of the file].
 
     Raises ImportSourceError for too many lines; with file:line for what is no number, not finite,
-    out of range, or a width that is not positive. A point that repeats the one before it is dropped and listed.
+    out of range, or a width that is not positive. A point that repeats the one before it is dropped
+    and listed.
     """
     if (lines := text.count("\n")) > MOST_LINES:
         raise refused(path, f"{lines} lines; at most {MOST_LINES} are read")

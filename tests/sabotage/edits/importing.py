@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/ros_map.py",
+        "physim/authoring/importing/ros_map_file.py",
         "_Yaml._image",
         "if not image.is_relative_to(folder):",
         "if False:",

@@ -214,4 +214,13 @@ EDITS = (
         "--set makes no deeper world than a file may have",
         "tests/world_file/test_overrides.py::test_keys_within_very_many_keys_are_refused",
     ),
+    Edit(
+        "checking",
+        "physim/world/file/reading.py",
+        "_Reader._comma_hint",
+        "if type(value) is not int:",
+        "if True:",
+        "a decimal comma in braces is told",
+        "tests/checking/test_robots.py::test_a_decimal_comma_alone_and_in_braces",
+    ),
 )

@@ -172,7 +172,8 @@ def _cells(values: object) -> list[dict[str, str]]:
         if not isinstance(value, dict):
             raise ValueError("cells: each must be an object")
         for key in _KEYS:
-            if not isinstance(value.get(key), str):
+            text = value.get(key)
+            if not isinstance(text, str) or text != text.encode("utf-8", "replace").decode():
                 raise ValueError(f"cells: each must have a text {key}")
         if not re.fullmatch("[0-9a-f]{1,64}", value["world_hash"]):  # names a file
             raise ValueError("cells: world_hash: must be hex digits")

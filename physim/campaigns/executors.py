@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
 import socket
 from collections.abc import Iterator
@@ -55,7 +56,7 @@ def _dask(address: str) -> Iterator[Executor]:
         client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except Exception as error:
         raise _unreachable(address, error) from None
-    with client:
+    with _silent("distributed.client"), client:
         try:
             client.wait_for_workers(1, timeout=WORKERS_SECONDS)
         except TimeoutError:
@@ -67,6 +68,17 @@ def _dask(address: str) -> Iterator[Executor]:
         found.workers = max(1, sum(client.nthreads().values()))
         yield found
         found.shutdown(wait=False)
+
+
+@contextmanager
+def _silent(name: str) -> Iterator[None]:
+    """Let a logger say nothing: that of Dask tells a cluster that went in tracebacks."""
+    logger = logging.getLogger(name)
+    before, logger.disabled = logger.disabled, True
+    try:
+        yield
+    finally:
+        logger.disabled = before
 
 
 def _check_scheduler(address: str) -> None:

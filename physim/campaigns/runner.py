@@ -76,7 +76,10 @@ def outcomes(
             if outcome is not None:
                 yield outcome
             elif not stopped:
-                raise PhysimError("the executor gave up its jobs: is its cluster gone?")
+                raise PhysimError(
+                    "the executor gave up its jobs: is its cluster gone? What is done is kept; the "
+                    "same command goes on from there"
+                )
     finally:
         for future in under_way:
             future.cancel()

@@ -21,8 +21,16 @@ GRID = (
 
 
 @pytest.fixture
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a scheduler with two workers, in a folder where there is no controller."""
+def scheduler(cluster: tuple[str, subprocess.Popen[bytes]]) -> str:
+    """Its address."""
+    return cluster[0]
+
+
+@pytest.fixture
+def cluster(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """A scheduler and two workers, in a folder where there is no controller: address, process."""
     folder = tmp_path_factory.mktemp("cluster")
     file = folder / "scheduler.json"
     dask = [sys.executable, "-m"]
@@ -43,7 +51,7 @@ def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
             while not file.exists():
                 assert processes[0].poll() is None, (folder / "log").read_text()
                 time.sleep(0.1)
-        yield json.loads(file.read_text())["address"]
+        yield json.loads(file.read_text())["address"], processes[0]
     finally:
         for process in reversed(processes):
             process.terminate()
@@ -65,3 +73,23 @@ def test_rows_are_those_of_the_local_run(here: Path, scheduler: str) -> None:
     assert [row.ended for row in rows] == ["killed"] * 4 + ["duration"] * 4 + ["error"] * 4
     kept = sorted(file.name for file in (here / "far/records").iterdir())
     assert kept == sorted(f"{row.run}.h5" for row in rows if row.ended == "duration")
+
+
+def test_a_scheduler_that_goes_is_told_on_one_line_and_nothing_is_lost(
+    here: Path, cluster: tuple[str, subprocess.Popen[bytes]]
+) -> None:
+    address, process = cluster
+    command = [sys.executable, "-m", "physim", "sweep", "small.yaml", "--seeds", "0:20000"]
+    sweep = subprocess.Popen(
+        [*command, "--scheduler", address, "-o", "far", "--quiet"], cwd=here,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while not rows_in(here / "far"):
+        assert sweep.poll() is None
+        time.sleep(0.2)
+    process.kill()
+    out, err = sweep.communicate(timeout=120)
+    assert (sweep.returncode, out) == (2, "")
+    (line,) = err.splitlines()
+    assert "cluster" in line
+    assert rows_in(here / "far")

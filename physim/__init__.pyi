@@ -2,7 +2,7 @@
 
 from . import geometry, randomness, testing
 from ._version import __version__
-from .analysis import metrics
+from . import metrics
 from .analysis.summary import summarise
 from .analysis.validation import validate
 from .contacts import Kind, Phase

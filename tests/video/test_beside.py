@@ -11,10 +11,19 @@ import physim
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
-from physim.drawing.video.frames import FOOTER, HEADER, Beside, differences, file_names, titles
+from physim.drawing.video.frames import (
+    FOOTER,
+    HEADER,
+    Beside,
+    alike,
+    differences,
+    file_names,
+    titles,
+)
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import Box
 from physim.drawing.video.view import View
+from physim.parts.declarations import Mode
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.cli.commands import SMALL
@@ -92,10 +101,62 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
         (CONTROLLED, SMALL + "controller: {type: path_following}\n",
          ("controller: mode_switching", "controller: path_following")),
         (SMALL, BLOCKED, ("8 values differ", "8 values differ")),
+        (SMALL, SMALL.replace("1.0, 0.0]", "1.5, 0.0]"), ("pose.1: 1.0", "pose.1: 1.5")),
+        (SMALL, SMALL.replace("width: 1.0", "width: 1.1"),
+         ("robots.0.footprint.width: 1.0, robots.1.footprint.width: 1.0",
+          "robots.0.footprint.width: 1.1, robots.1.footprint.width: 1.1")),
     ],
 )  # fmt: skip
 def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[str, str]) -> None:
     assert titles(parse_world(one), parse_world(other)) == expected
+
+
+def test_an_entry_of_a_list_that_a_world_has_not_is_told_as_none() -> None:
+    found = differences(parse_world(SMALL), parse_world(BLOCKED))
+    assert {left for left, _ in found.values()} == {"none"}
+
+
+SLOW = Mode("slow", "#e69f00", "slows down")
+
+
+@pytest.mark.parametrize(
+    ("other", "shared"),
+    [
+        (SLOW, True),
+        (Mode("crawl", "#e69f00", "slows down"), True),
+        (Mode("wait", "#0000ff", "waits"), True),
+        (Mode("slow", "#0000ff", "slows down"), False),
+        (Mode("stop", "#e69f00", "stops"), False),
+    ],
+)
+def test_one_legend_serves_both_runs_where_it_is_true_of_both(other: Mode, shared: bool) -> None:
+    assert alike([SLOW], [other]) is shared
+
+
+def test_modes_that_look_different_are_explained_under_their_own_run() -> None:
+    """Of the same words, the colour of either is in the legend of its half."""
+    left, right = (parse_world(SMALL) for _ in range(2))
+    one, two = (
+        physim.simulate(world, controller=Painted(colour))
+        for world, colour in ((left, "#aa00bb"), (right, "#00bbaa"))
+    )
+    legend = slice(layout.HEIGHT - FOOTER + 40, layout.HEIGHT)
+    image = frame_at(one, 1.0, beside=two, speed=1.0)
+    middle = layout.WIDTH // 2
+    for half, colour in ((slice(0, middle), "#aa00bb"), (slice(middle, None), "#00bbaa")):
+        assert pixels(image, palette.rgb(colour), (legend, half)) > 50
+    same = frame_at(one, 1.0, beside=one, speed=1.0)
+    assert pixels(same, palette.rgb("#aa00bb"), (legend, slice(middle, None))) == 0
+
+
+class Painted:
+    """Stands, in a mode of a colour."""
+
+    def __init__(self, colour: str) -> None:
+        self.modes = (Mode("stand", colour, "stands"),)
+
+    def decide(self, observation: physim.Observation, memory: object) -> physim.Decision:
+        return physim.Decision(0.0, 0.0, 0.1, mode="stand")
 
 
 def test_the_files_are_told_apart_by_their_names() -> None:

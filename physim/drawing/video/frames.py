@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
+from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.ground import Overview, ground, plain
 from physim.drawing.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image, arrange
@@ -25,6 +27,7 @@ from physim.drawing.video.panel import (
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.drawing.video.view import View
+from physim.parts.declarations import Mode
 from physim.world.differences import differences
 
 if TYPE_CHECKING:
@@ -162,20 +165,42 @@ class Beside:
         return image
 
     def _draw_legend(self, image: Image) -> None:
-        """The modes of both runs, each once, in one row."""
-        modes = {
-            str(mode): mode
+        """The modes of both runs, each once, in one row; or under either run its own.
+
+        That is where a colour, or the words of a mode, mean something else in the other run.
+        """
+        first, second = (
+            [view.timeline.scene.modes[k] for k in view.timeline.explained_modes]
             for view in self._views
-            for mode in (view.timeline.scene.modes[k] for k in view.timeline.explained_modes)
-        }
-        left, top = PAD, HEIGHT - FOOTER + 48
-        room = (WIDTH - 2 * PAD) // (len(modes) + 1)
-        draw_signs(image, left, top, ROW, [CONTACT])
-        left += SIGN + width(CONTACT, TEXT) + 2 * PAD
-        for words, mode in modes.items():
-            draw_modes(image, left, top, ROW, [mode], room)
-            cut = shorten(words, TEXT, room - SIGN)
-            left += SIGN + width(cut, TEXT) + 2 * PAD
+        )
+        if alike(first, second):
+            both = list({str(mode): mode for mode in (*first, *second)}.values())
+            draw_legend(image, PAD, WIDTH - PAD, both)
+            return
+        for view, modes in zip(self._views, (first, second), strict=True):
+            draw_legend(image, view.box.left + PAD, view.box.left + view.box.width - PAD, modes)
+
+
+def alike(first: Sequence[Mode], second: Sequence[Mode]) -> bool:
+    """Whether in two lists of modes no colour has two meanings, and no words have two colours."""
+    pairs = [{(str(mode), rgb(mode.colour)) for mode in modes} for modes in (first, second)]
+    return all(
+        one == other
+        for one in pairs[0]
+        for other in pairs[1]
+        if one[0] == other[0] or one[1] == other[1]
+    )
+
+
+def draw_legend(image: Image, left: int, right: int, modes: Sequence[Mode]) -> None:
+    """Draw the sign of contacts and the modes in one row from ``left`` to ``right`` [px]."""
+    top, room = HEIGHT - FOOTER + 48, (right - left) // (len(modes) + 1)
+    draw_signs(image, left, top, ROW, [CONTACT])
+    left += SIGN + width(CONTACT, TEXT) + 2 * PAD
+    for mode in modes:
+        draw_modes(image, left, top, ROW, [mode], room)
+        cut = shorten(str(mode), TEXT, room - SIGN)
+        left += SIGN + width(cut, TEXT) + 2 * PAD
 
 
 def draw_ended(view: Image, words: str) -> None:
@@ -196,12 +221,21 @@ def titles(left: World, right: World) -> tuple[str, str]:
     found = differences(left, right)
     if len(found) > MOST_NAMED:
         return f"{len(found)} values differ", f"{len(found)} values differ"
-    words = [key.removesuffix(".type").rsplit(".", 1)[-1] for key in found]
+    words = [_word(key.removesuffix(".type")) for key in found]
+    if len(set(words)) < len(words):
+        words = list(found)
     first, second = (
         ", ".join(f"{word}: {pair[side]}" for word, pair in zip(words, found.values(), strict=True))
         for side in (0, 1)
     )
     return first, second
+
+
+def _word(key: str) -> str:
+    """The end of a dotted key from its last name on: ``filters.0``, not ``0``."""
+    parts = key.split(".")
+    first = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
+    return ".".join(parts[first:])
 
 
 def file_names(left: Path | None, right: Path | None) -> tuple[str, str]:

@@ -56,7 +56,8 @@ def _opening(report: Report) -> Iterator[str]:
     if report.seeds < SEEDS:
         yield (
             f"**Preliminary.** Verdicts rest on at most {plural(report.seeds, 'seed')} of each "
-            f"world; the whole page, without {_code('--quick')}, takes up to {SEEDS} and may come to others."
+            f"world; the whole page, without {_code('--quick')}, takes up to {SEEDS} and may come "
+            "to others."
         )
     if report.interrupted:
         yield "It was interrupted: this page holds only what was done by then."

@@ -254,9 +254,10 @@ def test_a_decision_holds_until_the_next_however_short_the_stretches_are() -> No
         for step in range(0, 50, 10)
     ]
     with history(rows, steps_run=100) as made:
-        edges, least = least_of_stretches(made, made.updates, 100)
+        _edges, least = least_of_stretches(made, made.updates, 100)
     assert list(least[0, :50]) == [2.0 + 10 * (k // 10) for k in range(50)]
-    assert np.isnan(least[0, 50:]).all() and np.isnan(least[1]).all()
+    assert np.isnan(least[0, 50:]).all()
+    assert np.isnan(least[1]).all()
 
 
 def test_collision_times_of_many_robots_are_a_row_each_below_the_shortest_of_all() -> None:

@@ -217,8 +217,8 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     """Find the area of a drawing; drop and list the lines that do not bound it.
 
     The area is the one that `chosen_area` takes, without walls that stand in it: between two rooms
-    of a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is enclosed,
-    or neither the reference path nor, without one, the point ``inside``.
+    of a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is
+    enclosed, or neither the reference path nor, without one, the point ``inside``.
     """
     if not drawing.boundaries:
         raise refused(path, "no boundary found; a world needs lines that enclose an area")

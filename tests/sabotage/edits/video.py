@@ -307,4 +307,13 @@ EDITS = (
         "a film tells the settings of the controller",
         "tests/video/test_frames.py::test_the_settings_of_the_controller_are_told",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/frames.py",
+        "Beside._draw_legend",
+        "if alike(first, second):",
+        "if True:",
+        "modes that look different are explained under their own run",
+        "tests/video/test_beside.py::test_modes_that_look_different_are_explained_under_their_own_run",
+    ),
 )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import physim
+from physim import Decision, Mode
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
@@ -15,15 +16,14 @@ from physim.drawing.video.frames import (
     FOOTER,
     HEADER,
     Beside,
-    alike,
     differences,
     file_names,
+    one_legend,
     titles,
 )
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import Box
 from physim.drawing.video.view import View
-from physim.parts.declarations import Mode
 from physim.record import Record
 from physim.world.file import parse_world
 from tests.cli.commands import SMALL
@@ -116,47 +116,48 @@ def test_an_entry_of_a_list_that_a_world_has_not_is_told_as_none() -> None:
     assert {left for left, _ in found.values()} == {"none"}
 
 
-SLOW = Mode("slow", "#e69f00", "slows down")
+GO, WAIT = Mode("go", "#0072b2"), Mode("wait", "#e69f00")
+SAFE = Mode("safe", "#0072b2")
 
 
 @pytest.mark.parametrize(
-    ("other", "shared"),
+    ("left", "right", "shared"),
     [
-        (SLOW, True),
-        (Mode("crawl", "#e69f00", "slows down"), True),
-        (Mode("wait", "#0000ff", "waits"), True),
-        (Mode("slow", "#0000ff", "slows down"), False),
-        (Mode("stop", "#e69f00", "stops"), False),
+        ([GO, WAIT], [GO], [GO, WAIT]),
+        ([GO], [WAIT], [GO, WAIT]),
+        ([GO], [SAFE], []),  # one colour, two meanings
+        ([GO, WAIT], [Mode("wait", "#0072b2")], []),  # one name, two colours
+        ([GO], [Mode("go", "#0072B2")], [GO]),
+        ([], [GO], [GO]),
     ],
 )
-def test_one_legend_serves_both_runs_where_it_is_true_of_both(other: Mode, shared: bool) -> None:
-    assert alike([SLOW], [other]) is shared
+def test_runs_share_a_legend_where_a_colour_says_the_same_in_both(
+    left: list[Mode], right: list[Mode], shared: list[Mode]
+) -> None:
+    assert [one.name for one in one_legend(left, right)] == [one.name for one in shared]
+    assert len(one_legend(right, left)) == len(shared)
 
 
-def test_modes_that_look_different_are_explained_under_their_own_run() -> None:
-    """Of the same words, the colour of either is in the legend of its half."""
-    left, right = (parse_world(SMALL) for _ in range(2))
-    one, two = (
-        physim.simulate(world, controller=Painted(colour))
-        for world, colour in ((left, "#aa00bb"), (right, "#00bbaa"))
-    )
-    legend = slice(layout.HEIGHT - FOOTER + 40, layout.HEIGHT)
-    image = frame_at(one, 1.0, beside=two, speed=1.0)
-    middle = layout.WIDTH // 2
-    for half, colour in ((slice(0, middle), "#aa00bb"), (slice(middle, None), "#00bbaa")):
-        assert pixels(image, palette.rgb(colour), (legend, half)) > 50
-    same = frame_at(one, 1.0, beside=one, speed=1.0)
-    assert pixels(same, palette.rgb("#aa00bb"), (legend, slice(middle, None))) == 0
+class Blue:
+    """Goes straight on, in the blue that other controllers have for something else."""
+
+    modes = (GO,)
+
+    def decide(self, observation: object, memory: object) -> Decision:
+        return Decision(v=0.2, omega=0.0, hold=0.1, mode="go")
 
 
-class Painted:
-    """Stands, in a mode of a colour."""
-
-    def __init__(self, colour: str) -> None:
-        self.modes = (Mode("stand", colour, "stands"),)
-
-    def decide(self, observation: physim.Observation, memory: object) -> physim.Decision:
-        return physim.Decision(0.0, 0.0, 0.1, mode="stand")
+def test_colours_with_two_meanings_stand_below_the_run_that_they_are_of(free: Record) -> None:
+    own = physim.simulate(parse_world(SMALL), controller=Blue())
+    legend = slice(layout.HEIGHT - FOOTER + 48, layout.HEIGHT)
+    left, right = slice(0, layout.WIDTH // 2), slice(layout.WIDTH // 2, layout.WIDTH)
+    blue = palette.rgb(GO.colour)
+    apart = frame_at(own, 0.8, beside=free, speed=1.0)
+    assert pixels(apart, blue, (legend, left)) > 50
+    assert pixels(apart, blue, (legend, right)) > 50
+    together = frame_at(free, 0.8, beside=free, speed=1.0)
+    assert pixels(together, blue, (legend, left)) > 50
+    assert pixels(together, blue, (legend, right)) == 0
 
 
 def test_the_files_are_told_apart_by_their_names() -> None:

@@ -27,10 +27,10 @@ from physim.drawing.video.panel import (
 from physim.drawing.video.strip import Strip
 from physim.drawing.video.text import BOLD, shorten, width, write
 from physim.drawing.video.view import View
-from physim.parts.declarations import Mode
 from physim.world.differences import differences
 
 if TYPE_CHECKING:
+    from physim.parts.declarations import Mode
     from physim.world import World
 
 
@@ -81,6 +81,10 @@ class Painter:
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
 PAD, GAP = 16, 3
+BAR_END = WIDTH - 140
+"""[px] where the bar of the time ends; then comes the sign of a contact"""
+LEAST_WORDS = 24
+"""[px] of a mode's words, however many there are"""
 BANNER = 34
 """[px] height of the line over a run that has ended before the other"""
 PALE = 0.45
@@ -130,7 +134,7 @@ class Beside:
             self._outcome(image, view, then)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
-        draw_progress(image, PAD + 200, WIDTH - PAD, y - 8, time / max(self.duration, 1e-9))
+        draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
     def _outcome(self, image: Image, view: View, time: float) -> None:
@@ -165,42 +169,43 @@ class Beside:
         return image
 
     def _draw_legend(self, image: Image) -> None:
-        """The modes of both runs, each once, in one row; or under either run its own.
-
-        That is where a colour, or the words of a mode, mean something else in the other run.
-        """
-        first, second = (
+        """The modes: of both runs in one row, or of each below its view where they would mix up."""
+        top = HEIGHT - FOOTER + 48
+        draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, [CONTACT])
+        both = [
             [view.timeline.scene.modes[k] for k in view.timeline.explained_modes]
             for view in self._views
-        )
-        if alike(first, second):
-            both = list({str(mode): mode for mode in (*first, *second)}.values())
-            draw_legend(image, PAD, WIDTH - PAD, both)
+        ]
+        if shared := one_legend(*both):
+            _draw_row(image, shared, PAD, WIDTH - PAD, top)
             return
-        for view, modes in zip(self._views, (first, second), strict=True):
-            draw_legend(image, view.box.left + PAD, view.box.left + view.box.width - PAD, modes)
+        middle = WIDTH // 2
+        cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
+        for view, modes in zip(self._views, both, strict=True):
+            left = view.box.left + PAD
+            _draw_row(image, modes, left, left + view.box.width - 2 * PAD, top)
 
 
-def alike(first: Sequence[Mode], second: Sequence[Mode]) -> bool:
-    """Whether in two lists of modes no colour has two meanings, and no words have two colours."""
-    pairs = [{(str(mode), rgb(mode.colour)) for mode in modes} for modes in (first, second)]
-    return all(
-        one == other
-        for one in pairs[0]
-        for other in pairs[1]
-        if one[0] == other[0] or one[1] == other[1]
+def one_legend(left: Sequence[Mode], right: Sequence[Mode]) -> list[Mode]:
+    """The modes of two runs, each once; none where a colour or a name stands for two."""
+    mixed = any(
+        (str(one) == str(other)) != (rgb(one.colour) == rgb(other.colour))
+        for one in left
+        for other in right
     )
+    return [] if mixed else [*{str(mode): mode for mode in (*left, *right)}.values()]
 
 
-def draw_legend(image: Image, left: int, right: int, modes: Sequence[Mode]) -> None:
-    """Draw the sign of contacts and the modes in one row from ``left`` to ``right`` [px]."""
-    top, room = HEIGHT - FOOTER + 48, (right - left) // (len(modes) + 1)
-    draw_signs(image, left, top, ROW, [CONTACT])
-    left += SIGN + width(CONTACT, TEXT) + 2 * PAD
-    for mode in modes:
-        draw_modes(image, left, top, ROW, [mode], room)
-        cut = shorten(str(mode), TEXT, room - SIGN)
-        left += SIGN + width(cut, TEXT) + 2 * PAD
+def _draw_row(image: Image, modes: Sequence[Mode], left: int, right: int, top: int) -> None:
+    """Draw modes side by side, the longest cut so that all end before ``right`` [px]."""
+    lengths = [width(str(mode), TEXT) for mode in modes]
+    room = right - left - len(modes) * (SIGN + 2 * PAD) + 2 * PAD
+    most = max(lengths, default=0)
+    while most > LEAST_WORDS and sum(min(length, most) for length in lengths) > room:
+        most -= 1
+    for mode, length in zip(modes, lengths, strict=True):
+        draw_modes(image, left, top, ROW, [mode], SIGN + most)
+        left += SIGN + min(length, most) + 2 * PAD
 
 
 def draw_ended(view: Image, words: str) -> None:

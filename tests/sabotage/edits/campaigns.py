@@ -125,6 +125,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/grid.py",
+        "_of_cell",
+        "message=fault.message + of",
+        "message=fault.message",
+        "a refused setting is told with its world and controller",
+        "tests/campaigns/test_grid.py::test_a_refused_setting_names_world_and_controller_where_there_are_several",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/grid.py",
         "_check_count",
         "count > MOST_EVER",
         "False",

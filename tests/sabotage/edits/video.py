@@ -283,6 +283,15 @@ EDITS = (
     Edit(
         "video",
         "physim/drawing/video/frames.py",
+        "one_legend",
+        "return [] if mixed else",
+        "return",
+        "a colour with two meanings is explained below each of two runs",
+        "tests/video/test_beside.py::test_colours_with_two_meanings_stand_below_the_run_that_they_are_of",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/video/frames.py",
         "Beside.paint",
         "then = min(time, end)",
         "then = time * end / self.duration",
@@ -306,14 +315,5 @@ EDITS = (
         "if False:",
         "a film tells the settings of the controller",
         "tests/video/test_frames.py::test_the_settings_of_the_controller_are_told",
-    ),
-    Edit(
-        "video",
-        "physim/drawing/video/frames.py",
-        "Beside._draw_legend",
-        "if alike(first, second):",
-        "if True:",
-        "modes that look different are explained under their own run",
-        "tests/video/test_beside.py::test_modes_that_look_different_are_explained_under_their_own_run",
     ),
 )

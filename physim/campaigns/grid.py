@@ -11,6 +11,7 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple, overload
 
+from physim.campaigns import own_metrics
 from physim.campaigns.sources import Source, sources_of
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
 from physim.errors import PhysimError, WorldError
@@ -60,7 +61,7 @@ class Grid(Sequence[RunSpec]):
     """numbers of the cells in which nothing is random"""
     shard: Shard = WHOLE
     warnings: tuple[str, ...] = field(default=(), compare=False)
-    """what is to be noted about the worlds, a line each"""
+    """what is to be noted about the worlds, and metrics that cannot be used, a line each"""
 
     @property
     def total(self) -> int:
@@ -176,7 +177,7 @@ def make_grid(
     changes = list(product(*values))
     cells: list[RunSpec] = []
     fixed: set[int] = set()
-    warnings: dict[str, None] = {}
+    warnings: dict[str, None] = dict.fromkeys(own_metrics.installed().faults)
     sources: dict[str, tuple[Source, ...]] = {}
     for (name, given), overrides, controller in product(names.items(), changes, chosen):
         try:

@@ -253,7 +253,7 @@ EDITS = (
     Edit(
         "geometry",
         "physim/geometry/area.py",
-        "shrunk",
+        "_grown_in_stretches",
         "shapely.buffer(stretches, distance,",
         "shapely.buffer(stretches, 0.5 * distance,",
         "the safe area is L away from rough walls",
@@ -262,7 +262,7 @@ EDITS = (
     Edit(
         "geometry",
         "physim/geometry/area.py",
-        "shrunk",
+        "_grown_in_stretches",
         "<= SMALL * distance",
         "<= distance",
         "only a short stretch of a wall is grown as its hull",

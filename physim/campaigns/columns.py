@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from physim.campaigns.own_metrics import PATTERN
 from physim.escaping import escaped
 
 if TYPE_CHECKING:
@@ -99,6 +100,8 @@ class Row(_Ended):
     """[s] of the processor"""
     wall_seconds: float | None = None
     """[s] by the clock"""
+    metrics: str = ""
+    """ "name=value; name=value" of the metrics that packages registered"""
     record: str = ""
     """path of a record that was kept, within the folder"""
     world_hash: str = ""
@@ -177,6 +180,7 @@ _TEXTS = {
     "physim": Allowed("str", "a text", needed=True),
     "engine": Allowed("str", "a text", needed=True),
     "ended": _ENDED,
+    "metrics": _texts("name=value; name=value, with numbers", PATTERN),
     "record": _texts("records/ and 20 hex digits and .h5", r"(records/[0-9a-f]{20}\.h5)?"),
     "world_hash": _texts("hex digits", "[0-9a-f]{0,64}"),
     "digest": _texts("hex digits", "[0-9a-f]{0,128}"),

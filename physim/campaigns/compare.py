@@ -6,14 +6,16 @@ common, the difficulty of a seed, cancels in the differences of its two runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from physim.campaigns.outcomes import CELL, Cell, FloatArray, Outcomes
+from physim.campaigns.own_metrics import PREFIX
 from physim.errors import PhysimError
 from physim.statistics.goal import RATES
 from physim.statistics.paired import (
@@ -37,6 +39,7 @@ MEASURES = {
     "cpu_seconds": -1,
 }
 """Columns that can be compared: 1 where more is better, -1 where less is."""
+DIRECTIONS = dict.fromkeys(RATES, 1) | MEASURES
 USUAL = (*RATES, "shortest_distance", "finish_time", "deviation", "formation_error")
 """What is compared where nothing else is asked for."""
 TESTS: dict[str, Callable[[FloatArray], float]] = {"sign": sign_test, "wilcoxon": wilcoxon}
@@ -70,6 +73,8 @@ class Finding:
     only_a: int
     """seeds with which A alone succeeds, or A's value is the better one"""
     only_b: int
+    direction: int = 1
+    """1 where more is better, -1 where less is"""
     corrected: float = 1.0
     """p after the correction for all that is looked at"""
 
@@ -81,8 +86,7 @@ class Finding:
         """
         if self.corrected > ALPHA or self.low <= 0.0 <= self.high:
             return ""
-        direction = MEASURES.get(self.name, 1)
-        return "b" if self.difference * direction > 0.0 else "a"
+        return "b" if self.difference * self.direction > 0.0 else "a"
 
     @property
     def is_rate(self) -> bool:
@@ -169,14 +173,21 @@ def between(a: Outcomes, b: Outcomes, names: tuple[str, str]) -> list[tuple[Arm,
 
 
 def compare(
-    pairs: Sequence[tuple[Arm, Arm, str]], names: Sequence[str] = USUAL, test: str = "sign"
+    pairs: Sequence[tuple[Arm, Arm, str]],
+    names: Sequence[str] = USUAL,
+    test: str = "sign",
+    own: Mapping[str, int] = MappingProxyType({}),
 ) -> list[Comparison]:
     """Compare arms in rates and measures; all p values are corrected together, after Holm.
 
-    A rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
-    have no seed in common.
+    ``own`` are directions of those of ``names`` that are metrics of one's own (`Outcomes.own`). A
+    rate or measure that no pair has on both sides is left out. Raises PhysimError where two arms
+    have no seed in common, and for a metric that no row has.
     """
-    made = [_compared(a, b, common, names, TESTS[test]) for a, b, common in pairs]
+    _check_own(pairs, own)
+    directions = {**DIRECTIONS, **own}
+    chosen = {name: directions[name] for name in names}
+    made = [_compared(a, b, common, chosen, TESTS[test]) for a, b, common in pairs]
     corrected = iter(holm([one.p for comparison in made for one in comparison.findings]))
     return [
         replace(one, findings=tuple(replace(f, corrected=next(corrected)) for f in one.findings))
@@ -184,8 +195,19 @@ def compare(
     ]
 
 
+def _check_own(pairs: Sequence[tuple[Arm, Arm, str]], own: Mapping[str, int]) -> None:
+    known = sorted({column for a, b, _ in pairs for arm in (a, b) for column in arm.outcomes.own})
+    for column in own:
+        if column not in known:
+            name, *names = (one.removeprefix(PREFIX) for one in (column, *known))
+            raise PhysimError(
+                f'no row has a metric "{name}"; rows have {", ".join(names) or "none"}; runs that '
+                "were made before it was installed have none"
+            )
+
+
 def _compared(
-    a: Arm, b: Arm, common: str, names: Sequence[str], test: Callable[[FloatArray], float]
+    a: Arm, b: Arm, common: str, names: Mapping[str, int], test: Callable[[FloatArray], float]
 ) -> Comparison:
     seeds_a, seeds_b = (arm.outcomes.seed[arm.cell.rows] for arm in (a, b))
     both, at_a, at_b = np.intersect1d(seeds_a, seeds_b, assume_unique=True, return_indices=True)
@@ -205,10 +227,10 @@ def _findings(
     a: Arm,
     b: Arm,
     rows: tuple[NDArray[np.int64], NDArray[np.int64]],
-    names: Sequence[str],
+    names: Mapping[str, int],
     test: Callable[[FloatArray], float],
 ) -> Iterator[Finding]:
-    for name in names:
+    for name, direction in names.items():
         if name in RATES:
             good_a = a.outcomes.successes(name)[rows[0]]
             good_b = b.outcomes.successes(name)[rows[1]]
@@ -226,11 +248,11 @@ def _findings(
             continue
         values_a, values_b = values_a[known], values_b[known]
         difference = values_b - values_a
-        gain = difference * MEASURES[name]
+        gain = difference * direction
         yield Finding(
             name, len(difference), float(np.median(values_a)), float(np.median(values_b)),
             *median_difference(difference), test(difference),
-            int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0)),
+            int(np.count_nonzero(gain < 0)), int(np.count_nonzero(gain > 0)), direction,
         )  # fmt: skip
 
 

@@ -11,9 +11,11 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple, overload
 
+from physim.campaigns import own_metrics
 from physim.campaigns.sources import Source, sources_of
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
 from physim.errors import PhysimError, WorldError
+from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
@@ -59,7 +61,7 @@ class Grid(Sequence[RunSpec]):
     """numbers of the cells in which nothing is random"""
     shard: Shard = WHOLE
     warnings: tuple[str, ...] = field(default=(), compare=False)
-    """what is to be noted about the worlds, a line each"""
+    """what is to be noted about the worlds, and metrics that cannot be used, a line each"""
 
     @property
     def total(self) -> int:
@@ -175,10 +177,14 @@ def make_grid(
     changes = list(product(*values))
     cells: list[RunSpec] = []
     fixed: set[int] = set()
-    warnings: dict[str, None] = {}
+    warnings: dict[str, None] = dict.fromkeys(own_metrics.installed().faults)
     sources: dict[str, tuple[Source, ...]] = {}
     for (name, given), overrides, controller in product(names.items(), changes, chosen):
-        world, document = read_world(given, overrides=overrides, controller=controller)
+        try:
+            world, document = read_world(given, overrides=overrides, controller=controller)
+        except WorldError as error:
+            one_of_several = (name if len(names) > 1 else "", controller if chosen[1:] else "")
+            raise _of_cell(error, *one_of_several) from None
         warnings |= dict.fromkeys(warning_lines(document))
         _check(world, document, seeds)
         choice = world.controller.type
@@ -250,6 +256,25 @@ def _named(worlds: Sequence[str]) -> dict[str, str]:
     return {
         stem if stems.count(stem) == 1 else one: one for stem, one in zip(stems, given, strict=True)
     }
+
+
+def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldError:
+    """The faults of a cell; those of ``--set`` with its world and controller, where given.
+
+    A line of a file says by itself which world it is of.
+    """
+    words = [f"in {escaped(world)}"] if world else []
+    words += [f"with {escaped(controller)}"] if controller else []
+    if not words or not error.positions:  # a file that is not there has no places
+        return error
+    of = f" ({' '.join(words)})"
+    return WorldError(
+        [
+            replace(fault, message=fault.message + of) if str(place).startswith("--set ") else fault
+            for fault, place in zip(error.faults, error.positions, strict=True)
+        ],
+        list(error.positions),
+    )
 
 
 def _check(world: World, document: Document, seeds: range | None) -> None:

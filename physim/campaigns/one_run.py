@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from physim._version import __version__
 from physim.analysis.metrics import Metric, measure
+from physim.campaigns import own_metrics
 from physim.campaigns.processes import Stop
 from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.sources import provide
@@ -134,8 +135,8 @@ def _keep(record: Record, spec: RunSpec, folder: Path | None) -> bytes | None:
 
 
 def figures(record: Record) -> dict[str, Any]:
-    """Columns of a row that come from the record."""
-    found = measure(record, METRICS)
+    """Columns of a row that come from the record. PhysimError where one's own metric fails."""
+    found = measure(record, (*METRICS, *own_metrics.installed().definitions))
     names = [body.name for body in record.bodies]
 
     def value(name: str) -> Any:
@@ -175,6 +176,7 @@ def figures(record: Record) -> dict[str, Any]:
         "danger_share": _finite(value("danger_share")),
         "updates": value("decisions"),
         "messages": value("messages"),
+        "metrics": own_metrics.text_of(found),
     }
 
 

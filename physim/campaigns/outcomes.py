@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.campaigns.own_metrics import PREFIX, columns_of
+
 if TYPE_CHECKING:
     import pyarrow as pa
 
@@ -68,8 +70,15 @@ class Outcomes:
         return len(self.seed)
 
     def column(self, name: str) -> FloatArray:
-        """A column of numbers; nan where it has no meaning."""
+        """A column of numbers; nan where it has no meaning, and of a metric that no row has."""
+        if name.startswith(PREFIX) and name not in self.own:
+            return np.full(len(self), np.nan)
         return np.asarray(self.table[name].to_numpy(), float)
+
+    @property
+    def own(self) -> list[str]:
+        """Columns of metrics that packages registered."""
+        return columns_of(self.table)
 
     def row(self, index: int) -> dict[str, Any]:
         """One row by names of columns."""

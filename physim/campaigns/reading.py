@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from physim.campaigns import own_metrics
 from physim.campaigns.columns import FAILED, schema
 from physim.campaigns.folder import CAMPAIGN, Folder, label_of
 from physim.campaigns.spec import identity_of, key_of, short_hash
@@ -30,14 +31,15 @@ OF_CELL = ("world_hash", "physim", "engine")
 def read(folder: str | os.PathLike[str]) -> pa.Table:
     """All rows, each run once, in the order of world, settings, controller and seed.
 
-    Of a run that was done again the last row that did not fail, else the last. Raises PhysimError
-    where there is no campaign, a shard cannot be read, or a row is of no run of the campaign: its
-    cell is not in ``campaign.json``, or its key is not that of its cell and seed.
+    Metrics of one's own have a column each, ``metric_NAME``. Of a run that was done again the last
+    row that did not fail, else the last. Raises PhysimError where there is no campaign, a shard
+    cannot be read, or a row is of no run of the campaign: its cell is not in ``campaign.json``, or
+    its key is not that of its cell and seed.
     """
     place = Folder(folder)
     table = read_rows(place)
     _check_runs(place, table)
-    return table
+    return own_metrics.with_columns(table)
 
 
 def read_rows(place: Folder) -> pa.Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,23 +20,33 @@ if TYPE_CHECKING:
     from physim.campaigns.compare import Arm
     from physim.campaigns.outcomes import Outcomes
 
+OWN = re.compile(r"([a-z][a-z0-9_]*):(more|less)")
+"""A metric that a package registered, and which of its values are the better ones"""
 DIMENSIONS = ["controller", "settings", "world"]
 
 
-def measures(text: str) -> tuple[str, ...]:
-    """Read names of rates and measures. Raises ValueError with those that there are."""
-    from physim.campaigns.compare import MEASURES
-    from physim.statistics.goal import RATES
+def measures(text: str) -> dict[str, int]:
+    """Read names of rates and measures: columns and directions, 1 where more is better, else -1.
 
-    known = [*RATES, *MEASURES]
-    names = tuple(dict.fromkeys(part.strip() for part in text.split(",")))
-    for name in names:
-        if name not in known:
-            close = nearest(name[:LONGEST_QUOTE], known)
+    Raises ValueError with those that there are.
+    """
+    from physim.campaigns.compare import DIRECTIONS
+    from physim.campaigns.own_metrics import PREFIX
+
+    found = {}
+    for name in (part.strip() for part in text.split(",")):
+        own = OWN.fullmatch(name)
+        if own:
+            found[PREFIX + own[1]] = 1 if own[2] == "more" else -1
+        elif name in DIRECTIONS:
+            found[name] = DIRECTIONS[name]
+        else:
+            close = nearest(name[:LONGEST_QUOTE], list(DIRECTIONS))
             raise ValueError(
-                f"some of {','.join(known)}, with commas between; {quoted(name)}{close}"
+                f"some of {','.join(DIRECTIONS)}, or NAME:more, NAME:less of a metric of your own "
+                f"by what is better, with commas between; {quoted(name)}{close}"
             )
-    return names
+    return found
 
 
 @command("compare", "is A better than B? differences on the same seeds")
@@ -63,7 +74,13 @@ def measures(text: str) -> tuple[str, ...]:
     metavar="WHAT",
     help="compare the cells of A that differ in this alone: controller, settings or world",
 )
-@option("--only", type=Value(measures), metavar="NAME,...", help="only these rates and measures")
+@option(
+    "--only",
+    type=Value(measures),
+    metavar="NAME,...",
+    help="only these rates and "
+    "measures; metrics of your own as NAME:more or NAME:less, by what is better",
+)
 @option(
     "--test",
     type=OneOf(["sign", "wilcoxon"]),
@@ -101,6 +118,7 @@ def compare(options: Options) -> int:
     """
     from physim.campaigns.compare import USUAL, by
     from physim.campaigns.compare import compare as compared
+    from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.report.comparison_page import comparison_page
     from physim.campaigns.report.comparison_text import comparison_text, comparison_values
 
@@ -118,7 +136,9 @@ def compare(options: Options) -> int:
         pairs, name = by(outcomes(options.a), options.by), f"{options.a}, by {options.by}"
     else:
         pairs, name = _two(options.a, options.b), f"{options.a} and {options.b}"
-    found = compared(pairs, options.only or USUAL, options.test)
+    chosen = options.only or measures(",".join(USUAL))
+    own = {name: way for name, way in chosen.items() if name.startswith(PREFIX)}
+    found = compared(pairs, [*chosen], options.test, own)
     folders = () if options.seeds is not None else (options.a, options.b)
     looked = any(_looked_at(folder) for folder in folders if folder is not None)
     if options.output is not None:

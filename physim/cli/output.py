@@ -93,6 +93,8 @@ def a_folder(path: Path, option: str = "-o") -> None:
     """Raise PhysimError where something exists that is no folder."""
     if path.exists() and not path.is_dir():
         raise PhysimError(f"{path}: is a file; {option} takes a folder")
+    if path.is_symlink() and not path.exists():
+        raise PhysimError(f"{path}: is a link to what is not there; {option} takes a folder")
 
 
 def new_file(

@@ -7,6 +7,7 @@ part of two vertices. A nonconvex shape is several parts. A *body* is a run of p
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate, chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -62,13 +63,13 @@ class Polylines(NamedTuple):
 
 def pack_shapes(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
     """Pack bodies, each a sequence of convex parts (n, 2), counter-clockwise, into arrays."""
-    parts = [np.asarray(part, dtype=np.float64) for body in bodies for part in body]
-    vertices = np.concatenate(parts) if parts else np.zeros((0, 2))
-    radius = [max(float(np.hypot(*np.asarray(p).T).max()) for p in body) for body in bodies]
+    packed = [[np.asarray(part, dtype=np.float64) for part in body] for body in bodies]
+    parts = list(chain.from_iterable(packed))
+    radius = [max(float(np.hypot(p[:, 0], p[:, 1]).max()) for p in body) for body in packed]
     return Shapes(
-        np.ascontiguousarray(vertices),
+        np.ascontiguousarray(np.concatenate(parts) if parts else np.zeros((0, 2))),
         _offsets([len(part) for part in parts]),
-        _offsets([len(body) for body in bodies]),
+        _offsets([len(body) for body in packed]),
         np.array(radius, dtype=np.float64),
     )
 
@@ -112,4 +113,4 @@ def joined_polylines(lines: Polylines, more: Polylines) -> Polylines:
 
 
 def _offsets(lengths: Sequence[int]) -> IntArray:
-    return np.concatenate(([0], np.cumsum(lengths))).astype(np.int64)
+    return np.array([0, *accumulate(lengths)], dtype=np.int64)

@@ -94,6 +94,7 @@ SETTINGS: tuple[Location, ...] = (
 )  # fmt: skip
 """Where parts are named by type and settings, which stand in one mapping in a file."""
 
+LISTS = ("sequence", "list_type", "tuple_type")
 LOOKS_NUMERIC = re.compile(r"[-+]?[0-9.][0-9._eE+-]*")
 
 
@@ -219,7 +220,7 @@ def _other_units(model: type[BaseModel], location: Location, details: Mapping[st
     unit = ((field.description if field is not None else "") or "").partition(" ")[0]
     if details["type"] == "less_than_equal":
         return f"; {in_metres(given)}" if unit == "[m]" and given is not None else ""
-    if not isinstance(given, str) or details["type"] in ("list_type", "tuple_type"):
+    if not isinstance(given, str) or details["type"] in LISTS:
         return ""
     if comma := DECIMAL_COMMA.fullmatch(given):
         return f"; decimals take a point: {comma[1]}.{comma[2]}"
@@ -289,6 +290,8 @@ def _words(words: list[str], details: Mapping[str, Any]) -> str:
 def _hint(kind: str, given: Any) -> str:
     if kind == "string_type" and isinstance(given, int | float):
         return "; put it in quotes to make it a text"
+    if kind in LISTS and isinstance(given, str) and "," in given:
+        return f"; write [{_short(_one_line(given))}]"
     if isinstance(given, str) and kind in ("float_type", "int_type"):
         if LOOKS_NUMERIC.fullmatch(given):
             quoted = ", which is a text; write the number without quotes"
@@ -309,18 +312,14 @@ def _is_number(text: str) -> bool:
 _NEEDED = {
     "float_type": "must be a number",
     "float_parsing": "must be a number",
-    "int_type": "must be a whole number",
-    "int_from_float": "must be a whole number",
-    "int_parsing": "must be a whole number",
+    **dict.fromkeys(("int_type", "int_from_float", "int_parsing"), "must be a whole number"),
     "int_parsing_size": "must be a whole number of reasonable size",
     "finite_number": "must be a finite number",
     "bool_type": "must be true or false",
     "bool_parsing": "must be true or false",
     "string_type": "must be a text",
     "string_unicode": "must be valid Unicode text",
-    "sequence": "must be a list",
-    "list_type": "must be a list",
-    "tuple_type": "must be a list",
+    **dict.fromkeys(LISTS, "must be a list"),
     "dict_type": "must be a mapping of keys to values",
     "mapping_type": "must be a mapping of keys to values",
     "model_type": "must be a mapping of keys to values",

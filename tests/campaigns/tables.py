@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 
 TEXTS = ("run", "world", "settings", "controller", "physim", "engine", "ended", "reason",
-         "first_contact_pair", "shortest_distance_pair", "shortest_collision_time_pair", "record",
-         "world_hash")  # fmt: skip
+         "first_contact_pair", "shortest_distance_pair", "shortest_collision_time_pair", "metrics",
+         "record", "world_hash")  # fmt: skip
 WHOLE = ("seed", "robots", "contacts", "wall_contacts", "grazes", "updates", "messages")
 NUMBERS = ("seconds", "first_contact", "deepest", "shortest_distance", "shortest_distance_time",
            "shortest_collision_time", "shortest_collision_time_time", "formation_error",
@@ -27,8 +27,8 @@ def row(seed: int = 1, **given: Any) -> dict[str, Any]:
         "shortest_distance_time": 3.2, "shortest_collision_time": 1.5,
         "shortest_collision_time_pair": "r1, r2", "shortest_collision_time_time": 3.0,
         "formation_error": None, "deviation": 0.2, "finish_time": 18.0, "danger_share": 0.05,
-        "updates": 900, "messages": 1800, "cpu_seconds": 0.1, "wall_seconds": 0.12, "record": "",
-        "world_hash": "0123456789ab",
+        "updates": 900, "messages": 1800, "cpu_seconds": 0.1, "wall_seconds": 0.12, "metrics": "",
+        "record": "", "world_hash": "0123456789ab",
     }  # fmt: skip
     made = {**usual, **given}
     words = "-".join(str(made[key]) for key in ("world", "settings", "controller", "seed"))
@@ -78,7 +78,8 @@ def many(count: int, cells: int = 10, seed: int = 0) -> pa.Table:
         "physim": ["0.1.0"] * count, "engine": ["pymunk 7.3.1"] * count, "ended": ends.tolist(),
         "reason": np.where(broke, "ZeroDivisionError: float division", "").tolist(),
         "first_contact_pair": [""] * count, "shortest_distance_pair": ["r1, r2"] * count,
-        "shortest_collision_time_pair": ["r1, r2"] * count, "record": [""] * count,
+        "shortest_collision_time_pair": ["r1, r2"] * count, "metrics": [""] * count,
+        "record": [""] * count,
         "world_hash": [f"{k // 2:012x}" for k in cell],
         "seed": pa.array(number), "robots": whole(np.full(count, 10)), "contacts": whole(touched),
         "wall_contacts": whole(np.zeros(count)), "grazes": whole(np.zeros(count)),

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns.grid import TOGETHER, Shard, make_grid, settings_of
-from physim.errors import PhysimError
+from physim.errors import PhysimError, WorldError
 from tests.facts import facts
 
 
@@ -51,6 +51,36 @@ def test_shards_are_the_whole_without_overlap(here: Path) -> None:
     keys = [[one.key for one in shard] for shard in shards]
     assert [len(shard) for shard in shards] == [len(mine) for mine in keys]
     assert sorted(chain(*keys)) == sorted(one.key for one in make_grid(*worlds))
+
+
+@pytest.mark.parametrize(
+    ("worlds", "controllers", "named"),
+    [
+        (["fixed.yaml"], ["mode_switching", "path_following"], {"path_following"}),
+        (["fixed.yaml", "small.yaml"], ["path_following"], {"fixed"}),
+        (["fixed.yaml", "small.yaml"], ["constant", "path_following"], {"fixed", "constant"}),
+        (["fixed.yaml"], ["path_following"], set()),
+    ],
+)
+def test_a_refused_setting_names_world_and_controller_where_there_are_several(
+    here: Path, worlds: list[str], controllers: list[str], named: set[str]
+) -> None:
+    with pytest.raises(WorldError) as caught:
+        make_grid(worlds, range(2), ["controller.time_low=2.0"], controllers)
+    (line,) = str(caught.value).splitlines()
+    known = ("mode_switching", "path_following", "constant", "fixed", "small")
+    assert line.startswith("--set controller.time_low: ")
+    assert {word for word in known if word in line} == named
+
+
+def test_a_fault_of_a_file_or_a_name_says_by_itself_what_it_is_of(here: Path) -> None:
+    (here / "bad.yaml").write_text((here / "fixed.yaml").read_text() + "colour: red\n")
+    for worlds, controllers in (["bad.yaml"], ["constant", "path_following"]), (
+        ["fixed.yaml", "small.yaml"], ["constnt", "path_following"]
+    ):  # fmt: skip
+        with pytest.raises(WorldError) as caught:
+            make_grid(worlds, range(2), (), controllers)
+        assert "(" not in str(caught.value)
 
 
 def test_two_files_of_one_name_are_told_apart(here: Path) -> None:

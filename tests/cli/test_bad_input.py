@@ -40,6 +40,10 @@ WORLDS = {
         changed("formation:", "formatoin:"),
         "w.yaml:14:1: formatoin:", WORLD_KEYS, '"formation"',
     ),
+    "a list without brackets": (
+        changed("[6.0, 1.0, 0.0]", "6.0, 1.0, 0.0"),
+        "w.yaml:8:11: robots[0].pose:", "[6.0, 1.0, 0.0]",
+    ),
     "unknown key within": (
         changed("width: 8.0", "widht: 8.0"),
         "w.yaml:4:43: corridor.widht:", "centreline, width, end_margin", '"width"',
@@ -111,6 +115,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "small.yaml").write_text(SMALL)
     (tmp_path / "file").write_text("mine")
+    (tmp_path / "link").symlink_to("nowhere")
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "earlier").mkdir()
     (tmp_path / "earlier/record.h5").write_text("mine")
@@ -150,6 +155,7 @@ ARGUMENTS = {
     "missing name": (["strait"], "strait:", "no such file", '"strait"', "straight"),
     "folder": (["earlier/"], "earlier:", "folder"),
     "existing output": (["small.yaml", "-o", "earlier"], "earlier:", "record.h5", "--force", "-o"),
+    "output is a link to nothing": (["small.yaml", "-o", "link"], "link:", "-o takes a folder"),
     "output is a file": (["small.yaml", "-o", "file"], "file:", "-o takes a folder"),
     "output is a file, by force": (
         ["small.yaml", "-o", "file", "--force"], "file:", "-o takes a folder",

@@ -52,6 +52,12 @@ class Broken:
     def measure(self, record):
         return record.no_such_thing
 
+class Huge:
+    unit, definition = "m", "a number without end"
+
+    def measure(self, record):
+        return 10**5000
+
 class Words:
     unit, definition = "m", "gives words"
 
@@ -141,6 +147,7 @@ def test_definitions_list_them(
     [
         ("broken", "Broken", ('"broken"', "AttributeError")),
         ("words", "Words", ('"words"', "str", "number")),
+        ("huge", "Huge", ('"huge"', "int", "finite number")),
         ("unitless", "Unitless", ("Unitless.unit", "text")),
         ("unmade", "Unmade", ('"unmade"', "ValueError: no")),
         ("mute", "Mute", ("class Mute", "no method measure")),

@@ -8,10 +8,19 @@ import numpy as np
 import pytest
 
 import physim
+from physim import Decision, Mode
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at, layout, render
-from physim.drawing.video.frames import FOOTER, HEADER, Beside, differences, file_names, titles
+from physim.drawing.video.frames import (
+    FOOTER,
+    HEADER,
+    Beside,
+    differences,
+    file_names,
+    one_legend,
+    titles,
+)
 from physim.drawing.video.ground import ground
 from physim.drawing.video.layout import Box
 from physim.drawing.video.view import View
@@ -96,6 +105,50 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
 )  # fmt: skip
 def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[str, str]) -> None:
     assert titles(parse_world(one), parse_world(other)) == expected
+
+
+GO, WAIT = Mode("go", "#0072b2"), Mode("wait", "#e69f00")
+SAFE = Mode("safe", "#0072b2")
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "shared"),
+    [
+        ([GO, WAIT], [GO], [GO, WAIT]),
+        ([GO], [WAIT], [GO, WAIT]),
+        ([GO], [SAFE], []),  # one colour, two meanings
+        ([GO, WAIT], [Mode("wait", "#0072b2")], []),  # one name, two colours
+        ([GO], [Mode("go", "#0072B2")], [GO]),
+        ([], [GO], [GO]),
+    ],
+)
+def test_runs_share_a_legend_where_a_colour_says_the_same_in_both(
+    left: list[Mode], right: list[Mode], shared: list[Mode]
+) -> None:
+    assert [one.name for one in one_legend(left, right)] == [one.name for one in shared]
+    assert len(one_legend(right, left)) == len(shared)
+
+
+class Blue:
+    """Goes straight on, in the blue that other controllers have for something else."""
+
+    modes = (GO,)
+
+    def decide(self, observation: object, memory: object) -> Decision:
+        return Decision(v=0.2, omega=0.0, hold=0.1, mode="go")
+
+
+def test_colours_with_two_meanings_stand_below_the_run_that_they_are_of(free: Record) -> None:
+    own = physim.simulate(parse_world(SMALL), controller=Blue())
+    legend = slice(layout.HEIGHT - FOOTER + 48, layout.HEIGHT)
+    left, right = slice(0, layout.WIDTH // 2), slice(layout.WIDTH // 2, layout.WIDTH)
+    blue = palette.rgb(GO.colour)
+    apart = frame_at(own, 0.8, beside=free, speed=1.0)
+    assert pixels(apart, blue, (legend, left)) > 50
+    assert pixels(apart, blue, (legend, right)) > 50
+    together = frame_at(free, 0.8, beside=free, speed=1.0)
+    assert pixels(together, blue, (legend, left)) > 50
+    assert pixels(together, blue, (legend, right)) == 0
 
 
 def test_the_files_are_told_apart_by_their_names() -> None:

@@ -19,7 +19,7 @@ from physim.campaigns.report.comparison_text import (
     unit_of,
     value_text,
 )
-from physim.campaigns.report.contents import MEASURES
+from physim.campaigns.report.contents import title_of
 from physim.campaigns.report.markup import page, text
 from physim.campaigns.report.plots import paired_plot, shift_plot
 
@@ -100,7 +100,7 @@ def _points(one: Comparison, found: Finding) -> Iterator[str]:
     if count > MOST_POINTS:
         some = np.linspace(0, count - 1, MOST_POINTS).astype(int)
         a, b = a[some], b[some]
-    what, unit = MEASURES[found.name]
+    what, unit = title_of(found.name)
     label = f"{what} [{unit}]" if unit else what
     yield f'<figure class="tile"><h3>{text(what)}</h3>'
     yield paired_plot(a, b, label, f"{what} of A and B, {len(a)} pairs")

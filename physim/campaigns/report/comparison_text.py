@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from physim.campaigns.compare import ALPHA, Comparison, Finding
-from physim.campaigns.report.contents import MEASURES
+from physim.campaigns.report.contents import title_of
 from physim.campaigns.report.text import plain, seeds_text
 from physim.campaigns.report.wording import RATE_NAMES, SHARES, measured, number, percent
 from physim.errors import plural
@@ -55,7 +55,7 @@ def told(one: Comparison) -> str:
 
 def title(found: Finding) -> str:
     """What was looked at."""
-    return RATE_NAMES[found.name] if found.is_rate else MEASURES[found.name][0]
+    return RATE_NAMES[found.name] if found.is_rate else title_of(found.name)[0]
 
 
 def is_share(found: Finding) -> bool:
@@ -65,7 +65,7 @@ def is_share(found: Finding) -> bool:
 
 def unit_of(found: Finding) -> str:
     """Unit of a measure; empty of rates and shares."""
-    return "" if found.is_rate else MEASURES[found.name][1]
+    return "" if found.is_rate else title_of(found.name)[1]
 
 
 def value_text(found: Finding, value: float, unit: str) -> str:

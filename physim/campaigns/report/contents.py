@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from physim.campaigns import own_metrics
 from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
 from physim.statistics.goal import RATES, Decision, Goal, decide
 from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed
@@ -27,6 +28,11 @@ MEASURES = {
     "cpu_seconds": ("processor time", "s"),
 }
 """Columns of numbers that a report sums up: what they are, and their units."""
+
+
+def title_of(column: str) -> tuple[str, str]:
+    """What a column of numbers is, and its unit; of a metric of one's own its name."""
+    return MEASURES[column] if column in MEASURES else own_metrics.title_of(column)
 
 
 @dataclass(frozen=True)
@@ -141,7 +147,7 @@ def report_of(
     Then only runs without a gap from seed ``first`` on count in rates: which runs after a gap are
     there depends on how long they took.
     """
-    measures = {name: outcomes.column(name) for name in MEASURES}
+    measures = {name: outcomes.column(name) for name in (*MEASURES, *outcomes.own)}
     cells = tuple(_cell(outcomes, cell, measures, goal, first) for cell in outcomes.cells)
     return Report(
         title, outcomes, goal, cells, _worst(outcomes, measures["shortest_distance"]),

@@ -15,6 +15,7 @@ from physim.campaigns.report.contents import (
     Rate,
     Report,
     Spread,
+    title_of,
 )
 from physim.campaigns.report.markup import code, page, text
 from physim.campaigns.report.plots import distribution, rate_axis, rate_plot, spread_axis
@@ -227,7 +228,7 @@ def _of(spread: Spread, one: CellReport) -> str:
 
 
 def _measures(report: Report) -> Iterator[str]:
-    names = [n for n in MEASURES if n != "shortest_distance"]
+    names = [n for n in (*MEASURES, *report.outcomes.own) if n != "shortest_distance"]
     names = [n for n in names if any(one.spread(n).count for one in report.cells)]
     if not names:
         return
@@ -237,13 +238,13 @@ def _measures(report: Report) -> Iterator[str]:
         "(of finish times, those that did not finish) are left out; then it says how many have "
         "one.</p>"
     )
-    heads = "".join(f'<th class="number">{text(MEASURES[name][0])}</th>' for name in names)
+    heads = "".join(f'<th class="number">{text(title_of(name)[0])}</th>' for name in names)
     yield '<div class="wide"><table class="stack dense"><thead><tr><th>cell</th>'
     yield f"{heads}</tr></thead><tbody>"
     for one in report.cells[:MOST_CELLS]:
         yield f"<tr>{_name(one)}"
         for name in names:
-            spread, (what, unit) = one.spread(name), MEASURES[name]
+            spread, (what, unit) = one.spread(name), title_of(name)
             half = " to ".join(
                 measured(name, x, unit).removesuffix(f" {unit}")
                 for x in (spread.quarter, spread.three_quarters)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
-from physim.campaigns.report.contents import MEASURES, CellReport, Failure, Rate, Report
+from physim.campaigns.report.contents import CellReport, Failure, Rate, Report, title_of
 from physim.campaigns.report.wording import (
     RATE_NAMES,
     decision_words,
@@ -75,10 +75,10 @@ def _cell(report: Report, one: CellReport) -> Iterator[str]:
         if note and note != told:  # where all went well, one line stands for the three rates
             yield f"  {'':<26}{note}"
         told = note
-    for name in TOLD:
+    for name in (*TOLD, *report.outcomes.own):
         spread = one.spread(name)
         if spread.count:
-            what, unit = MEASURES[name]
+            what, unit = title_of(name)
             values = [measured(name, x, unit) for x in (spread.median, spread.least, spread.most)]
             of = "" if spread.count == one.cell.count else f", of {spread.count} that have one"
             yield f"  {what:<26}median {values[0]}, {values[1]} to {values[2]}{of}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import cv2
 import numpy as np
 
 from physim.drawing import palette
+from physim.drawing.palette import rgb
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.ground import Overview, ground, plain
 from physim.drawing.video.layout import HEIGHT, TEXT, TITLE, WIDTH, Box, Image, arrange
@@ -28,6 +30,7 @@ from physim.drawing.video.view import View
 from physim.world.differences import differences
 
 if TYPE_CHECKING:
+    from physim.parts.declarations import Mode
     from physim.world import World
 
 
@@ -78,6 +81,10 @@ class Painter:
 HEADER, FOOTER = 62, 78
 """[px] height of the titles above the two views, and of time and legend below"""
 PAD, GAP = 16, 3
+BAR_END = WIDTH - 140
+"""[px] where the bar of the time ends; then comes the sign of a contact"""
+LEAST_WORDS = 24
+"""[px] of a mode's words, however many there are"""
 BANNER = 34
 """[px] height of the line over a run that has ended before the other"""
 PALE = 0.45
@@ -127,7 +134,7 @@ class Beside:
             self._outcome(image, view, then)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
-        draw_progress(image, PAD + 200, WIDTH - PAD, y - 8, time / max(self.duration, 1e-9))
+        draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
     def _outcome(self, image: Image, view: View, time: float) -> None:
@@ -162,20 +169,43 @@ class Beside:
         return image
 
     def _draw_legend(self, image: Image) -> None:
-        """The modes of both runs, each once, in one row."""
-        modes = {
-            str(mode): mode
+        """The modes: of both runs in one row, or of each below its view where they would mix up."""
+        top = HEIGHT - FOOTER + 48
+        draw_signs(image, BAR_END + 2 * PAD, HEIGHT - FOOTER + 14, ROW, [CONTACT])
+        both = [
+            [view.timeline.scene.modes[k] for k in view.timeline.explained_modes]
             for view in self._views
-            for mode in (view.timeline.scene.modes[k] for k in view.timeline.explained_modes)
-        }
-        left, top = PAD, HEIGHT - FOOTER + 48
-        room = (WIDTH - 2 * PAD) // (len(modes) + 1)
-        draw_signs(image, left, top, ROW, [CONTACT])
-        left += SIGN + width(CONTACT, TEXT) + 2 * PAD
-        for words, mode in modes.items():
-            draw_modes(image, left, top, ROW, [mode], room)
-            cut = shorten(words, TEXT, room - SIGN)
-            left += SIGN + width(cut, TEXT) + 2 * PAD
+        ]
+        if shared := one_legend(*both):
+            _draw_row(image, shared, PAD, WIDTH - PAD, top)
+            return
+        middle = WIDTH // 2
+        cv2.line(image, (middle, top), (middle, top + ROW), palette.RULE, GAP)
+        for view, modes in zip(self._views, both, strict=True):
+            left = view.box.left + PAD
+            _draw_row(image, modes, left, left + view.box.width - 2 * PAD, top)
+
+
+def one_legend(left: Sequence[Mode], right: Sequence[Mode]) -> list[Mode]:
+    """The modes of two runs, each once; none where a colour or a name stands for two."""
+    mixed = any(
+        (str(one) == str(other)) != (rgb(one.colour) == rgb(other.colour))
+        for one in left
+        for other in right
+    )
+    return [] if mixed else [*{str(mode): mode for mode in (*left, *right)}.values()]
+
+
+def _draw_row(image: Image, modes: Sequence[Mode], left: int, right: int, top: int) -> None:
+    """Draw modes side by side, the longest cut so that all end before ``right`` [px]."""
+    lengths = [width(str(mode), TEXT) for mode in modes]
+    room = right - left - len(modes) * (SIGN + 2 * PAD) + 2 * PAD
+    most = max(lengths, default=0)
+    while most > LEAST_WORDS and sum(min(length, most) for length in lengths) > room:
+        most -= 1
+    for mode, length in zip(modes, lengths, strict=True):
+        draw_modes(image, left, top, ROW, [mode], SIGN + most)
+        left += SIGN + min(length, most) + 2 * PAD
 
 
 def draw_ended(view: Image, words: str) -> None:

@@ -283,6 +283,15 @@ EDITS = (
     Edit(
         "video",
         "physim/drawing/video/frames.py",
+        "one_legend",
+        "return [] if mixed else",
+        "return",
+        "a colour with two meanings is explained below each of two runs",
+        "tests/video/test_beside.py::test_colours_with_two_meanings_stand_below_the_run_that_they_are_of",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/video/frames.py",
         "Beside.paint",
         "then = min(time, end)",
         "then = time * end / self.duration",

@@ -1,0 +1,171 @@
+"""Metrics that packages register reach rows, results, reports and comparisons."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as parquet
+import pytest
+
+from physim.campaigns import own_metrics
+from physim.campaigns.compare import by, compare
+from physim.campaigns.folder import Folder
+from physim.campaigns.one_run import row_without_run, run_one
+from physim.campaigns.outcomes import Outcomes
+from physim.campaigns.own_metrics import MOST, with_columns
+from physim.campaigns.reading import read
+from physim.campaigns.report.contents import report_of
+from physim.campaigns.report.page import report_page
+from physim.campaigns.report.pictures import Shown
+from physim.campaigns.report.text import report_text
+from physim.campaigns.rows import FINISHED
+from physim.cli.compare import measures
+from physim.errors import PhysimError
+from tests.campaigns.samples import specs, write
+from tests.campaigns.tables import row, table
+from tests.cli.commands import shell
+from tests.packages import install
+from tests.says import check_error
+
+TEXT = '''
+class Seed:
+    """The seed, halved."""
+    unit = "m"
+
+    def measure(self, record):
+        return record.seed / 2
+
+class Even:
+    """Whether the seed is even."""
+    unit = "-"
+
+    def measure(self, record):
+        return True if record.seed % 2 == 0 else None
+
+class Fails:
+    """Has no meaning but of seed 3, where it fails."""
+    unit = "-"
+
+    def measure(self, record):
+        return 1 / 0 if record.seed == 3 else None
+
+class Unusable:
+    unit = 3
+'''
+ENTRIES = {"half": "Seed", "even": "Even", "fails": "Fails", "unusable": "Unusable"}
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder with a world, in which metrics are installed for this and for other processes."""
+    package = tmp_path / "package"
+    package.mkdir()
+    install(package, monkeypatch, "own_figures", TEXT, {"physim.metrics": ENTRIES})
+    monkeypatch.setenv("PYTHONPATH", str(package))
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path)
+    own_metrics.installed.cache_clear()
+    yield tmp_path
+    own_metrics.installed.cache_clear()
+
+
+def test_a_row_has_the_metrics_that_have_a_meaning_for_its_run(here: Path) -> None:
+    found = [run_one(spec) for spec in specs(4)]
+    assert [one.metrics for one in found[:3]] == ["even=1.0; half=0.0", "half=0.5",
+                                                  "even=1.0; half=1.0"]  # fmt: skip
+    assert found[3].ended == "error"
+    assert '"fails" fails: ZeroDivisionError' in found[3].reason
+    assert "own_figures.py:21" in found[3].reason
+
+
+def test_from_a_sweep_to_its_results_and_a_comparison(here: Path) -> None:
+    swept = shell("sweep", "small.yaml", "--seeds", "0:3", "--controller",
+                   "constant,path_following", "-o", "out", folder=here)  # fmt: skip
+    assert swept.code == 0, swept.err
+    assert "unusable" in swept.err  # and none is left out in silence
+    results = parquet.read_table(here / "out/results.parquet")
+    assert results["metric_half"].to_pylist() == [0.0, 0.5, 1.0] * 2
+    assert results["metric_even"].to_pylist() == [1.0, None, 1.0] * 2
+    done = shell("compare", "out", "--by", "controller", "--only", "half:less,even:more",
+                  "--json", "-", folder=here)  # fmt: skip
+    (compared,) = json.loads(done.out)["comparisons"]
+    halves, evens = compared["findings"]
+    assert (halves["a"], halves["b"], halves["difference"], halves["pairs"]) == (0.5, 0.5, 0.0, 3)
+    assert evens["pairs"] == 2
+    told = shell("report", "out", folder=here)
+    assert told.code == 0, told.err
+    assert any("half" in line and "0.500 m" in line for line in told.out.splitlines())
+
+
+def test_what_is_replayed_is_the_same_run_whatever_is_installed(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shell("sweep", "small.yaml", "--seeds", "0:1", "-o", "out", folder=here)
+    monkeypatch.delenv("PYTHONPATH")
+    done = shell("replay", "out:0", "--no-video", folder=here)
+    assert done.code == 0, done.err
+
+
+@pytest.mark.parametrize(("better", "named"), [("less", "a"), ("more", "b")])
+def test_which_values_are_better_is_given(better: str, named: str) -> None:
+    rows = [
+        row(seed, controller=controller, metrics=f"way={seed + shift}")
+        for seed in range(30)
+        for controller, shift in (("a", 0.0), ("b", 1.5))
+    ]
+    outcomes = Outcomes(with_columns(table(rows)))
+    ways = {"metric_way": 1 if better == "more" else -1}
+    (found,) = compare(by(outcomes, "controller"), [*ways], own=ways)[0].findings
+    assert (found.difference, found.better) == (1.5, named)
+    with pytest.raises(PhysimError, match=r"wy.*way"):
+        compare(by(outcomes, "controller"), ["metric_wy"], own={"metric_wy": 1})
+
+
+def test_the_command_line_takes_names_with_what_is_better() -> None:
+    assert measures("rate,way:less, gap:more") == {"rate": 1, "metric_way": -1, "metric_gap": 1}
+    for wrong in ("way", "way:much", "rate:less:more", "Way:less"):
+        with pytest.raises(ValueError, match="NAME:less") as caught:
+            measures(wrong)
+        assert wrong in str(caught.value)
+
+
+def test_reports_sum_them_up() -> None:
+    rows = [row(seed, metrics=f"way={seed}.5" if seed else "") for seed in range(11)]
+    outcomes = Outcomes(with_columns(table(rows)))
+    assert np.isnan(outcomes.column("metric_way")[0])
+    report = report_of(outcomes, "yard")
+    assert report.cells[0].spread("metric_way").median == 6.0
+    assert "\n  way  " in report_text(report, [""] * len(report.worst))
+    assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.worst))
+
+
+FORGED = ["a=1; a", "A=1", "a=nan", "a=1;b=2", "<b>=1", "a=1\n", "a=1; ", "=1", "a=0x10"]
+
+
+@pytest.mark.parametrize("text", FORGED)
+def test_what_is_no_list_of_numbers_is_told_with_its_line(tmp_path: Path, text: str) -> None:
+    place = Folder(tmp_path / "campaign")
+    place.open(specs(1))
+    good = row_without_run(specs(1)[0], FINISHED, "")
+    file = tmp_path / "campaign/rows/9-2-x-1.jsonl"
+    file.parent.mkdir(exist_ok=True)
+    lines = [json.dumps(asdict(replace(good, metrics=one))) for one in ("a=-1.5e-07", text)]
+    file.write_text("\n".join([*lines, ""]))
+    with pytest.raises(PhysimError) as caught:
+        read(tmp_path / "campaign")
+    check_error(f"{caught.value}\n", f"{file}:2: metrics:", "numbers")
+    file.write_text(lines[0] + "\n")
+    assert read(tmp_path / "campaign")["metric_a"].to_pylist() == [-1.5e-07]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("a=1e999", "finite"), ("; ".join(f"a{k}=1" for k in range(MOST + 1)), "1,001 metrics")],
+)
+def test_numbers_without_end_and_metrics_without_number_are_refused(text: str, told: str) -> None:
+    with pytest.raises(PhysimError, match=told):
+        with_columns(table([row(1, metrics=text)]))

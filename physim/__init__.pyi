@@ -1,8 +1,7 @@
 # The public names of physim, each with the module that has it: the one list of them.
 
-from . import geometry, randomness, testing
+from . import geometry, metrics, randomness, testing
 from ._version import __version__
-from .analysis import metrics
 from .analysis.summary import summarise
 from .analysis.validation import validate
 from .contacts import Kind, Phase

@@ -75,6 +75,7 @@ LAYERS = {
     "physim.cli": (7, 0),
     "physim": (8, 0),
     "physim.__main__": (8, 0),
+    "physim.metrics": (8, 0),
 }
 """Layer of every module and package, and its place among those of the same layer. An import goes
 to a lower layer, to a lower place in the same one, or stays within its package."""

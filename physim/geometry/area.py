@@ -7,13 +7,13 @@ less the obstacles. A point of it is *safe* when it is at least L from every bou
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
-from shapely.ops import polygonize, unary_union
+from shapely.ops import unary_union
 
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
@@ -36,6 +36,8 @@ SMALL = 0.05
 No point of a hull is farther than half of that from a point of the wall, at a right angle or more
 to the way out: the safe area loses at most SMALL^2 / 8 = 0.0003 of the distance."""
 
+MILLIMETRE = 1e-3
+
 NEAR_EDGE = 1e-6
 """[m] A line farther than this from the edge lies on one side of it, however its points are
 rounded."""
@@ -43,9 +45,14 @@ rounded."""
 
 @dataclass(frozen=True)
 class Area:
-    """The accessible face of a world, world frame [m]."""
+    """The accessible face of a world, world frame [m].
+
+    ``inner`` are the boundaries that stand in it and enclose nothing, such as a wall between two
+    rooms that ends at a door: places near them are not safe, but no edge of the polygon.
+    """
 
     polygon: Polygon
+    inner: shapely.Geometry = field(default_factory=shapely.MultiLineString)
 
     @property
     def accessible_rings(self) -> list[FloatArray]:
@@ -54,7 +61,24 @@ class Area:
 
     def safe_rings(self, safe_distance: float) -> list[FloatArray]:
         """Rings of the points at least ``safe_distance`` from every boundary, for pictures."""
-        return _rings(shrunk(self.polygon, safe_distance, ROUND_SEGMENTS))
+        return _rings(self.shrunk(safe_distance, ROUND_SEGMENTS))
+
+    def shrunk(self, distance: float, round_segments: int) -> Polygon | MultiPolygon:
+        """What is at least ``distance`` [m] from every boundary; see `shrunk`."""
+        kept = shrunk(self.polygon, distance, round_segments)
+        if self.inner.is_empty:
+            return kept
+        return kept.difference(grown(self.inner, distance, round_segments))
+
+    def largest_distance(self) -> float:
+        """Largest distance [m] that a place has from the boundaries, to the millimetre."""
+        low, high = 0.0, float(shapely.maximum_inscribed_circle(self.polygon, MILLIMETRE).length)
+        if self.inner.is_empty:
+            return high
+        while high - low > MILLIMETRE:
+            middle = (low + high) / 2.0
+            low, high = (low, middle) if self.shrunk(middle, 4).is_empty else (middle, high)
+        return low
 
     def outside_stretches(self, points: FloatArray) -> FloatArray:
         """(M, 2) [m] stretches of a path, from station to station, outside the area.
@@ -97,7 +121,9 @@ def accessible_area(
 
     Raises ValueError when the boundaries close no face around it.
     """
-    faces = list(polygonize(unary_union([LineString(line) for line in boundaries])))
+    noded = unary_union([LineString(line) for line in boundaries])
+    of_faces, cuts, dangles, _ = shapely.polygonize_full([noded])
+    faces = list(shapely.get_parts(of_faces))
     if not faces:
         raise ValueError("the boundaries enclose no area")
     line = LineString(reference)
@@ -108,7 +134,19 @@ def accessible_area(
     if free.is_empty:
         raise ValueError("the obstacles leave nothing of the area around the reference path")
     parts = shapely.get_parts(free)
-    return Area(max(parts, key=lambda polygon: float(polygon.intersection(line).length)))
+    polygon = max(parts, key=lambda polygon: float(polygon.intersection(line).length))
+    loose = [*shapely.get_parts(cuts), *shapely.get_parts(dangles)]
+    return Area(polygon, inner_lines(polygon, loose))
+
+
+def inner_lines(polygon: Polygon, lines: Sequence[LineString]) -> shapely.Geometry:
+    """What of lines runs inside a polygon, beside its edge."""
+    near = [line for line in lines if line.intersects(polygon)]
+    if not near:
+        return shapely.MultiLineString()
+    inside = unary_union(near).intersection(polygon).difference(polygon.boundary)
+    parts = shapely.get_parts(inside)
+    return shapely.multilinestrings(parts[shapely.length(parts) > LENGTH])
 
 
 def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | MultiPolygon:
@@ -125,17 +163,32 @@ def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | Mu
         shape = shape.simplify(SIMPLER * distance)
     if shapely.get_num_coordinates(shape) <= MANY:
         return shape.buffer(-distance, quad_segs=round_segments)
-    stretches = np.array([one for ring in shapely.get_rings(shape) for one in _stretches(ring)])
+    return shape.difference(_grown_in_stretches(shape.boundary, distance, round_segments))
+
+
+def grown(lines: shapely.Geometry, distance: float, round_segments: int) -> shapely.Geometry:
+    """What is nearer than ``distance`` [m] to lines, as `shrunk` takes it away from an edge."""
+    if shapely.get_num_coordinates(lines) > MANY:
+        lines = lines.simplify(SIMPLER * distance)
+    if shapely.get_num_coordinates(lines) <= MANY:
+        return lines.buffer(distance, quad_segs=round_segments)
+    return _grown_in_stretches(lines, distance, round_segments)
+
+
+def _grown_in_stretches(
+    lines: shapely.Geometry, distance: float, round_segments: int
+) -> shapely.Geometry:
+    every = shapely.get_parts(lines)
+    stretches = np.array([one for line in every for one in _stretches(line)])
     low_x, low_y, high_x, high_y = shapely.bounds(stretches).T
     small = np.hypot(high_x - low_x, high_y - low_y) <= SMALL * distance
     stretches[small] = shapely.convex_hull(stretches[small])
-    near = shapely.union_all(shapely.buffer(stretches, distance, quad_segs=round_segments))
-    return shape.difference(near)
+    return shapely.union_all(shapely.buffer(stretches, distance, quad_segs=round_segments))
 
 
-def _stretches(ring: shapely.LinearRing) -> list[LineString]:
-    """A ring in pieces of `STRETCH` edges."""
-    points = shapely.get_coordinates(ring)
+def _stretches(line: LineString) -> list[LineString]:
+    """A line in pieces of `STRETCH` edges."""
+    points = shapely.get_coordinates(line)
     starts = range(0, len(points) - 1, STRETCH)
     return [LineString(points[k : k + STRETCH + 1]) for k in starts]
 

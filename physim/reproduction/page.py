@@ -55,8 +55,9 @@ def _opening(report: Report) -> Iterator[str]:
     )
     if report.seeds < SEEDS:
         yield (
-            f"**Preliminary.** Verdicts rest on {plural(report.seeds, 'seed')} of each world; the "
-            f"whole page, without {_code('--quick')}, takes {SEEDS} and may come to others."
+            f"**Preliminary.** Verdicts rest on at most {plural(report.seeds, 'seed')} of each "
+            f"world; the whole page, without {_code('--quick')}, takes up to {SEEDS} and may come "
+            "to others."
         )
     if report.interrupted:
         yield "It was interrupted: this page holds only what was done by then."

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import PhysimError, WorldError
+from physim.errors import PhysimError, WorldError, plural
 from physim.geometry.shapes import FloatArray, read_only
 from physim.geometry.tracking import Tracking
 from physim.parts.controller import (
@@ -140,6 +140,11 @@ class Simulation:
     def contacts(self) -> NDArray[np.void]:
         """Rows of `physim.contacts.CONTACT_ROW` of the present sample."""
         return self.physics.contacts
+
+    def __repr__(self) -> str:
+        """Size and time."""
+        size = plural(self.scene.robots, "robot")
+        return f"<Simulation seed {self.scene.seed}: {size}, at {self.time:g} s>"
 
     @property
     def finished(self) -> bool:

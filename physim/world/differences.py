@@ -9,8 +9,8 @@ import yaml
 
 from physim.world.model import World
 
-ABSENT = "default"
-"""Stands for a value that one of the worlds does not give."""
+ABSENT, NONE = "default", "none"
+"""Stand for a value, and for an entry of a list, that one of the worlds does not give."""
 
 
 def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
@@ -19,13 +19,24 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     Where a part of another name stands in a place, its settings are not counted.
     """
     first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
-    pairs = {key: (first.get(key, ABSENT), second.get(key, ABSENT)) for key in {**first, **second}}
+    pairs = {key: (_told(first, key), _told(second, key)) for key in {**first, **second}}
     found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
     for part in [key.removesuffix("type") for key in found if key.endswith(".type")]:
         settings = [key for key in found if key.startswith(part) and key != f"{part}type"]
         for key in settings:
             del found[key]
     return found
+
+
+def _told(values: Mapping[str, str], key: str) -> str:
+    """A value as text, or why there is none: the entry of its list is missing, or it alone is."""
+    if key in values:
+        return values[key]
+    parts = key.split(".")
+    last = max((k for k, part in enumerate(parts) if part.isdigit()), default=-1)
+    entry = ".".join(parts[: last + 1])
+    is_there = any(other == entry or other.startswith(f"{entry}.") for other in values)
+    return ABSENT if last < 0 or is_there else NONE
 
 
 def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:

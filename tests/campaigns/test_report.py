@@ -5,19 +5,25 @@ from __future__ import annotations
 import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import physim
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.contents import Report, report_of
 from physim.campaigns.report.page import Shown, report_page
+from physim.campaigns.report.pictures import _draw_view
 from physim.campaigns.report.text import report_text, report_values
 from physim.campaigns.report.wording import amount, interval, percent
+from physim.drawing.video import frame_at
 from physim.statistics.goal import read_goal
 from physim.statistics.proportion import clopper_pearson
 from physim.statistics.sequence import running
+from physim.world.file import parse_world
+from tests.campaigns.samples import WORLD
 from tests.campaigns.tables import failed, hit, many, row, table
 
 HOSTILE = '<script>alert("1")</script>\x1b[31m\u202e&\'">'
@@ -149,6 +155,15 @@ def test_the_worst_are_the_ten_least_distances() -> None:
     tied = report([row(seed, shortest_distance=0.5) for seed in range(30)])
     assert tied.worst == tuple(range(10))
     assert report([failed()]).worst == ()
+
+
+def test_a_least_distance_at_the_end_is_shown_from_near(tmp_path: Path) -> None:
+    record = physim.simulate(parse_world(WORLD))
+    for name, time in (("end", 1.0), ("before", 0.98), ("later", 2.0)):
+        _draw_view(record, tmp_path / f"{name}.png", time)
+    near = (tmp_path / "before.png").read_bytes()
+    assert (tmp_path / "end.png").read_bytes() == (tmp_path / "later.png").read_bytes() == near
+    assert not np.array_equal(frame_at(record, 1.0), frame_at(record, 0.98))
 
 
 def test_it_says_where_the_least_distances_leave_cells_out() -> None:

@@ -93,3 +93,36 @@ def test_width_is_the_shortest_distance_left_plus_right() -> None:
     left, right = side_distances(points, np.tile([1.0, 0.0], (5, 1)), segments)
     assert left == pytest.approx(np.full(5, 3.0))
     assert right == pytest.approx(np.full(5, 5.0))
+
+
+def test_a_wall_that_stands_in_the_area_has_a_danger_area() -> None:
+    """It encloses nothing, so it is no edge of the face, but no place near it is safe."""
+    walls = list(corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0).values())
+    wall, alone = np.array([[10.0, -4.0], [10.0, 1.0]]), np.array([[15.0, -1.0], [15.0, 1.0]])
+    area = accessible_area([*walls, wall, alone], [], STRAIGHT)
+    assert area.polygon.equals(shapely.box(-3.0, -4.0, 23.0, 4.0))
+    for line in (wall, alone):
+        assert area.inner.covers(shapely.LineString(line))
+    safe = shapely.unary_union([shapely.Polygon(ring) for ring in area.safe_rings(1.0)[:1]])
+    holes = [shapely.Polygon(ring) for ring in area.safe_rings(1.0)[1:]]
+    safe = safe.difference(shapely.unary_union(holes))
+    for line in (wall, alone):
+        assert safe.distance(shapely.LineString(line)) == pytest.approx(1.0, abs=2e-3)
+    room = safe.buffer(1e-9).covers(shapely.points([[8.9, 0.0], [11.1, 0.0], [15.0, 2.1]]))
+    assert room.all()
+
+
+def test_walls_outside_of_the_area_or_at_its_edge_do_not_stand_in_it() -> None:
+    walls = list(corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0).values())
+    beyond, along = np.array([[10.0, 4.0], [10.0, 9.0]]), np.array([[5.0, 4.0], [9.0, 4.0]])
+    assert accessible_area([*walls, beyond, along], [], STRAIGHT).inner.is_empty
+
+
+def test_the_largest_distance_counts_walls_that_stand_in_the_area() -> None:
+    rim = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
+    path = np.array([[1.0, 1.0], [19.0, 1.0]])
+    assert accessible_area([rim], [], path).largest_distance() == pytest.approx(2.0, abs=2e-3)
+    halved = accessible_area([rim, np.array([[0.0, 2.0], [20.0, 2.0]])], [], path)
+    assert halved.largest_distance() == pytest.approx(1.0, abs=2e-3)
+    wall = np.array([[0.0, 2.0], [18.5, 2.0]])
+    assert accessible_area([rim, wall], [], path).largest_distance() < 1.3

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+import shapely
 
 from physim.authoring.importing import Options, import_world
 from physim.errors import PhysimError
@@ -84,3 +85,49 @@ def test_a_group_without_a_role_names_no_robot(tmp_path: Path) -> None:
     text = PLAN.replace("  </g>\n</svg>", f"  {robot}\n</svg>")
     world = import_world(drawing(tmp_path, text), Options(scale=1.0, boundary=("rim",))).world
     assert [one.name for one in world.robots] == ["r1"]
+
+
+ROOMS = """\
+<svg xmlns="http://www.w3.org/2000/svg" width="30m" height="15m" viewBox="0 0 30 15">
+  <g id="boundary"><path d="M 2,2 H 28 V 13 H 2 Z"/><path id="wall-a" d="M 12,2 V 9"/></g>
+  <g id="path"><path id="way" d="WAY"/></g>
+</svg>
+"""
+"""Two rooms and a door of 4 m between them."""
+
+
+def test_a_wall_between_two_rooms_is_kept_clear_of(tmp_path: Path) -> None:
+    way = ROOMS.replace("WAY", "M 4,10.5 H 26")
+    made = import_world(drawing(tmp_path, way), Options(scale=1.0))
+    told = next(fact for fact in made.facts if "narrowest" in fact)
+    assert 11.9 < float(told.split("narrowest at (")[1].split(",")[0]) < 12.1
+    assert "1.50 m" in told
+
+
+def test_a_path_is_found_through_the_door(tmp_path: Path) -> None:
+    text = ROOMS.replace('<g id="path"><path id="way" d="WAY"/></g>', "")
+    ends = Options(scale=1.0, origin=(5.0, 12.0), goal=(25.0, 12.0))
+    world = import_world(drawing(tmp_path, text), ends).world
+    wall = shapely.LineString([(12, 13), (12, 6)])
+    assert shapely.LineString(world.reference_path).distance(wall) > 0.5
+
+
+def test_a_path_through_a_wall_is_refused_where_it_does(tmp_path: Path) -> None:
+    with pytest.raises(PhysimError) as caught:
+        import_world(drawing(tmp_path, ROOMS.replace("WAY", "M 4,5 H 26")), Options(scale=1.0))
+    assert "plan.svg:3: 'way'" in str(caught.value)
+    assert abs(_x(caught) - 12.0) < 0.05
+
+
+def test_the_place_that_is_told_is_the_one_without_room(tmp_path: Path) -> None:
+    """Here near the end of the path, which is wide elsewhere."""
+    pillar = 'V 4"/></g>\n<g id="obstacle"><path d="M 20,9 h 2 v 2 h -2 z"/></g>'
+    text = ROOMS.replace('V 9"/></g>', pillar)
+    with pytest.raises(PhysimError) as caught:
+        import_world(drawing(tmp_path, text.replace("WAY", "M 4,10 H 26")), Options(scale=1.0))
+    assert 20.0 <= _x(caught) <= 22.0
+
+
+def _x(caught: pytest.ExceptionInfo[PhysimError]) -> float:
+    """x [m] of the place that a message tells."""
+    return float(str(caught.value).split(" at (")[1].split(",")[0])

@@ -245,3 +245,11 @@ def test_one_of_a_shipped_name_is_told_in_the_list(
     told = {line[0]: line[1] for line in lines if len(line) == 2}
     assert re.search(facts('"contacts"', "physim"), told["contacts"])
     assert told["still"] == "Decisions to stand still. More lines follow."
+
+
+def test_what_a_metric_returns_is_imported_as_the_documentation_says() -> None:
+    from physim import metrics
+    from physim.metrics import Each, Moment, Place
+
+    assert metrics.measure is measure
+    assert (metrics.Each, metrics.Moment, metrics.Place) == (Each, Moment, Place)

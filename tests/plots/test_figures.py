@@ -247,6 +247,19 @@ def test_collision_times_show_every_decision_and_mark_the_shortest(record: Recor
     assert texts(axis.figure, "mark") == [f"{rows['collision_time'].min():.3g} s (r1)"]
 
 
+def test_a_decision_holds_until_the_next_however_short_the_stretches_are() -> None:
+    """A robot that decides every tenth step foresees a collision all the time, not now and then."""
+    rows = [
+        {"step": step, "robot": 0, "collision_time": 2.0 + step, "next_step": step + 10}
+        for step in range(0, 50, 10)
+    ]
+    with history(rows, steps_run=100) as made:
+        _edges, least = least_of_stretches(made, made.updates, 100)
+    assert list(least[0, :50]) == [2.0 + 10 * (k // 10) for k in range(50)]
+    assert np.isnan(least[0, 50:]).all()
+    assert np.isnan(least[1]).all()
+
+
 def test_collision_times_of_many_robots_are_a_row_each_below_the_shortest_of_all() -> None:
     with crowd(MOST_SINGLE + 1) as made:
         figure = collision_times(made)

@@ -101,10 +101,19 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
         (CONTROLLED, SMALL + "controller: {type: path_following}\n",
          ("controller: mode_switching", "controller: path_following")),
         (SMALL, BLOCKED, ("8 values differ", "8 values differ")),
+        (SMALL, SMALL.replace("1.0, 0.0]", "1.5, 0.0]"), ("pose.1: 1.0", "pose.1: 1.5")),
+        (SMALL, SMALL.replace("width: 1.0", "width: 1.1"),
+         ("robots.0.footprint.width: 1.0, robots.1.footprint.width: 1.0",
+          "robots.0.footprint.width: 1.1, robots.1.footprint.width: 1.1")),
     ],
 )  # fmt: skip
 def test_titles_say_in_what_worlds_differ(one: str, other: str, expected: tuple[str, str]) -> None:
     assert titles(parse_world(one), parse_world(other)) == expected
+
+
+def test_an_entry_of_a_list_that_a_world_has_not_is_told_as_none() -> None:
+    found = differences(parse_world(SMALL), parse_world(BLOCKED))
+    assert {left for left, _ in found.values()} == {"none"}
 
 
 GO, WAIT = Mode("go", "#0072b2"), Mode("wait", "#e69f00")

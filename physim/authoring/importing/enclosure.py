@@ -17,6 +17,7 @@ import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused
 from physim.authoring.importing.work import thinned
+from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray
 
 SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
@@ -143,8 +144,15 @@ NEARLY = 0.01
 
 def faces_of(lines: list[FloatArray]) -> list[Any]:
     """Shapely polygons of all areas that lines enclose."""
+    return _faces_and_loose(lines)[0]
+
+
+def _faces_and_loose(lines: list[FloatArray]) -> tuple[list[Any], list[Any]]:
+    """Shapely polygons of all areas that lines enclose, and the lines that enclose nothing."""
     united = shapely.union_all([shapely.LineString(line) for line in lines])
-    return list(shapely.get_parts(shapely.polygonize([united])))
+    faces, cuts, dangles, _ = shapely.polygonize_full([united])
+    loose = [*shapely.get_parts(cuts), *shapely.get_parts(dangles)]
+    return list(shapely.get_parts(faces)), loose
 
 
 def loose_ends(lines: list[FloatArray]) -> tuple[list[FloatArray], list[tuple[float, int, int]]]:
@@ -199,6 +207,8 @@ def _bridged(lines: list[FloatArray], near: float) -> list[str]:
     return changes
 
 
+HALF_WALL = 0.0005
+"""[m] Half the thickness that a wall in the area is given: that of the rounding of its points."""
 NEAR = 1e-6
 """[m] A line this near the area bounds it."""
 
@@ -206,12 +216,13 @@ NEAR = 1e-6
 def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) -> None:
     """Find the area of a drawing; drop and list the lines that do not bound it.
 
-    The area is the one that `chosen_area` takes. Raises ImportSourceError when nothing is enclosed,
-    or neither the reference path nor, without one, the point ``inside``.
+    The area is the one that `chosen_area` takes, without walls that stand in it: between two rooms
+    of a plan, for example, a wall ends at a door. Raises ImportSourceError when nothing is
+    enclosed, or neither the reference path nor, without one, the point ``inside``.
     """
     if not drawing.boundaries:
         raise refused(path, "no boundary found; a world needs lines that enclose an area")
-    faces = faces_of(drawing.boundaries)
+    faces, loose = _faces_and_loose(drawing.boundaries)
     if not faces:
         said, at = _open_ends(drawing)
         message = f"the boundaries enclose no area; {said}"
@@ -230,7 +241,9 @@ def enclose(path: Path, drawing: Drawing, inside: tuple[float, float] | None) ->
     drawing.changes += listed(list(compress(rings, map(not_, solid))), _dropped_obstacle)
     drawing.boundaries = list(compress(lines, near))
     drawing.obstacles = list(compress(rings, solid))
-    free = face.difference(shapely.union_all([shapely.Polygon(r) for r in drawing.obstacles]))
+    solids = [shapely.Polygon(ring) for ring in drawing.obstacles]
+    walls = [shapely.buffer(inner_lines(face, loose), HALF_WALL, cap_style="square")]
+    free = face.difference(shapely.union_all(solids + walls))
     if free.is_empty:
         message = "the obstacles leave no place for robots; they cover the whole area"
         largest = max(drawing.obstacles, key=lambda ring: float(shapely.Polygon(ring).area))

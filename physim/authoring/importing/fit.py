@@ -97,12 +97,23 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
         )
         raise drawing.refused_at(path, message, where, "path")
     trimmed = stretch(reference, float(at[first]), float(at[last]))
+    _check_no_wall(path, drawing, trimmed)
     for name, left_out in (("start", at[first]), ("end", length - at[last])):
         if left_out > 0.01:
             drawing.changes.append(
                 f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
     return Fit(size, box, rounded(trimmed), room, float(2.0 * gaps[k]), where)
+
+
+def _check_no_wall(path: Path, drawing: Drawing, line: FloatArray) -> None:
+    """Refuse a path through a wall too thin for the samples."""
+    beyond = shapely.LineString(line).difference(drawing.area)
+    if beyond.length > SLIVER:
+        where = shapely.get_coordinates(beyond)[0]
+        wall = drawing.named(where, "boundary", "obstacle")
+        message = f"the path leads through a wall{wall} at {place(where)}; lead it around"
+        raise drawing.refused_at(path, message, where, "path")
 
 
 def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
@@ -174,7 +185,10 @@ def _largest_size(
         if ends is not None:
             return rounded_size, ends
         size *= 0.96
-    inner = slice(int(MOST_TRIMMED * len(at)), int((1.0 - MOST_TRIMMED) * len(at)) + 1)
+    # what must be free: from the first place with room to the last, and all that may not be cut off
+    roomy = np.append(np.flatnonzero(gaps >= ROOM * SMALLEST), [len(at) // 2])
+    most = int(MOST_TRIMMED * len(at))
+    inner = slice(min(most, roomy.min()), max(len(at) - most, roomy.max() + 1))
     k = inner.start + int(np.argmin(gaps[inner]))
     where = points_at(reference, at[k])
     wall = drawing.named(where, "boundary", "obstacle")

@@ -177,5 +177,6 @@ def _draw_view(record: Record, path: Path, time: float) -> None:
     from physim.drawing.video.layout import arrange
 
     view, _, _ = arrange(Timeline(record).curves is not None)
-    picture = view.of(frame_at(record, time))
+    within = max(0.0, min(time, (record.steps_run - 1) * record.dt))  # a film ends far away
+    picture = view.of(frame_at(record, within))
     save_still(path, resized(picture, (STILL_WIDTH, STILL_WIDTH * view.height // view.width)))

@@ -41,21 +41,32 @@ MOST_ROWS = 40
 """Robots whose rows are named, each with its shortest collision time."""
 
 
-def stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, IntArray]:
-    """Edges (count + 1,) [steps] of equal stretches of the run, and that of each decision."""
+def stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, IntArray, IntArray]:
+    """Edges (count + 1,) [steps] of equal stretches of the run, and which decisions hold in them.
+
+    These are pairs of numbers, (n,) each: of a row, and of a stretch in which it is in force. A
+    decision holds until the next of its robot, which may be longer than a stretch.
+    """
     edges = np.linspace(0.0, max(record.steps_run, 1), count + 1)
-    place = np.searchsorted(edges, rows["step"], side="right") - 1
-    return edges, np.clip(place, 0, count - 1)
+    last_step = np.maximum(rows["next_step"] - 1, rows["step"])
+    first, last = (
+        np.clip(np.searchsorted(edges, step, side="right") - 1, 0, count - 1)
+        for step in (rows["step"], last_step)
+    )
+    held = last - first + 1
+    row = np.repeat(np.arange(len(rows)), held)
+    within = np.arange(len(row)) - np.repeat(np.cumsum(held) - held, held)
+    return edges, row, np.repeat(first, held) + within
 
 
 def least_of_stretches(record: Record, rows: Any, count: int) -> tuple[FloatArray, FloatArray]:
     """Edges (count + 1,) [steps] of equal stretches of the run, and shortest times (N, count) [s].
 
-    NaN where no decision of a robot foresaw a collision. ``rows`` are decisions that did.
+    NaN where no decision in force foresaw a collision. ``rows`` are decisions that did.
     """
-    edges, place = stretches(record, rows, count)
+    edges, row, place = stretches(record, rows, count)
     least = np.full((record.robots, count), np.inf)
-    np.minimum.at(least, (rows["robot"], place), rows["collision_time"])
+    np.minimum.at(least, (rows["robot"][row], place), rows["collision_time"][row])
     return edges, np.where(np.isfinite(least), least, np.nan)
 
 
@@ -176,12 +187,13 @@ def _one_by_one(axis: Any, record: Record, rows: Any) -> list[Any]:
 
 def _together(axis: Any, record: Record, rows: Any) -> list[Any]:
     """The shortest of all robots in each stretch of the run, and where most decisions lie."""
-    _, place = stretches(record, rows, STRETCHES)
+    _, row, place = stretches(record, rows, STRETCHES)
     edges, least = least_of_stretches(record, rows, STRETCHES)
-    order = np.lexsort((rows["collision_time"], place))
+    held = rows["collision_time"][row]
+    order = np.lexsort((held, place))
     counts = np.bincount(place, minlength=STRETCHES)
     first = np.concatenate(([0], np.cumsum(counts)[:-1]))
-    values, known = rows["collision_time"][order], counts > 0
+    values, known = held[order], counts > 0
     low, high = (
         np.where(known, values[np.minimum(first + at, len(values) - 1)], np.nan)
         for at in ((0.05 * (counts - 1)).astype(int), np.ceil(0.95 * (counts - 1)).astype(int))

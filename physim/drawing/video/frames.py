@@ -226,12 +226,21 @@ def titles(left: World, right: World) -> tuple[str, str]:
     found = differences(left, right)
     if len(found) > MOST_NAMED:
         return f"{len(found)} values differ", f"{len(found)} values differ"
-    words = [key.removesuffix(".type").rsplit(".", 1)[-1] for key in found]
+    words = [_word(key.removesuffix(".type")) for key in found]
+    if len(set(words)) < len(words):
+        words = list(found)
     first, second = (
         ", ".join(f"{word}: {pair[side]}" for word, pair in zip(words, found.values(), strict=True))
         for side in (0, 1)
     )
     return first, second
+
+
+def _word(key: str) -> str:
+    """The end of a dotted key from its last name on: ``filters.0``, not ``0``."""
+    parts = key.split(".")
+    first = max((k for k, part in enumerate(parts) if not part.isdigit()), default=0)
+    return ".".join(parts[first:])
 
 
 def file_names(left: Path | None, right: Path | None) -> tuple[str, str]:

@@ -8,10 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import shapely
 
 from physim.errors import ControllerError, plural
-from physim.geometry.area import Area, shrunk
 from physim.parts.registry import settings_model
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.room import ClearanceProfile
@@ -40,11 +38,11 @@ def check_safe_area(laid: PartialLayout, safe_distance: float | None, found: Dia
     """Warn where no place is as far from the boundaries as the controller wants to be."""
     if laid.area is None or safe_distance is None:
         return
-    if shrunk(laid.area.polygon, safe_distance, 4).is_empty:
+    if laid.area.shrunk(safe_distance, 4).is_empty:
         found.warn(
             ("controller", "safe_distance"),
             f"no place is {safe_distance:.4g} m from every boundary, so there is no safe area; "
-            f"the largest distance is {_largest_distance(laid.area):.4g} m; widen the corridor, or "
+            f"the largest distance is {laid.area.largest_distance():.4g} m; widen the corridor, or "
             "set safe_distance below that",
         )
 
@@ -90,7 +88,7 @@ def check_turning_room(
     for profile in profiles:
         if profile.safe_distance is None or (profile.danger_share or 0.0) < NEARLY_ALL:
             continue
-        largest = _largest_distance(laid.area) if largest is None else largest
+        largest = laid.area.largest_distance() if largest is None else largest
         if profile.safe_distance <= largest < profile.safe_distance + profile.circumscribed:
             tight.append(profile)
     if not tight or largest is None:
@@ -105,8 +103,3 @@ def check_turning_room(
         f"in the safe area, which takes {first.circumscribed:.4g} m more than the safe distance: "
         "the robot may come to a standstill; lead the path along the middle, or widen the road",
     )
-
-
-def _largest_distance(area: Area) -> float:
-    """Largest distance [m] that a place of the accessible area has from the boundaries."""
-    return float(shapely.maximum_inscribed_circle(area.polygon, tolerance=1e-3).length)

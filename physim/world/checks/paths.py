@@ -6,7 +6,6 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
-from physim.geometry.area import shrunk
 from physim.geometry.corridor import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
@@ -33,6 +32,7 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
         told.add(laid.path_key(i))
         if outside is not None:
             _check_inside(laid, i, path, outside(path), found)
+            _check_walls_in_the_way(laid, i, path, found)
         if isinstance(laid.world.robots[i].path, Offset):
             _check_offset_folds(laid, i, path, found)
         else:
@@ -67,6 +67,26 @@ def _check_inside(
             f"the path of {describe(laid.names[i])} leaves the accessible area {place}; keep it "
             "between the boundaries",
         )
+
+
+def _check_walls_in_the_way(
+    laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics
+) -> None:
+    """Warn of a path through a wall that stands in the accessible area."""
+    line = shapely.LineString(path)
+    if laid.area is None or not line.intersects(laid.area.inner):
+        return
+    met = shapely.points(shapely.get_coordinates(line.intersection(laid.area.inner)))
+    stations = shapely.line_locate_point(line, met)
+    first = int(np.argmin(stations))
+    wall = min(laid.walls, key=lambda one: float(one[1].distance(met[first])))[0]
+    more = f" and at {plural(len(met) - 1, 'more place')}" if len(met) > 1 else ""
+    found.warn(
+        laid.path_key(i),
+        f"the path of {describe(laid.names[i])} leads through {wall} at ({met[first].x:.6g}, "
+        f"{met[first].y:.6g}), {stations[first]:.2f} m along it{more}; the robot will have to "
+        "find a way around it; lead the path around it",
+    )
 
 
 def _check_offset_folds(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
@@ -234,7 +254,7 @@ def check_passage(
             continue
         r = profile.inscribed
         if r not in known:
-            room = shrunk(laid.area.polygon, r, 8)
+            room = laid.area.shrunk(r, 8)
             known[r] = [part for part in shapely.get_parts(room) if not part.is_empty]
         path, position = laid.paths[profile.number], laid.start[profile.number, :2]
         begin = path[0] if np.isnan(position).any() else position

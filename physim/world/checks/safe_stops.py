@@ -14,7 +14,6 @@ import numpy as np
 import shapely
 
 from physim.errors import plural
-from physim.geometry.area import shrunk
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
 from physim.world.checks.standing import Stop
@@ -35,7 +34,7 @@ def check_safe_stops(
         return
     if laid.area is None or laid.faults or (expect is not None and expect.finished is False):
         return
-    safe = shrunk(laid.area.polygon, safe_distance, 16)
+    safe = laid.area.shrunk(safe_distance, 16)
     allowed = world.arrival.tolerance
     short = [(_short(stop, safe, look_ahead), stop) for stop in at]
     told = {fault.location for fault in found.warnings}

@@ -206,4 +206,13 @@ EDITS = (
         "a safe point beside a stop keeps nobody from it",
         "tests/checking/test_stops.py::test_a_stop_in_the_danger_area_harms_no_formation_and_no_path_beside_a_wall",
     ),
+    Edit(
+        "checking",
+        "physim/world/checks/paths.py",
+        "_check_walls_in_the_way",
+        "not line.intersects(laid.area.inner)",
+        "True",
+        "a path through a wall is told",
+        "tests/checking/test_inner_walls.py::test_a_path_through_a_wall_is_told_with_its_place",
+    ),
 )

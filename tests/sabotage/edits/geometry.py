@@ -565,4 +565,13 @@ EDITS = (
         "a convex part turns to the left at each corner",
         "tests/geometry/test_polygon.py::test_parts_of_a_cut_are_known_as_such_and_their_whole_is_not",
     ),
+    Edit(
+        "geometry",
+        "physim/geometry/area.py",
+        "accessible_area",
+        "return Area(polygon, inner_lines(polygon, loose))",
+        "return Area(polygon)",
+        "a wall that stands in the area has a danger area",
+        "tests/geometry/test_area.py::test_a_wall_that_stands_in_the_area_has_a_danger_area",
+    ),
 )

@@ -241,4 +241,22 @@ EDITS = (
         "what is no number in path data is refused",
         "tests/importing/test_refusals.py::test_drawings",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/enclosure.py",
+        "enclose",
+        "shapely.union_all(solids + walls)",
+        "shapely.union_all(solids)",
+        "walls between the rooms of a plan are kept clear of",
+        "tests/importing/test_walls_of_svg.py::test_a_wall_between_two_rooms_is_kept_clear_of",
+    ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/fit.py",
+        "_largest_size",
+        "max(len(at) - most, roomy.max() + 1)",
+        "len(at) - most",
+        "the place that is told is the one without room",
+        "tests/importing/test_walls_of_svg.py::test_the_place_that_is_told_is_the_one_without_room",
+    ),
 )

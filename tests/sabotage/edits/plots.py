@@ -150,4 +150,13 @@ EDITS = (
         "entries of a legend keep their order when it moves",
         "tests/plots/test_papers.py::test_legends_keep_their_order_when_they_move",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/collision_times.py",
+        "stretches",
+        'np.maximum(rows["next_step"] - 1, rows["step"])',
+        'rows["step"]',
+        "a decision holds until the next",
+        "tests/plots/test_figures.py::test_a_decision_holds_until_the_next_however_short_the_stretches_are",
+    ),
 )

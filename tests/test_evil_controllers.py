@@ -199,6 +199,7 @@ def test_a_validator_that_fails_is_a_fault_of_the_settings() -> None:
     _, faults = checked_settings(Validated, {}, ("controller",))
     assert [fault.location for fault in faults] == [("controller",)]
     assert "OddError: validator" in faults[0].message
+    assert "test_evil_controllers.py:" in faults[0].message
 
 
 def test_a_property_that_ends_the_program_is_not_known() -> None:

@@ -73,13 +73,20 @@ def touch_time(
     b: Course,
     horizon: float,
 ) -> float:
-    """Earliest time [s] at which two parts are within CONTACT, without a cap on the advances."""
+    """Earliest time [s] at which two parts are within CONTACT, without a cap on the advances.
+
+    Bodies so fast that rounding of the time hides the rest of the gap (some 10^9 m/s) are taken to
+    touch.
+    """
     t = 0.0
     while True:
         t, d, steps = fall_time(P, p0, p1, a, Q, q0, q1, b, CONTACT, SLACK, t, horizon)
         if steps < MOST_STEPS or d <= 2.0 * CONTACT:
             return t
-        t += (d - 2.0 * CONTACT) / top_speed(a, b)
+        further = t + (d - 2.0 * CONTACT) / top_speed(a, b)
+        if further == t:
+            return t
+        t = further
         if not t <= horizon:
             return np.inf
 

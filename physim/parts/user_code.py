@@ -15,6 +15,7 @@ from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pydantic
 
 from physim.errors import ControllerError, nearest
 from physim.world.faults import describe
@@ -39,7 +40,8 @@ def broken_by(error: BaseException) -> str:
     if isinstance(error, SyntaxError):  # its text names file and line
         return f"{type(error).__name__}: {text}"
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename[:1] != "<"]
-    ours = (OWN, importlib.__path__[0])  # what imports their module is not theirs
+    # what imports their module and calls their validators is not theirs
+    ours = (OWN, importlib.__path__[0], pydantic.__path__[0])
     theirs = [f for f in frames if not f.filename.startswith(ours)] or frames
     inside = [f for f in theirs if f.filename == theirs[0].filename]  # not what their code calls
     place = f" ({inside[-1].filename}:{inside[-1].lineno})" if inside else ""

@@ -6,7 +6,7 @@ caught here are files that break off, that are something else, or that lack or t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -199,42 +199,54 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
     for path in layout.DATASETS:
         if not isinstance(file.get(path), h5py.Dataset):
             yield f"dataset {path} is missing"
-    robots = file["/robots/stop_station"].size
-    bodies = file["/bodies/id"].size
+    fixed = {**layout.FIXED, layout.EXTREMES: ((), layout.EXTREME), layout.ARRIVED: ((), "<i8")}
+    yield from _row_faults(file, fixed)
+    farthest = file[layout.EXTREMES_FARTHEST]
+    if farthest.shape != () or farthest.dtype != layout.FARTHEST:
+        yield f"dataset {layout.EXTREMES_FARTHEST} has rows {_rows(farthest)}; it is one row"
+    robots = len(file["/robots/stop_station"])
+    bodies = len(file["/bodies/id"])
     for path in ("/bodies/kind", "/bodies/name"):
-        if file[path].size != bodies or bodies < robots:
+        if len(file[path]) != bodies or bodies < robots:
             yield (
-                f"dataset {path} has {file[path].size} rows, /bodies/id {bodies}, for {robots} "
+                f"dataset {path} has {len(file[path])} rows, /bodies/id {bodies}, for {robots} "
                 "robots"
             )
-    for path in ("/bodies/kind", "/bodies/name"):
-        if file[path].dtype.kind != "O" or file[path].ndim != 1:
-            yield f"dataset {path} holds no texts"
         for k, text in enumerate(file[path][:]):
             if not _is_line(text.decode("utf-8", "surrogateescape")):
                 yield f"{path}, row {k}: {_shown(text)} is no line of text; make the record again"
+    for path in ("/robots/lead", layout.ARRIVED, layout.EXTREMES):
+        if len(file[path]) != robots:
+            yield f"dataset {path} has {len(file[path])} rows for {robots} robots"
     columns = [name.decode() for name in file["/columns/name"][:]]
-    wanted: dict[str, tuple[tuple[int, ...], Any]] = {
+    growing = {
         **{path: ((), row) for path, row in layout.table_types(columns).items()},
         layout.OTHERS: ((), layout.other_type(robots)),
         **layout.steps_rows(robots),
     }
-    for path, (shape, row) in wanted.items():
-        found = file[path]
-        if found.shape[1:] != shape or found.ndim != 1 + len(shape) or found.dtype != row:
-            yield f"dataset {path} has rows {found.shape[1:]} of {found.dtype}"
-    for path, row in (
-        (layout.EXTREMES, layout.EXTREME),
-        (layout.EXTREMES_FARTHEST, layout.FARTHEST),
-    ):
-        if file[path].dtype != row:
-            yield f"dataset {path} has rows of {file[path].dtype}"
-    for path in ("/robots/lead", layout.ARRIVED):
-        if file[path].shape != (robots,):
-            yield f"dataset {path} has rows {file[path].shape}"
+    yield from _row_faults(file, growing)
     for key, value in getattr(file.get(layout.WALL_CLOCK), "attrs", {}).items():
         if np.ndim(value) != 0 or not np.issubdtype(np.asarray(value).dtype, np.number):
             yield f"attribute {escaped(key)} of {layout.WALL_CLOCK} is no number"
+
+
+def _row_faults(file: h5py.File, wanted: Mapping[str, layout.Row]) -> Iterator[str]:
+    """Datasets that are no rows of the wanted shape and type."""
+    for path, (shape, row) in wanted.items():
+        found = file[path]
+        if found.shape is None or found.ndim != 1 + len(shape) or found.shape[1:] != shape:
+            yield f"dataset {path} has rows {_rows(found)}; {shape} are needed"
+        if row == layout.TEXT:
+            if h5py.check_string_dtype(found.dtype) is None or found.dtype.kind != "O":
+                yield f"dataset {path} holds no texts"
+        elif found.dtype != row:
+            yield f"dataset {path} has rows {_rows(found)}; they are of another type"
+
+
+def _rows(dataset: h5py.Dataset) -> str:
+    """Shape and type of the rows of a dataset, briefly."""
+    shape = dataset.shape[1:] if dataset.shape else dataset.shape
+    return f"{shape} of {_shown(dataset.dtype)}"
 
 
 def _one_line(error: Exception) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
@@ -18,6 +18,9 @@ from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW
 if TYPE_CHECKING:
     from physim.record.reader import Record
 
+
+Row = tuple[tuple[int, ...], Any]
+"""Shape and type of one row of a dataset."""
 
 FORMAT = "physim-record"
 MAJOR, MINOR = 4, 0
@@ -117,37 +120,45 @@ OPTIONAL = ("updates", "considered", "contacts", "false_contacts")
 STEPS = ("/steps/step", "/steps/pose", "/steps/clearance", "/steps/boundary_clearance")
 """Growing datasets with one row a recorded sample; they come last in the file, see `crash_safe`."""
 
-FIXED = (
-    "/bodies/id",
-    "/bodies/kind",
-    "/bodies/name",
-    "/robots/stop_station",
-    "/robots/lead",
-    "/modes/name",
-    "/modes/words",
-    "/modes/colour",
-    "/modes/danger",
-    "/rules/name",
-    "/rules/words",
-    "/columns/name",
-    "/columns/unit",
-    "/columns/words",
-    "/footprints/vertices",
-    "/footprints/part_start",
-    "/footprints/body_start",
-    "/walls/vertices",
-    "/walls/part_start",
-    "/walls/body_start",
-    "/paths/points",
-    "/paths/start",
-    "/reference/points",
-    "/reference/start",
-    "/areas/accessible/points",
-    "/areas/accessible/start",
-    "/areas/safe/points",
-    "/areas/safe/start",
-)
-"""Datasets written once, at the start."""
+TEXT = "text"
+"""Stands for the type of a text of any length."""
+
+_NUMBER: Row = ((), "<f8")
+_WHOLE: Row = ((), "<i8")
+_WORDS: Row = ((), TEXT)
+_POINT: Row = ((2,), "<f8")
+
+FIXED: dict[str, Row] = {
+    "/bodies/id": ((), "<i4"),
+    "/bodies/kind": _WORDS,
+    "/bodies/name": _WORDS,
+    "/robots/stop_station": _NUMBER,
+    "/robots/lead": _NUMBER,
+    "/modes/name": _WORDS,
+    "/modes/words": _WORDS,
+    "/modes/colour": _WORDS,
+    "/modes/danger": ((), "i1"),
+    "/rules/name": _WORDS,
+    "/rules/words": _WORDS,
+    "/columns/name": _WORDS,
+    "/columns/unit": _WORDS,
+    "/columns/words": _WORDS,
+    "/footprints/vertices": _POINT,
+    "/footprints/part_start": _WHOLE,
+    "/footprints/body_start": _WHOLE,
+    "/walls/vertices": _POINT,
+    "/walls/part_start": _WHOLE,
+    "/walls/body_start": _WHOLE,
+    "/paths/points": _POINT,
+    "/paths/start": _WHOLE,
+    "/reference/points": _POINT,
+    "/reference/start": _WHOLE,
+    "/areas/accessible/points": _POINT,
+    "/areas/accessible/start": _WHOLE,
+    "/areas/safe/points": _POINT,
+    "/areas/safe/start": _WHOLE,
+}
+"""Datasets written once, at the start, and their rows."""
 
 EXTREMES = "/extremes"
 EXTREMES_FARTHEST = "/extremes_farthest"
@@ -189,9 +200,9 @@ WALL_CLOCK = "/wall_clock"
 """Group whose attributes are figures of the wall clock: outside the digest."""
 
 
-def steps_rows(robots: int) -> dict[str, tuple[tuple[int, ...], str]]:
+def steps_rows(robots: int) -> dict[str, Row]:
     """Shape and type of one row of each dataset in ``STEPS``."""
-    shapes: dict[str, tuple[tuple[int, ...], str]] = {
+    shapes: dict[str, Row] = {
         "/steps/step": ((), "<i8"),
         "/steps/pose": ((robots, 3), "<f8"),
         "/steps/clearance": ((robots,), "<f8"),

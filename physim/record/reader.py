@@ -120,8 +120,9 @@ class Record(RecordedHistory):
             )
         for path in layout.TABLES:
             getattr(self, path[1:])
-        for name in ("steps", "arrived", "lead", "extremes", "farthest", "bodies", "footprints",
-                     "walls", "paths", "reference", "accessible", "safe"):  # fmt: skip
+        for name in ("steps", "arrived", "stop_station", "lead", "extremes", "farthest", "bodies",
+                     "footprints", "walls", "paths", "reference", "accessible",
+                     "safe"):  # fmt: skip
             getattr(self, name)
 
     def close(self) -> None:

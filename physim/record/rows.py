@@ -33,6 +33,10 @@ FINITE: dict[str, tuple[str, ...]] = {
 """Columns of the tables that are finite in every row."""
 FARTHEST_POINT = 1.0e8
 """[m] no point of a scene lies beyond; a world's coordinates end at 10^6"""
+FARTHEST_POSE = (FARTHEST_POINT, FARTHEST_POINT, float(np.finfo(np.float64).max))
+"""[m, m, rad] no robot is beyond; headings are finite"""
+STATIONS = ("/robots/stop_station", "/robots/lead")
+"""[m] Lengths along paths, one for each robot."""
 ONCE = {
     "/updates": ("robot",),
     "/commands": ("robot",),
@@ -129,7 +133,7 @@ def _check_once(source: Source, rows: NDArray[np.void]) -> None:
 
 
 def check_steps(source: Source, rows: NDArray[Any]) -> None:
-    """Check rows of one of `layout.STEPS`: steps that increase from 0, finite poses, no NaN.
+    """Check rows of one of `layout.STEPS`: steps that increase from 0, poses near enough, no NaN.
 
     Raises RecordError for the first sample that is not so.
     """
@@ -142,12 +146,12 @@ def check_steps(source: Source, rows: NDArray[Any]) -> None:
             source.refuse(rows[:1] != 0, lambda _: f"the first step is {rows[0]}; it must be 0")
         return
     is_pose = source.path == "/steps/pose"
-    wrong = ~np.isfinite(rows) if is_pose else np.isnan(rows)
+    wrong = ~(np.abs(rows) <= FARTHEST_POSE) if is_pose else np.isnan(rows)
 
     def fault(k: int) -> str:
         robot, *column = (int(index) for index in np.argwhere(wrong[k])[0])
         what = ("x", "y", "heading")[column[0]] if is_pose else "distance"
-        must = "finite" if is_pose else "a number"
+        must = f"finite, x and y at most {FARTHEST_POINT:g}" if is_pose else "a number"
         return f"{what} of robot {robot} is {rows[(k, robot, *column)]}; it must be {must}"
 
     source.refuse(wrong.any(axis=tuple(range(1, wrong.ndim))), fault)
@@ -306,6 +310,8 @@ class RecordFile:
             check_table(source, rows, self._bounds)
         elif source.path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):
             check_extremes(source, rows, self._bounds)
+        elif source.path in STATIONS:
+            _check_finite(source, "it", rows)
         elif source.path == layout.ARRIVED:
             source.within("it", rows, -1, self._bounds.last_step)
 

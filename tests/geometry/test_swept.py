@@ -263,3 +263,13 @@ def test_compiled_equals_plain():
     assert least_gap_pair.py_func(*pair(shapes, start, end)) == least_gap_pair(
         *pair(shapes, start, end)
     )
+
+
+def test_bodies_too_fast_for_their_times_end_the_search():
+    """At 9e9 m/s, as in a damaged record, 1e-9 m further is no later time."""
+    shapes = pack_shapes([(BOX,), (BOX,)])
+    start = np.array([0.023643249400513433, 9e7, 0.9009273926518706])
+    end = np.array([-0.047524828055559826, 0.8972988942744877, 0.9009273926518706])
+    still = np.array([-0.4600413061645461, 0.0, 1.9662155629226508])
+    assert body_distance(shapes, 0, end, shapes, 1, still) < -CONTACT
+    assert 0.0 < swept_pair(shapes, 0, start, end, 1, still, still, 0.01) <= 0.01

@@ -155,14 +155,24 @@ def test_a_run_far_from_the_origin_is_shown_as_well(tmp_path: Path) -> None:
         assert np.abs(far[name] - by - near[name]).max() < 2e-3
 
 
-@pytest.mark.parametrize("far", [3e5, 1e12, 1e300])
-def test_robots_too_far_apart_are_refused_in_a_line(tmp_path: Path, far: float) -> None:
+@pytest.mark.parametrize(
+    ("column", "far", "told"),
+    [
+        (0, 3e5, "robots .* apart"),
+        (1, -9e7, "robots .* apart"),
+        (2, 1e6, "headings differ"),
+        (2, 1e300, "headings differ"),
+    ],
+)
+def test_robots_too_far_apart_are_refused_in_a_line(
+    tmp_path: Path, column: int, far: float, told: str
+) -> None:
     make_record(tmp_path / "r.h5", 2, 1.0).close()
     with h5py.File(tmp_path / "r.h5", "r+") as record:
-        record["steps/pose"][5, 0, 0] = far
+        record["steps/pose"][5, 0, column] = far
     with (
         physim.Record.load(tmp_path / "r.h5") as record,
-        pytest.raises(PhysimError, match=r"r\.h5: robots .* apart"),
+        pytest.raises(PhysimError, match=rf"r\.h5: {told}"),
     ):
         physim.page(record)
 

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from physim.contacts import CONTACT_ROW
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
-from physim.record.layout import DATASETS
+from physim.record.layout import ARRIVED, DATASETS, EXTREMES
 from physim.record.writer import Extremes
 from tests.facts import facts
 from tests.records import (
@@ -347,13 +347,30 @@ def test_an_open_file_is_checked_too(made: Path, tmp_path: Path, change: str) ->
 @pytest.mark.parametrize("path", DATASETS)
 def test_missing_or_wrong_dataset(made: Path, tmp_path: Path, path: str) -> None:
     refused(altered(made, tmp_path, lambda file: file.pop(path)), f"dataset {path} is missing")
-    if path in ("/steps/pose", "/updates", "/contacts", "/extremes", "/steps/step"):
+    shape = h5py.File(made)[path].shape
+    for wrong in (
+        np.zeros((3, 5)), np.zeros((*shape, 2), np.uint16), np.zeros(shape, np.uint64),
+        np.zeros(shape, "V16"), np.zeros(shape, [("x\x1b", "f8")]), np.zeros(shape, "S3"),
+        np.full(shape, None, h5py.vlen_dtype(np.int32)), np.full(shape, None, h5py.ref_dtype),
+        h5py.Empty("f8"),
+    ):  # fmt: skip
 
-        def other_rows(file: h5py.File) -> None:
+        def other_rows(file: h5py.File, rows: Any = wrong) -> None:
             del file[path]
-            file[path] = np.zeros((3, 5))
+            file.create_dataset(path, data=None if rows.dtype.kind == "O" else rows,
+                                shape=rows.shape, dtype=rows.dtype)  # fmt: skip
 
-        refused(altered(made, tmp_path, other_rows), f"dataset {path} has rows")
+        refused(altered(made, tmp_path, other_rows), f"dataset {path} (has rows|holds no texts)")
+
+
+@pytest.mark.parametrize("path", ["/robots/lead", ARRIVED, EXTREMES, "/bodies/name"])
+def test_a_row_too_few(made: Path, tmp_path: Path, path: str) -> None:
+    def shorter(file: h5py.File) -> None:
+        rows, kind = file[path][:-1], file[path].dtype
+        del file[path]
+        file.create_dataset(path, data=rows, dtype=kind)
+
+    refused(altered(made, tmp_path, shorter), f"dataset {path} has .* robots")
 
 
 def test_truncated_file(made: Path, tmp_path: Path) -> None:

@@ -161,6 +161,21 @@ def test_declarations_that_no_controller_makes(
     refused(tampered(made, tmp_path, path, 0, value), path.rpartition("/")[0], *parts)
 
 
+@pytest.mark.parametrize("path", ["/robots/stop_station", "/robots/lead"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_lengths_that_are_no_numbers(made: Path, tmp_path: Path, path: str, value: float) -> None:
+    refused(tampered(made, tmp_path, path, 1, value), path, "row 1", str(value), "finite")
+
+
+@pytest.mark.parametrize(("column", "value"), [(0, 2e8), (1, -np.inf), (2, np.inf), (2, np.nan)])
+def test_poses_where_no_robot_is(made: Path, tmp_path: Path, column: int, value: float) -> None:
+    name = ("x", "y", "heading")[column]
+    changed = tampered(made, tmp_path, "/steps/pose", (5, 1, column), value)
+    with Record.load(changed) as record, pytest.raises(RecordError) as raised:
+        record.pose  # noqa: B018
+    in_order(str(raised.value), "/steps/pose", "row 5", f"{name} of robot 1", str(value), "1e+08")
+
+
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/steps/step", slice(None), np.arange(401)[::-1])
     refused(bad, "/steps/step", "row 1", "399", "400", "increase")

@@ -31,8 +31,10 @@ from physim.record import Record
 
 TOLERANCE, CROWD_TOLERANCE = 0.002, 0.005
 """[m] by which a point of a robot is drawn beside where it was at a sample, at most; of a crowd"""
-MOST_APART, FARTHEST = 2e5, 1e9
-"""[m] between places of robots in a run, and of these from the origin of the world"""
+MOST_APART = 2e5
+"""[m] between places of robots in a run"""
+MOST_TURNED = 1e5
+"""[rad] between headings of robots in a run"""
 GRID, CROWD_GRID = 5e-4, 1e-3
 """[m] that places are rounded to"""
 TURN, CROWD_TURN = 2e-4, 5e-4
@@ -42,9 +44,11 @@ TURN, CROWD_TURN = 2e-4, 5e-4
 def run_data(record: Record, summary: Summary) -> str:
     """Everything the page draws of a record, as text for `assets/decode.js`.
 
-    Raises RecordError for a record without samples or robots, or with robots too far apart.
+    Raises RecordError for a record without samples or robots, or with robots too far apart or
+    turned too often.
     """
     timeline, pack = Timeline(record), Pack()
+    _check_room(record)
     crowd = timeline.robots > NAMED
     header = {
         "name": clean(record.name),
@@ -80,17 +84,24 @@ def run_data(record: Record, summary: Summary) -> str:
     return pack.to_base64(header)
 
 
+def _check_room(record: Record) -> None:
+    """Raise RecordError where poses are too far from each other to be packed."""
+    wide, high, turned = (float(most) for most in np.ptp(record.pose, axis=(0, 1)))
+    apart = max(wide, high)
+    if apart >= MOST_APART:
+        raise RecordError(
+            f"{record.where}: robots are {apart:.3g} m apart; a page shows {MOST_APART:g} m at most"
+        )
+    if turned >= MOST_TURNED:
+        raise RecordError(
+            f"{record.where}: headings differ by {turned:.3g} rad; a page shows {MOST_TURNED:g} "
+            "rad at most"
+        )
+
+
 def _pack_poses(timeline: Timeline, pack: Pack, crowd: bool) -> None:
     grid, turn = (CROWD_GRID, CROWD_TURN) if crowd else (GRID, TURN)
     quanta = np.array((grid, grid, turn))
-    place = timeline.record.pose[..., :2]
-    apart = float(np.ptp(place, axis=(0, 1)).max())
-    away = float(np.abs(place).max())
-    if apart >= MOST_APART or away >= FARTHEST:
-        raise RecordError(
-            f"{timeline.record.where}: robots are {apart:.3g} m apart and up to {away:.3g} m "
-            f"from the origin; a page shows {MOST_APART:g} m and {FARTHEST:g} m at most"
-        )
     knots = find_knots(
         timeline.record.pose, timeline.time, quanta,
         CROWD_TOLERANCE if crowd else TOLERANCE, timeline.scene.reach,

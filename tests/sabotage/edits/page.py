@@ -27,9 +27,15 @@ EDITS = (
         f"{DATA}::test_a_run_far_from_the_origin_is_shown_as_well",
     ),
     Edit(
-        "page", f"{ROOM}/data.py", "_pack_poses",
-        "apart >= MOST_APART or away >= FARTHEST", "False",
+        "page", f"{ROOM}/data.py", "_check_room",
+        "apart >= MOST_APART", "False",
         "robots too far apart are refused in a line",
+        f"{DATA}::test_robots_too_far_apart_are_refused_in_a_line",
+    ),
+    Edit(
+        "page", f"{ROOM}/data.py", "_check_room",
+        "turned >= MOST_TURNED", "False",
+        "headings too far apart are refused in a line",
         f"{DATA}::test_robots_too_far_apart_are_refused_in_a_line",
     ),
     Edit(

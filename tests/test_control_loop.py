@@ -47,7 +47,9 @@ def test_what_was_declared_is_recorded():
         assert np.array_equal(values, [0.5, np.nan, np.nan, 1.0, 2.0], equal_nan=True)
         other = record.updates[record.updates["robot"] == 1][0]
         assert (other["mode"], other["rule"], other["considered"]) == (-1, -1, 0)
-        assert np.isnan(record.column("none such")).all()
+        assert np.isnan(record.column("none such", absent=np.nan)).all()
+        with pytest.raises(physim.RecordError, match=facts('"colision_time"', '"collision_time"?')):
+            record.column("colision_time")
 
 
 class Only:

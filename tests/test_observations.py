@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from physim.errors import PhysimError
 from physim.geometry.in_range import rows_in_range, sorted_places, window_along
 from physim.geometry.shapes import FloatArray
 from physim.parts.controller import Decision, Observation, Sensed
@@ -18,6 +20,8 @@ from physim.simulation.loop import Simulation
 from physim.simulation.observation import Sight, Views
 from physim.testing.contents import contents, difference
 from physim.testing.trial import own
+from physim.world.faults import describe
+from tests.facts import facts
 from tests.oracles.observation import observe as observed_at_once
 from tests.roads import road
 from tests.says import Says
@@ -142,10 +146,19 @@ def test_an_observation_is_a_value_though_nothing_of_it_was_asked_for() -> None:
     changed = replace(simulation.observe(8), others=(), v=0.25)
     assert (changed.others, changed.v) == ((), 0.25)
     assert changed.walls
-    text = repr(simulation.observe(8))
-    assert all(f"{field.name}=" in text for field in fields(Observation))
+    seen = simulation.observe(8)
+    assert re.search(facts("Observation 8", seen.name, f"{seen.station:.3f}"), repr(seen))
+    assert len(repr(seen)) < 200
+    assert "walls" not in vars(seen)  # not made for that
     with pytest.raises(AttributeError):
         simulation.observe(8).other  # type: ignore[attr-defined]  # noqa: B018
+
+
+@pytest.mark.parametrize("i", ["r1", 12, -1, 1.0, None])
+def test_robots_are_observed_by_number(i: Any) -> None:
+    with pytest.raises(PhysimError, match=re.escape(f"robot {describe(i)}; allowed: 0 to")):
+        crowd(12).observe(i)
+    assert crowd(12).observe(cast(int, np.int64(3))).index == 3
 
 
 def test_arrays_cannot_be_written_to() -> None:

@@ -68,12 +68,14 @@ def reproduce(options: Options) -> int:
     if options.figure is not None and options.study is not None:
         raise PhysimError("--study: cannot be combined with --figure")
     from physim.campaigns.runner import worker_count
+    from physim.cli.simulating import tell_notices
     from physim.reproduction.plan import make_plan
     from physim.reproduction.reproduce import PAGES, pages
     from physim.reproduction.reproduce import reproduce as run_all
 
     plan = make_plan(options.figure, options.study, options.quick, not options.no_video)
     folder = _folder(options.output, plan, options.force)
+    tell_notices(plan.notices())
 
     with interrupts() as interrupt:
         _warm_up(plan, options.quiet)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from physim.cli.parser import Options
@@ -87,7 +87,12 @@ def tell_warnings(document: Document) -> None:
 
     The run may not be the one that they expect.
     """
-    for line in warning_lines(document):
+    tell_notices(warning_lines(document))
+
+
+def tell_notices(lines: Iterable[str]) -> None:
+    """Say what is to be noted, a line each."""
+    for line in lines:
         print(f"WARNING  {line}", file=sys.stderr, flush=True)
 
 

@@ -91,7 +91,9 @@ class Timeline:
         self._mode = np.append(record.updates["mode"].astype(np.int64), NO_NUMBER)
         known = len(self.scene.modes)
         self._colours = [self.scene.mode_colour(mode) for mode in (*range(known), NO_NUMBER)]
-        self._values = {name: np.append(record.column(name), np.nan) for name in COLUMNS}
+        self._values = {
+            name: np.append(record.column(name, absent=np.nan), np.nan) for name in COLUMNS
+        }
         self._arrived = np.where(record.arrived >= 0, record.arrived * record.dt, np.inf)
         self.contacts = episodes(record)
         self.modeless = len(self._rows) > 1 and bool((self._mode == NO_NUMBER).all())

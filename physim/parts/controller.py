@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import Column, Mode, Rule
 from physim.parts.later import Later, made_later
@@ -110,6 +111,15 @@ class Observation(Later):
     """forward speeds set for this robot in the world, multiples of nu; None: the controller's"""
     omegas: tuple[float, ...] | None = None
     """rotational speeds set for this robot in the world [rad/s]; None: the controller's"""
+
+    def __repr__(self) -> str:
+        """Whose, when and where; what is made when asked for is not made for that."""
+        x, y, heading = self.pose
+        return (
+            f'<Observation {self.index} "{escaped(self.name)}" at {self.time:g} s: pose '
+            f"({x:.3f}, {y:.3f}, {heading:.3f}), station {self.station:.3f} of "
+            f"{self.stop_station:.3f} m>"
+        )
 
 
 @dataclass(frozen=True)

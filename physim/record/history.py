@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import RecordError
+from physim.errors import RecordError, nearest
+from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import layout
 from physim.record.considered import considered_rows
@@ -62,8 +63,8 @@ class RecordedHistory(RecordedScene):
         """(N, 3) poses at a recorded step. Raises RecordError for a step that is not recorded."""
         row = int(np.searchsorted(self.steps, step))
         if row == self.samples or self.steps[row] != step:
-            nearest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
-            raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {nearest}")
+            closest = self.steps[np.argmin(np.abs(self.steps - step))] if self.samples else "none"
+            raise RecordError(f"{self.where}: step {step} is not recorded; nearest: {closest}")
         block, place = divmod(row, self._block_rows)
         pose: FloatArray = self._pose_block(block)[place]
         return pose
@@ -85,11 +86,20 @@ class RecordedHistory(RecordedScene):
         """Decisions, rows of `layout.update_type` in the order of steps."""
         return self.read("/updates")
 
-    def column(self, name: str) -> FloatArray:
-        """(M,) values of a column of the decisions; NaN where the controller declares none such."""
+    def column(self, name: str, *, absent: float | None = None) -> FloatArray:
+        """(M,) values of a column of the decisions.
+
+        ``absent`` stands in each place where the controller declares none such; where it is not
+        given either, that raises RecordError.
+        """
         names = self.updates.dtype.names or ()
         if name not in names:
-            return frozen(np.full(len(self.updates), np.nan))
+            if absent is not None:
+                return frozen(np.full(len(self.updates), absent))
+            raise RecordError(
+                f'{self.where}: no column "{escaped(name)}"; allowed: {", ".join(names)}'
+                f"{nearest(name, [*names])}"
+            )
         return np.asarray(self.updates[name], dtype=np.float64)
 
     @cached_property

@@ -43,7 +43,7 @@ def run(
     that names the run.
     """
     try:
-        world = arm.load(seed or 0)
+        world = arm.load(seed or 0)  # what is to be noted, `Plan.notices`, the command says once
         record = simulate(world, seed=seed, path=path, overwrite=True, stop=stop)
     except PhysimError as error:
         name = " ".join([arm.world, *arm.overrides, f"seed {seed}"])
@@ -133,6 +133,18 @@ class Plan:
     def worlds(self) -> tuple[str, ...]:
         """Worlds of the paper's figures, the longest runs first."""
         return tuple(dict.fromkeys(part.world for part in reversed(self.parts)))
+
+    def notices(self) -> list[str]:
+        """What is to be noted about the worlds, for the first seed of each arm."""
+        from physim.world.file import warning_lines
+
+        experiments: tuple[Part | Study, ...] = (*self.parts, *self.studies)
+        arms = dict.fromkeys(arm for experiment in experiments for arm in experiment.arms)
+        return [
+            f"{' '.join([arm.world, *arm.overrides])}: {line}"
+            for arm in arms
+            for line in warning_lines(arm.read(0)[1])
+        ]
 
     def jobs(self, folder: Path) -> Iterator[tuple[Any, Job]]:
         """Runs with their keys: those for pictures first, each run once whoever needs it."""

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from physim.record import Record
     from physim.world import World
+    from physim.world.file import Document
 
 
 Measures = Mapping[str, float]
@@ -73,13 +74,21 @@ class Arm:
     """where the study has a world of its own: module-level function from the seed to the text of
     its world file, which ``world`` names"""
 
-    def load(self, seed: int) -> World:
-        """World of this arm for one seed. Raises WorldError when its overrides don't fit."""
-        from physim.world.file import load_world, parse_world
+    def read(self, seed: int) -> tuple[World, Document]:
+        """World of this arm for one seed, and its document, which holds what is to be noted.
+
+        Raises WorldError when its overrides don't fit.
+        """
+        from physim.world.file import read_document, read_world, world_of
 
         if self.text is None:
-            return load_world(self.world, overrides=self.overrides)
-        return parse_world(self.text(seed), self.world, overrides=self.overrides)
+            return read_world(self.world, overrides=self.overrides)
+        document = read_document(self.text(seed), self.world)
+        return world_of(document, overrides=self.overrides)
+
+    def load(self, seed: int) -> World:
+        """World of this arm for one seed, without what is to be noted about it."""
+        return self.read(seed)[0]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +42,7 @@ from physim.simulation.observation import observe
 from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
 from physim.simulation.state import SimulationState, replaced, scene_digest
 from physim.world import World
+from physim.world.faults import describe
 from physim.world.layout.scene_builder import build_scene, reseeded
 from physim.world.scene import Scene
 
@@ -153,8 +154,8 @@ class Simulation:
 
     def observe(self, i: int) -> Observation:
         """What Robot i, 0 to N - 1, may know now. Raises PhysimError for another i."""
-        if not 0 <= i < self.scene.robots:
-            raise PhysimError(f"robot {i}; allowed: 0 to {self.scene.robots - 1}")
+        if not isinstance(i, SupportsIndex) or i not in range(self.scene.robots):
+            raise PhysimError(f"robot {describe(i)}; allowed: 0 to {self.scene.robots - 1}")
         return observe(self.scene, self._sense()[0], i)
 
     def look_on(self, observer: Observer) -> None:

@@ -9,8 +9,6 @@ import re
 import types
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import pi
-from types import MappingProxyType
 from typing import Annotated, Any, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, Tag, ValidationError
@@ -18,6 +16,7 @@ from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
 from physim.escaping import escaped
+from physim.world.number_hints import in_metres, of_commas, of_text
 
 TAGS = frozenset(
     {"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>", "<corridor>", "<random>"}
@@ -142,9 +141,12 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
         raw: Location = details["loc"]
         location = plain_location(raw)
         if details["type"] == "extra_forbidden":
-            allowed = keys_of(model_at(model, raw[:-1]))
-            faults.append(unknown_key(location, allowed))
-            corrected |= {(*location[:-1], key) for key in allowed if _meant(location[-1], key)}
+            holder = model_at(model, raw[:-1])
+            allowed, advice = keys_of(holder), _advice(holder, location[-1])
+            faults.append(unknown_key(location, allowed, advice))
+            corrected |= {
+                (*location[:-1], key) for key in allowed if advice or _meant(location[-1], key)
+            }
         elif details["type"] == "missing" and not isinstance(location[-1], int):
             missing.append(Fault(location, _missing(model, raw) + _misspelt_type(details)))
         else:
@@ -165,11 +167,18 @@ def plain_location(location: Location) -> Location:
     return parts
 
 
-def unknown_key(location: Location, allowed: list[str]) -> Fault:
-    """Fault of a key that does not exist: the allowed ones, and the nearest of them."""
+def unknown_key(location: Location, allowed: list[str], advice: str = "") -> Fault:
+    """Fault of a key that does not exist: the allowed ones, and the nearest of them or advice."""
     given = str(location[-1])
     choices = f"; allowed: {', '.join(allowed)}" if allowed else ""
-    return KeyFault(location, f"unknown key{choices}{nearest(given.lower(), allowed)}")
+    more = f"; {advice}" if advice else nearest(given.lower(), allowed)
+    return KeyFault(location, f"unknown key{choices}{more}")
+
+
+def _advice(model: type[BaseModel] | None, key: str | int) -> str:
+    """What a model's ``advice`` says to who gives it a key that it does not have."""
+    known: Mapping[str, str] = getattr(model, "advice", {})
+    return known.get(str(key).lower(), "")
 
 
 def keys_of(model: type[BaseModel] | None) -> list[str]:
@@ -194,51 +203,18 @@ def _misspelt_type(details: Mapping[str, Any]) -> str:
     return f'; {describe(near[0])} given; did you mean "type"?' if near else ""
 
 
-WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECASE)
-"""Number and unit in one text, as in "6 m"."""
-DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")
-"""Number as written in many languages, as in "6,5"."""
-SCALES = MappingProxyType(
-    {
-        "[m]": {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
-        "[s]": {"s": 1.0, "sec": 1.0, "ms": 0.001, "min": 60.0, "h": 3600.0},
-        "[m/s]": {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001, "km/h": 1.0 / 3.6},
-        "[rad]": {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0},
-        "[rad/s]": {"rad/s": 1.0, "deg/s": pi / 180.0, "°/s": pi / 180.0},
-        "[kg]": {"kg": 1.0, "g": 0.001, "t": 1000.0},
-    }
-)
-"""What a number with another unit is worth in that of a key, as its description begins."""
-
-
 def _other_units(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
     """What to write for a number with a unit or a comma, and for a length too large for metres."""
-    given = details.get("input")
     while location and (isinstance(location[-1], int) or location[-1] in TAGS):
         location = location[:-1]
     field = field_at(model, location)
     unit = ((field.description if field is not None else "") or "").partition(" ")[0]
-    if details["type"] == "less_than_equal":
+    given, kind = details.get("input"), details["type"]
+    if kind == "less_than_equal":
         return f"; {in_metres(given)}" if unit == "[m]" and given is not None else ""
-    if not isinstance(given, str) or details["type"] in LISTS:
-        return ""
-    if comma := DECIMAL_COMMA.fullmatch(given):
-        return f"; decimals take a point: {comma[1]}.{comma[2]}"
-    found = WITH_UNIT.fullmatch(given)
-    if found is None:
-        return ""
-    scale = SCALES.get(unit, {}).get(found[2].lower())
-    if scale is None:
-        return "; units are not written, each key has its own"
-    return f"; units are not written: {float(found[1]) * scale:.6g} is meant"
-
-
-def in_metres(length: float) -> str:
-    """What to write where a length is likely none in metres."""
-    return (
-        f"lengths are in metres: if centimetres are meant, write {length / 100.0:.6g}, if "
-        f"millimetres, {length / 1000.0:.6g}"
-    )
+    if kind == "too_long":
+        return of_commas(given, details["ctx"]["max_length"])
+    return of_text(given, unit) if isinstance(given, str) and kind not in LISTS else ""
 
 
 def _what_is_missing(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:

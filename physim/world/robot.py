@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag
 
+from physim.escaping import escaped
 from physim.world.base import Model
 from physim.world.kinds import (
     MOST_ROBOTS,
@@ -68,6 +71,14 @@ Speeds = Annotated[tuple[Number, ...], at_most(1000), Field(min_length=1)]
 
 class Box(Model):
     """Rectangle centred on the reference point, its length along the heading."""
+
+    advice: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(
+            ("radius", "r", "diameter", "circle"),
+            "circles are not supported: give a polygon, the list of its corners [x, y], or a box",
+        )
+    )
+    """What to do instead, by keys that are tried and do not exist."""
 
     length: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] along the heading")
     width: Annotated[Number, Field(gt=0.0, le=1000.0)] = Field(description="[m] across the heading")
@@ -151,6 +162,17 @@ class Robot(Model):
         default=None,
         description="[rad/s] rotational speeds to choose from, instead of the controller's",
     )
+
+    def __repr__(self) -> str:
+        """Name, shape, start and path in brief; its attributes hold all of it."""
+        shape, path = self.footprint, self.path
+        if isinstance(shape, Box):
+            size = f"{shape.length:g} x {shape.width:g} m"
+        else:
+            size = f"{len(shape)} corners"
+        start = "placed by the seed" if self.pose is None else f"pose {list(self.pose)}"
+        way = f"offset {path.offset:g} m" if isinstance(path, Offset) else f"{len(path)} points"
+        return f'<Robot "{escaped(self.name)}": {size}, {start}, path {way}>'
 
     @property
     def outline(self) -> tuple[Point, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from physim.campaigns.compare import Comparison, between, by, compare
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.comparison_page import comparison_page
 from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+from physim.campaigns.report.plots import paired_plot
 from physim.errors import PhysimError
 from physim.statistics.paired import mcnemar, median_difference, sign_test, wilcoxon
 from tests.campaigns.tables import failed, hit, row, table
@@ -193,3 +195,23 @@ def test_plots_of_many_pairs_stay_small_and_say_so() -> None:
     page = comparison_page(found, "sign", "yard")
     assert len(page) < 200_000
     assert "400 pairs of 5000" in Elements(page).said
+
+
+@pytest.mark.parametrize("value", [1.609549, 0.0, -4.2e-7, 160954.9, 3.2e12])
+def test_points_of_one_pair_have_labels_that_fit_on_their_card(value: float) -> None:
+    one = np.array([value])
+    svg = paired_plot(one, one, "time [s]", "time of A and B")
+    labels = re.findall(r'<text x="([0-9.]+)"[^>]*text-anchor="end">([^<:]*)</text>', svg)
+    assert len(labels) >= 2
+    assert all(float(right) - 6.0 * len(label) >= 0.0 for right, label in labels)
+    assert len({label for _, label in labels}) == len(labels)  # one apart from the other
+    x, y = (float(number) for number in re.findall(r'c[xy]="([0-9.]+)"', svg))
+    assert 0.0 < x < 270.0
+    assert 0.0 < y < 270.0
+
+
+def test_one_pair_is_no_pairs() -> None:
+    found = compare(by(campaign(seeds=1), "controller"))
+    said = Elements(comparison_page(found, "sign", "yard")).said
+    assert "1 pair;" in said
+    assert "1 pairs" not in said

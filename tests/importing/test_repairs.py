@@ -402,3 +402,25 @@ def test_an_open_line_that_is_taken_for_a_robot_is_told(tmp_path: Path) -> None:
     check_says(only(imported, "robot_lane_2"), "line 3: … robot at … not closed")
     closed = lane.replace("polyline", "polygon")
     assert not any("closed" in one for one in drawn(tmp_path, ROOM + closed).changes)
+
+
+def test_rounding_at_the_end_of_a_path_is_not_told(tmp_path: Path) -> None:
+    imported = drawn(tmp_path, f'{ROOM}<path id="path" d="M 2,7 H 24.004"/>')
+    assert not any("leaves" in change for change in imported.changes)
+
+
+def test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first(tmp_path: Path) -> None:
+    """A room of 12 m with a bay of 3 m, where robots as large as fit elsewhere have no room."""
+    plan = shapely.union(shapely.box(0.0, 0.0, 30.0, 12.0), shapely.box(30.0, 4.5, 37.0, 7.5))
+    there = write_map(tmp_path, *free_cells(plan))
+    asked = Options(origin=(4.0, 6.0), goal=(36.0, 6.0))
+    far = import_world(there, asked)
+    end = np.array((far.world.reference_path or ())[-1])
+    away = float(np.hypot(*(end - (36.0, 6.0))))
+    assert away > 3.6
+    check_says(far.changes[0], f"{away:.2f} m … --to (36.00, 6.00) … --robot")
+    assert only(far, "--to") == far.changes[0]
+    near = import_world(there, replace(asked, robot=(0.6, 0.4)))
+    assert not any("--to" in change for change in near.changes)
+    back = import_world(there, Options(origin=(36.0, 6.0), goal=(4.0, 6.0)))
+    check_says(only(back, "--from"), "--from (36.00, 6.00)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
@@ -12,6 +13,7 @@ import pytest
 
 from physim import simulate
 from physim.drawing.plots.style import styled
+from physim.reproduction.plan import make_plan
 from physim.reproduction.studies import studies
 from physim.reproduction.studies.bends import BENDS, ROUTES, STATIONS, corners, extra_length
 from physim.reproduction.studies.danger_mode import (
@@ -334,3 +336,16 @@ def test_outside_of_a_bend_the_route_is_longer() -> None:
 def test_corners_are_where_the_path_turns_sharply() -> None:
     line = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 9.0], [3.1, 12.0]])
     assert corners(line) == pytest.approx([5.0])
+
+
+def test_what_is_to_be_noted_of_worlds_is_said_by_the_plan_and_by_no_run() -> None:
+    """Wide thresholds ask for more range than the world has."""
+    study = next(s for s in studies() if "wide thresholds" in s.labels)
+    plan = make_plan(None, study.name, quick=True, films=False)
+    said = plan.notices()
+    assert [line for line in said if "formation.range" in line and "time_low=" in line]
+    assert len(said) == len(set(said)) > 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for arm in study.arms:
+            arm.load(0)

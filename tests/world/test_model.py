@@ -242,5 +242,30 @@ def test_a_world_is_shown_on_one_line_and_survives_pickling():
     world = World(**values(robots=[{**group, "count": 40, "start": START}]))
     assert len(repr(world)) < 100
     assert re.search(facts('"w"', "40 robots", "30 s"), repr(world))
+    assert max(len(repr(robot)) for robot in world.robots) < 120
+    assert re.search(facts('"r7"', "placed by the seed"), repr(world.robots[6]))
     assert pickle.loads(pickle.dumps(world)) == copy.deepcopy(world) == world
     assert pickle.loads(pickle.dumps(world)).to_yaml() == world.to_yaml()
+
+
+@pytest.mark.parametrize("key", ["radius", "Radius", "diameter", "circle"])
+def test_circles_are_said_not_to_be_supported(key):
+    found = faults(robots=[{**ROBOT, "footprint": {key: 0.5}}])
+    assert list(found) == [("robots", 0, "footprint", key)]  # length and width are not missed
+    assert re.search(facts("circles", "not supported", "corners"), *found.values())
+
+
+@pytest.mark.parametrize(
+    ("pose", "meant"),
+    [
+        ([8, 0, 1, 25, -3, 5], "[8.0, 1.25, -3.5]"),
+        ([8, 0, 1, 0], None),
+        ([8, 0, 1, -5, 0, 0], None),
+        ([8.5, 0, 1, 5, 0, 0], None),
+    ],
+)
+def test_a_list_twice_as_long_is_one_of_decimal_commas(pose, meant):
+    (said,) = faults(robots=[{**ROBOT, "pose": pose}]).values()
+    assert ("point" in said) == (meant is not None)
+    assert f"given {len(pose)}" in said
+    assert (meant or "") in said

@@ -221,3 +221,29 @@ def test_a_quoted_key_with_a_colon_is_a_key() -> None:
     document = read_document('controller: {type: odd, "A:0": 1.0}', "w.yaml")
     assert not document.faults
     assert document.values() == {"controller": {"type": "odd", "A:0": 1.0}}
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "column"),
+    [
+        ("robots:\n  -name: r1\n    pose: [1.0, 2.0, 0.0]\n", 2, 4),
+        ("robots:\n  -name: r1\n", 2, 4),
+        ("robots:\n  - name: r1\n  -name: r2\n    pose: [1.0, 2.0, 0.0]\n", 3, 4),
+    ],
+)
+def test_a_dash_without_a_space_is_said(text: str, line: int, column: int) -> None:
+    with pytest.raises(WorldError) as caught:
+        parse_world(text)
+    at = [
+        place
+        for fault, place in zip(caught.value.faults, caught.value.positions, strict=True)
+        if "- name: …" in fault.message
+    ]
+    assert [(place.line, place.column) for place in at] == [(line, column)]
+
+
+def test_a_dash_in_a_quoted_key_is_its_own() -> None:
+    with pytest.raises(WorldError) as caught:
+        parse_world('"-name": 1\n')
+    assert "unknown key" in str(caught.value)
+    assert "space" not in str(caught.value)

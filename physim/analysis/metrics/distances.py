@@ -48,7 +48,7 @@ def farthest_pair(record: Record) -> Moment | None:
 
 def shortest_collision_time(record: Record) -> Moment | None:
     """Shortest collision time at a decision, (11) [s] (Figs. 3, 6). None if none was seen."""
-    times = record.column("collision_time")
+    times = record.column("collision_time", absent=np.nan)
     times = np.where(np.isnan(times), np.inf, times)
     if not np.isfinite(times).any():
         return None
@@ -62,7 +62,7 @@ def collision_times(record: Record) -> Series | None:
     the controller reports no collision times.
     """
     rows = record.updates
-    if np.isnan(record.column("collision_time")).all():
+    if np.isnan(record.column("collision_time", absent=np.nan)).all():
         return None
     steps, place = np.unique(rows["step"], return_inverse=True)
     least = np.full(len(steps), np.inf)

@@ -122,7 +122,7 @@ def messages(record: Record) -> int | None:
 
 def evaluations(record: Record) -> int | None:
     """Collision times worked out; None where the controller does not report them."""
-    count = record.column("evaluations")
+    count = record.column("evaluations", absent=np.nan)
     return int(np.nansum(count)) if np.isfinite(count).any() else None
 
 

@@ -54,7 +54,7 @@ class Meaning:
         if isinstance(horizon, float):
             motion = getattr(settings, "collision_motion", "arc")
             return cls(horizon, (0.0,) if motion == "translation" else (1.0,), True)
-        times = record.column("collision_time")
+        times = record.column("collision_time", absent=np.nan)
         times = times[np.isfinite(times)]
         least = min(float(times.max(initial=0.0)), LONGEST)
         return cls(least + 2.0 * TIME, (1.0, 0.0), False)

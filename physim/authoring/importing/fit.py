@@ -42,6 +42,8 @@ MOST_TRIMMED = 0.3
 """[-] share of the path that may be left out at either end to get away from a wall"""
 SLIVER = 1e-6
 """[m] of a path outside the area that are rounding"""
+TOLD = 0.01
+"""[m] of a path left out from which on it is told"""
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def fit(path: Path, drawing: Drawing, options: Options) -> Fit:
     trimmed = stretch(reference, float(at[first]), float(at[last]))
     _check_no_wall(path, drawing, trimmed)
     for name, left_out in (("start", at[first]), ("end", length - at[last])):
-        if left_out > 0.01:
+        if left_out > TOLD:
             drawing.changes.append(
                 f"path shortened by {left_out:.2f} m at its {name}, away from the boundary"
             )
@@ -139,7 +141,7 @@ def _inside(drawing: Drawing, reference: FloatArray) -> FloatArray:
         ("enters", begin, begin, "before"),
         ("leaves", end, length - end, "after"),
     ):
-        if left_out > SLIVER:
+        if left_out > TOLD:
             where = place(points_at(reference, station))
             drawing.changes.append(
                 f"path {what} the area at {where}: the {left_out:.2f} m {side} that left out"

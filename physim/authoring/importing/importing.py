@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from math import ceil
+from math import ceil, hypot
 from pathlib import Path
 
 import numpy as np
@@ -213,6 +213,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
         robots = as_drawn(drawing, found)
     else:
         found, robots = fill_in(source, drawing, found, options)
+    drawing.changes[:0] = _missed(found, options)
     drawing.facts += _about(drawing, found, robots, options)
     drawing.facts += stop_warnings(found.reference, robots, found.size)
     text = world_text(options.name or _name(source), escaped(source.name), drawing, found, robots)
@@ -244,6 +245,30 @@ def _find_route(source: Path, drawing: Drawing, options: Options) -> None:
         drawing.changes.append("path of the source left out: --from and --to ask for another")
     find = import_module("physim.authoring.importing.route").find_route
     find(source, drawing, options)
+
+
+MISSED = 2.0
+"""[robots] from which on it is told how far the path stays from a place asked for"""
+
+
+def _missed(found: Fit, options: Options) -> list[str]:
+    """How far the path begins from --from and ends from --to, where that is ``MISSED`` robots away.
+
+    It is shortened where the group has no room to stand, which a place asked for must not hide.
+    """
+    said = []
+    ends = (("--from", options.origin, "begins"), ("--to", options.goal, "ends"))
+    for (word, asked, what), end in zip(ends, found.reference[[0, -1]], strict=True):
+        if asked is None:
+            continue
+        away = hypot(*(end - asked))
+        if away > MISSED * found.box[0]:
+            said.append(
+                f"WARNING: the path {what} {away:.2f} m away from {word} {place(asked)}, at "
+                f"{place(end)}, as robots {number(found.box[0])} m long have no room nearer to "
+                "it; smaller ones may (--robot)"
+            )
+    return said
 
 
 def _about(drawing: Drawing, found: Fit, robots: list[Placed], options: Options) -> list[str]:

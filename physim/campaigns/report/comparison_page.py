@@ -22,6 +22,7 @@ from physim.campaigns.report.comparison_text import (
 from physim.campaigns.report.contents import title_of
 from physim.campaigns.report.markup import page, text
 from physim.campaigns.report.plots import paired_plot, shift_plot
+from physim.errors import plural
 
 MOST_POINTS = 400
 MOST_PLOTS = 40
@@ -103,9 +104,9 @@ def _points(one: Comparison, found: Finding) -> Iterator[str]:
     what, unit = title_of(found.name)
     label = f"{what} [{unit}]" if unit else what
     yield f'<figure class="tile"><h3>{text(what)}</h3>'
-    yield paired_plot(a, b, label, f"{what} of A and B, {len(a)} pairs")
+    yield paired_plot(a, b, label, f"{what} of A and B, {plural(len(a), 'pair')}")
     thinned = f" of {count}, evenly chosen" if count > len(a) else ""
     yield (
-        f"<figcaption>B upward, A to the right, {len(a)} pairs{thinned}; above the line B has the "
-        "larger value.</figcaption></figure>"
+        f"<figcaption>B upward, A to the right, {plural(len(a), 'pair')}{thinned}; above the "
+        "line B has the larger value.</figcaption></figure>"
     )

@@ -185,28 +185,39 @@ def shift_plot(value: float, low: float, high: float, unit: str, width: float, w
     )
 
 
+LEAST_SPREAD = 0.01
+"""[-] Share of the largest value that an axis has at least: its labels stay short"""
+LONGEST_LABEL = 8
+"""Characters of a label beyond which it is written with an exponent"""
+DIGIT = 6.5
+"""[px] width of one"""
+
+
 def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float = 270.0) -> str:
     """Pairs (K,) as points on equal axes, with the line on which both are the same."""
     low, high = float(min(a.min(), b.min())), float(max(a.max(), b.max()))
-    step = step_of(max(high - low, 1e-6) / 4.0)
+    spread = max(high - low, LEAST_SPREAD * max(abs(low), abs(high))) or 1.0
+    step = step_of(spread / 4.0)
     low, high = (
         math.floor(low / step) * step,
         max(math.ceil(high / step), math.floor(low / step) + 1) * step,
     )
-    axis = Axis(low, high, 44.0, side - 54.0)
+    labels = {tick: _short(tick, step) for tick in Axis(low, high, 0.0, 1.0).ticks(4)}
+    left = max(44.0, 8.0 + DIGIT * max(map(len, labels.values())))
+    axis = Axis(low, high, left, side - 10.0 - left)
     floor = axis.start + axis.length - 34.0
 
     def up(value: float) -> float:
         return round(floor - (axis.at(value) - axis.start), 1)
 
     parts = []
-    for tick in axis.ticks(4):
+    for tick, label_text in labels.items():
         parts.append(
             f'<line class="grid" x1="{axis.at(low)}" x2="{axis.at(high)}" y1="{up(tick)}" '
             f'y2="{up(tick)}"/><line class="grid" x1="{axis.at(tick)}" x2="{axis.at(tick)}" '
             f'y1="{up(low)}" y2="{up(high)}"/><text x="{axis.start - 5}" y="{up(tick) + 4}" '
-            f'text-anchor="end">{written(tick, step)}</text><text x="{axis.at(tick)}" '
-            f'y="{floor + 15}" text-anchor="middle">{written(tick, step)}</text>'
+            f'text-anchor="end">{label_text}</text><text x="{axis.at(tick)}" '
+            f'y="{floor + 15}" text-anchor="middle">{label_text}</text>'
         )
     parts.append(
         f'<line class="axis" x1="{axis.at(low)}" x2="{axis.at(high)}" y1="{up(low)}" '
@@ -225,3 +236,11 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
         f'<svg class="whole" viewBox="0 -12 {side:g} {floor + 48:g}" role="img" '
         f'aria-label="{text(what)}">{"".join(parts)}</svg>'
     )
+
+
+def _short(value: float, step: float) -> str:
+    """Tick as `written`, or with an exponent where that would be long."""
+    plain = written(value, step)
+    if len(plain) <= LONGEST_LABEL or value == 0.0:
+        return plain
+    return f"{value:.4g}".replace("-", "−").replace("e+", "e")

@@ -62,7 +62,7 @@ def _least(values: FloatArray, first: IntArray) -> IntArray:
 def _pack_times(timeline: Timeline, first: IntArray, pack: Pack) -> bool:
     """Add the least collision time of the decisions in each bin; inf where all have none."""
     record = timeline.record
-    values = record.column("collision_time")
+    values = record.column("collision_time", absent=np.nan)
     if not np.isfinite(values).any():
         return False
     values = np.where(np.isnan(values), np.inf, values)

@@ -127,7 +127,7 @@ def collision_times(record: Record) -> Any:
     band of nine tenths of the decisions; below, a row a robot in shades of its shortest, with the
     least of the run at the end. The shortest of all is marked.
     """
-    times = record.column("collision_time")
+    times = record.column("collision_time", absent=np.nan)
     rows = record.updates[np.isfinite(times)]
     shortest = shortest_collision_time(record)
     many = record.robots > MOST_SINGLE and shortest is not None
@@ -228,7 +228,7 @@ def predictions(record: Record) -> Predictions:
 
     Decisions that are made in contact are left out, and so are those after the last contact.
     """
-    times = record.column("collision_time")
+    times = record.column("collision_time", absent=np.nan)
     rows = record.updates[np.isfinite(times) & (times > 0.0)]
     found: list[tuple[int, float, float, int]] = []
     contacts = record.contacts
@@ -258,7 +258,7 @@ def prediction(record: Record) -> Any:
         contacts = record.contacts
         began = contacts[contacts["kind"] == Kind.PHYSICAL]
         why = "no contact was foreseen" if len(began) else "no contact"
-        if len(began) and np.isnan(record.column("collision_time")).all():
+        if len(began) and np.isnan(record.column("collision_time", absent=np.nan)).all():
             why = "the controller reports\nno collision times"
         if len(contacts) and not len(began):
             why = "no contact at a sample,\ncontacts between samples only"

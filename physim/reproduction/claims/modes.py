@@ -86,7 +86,7 @@ def measure_effort(record: Record) -> Measures:
     messages, evaluations = metrics.messages(record) or 0, metrics.evaluations(record)
     planned = rows["next_step"] - rows["step"]
     every_step = float((rows["considered"] * held).sum())
-    every_evaluation = float(np.nansum(record.column("evaluations") * held))
+    every_evaluation = float(np.nansum(record.column("evaluations", absent=np.nan) * held))
     _, first = np.unique(rows["robot"], return_index=True)
     distance = (record.stop_station - rows["station"][first]).max()
     time = metrics.time_to_finish(record)

@@ -17,10 +17,11 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world import World
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.faults import describe, in_metres
+from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shape_checks import Placed, placed_outline
 from physim.world.layout.shared import Shared
+from physim.world.number_hints import in_metres
 
 
 def check_footprints(laid: PartialLayout, found: Diagnostics) -> None:

@@ -113,6 +113,7 @@ def _with_dot(text: str) -> str:
 
 
 _NO_SPACE = re.compile(r"^[ ]*(?:-[ ]+)*(?P<key>[A-Za-z_][A-Za-z_0-9]*):[^\s:/\\].*$")
+_NO_SPACE_AFTER_DASH = re.compile(r"^[ ]*-(?P<key>[A-Za-z_][A-Za-z_0-9]*)(?::(?=\s|$)|$)")
 _CLOSING = {"[": "]", "{": "}"}
 _KEYS_AFTER = 3
 """Lines before the place where a parser gave up in which a missing space is looked for."""
@@ -139,6 +140,7 @@ def syntax_hint(error: yaml.YAMLError, text: str) -> SyntaxHint:
         _early_end(lines, line, column)
         or _bracket(problem, lines, (line, column), opened)
         or _quote(context, problem, opened)
+        or _missing_space_after_dash(lines, line)
     )
     if found is None and ("mapping values" in problem or "':'" in problem):
         found = _missing_space(lines, line, opened) or _look_alike(lines, line, opened)
@@ -154,6 +156,12 @@ def missing_space(text: str) -> str:
     """The key in a text like ``step:0.01``, which YAML takes for one word; "" in all others."""
     found = _NO_SPACE.match(text)
     return found["key"] if found else ""
+
+
+def missing_space_after_dash(text: str) -> str:
+    """What to write for a key like ``-name``, a word of its own to YAML; "" for all others."""
+    found = _NO_SPACE_AFTER_DASH.match(text)
+    return f'a space is missing after the dash; write "- {found["key"][:40]}: …"' if found else ""
 
 
 def _bracket(
@@ -262,6 +270,15 @@ def _missing_space(
             return SyntaxHint(
                 number, column, f'a space is missing after the colon; write "{key[:40]}: …"'
             )
+    return None
+
+
+def _missing_space_after_dash(lines: list[str], line: int) -> SyntaxHint | None:
+    """An entry of a list whose dash is not followed by a space, where the parser gave up."""
+    for number in range(min(line, len(lines)), max(line - 2, 0), -1):
+        text = _bare(lines[number - 1])
+        if message := missing_space_after_dash(text):
+            return SyntaxHint(number, text.index("-") + 2, message)
     return None
 
 

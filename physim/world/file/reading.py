@@ -16,6 +16,7 @@ from physim.world.file.pitfalls import (
     EMPTY,
     RefusedScalarError,
     missing_space,
+    missing_space_after_dash,
     scalar,
     syntax_hint,
 )
@@ -253,6 +254,9 @@ class _Reader:
             self._fault(Fault((*top.location, word), message), line, column + len(word))
             self.unreadable.add((*top.location, word))
             given[word] = Member(line, column, Node(line, column, UNREADABLE))
+            top.is_usable = False
+        elif not quoted and (advice := missing_space_after_dash(text)):
+            self._fault(Fault(top.location, advice), line, column + 1)
             top.is_usable = False
         elif text == "<<":
             self._fault(

@@ -259,4 +259,13 @@ EDITS = (
         "the place that is told is the one without room",
         "tests/importing/test_walls_of_svg.py::test_the_place_that_is_told_is_the_one_without_room",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/importing.py",
+        "_missed",
+        "away > MISSED * found.box[0]",
+        "False",
+        "a path that ends far from --to is told",
+        "tests/importing/test_repairs.py::test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first",
+    ),
 )

@@ -132,4 +132,13 @@ EDITS = (
         "a run that did not finish is no success of the rate",
         "tests/campaigns/test_until.py::test_what_counts_for_each_rate",
     ),
+    Edit(
+        "reports",
+        "physim/campaigns/report/plots.py",
+        "paired_plot",
+        "LEAST_SPREAD * max(abs(low), abs(high))",
+        "1e-6",
+        "labels of one pair fit on its card",
+        "tests/campaigns/test_compare.py::test_points_of_one_pair_have_labels_that_fit_on_their_card",
+    ),
 )

@@ -95,4 +95,13 @@ EDITS = (
         "every seed is a run of its own",
         "tests/reproduction/test_claims.py::test_runs_that_several_need_are_done_once",
     ),
+    Edit(
+        "reproduction",
+        "physim/reproduction/plan.py",
+        "Plan.notices",
+        "for line in warning_lines(arm.read(0)[1])",
+        "for line in ()",
+        "what is to be noted of worlds is said",
+        "tests/reproduction/test_studies.py::test_what_is_to_be_noted_of_worlds_is_said_by_the_plan_and_by_no_run",
+    ),
 )

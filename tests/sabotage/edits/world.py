@@ -149,4 +149,22 @@ EDITS = (
         "a file is written whole, or nothing is left of it",
         "tests/world/test_yaml_text.py::test_a_save_that_fails_in_the_middle_leaves_what_was_there",
     ),
+    Edit(
+        "world",
+        "physim/world/number_hints.py",
+        "of_commas",
+        "len(given) != 2 * most",
+        "True",
+        "decimal commas in a list are told",
+        "tests/world/test_model.py::test_a_list_twice_as_long_is_one_of_decimal_commas",
+    ),
+    Edit(
+        "world",
+        "physim/world/faults.py",
+        "_advice",
+        'known.get(str(key).lower(), "")',
+        '""',
+        "circles are said not to be supported",
+        "tests/world/test_model.py::test_circles_are_said_not_to_be_supported",
+    ),
 )

@@ -223,4 +223,13 @@ EDITS = (
         "a decimal comma in braces is told",
         "tests/checking/test_robots.py::test_a_decimal_comma_alone_and_in_braces",
     ),
+    Edit(
+        "world_file",
+        "physim/world/file/pitfalls.py",
+        "missing_space_after_dash",
+        'if found else ""',
+        'if False else ""',
+        "a dash without a space is told",
+        "tests/world_file/test_reading.py::test_a_dash_without_a_space_is_said",
+    ),
 )

@@ -36,7 +36,9 @@ def measures(text: str) -> dict[str, int]:
     found = {}
     for name in (part.strip() for part in text.split(",")):
         own = OWN.fullmatch(name)
-        if own:
+        if own and own[1] in DIRECTIONS:
+            raise ValueError(f'"{own[1]}" without :{own[2]}, as its direction is known')
+        elif own:
             found[PREFIX + own[1]] = 1 if own[2] == "more" else -1
         elif name in DIRECTIONS:
             found[name] = DIRECTIONS[name]

@@ -231,6 +231,7 @@ def test_mistakes(
         ("compare", made, "--by", "world"): ("--by world:", "small"),
         ("compare", made, "--by", "word"): ("--by word:", "controller, settings, world", '"world"'),
         ("compare", made, made, "--only", "rats"): ("--only rats:", "contact_free", '"rate"'),
+        ("compare", made, made, "--only", "rate:more"): ("--only rate:more:", '"rate"', "without"),
         ("compare", made, made, "--test", "t"): ("--test t:", "sign, wilcoxon"),
     }
     for arguments, (place, *said) in mistakes.items():

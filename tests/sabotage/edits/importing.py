@@ -259,4 +259,13 @@ EDITS = (
         "the place that is told is the one without room",
         "tests/importing/test_walls_of_svg.py::test_the_place_that_is_told_is_the_one_without_room",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_guard.py",
+        "_Guard._start",
+        'start[0] not in "Mm"',
+        "False",
+        "path data begins with a move",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
 )

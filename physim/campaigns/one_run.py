@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 from physim._version import __version__
 from physim.analysis.metrics import Metric, measure
 from physim.campaigns import own_metrics
+from physim.campaigns.columns import ERROR, Row
 from physim.campaigns.processes import Stop
-from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.sources import provide
 from physim.campaigns.spec import RunSpec, engine
 from physim.errors import PhysimError, WorldError

@@ -6,13 +6,12 @@ import re
 from pathlib import Path
 
 from physim._version import __version__
-from physim.campaigns.columns import rows_of
+from physim.campaigns.columns import ERROR, Row, rows_of
 from physim.campaigns.folder import Folder, label_of
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.own_metrics import TEXT
 from physim.campaigns.processes import Job, Processes, Stop
 from physim.campaigns.reading import read
-from physim.campaigns.rows import ERROR, Row
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit

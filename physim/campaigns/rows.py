@@ -17,18 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
-from physim.campaigns.columns import (
-    COLUMNS,
-    DURATION,
-    ERROR,
-    FAILED,
-    FINISHED,
-    KILLED,
-    TIMEOUT,
-    TIMES,
-    Row,
-    schema,
-)
+from physim.campaigns.columns import FAILED, Row
 from physim.campaigns.shard import Part, read_shard
 from physim.drafts import discard, draft_of
 from physim.errors import Notice, PhysimError
@@ -212,17 +201,4 @@ def _stamp() -> str:
     return f"{time.time_ns():020d}"
 
 
-__all__ = [
-    "COLUMNS",
-    "DURATION",
-    "ERROR",
-    "FAILED",
-    "FINISHED",
-    "KILLED",
-    "TIMEOUT",
-    "TIMES",
-    "Row",
-    "Shards",
-    "schema",
-    "write_whole",
-]
+__all__ = ["FOLDER", "Shards", "check_places", "write_whole"]

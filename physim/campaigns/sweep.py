@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 
-from physim.campaigns.columns import Brief, briefs
+from physim.campaigns.columns import ERROR, KILLED, TIMEOUT, Brief, Row, briefs
 from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
 from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError, Stop
 from physim.campaigns.reading import write_results
-from physim.campaigns.rows import ERROR, KILLED, TIMEOUT, Row, write_whole
+from physim.campaigns.rows import write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
 from physim.campaigns.spec import RunSpec
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from physim.campaigns.columns import Brief
+from physim.campaigns.columns import FINISHED, Brief, Row
 from physim.campaigns.folder import Folder, check_version
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
 from physim.campaigns.processes import Stop
-from physim.campaigns.rows import FINISHED, Row, write_whole
+from physim.campaigns.rows import write_whole
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally, sweep
 from physim.errors import PhysimError

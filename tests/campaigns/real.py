@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from physim.campaigns.columns import Row
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import run_one
-from physim.campaigns.rows import Row
 from physim.campaigns.spec import spec_of
 from physim.world.file import parse_world
 

@@ -9,10 +9,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from physim.campaigns.columns import rows_of
+from physim.campaigns.columns import TIMES, Row, rows_of
 from physim.campaigns.folder import Folder
 from physim.campaigns.reading import read_rows
-from physim.campaigns.rows import TIMES, Row
 from physim.campaigns.spec import RunSpec, spec_of
 from physim.world.file import parse_world
 

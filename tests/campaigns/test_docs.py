@@ -11,8 +11,8 @@ import pandas as pd
 import pyarrow.parquet as parquet
 import pytest
 
+from physim.campaigns.columns import COLUMNS
 from physim.campaigns.reading import read
-from physim.campaigns.rows import COLUMNS
 from tests.campaigns.samples import rows_in
 from tests.campaigns.tables import failed, hit, row, table
 

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns.columns import FINISHED, Row
 from physim.campaigns.folder import CAMPAIGN, Folder
 from physim.campaigns.one_run import row_without_run
 from physim.campaigns.reading import read
-from physim.campaigns.rows import FINISHED, Row
 from physim.errors import PhysimError
 from tests.campaigns.samples import FIXED, specs
 from tests.cli.commands import physim

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns.columns import Row
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import run_one
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.reading import read
 from physim.campaigns.report.contents import report_of
-from physim.campaigns.rows import Row
 from physim.campaigns.spec import spec_of
 from physim.campaigns.until import Decided, Until
 from physim.statistics.goal import read_goal

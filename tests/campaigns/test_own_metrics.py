@@ -12,6 +12,7 @@ import pyarrow.parquet as parquet
 import pytest
 
 from physim.campaigns import own_metrics
+from physim.campaigns.columns import FINISHED
 from physim.campaigns.compare import by, compare
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import row_without_run, run_one
@@ -22,7 +23,6 @@ from physim.campaigns.report.contents import report_of
 from physim.campaigns.report.page import report_page
 from physim.campaigns.report.pictures import Shown
 from physim.campaigns.report.text import report_text
-from physim.campaigns.rows import FINISHED
 from physim.cli.compare import measures
 from physim.errors import PhysimError
 from tests.campaigns.samples import specs, write

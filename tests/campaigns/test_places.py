@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from physim.campaigns.columns import Row
 from physim.campaigns.folder import CAMPAIGN, Folder
-from physim.campaigns.rows import FOLDER, Row, Shards
+from physim.campaigns.rows import FOLDER, Shards
 from physim.campaigns.until import UNTIL, read_until
 from physim.errors import PhysimError
 from tests.campaigns.samples import read

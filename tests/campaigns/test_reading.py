@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns import reading
-from physim.campaigns.columns import row_of
-from physim.campaigns.rows import COLUMNS, FAILED, Row, Shards
+from physim.campaigns.columns import COLUMNS, FAILED, Row, row_of
+from physim.campaigns.rows import Shards
 from physim.errors import PhysimError
 from tests.campaigns.samples import read
 from tests.campaigns.tables import many

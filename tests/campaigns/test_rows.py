@@ -16,11 +16,11 @@ import pytest
 
 from physim.campaigns import rows as module
 from physim.campaigns import shard
-from physim.campaigns.columns import rows_of
+from physim.campaigns.columns import COLUMNS, Row, rows_of, schema
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import row_without_run
 from physim.campaigns.reading import write_results
-from physim.campaigns.rows import COLUMNS, TOGETHER, Row, Shards, schema
+from physim.campaigns.rows import TOGETHER, Shards
 from physim.campaigns.shard import Part
 from physim.errors import Notice, PhysimError
 from tests.campaigns.samples import read, rows_in, specs

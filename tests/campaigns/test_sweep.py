@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns import rows as rows_module
+from physim.campaigns.columns import Row
 from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import run_one
 from physim.campaigns.processes import Processes
-from physim.campaigns.rows import Row, Shards
+from physim.campaigns.rows import Shards
 from physim.campaigns.sweep import Tally, runs, sweep
 from physim.errors import PhysimError
 from physim.record import Record

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from physim.campaigns.rows import Row
+from physim.campaigns.columns import Row
 from physim.campaigns.until import UNTIL, Decided, Until, read_until, succeeded, write_until
 from physim.errors import PhysimError
 from physim.statistics.goal import decide, read_goal

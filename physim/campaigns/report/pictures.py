@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from physim.campaigns.columns import COLUMNS, Row
 from physim.campaigns.folder import Folder
 from physim.campaigns.one_run import simulation_of
 from physim.campaigns.outcomes import DONE
 from physim.campaigns.replay import spec_of_row
 from physim.campaigns.report.contents import Report
 from physim.campaigns.report.page import Shown
-from physim.campaigns.rows import COLUMNS, Row
 from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run

@@ -13,11 +13,18 @@ from physim.errors import ControllerError
 from physim.parts.controller import Decision
 from physim.parts.declarations import Declared
 from physim.parts.given import given_settings
-from physim.parts.registry import CONTROLLER, checked_settings, find_part, settings_model
+from physim.parts.registry import (
+    CONTROLLER,
+    checked_settings,
+    find_part,
+    make_part,
+    settings_model,
+)
 from physim.record import Record
 from physim.simulation.decisions import decision_row
 from physim.simulation.loop import Simulation
 from physim.simulation.run import simulate
+from physim.testing import check_controller
 from tests.facts import facts
 from tests.roads import road
 from tests.says import THREE, Says
@@ -212,3 +219,36 @@ def test_a_property_that_ends_the_program_is_not_known() -> None:
             raise SystemExit(0)
 
     assert given_settings(Kept()).not_known == ("gain",)
+
+
+class Asked:
+    """An object whose class answers by an error whether it has a method."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise OddError(name)
+
+    def decide(self, observation: Any, memory: Any) -> Decision:
+        return decided()
+
+
+def test_an_object_that_fails_when_it_is_asked_for_a_hook_is_one_line() -> None:
+    with pytest.raises(ControllerError, match=facts("Asked.robot_faults", "OddError")) as caught:
+        check_controller(Asked, worlds=["straight"])
+    assert "test_evil_controllers.py:" in str(caught.value)
+
+
+class Nothing:
+    """What its class gives is no object of it."""
+
+    def __new__(cls) -> Any:
+        return None
+
+    def decide(self, observation: Any, memory: Any) -> Decision:
+        return decided()
+
+
+def test_a_class_that_gives_something_else_is_told_what_it_lacks() -> None:
+    """Not taken for no controller at all."""
+    with pytest.raises(ControllerError, match=facts("Nothing", "None", "decide")) as caught:
+        make_part(CONTROLLER, f"{__name__}:Nothing", {}, trusted=True)
+    assert "test_evil_controllers.py:" in str(caught.value)

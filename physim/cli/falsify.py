@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,7 +98,7 @@ def falsify(options: Options) -> int:
     out = text_stream(options.json)
     if not options.quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), file=out, flush=True)
-    with interrupts() as interrupt, executor(options.workers) as workers:
+    with interrupts() as interrupt, _alone(folder), executor(options.workers) as workers:
         evaluate = by_executor(workers, space.world.controller.type, interrupt)
         accepts = accepted(options.controller)
         with Bar("search", options.budget, "runs", options.quiet) as bar:
@@ -156,12 +159,26 @@ def _folder(options: Options, space: Space) -> Path:
     """Make the output folder. Raises PhysimError where it holds an earlier search."""
     world = space.world
     folder: Path = options.output or Path("falsified") / f"{world.stem}-{world.seed}"
-    earlier = [folder / name for name in _files() if (folder / name).exists()]
+    earlier = [folder / name for name in _files() if os.path.lexists(folder / name)]
     what = "an earlier search"
     remove_earlier(folder, earlier, options.force, *inputs(options.world), what=what)
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep others from the folder. RecordError where another search is writing to it."""
+    from physim.campaigns.falsify.results import WORST
+    from physim.record.lock import WriteLock
+
+    with writing_to(folder):
+        lock = WriteLock(folder / WORST)
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _note(found: Hunt) -> str:

@@ -192,10 +192,13 @@ def make_part(
 
 
 def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str) -> Any:
-    """Make a part from its checked settings. Raises `ControllerError` where it fails."""
+    """Make a part from its checked settings.
+
+    Raises `ControllerError` where it fails, and where what its class gives lacks a method.
+    """
     given = () if settings is None else (settings,)
     try:
-        return part(*given)
+        made = part(*given)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
@@ -203,6 +206,14 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
         if isinstance(error, TypeError) and not takes(part, *given):
             reason = _unmade(part, bool(given))
         raise ControllerError(f"{kind.word} {describe(name)} cannot be made: {reason}") from error
+    lacking = [method for method in kind.methods if not callable(attribute(made, method))]
+    if isinstance(made, type) or lacking:
+        raise ControllerError(
+            f"{kind.word} {describe(name)} cannot be made: {part.__name__}() gives "
+            f"{kind_of(made)}; it must give an object with {', '.join(kind.methods)}"
+            f"{place_of(part)}"
+        )
+    return made
 
 
 def make_by_defaults(kind: Kind, name: str, trusted: bool = False) -> Any:

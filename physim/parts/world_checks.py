@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from physim.errors import ControllerError, Fault, Location, PhysimError
-from physim.parts.controller import ChecksRobots
 from physim.parts.registry import Kind
-from physim.parts.user_code import MistakenError, asked, broken_by, kind_of, place_of
+from physim.parts.user_code import MistakenError, asked, attribute, broken_by, kind_of, place_of
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
@@ -46,9 +45,7 @@ def robot_faults(controller: object, robots: Mapping[int, Robot]) -> list[Fault]
 
     ``robots`` by number. Raises `ControllerError` where its ``robot_faults`` fails.
     """
-    if not isinstance(controller, ChecksRobots):
-        return []
-    return _faults(controller.robot_faults, "robot_faults(robots)", robots)
+    return _faults(controller, "robot_faults", "(robots)", robots)
 
 
 def world_faults(part: object, world: World, where: Location) -> list[Fault]:
@@ -56,22 +53,22 @@ def world_faults(part: object, world: World, where: Location) -> list[Fault]:
 
     Raises `ControllerError` where its ``world_faults`` fails.
     """
-    if not isinstance(part, ChecksWorld):
-        return []
-    return _faults(part.world_faults, "world_faults(world, where)", world, where)
+    return _faults(part, "world_faults", "(world, where)", world, where)
 
 
 def world_doubts(part: object, world: World, where: Location) -> list[Fault]:
     """What a controller or stage at ``where`` warns of; as `world_faults`."""
-    if not isinstance(part, DoubtsWorld):
+    return _faults(part, "world_doubts", "(world, where)", world, where)
+
+
+def _faults(part: object, hook: str, usage: str, *given: Any) -> list[Fault]:
+    """What a method says, where the part has it: its class may answer the question by an error."""
+    say = attribute(part, hook)
+    if say is None:
         return []
-    return _faults(part.world_doubts, "world_doubts(world, where)", world, where)
-
-
-def _faults(say: Callable[..., Iterable[Fault]], usage: str, *given: Any) -> list[Fault]:
     name = getattr(say, "__qualname__", "")
     try:
-        answer = asked(say, usage, *given)
+        answer = asked(say, f"{hook}{usage}", *given)
         faults = list(answer) if isinstance(answer, Iterable) else []
     except KeyboardInterrupt:
         raise

@@ -56,6 +56,12 @@ def open_record(path: Path) -> h5py.File:
         raise RecordError(f"{path}: {fault} HDF5 file; make the record again") from error
 
 
+def unreadable_world(where: str, error: Exception) -> RecordError:
+    """What to raise where the text of the world inside is faulty: its first fault."""
+    fault = str(error).splitlines()[0].removeprefix(f"world of {where}:").strip()
+    return RecordError(f"{where}: the world inside cannot be read: {fault}")
+
+
 def check_layout(file: h5py.File, where: str) -> None:
     """Check that an open file is a record of this version, with all its parts.
 

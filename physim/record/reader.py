@@ -14,12 +14,12 @@ import h5py
 
 from physim.contacts import Phase
 from physim.drafts import discard, draft_of
-from physim.errors import RecordError
+from physim.errors import RecordError, WorldError
 from physim.escaping import html_table
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
 from physim.record import layout
-from physim.record.checks import check_layout, open_record
+from physim.record.checks import check_layout, open_record, unreadable_world
 from physim.record.history import RecordedHistory
 from physim.record.layout import digest
 from physim.record.lock import WriteLock
@@ -205,8 +205,11 @@ class Record(RecordedHistory):
         try:
             world = yaml.load(self.world_text, Loader=fast)
         except (yaml.YAMLError, ValueError, RecursionError) as error:
-            why = f": {' '.join(str(error).split())}" if isinstance(error, yaml.YAMLError) else ""
-            raise RecordError(f"{self.where}: the world inside cannot be read{why}") from error
+            try:
+                _ = self.world  # tells the place
+            except WorldError as fault:
+                raise unreadable_world(self.where, fault) from error
+            raise RecordError(f"{self.where}: the world inside cannot be read") from error
         return world if isinstance(world, Mapping) else {}
 
     @cached_property

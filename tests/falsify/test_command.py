@@ -15,6 +15,7 @@ import pytest
 from physim.campaigns.falsify.evaluate import in_this_process
 from physim.campaigns.falsify.robustness import Judged
 from physim.record import Record
+from physim.record.lock import WriteLock
 from physim.world import World
 from physim.world.file import load_world
 from tests.cli.commands import SMALL, frames, physim
@@ -172,6 +173,35 @@ def test_bad_input_is_refused(
     assert all(word in done.err for word in words), done.err
     assert "Traceback" not in done.err
     assert not (here / "out").exists()
+
+
+@pytest.mark.parametrize("name", ["worst.yaml", "record.h5"])
+def test_a_link_to_nothing_is_refused_before_the_search(
+    here: Path, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else what was found is lost when it is written."""
+    (here / "out").mkdir()
+    (here / "out" / name).symlink_to(here / "nothing")
+    done = physim("falsify", "five.yaml", "-o", "out", "--force", capture=capsys)
+    assert done.code == 2
+    assert f"out/{name}: is not a regular file but a link" in done.err
+    assert "varied" not in done.out
+    assert not (here / "nothing").exists()
+
+
+def test_a_second_search_into_a_folder_is_refused_before_it_begins(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Else worlds of the one lie beside the record of the other."""
+    (here / "out").mkdir()
+    lock = WriteLock(here / "out/worst.yaml")
+    try:
+        done = physim("falsify", "five.yaml", "-o", "out", capture=capsys)
+    finally:
+        lock.release()
+    assert done.code == 2
+    assert "out/worst.yaml: another run is writing it" in done.err
+    assert list((here / "out").iterdir()) == []
 
 
 CHANCE = """\

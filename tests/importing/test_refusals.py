@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import struct
 import zlib
 from itertools import pairwise
@@ -182,6 +183,24 @@ def test_maps(tmp_path: Path, name: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_a_damaged_image_is_one_message_and_no_line_of_a_decoder(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Its check sums are right, so that the decoder is the one to find it."""
+    size = struct.pack(">IIBBBBB", 60, 40, 8, 0, 0, 0, 0)
+    parts = ((b"IHDR", size), (b"IDAT", b"no pixels"), (b"IEND", b""))
+    chunks = (
+        struct.pack(">I", len(b)) + k + b + struct.pack(">I", zlib.crc32(k + b)) for k, b in parts
+    )
+    (tmp_path / "map.png").write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+    (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.05, (0, 0)))
+    with pytest.raises(PhysimError, match="damaged"):
+        import_world(tmp_path / "map.yaml")
+    assert capfd.readouterr().err == ""
+    os.write(2, b"heard again")
+    assert capfd.readouterr().err == "heard again"
+
+
 def test_a_link_out_of_the_folder_is_no_way_out(tmp_path: Path) -> None:
     folder = tmp_path / "maps"
     folder.mkdir()
@@ -216,6 +235,9 @@ DRAWINGS = {
     "not SVG": ("<html></html>", ":1: … <html> … <svg>"),
     "deep": (svg("<g>" * 3000 + "</g>" * 3000), ":2: … groups … ungroup"),
     "path data": (svg('<path id="boundary" d="M 0,0 L garbage"/>'), ':2: … path data … "garbage"'),
+    "path data without a start": (svg('<path id="boundary" d="L 5,5 6,9"/>'), ":2: … begin with M"),
+    "path data of a close": (svg('<path id="boundary" d="Z L 5,5 6,9"/>'), ":2: … begin with M"),
+    "path data of curves": (svg('<path id="boundary" d="t 5,5 6,9"/>'), ":2: … begin with M"),
     "path data of numbers": (svg('<path id="boundary" d="M 1e1e1 5"/>'), ':2: … data … "e1 5"'),
     "rotation": (
         svg('<path id="boundary" d="M 0,0 1,1" transform="scale(2) rotate(30,120)"/>'),

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from physim.analysis import metrics
-from physim.analysis.metrics.distances import sides_of, width_extreme
+from physim.analysis.metrics.distances import MOST_PLACES, sides_of, width_extreme
 from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
 from physim.geometry.corridor import offset_polyline, sampled_widths
@@ -153,6 +153,17 @@ def room(walls: FloatArray, path: list[list[float]]) -> Record:
     out = RecordWriter(None, scene, "boundaries: []", name="room")
     out.close("duration", steps_run=0, rejected=0, wall_clock={})
     return out.record()
+
+
+def test_places_of_a_long_path_are_farther_apart_not_more() -> None:
+    """A path may be 1000 km long, and memory is not."""
+    walls = np.array([[-1.0, -3.0], [1e6, -3.0], [1e6, 3.0], [-1.0, 3.0], [-1.0, -3.0]])
+    with room(walls, [[0.0, 0.0], [9e5, 0.0]]) as record:
+        found = metrics.corridor_width(record)
+    assert len(found.station) <= MOST_PLACES + 1
+    assert found.station[0] == 0.0
+    assert found.station[-1] == pytest.approx(9e5)
+    assert np.allclose(found.width[1000:], 6.0)
 
 
 def test_a_wall_across_the_path_has_no_width() -> None:

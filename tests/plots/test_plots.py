@@ -16,9 +16,9 @@ from physim.drawing.plots.distances import distances, merged
 from physim.drawing.plots.frame import MOST_POINTS, thinned
 from physim.drawing.plots.style import CONTACT
 from physim.errors import PhysimError
-from physim.record import Record
+from physim.record import Record, RecordWriter
 from tests.metrics.histories import history
-from tests.records import make_record
+from tests.records import make_record, make_scene
 
 
 @pytest.fixture
@@ -177,3 +177,14 @@ def test_predictions_of_many_robots_are_marked_alike(robots: int) -> None:
     )
     assert (f"{robots} robots" in words) == (robots > MOST_NAMED)
     assert ("r1" in words) == (robots <= MOST_NAMED)
+
+
+def test_of_a_record_whose_world_is_no_yaml_nothing_is_drawn(tmp_path: Path) -> None:
+    """Not the first pictures either, which need nothing of it; the fault is at its place."""
+    out = RecordWriter(None, make_scene(2), "name: x\nrobots: [1\n", name="x")
+    out.close("duration", steps_run=0, rejected=0, wall_clock={})
+    with out.record() as record, pytest.raises(PhysimError, match=r"cannot be read: 2:9:") as no:
+        draw(record, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    assert "unicode string" not in str(no.value)
+    assert "\n" not in str(no.value)

@@ -122,6 +122,14 @@ def test_a_step_that_would_tunnel_is_refused_and_the_largest_told(world):
     assert re.search(facts("0.25 m"), faults[0].message)
 
 
+def test_a_motion_a_little_too_long_is_told_apart_from_what_is_allowed(world):
+    largest = 0.25 * 1.0 / (1.5 + math.hypot(0.9, 0.5) * 1.6)
+    step = largest * (1.0 + 1e-6)
+    (fault,) = found(world.changed(time={"step": step, "duration": step * 10}))
+    moves, allowed = re.findall(r"(?:move|at most) ([\d.]+) m\b", fault.message)
+    assert float(moves) > float(allowed) == 0.25
+
+
 def test_one_robot_too_fast_for_a_usual_step_is_told_at_its_limits(world):
     fast = {**dict(world.robots[1]), "limits": {"v": 100.0}}
     faults = found(world.changed(robots=(world.robots[0], fast)))

@@ -21,6 +21,7 @@ from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
 from physim.record import Record
+from physim.record.checks import unreadable_world
 from physim.tolerances import LENGTH
 from physim.world import World
 from physim.world.layout.scene_builder import build_scene
@@ -66,18 +67,12 @@ def world_inside(record: Record) -> Inside:
     try:
         scene = build_scene(record.world)
     except WorldError as error:
-        raise _unreadable(record, error) from error
+        raise unreadable_world(record.where, error) from error
     world = scene.world
     named = ((SENSING, world.sensing.stages), (FILTER, world.filters),
              (DISTURBANCE, world.disturbances))  # fmt: skip
     stages = [kind.word for kind, choices in named if choices]
     return Inside(scene, *_controller(record, scene), (*stages, *given))
-
-
-def _unreadable(record: Record, error: Exception) -> RecordError:
-    """What to raise where the text of the world inside is faulty: its first fault."""
-    fault = str(error).splitlines()[0].removeprefix(f"world of {record.where}:").strip()
-    return RecordError(f"{record.where}: the world inside cannot be read: {fault}")
 
 
 def controller_name(record: Record) -> str:
@@ -112,7 +107,7 @@ def _controller(record: Record, scene: Scene) -> tuple[Any | None, str]:
     try:
         return make_part(CONTROLLER, choice.type, choice.settings), ""
     except WorldError as error:
-        raise _unreadable(record, error) from error
+        raise unreadable_world(record.where, error) from error
     except ControllerError as error:
         return None, str(error).splitlines()[0]
 

@@ -7,9 +7,12 @@ here first.
 
 from __future__ import annotations
 
+import os
 import re
 import stat
 import zlib
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -126,6 +129,8 @@ def format_of(path: Path) -> str:
 MOST_PIXELS = 50_000_000
 """Pixels of an image that is decoded, about 7000 x 7000: up to 18 bytes each are needed."""
 
+STDERR = 2
+"""Descriptor of standard error."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 _TOKEN = re.compile(rb"(?:\s|#[^\n\r]*[\n\r])*([^\s#]+)")
 
@@ -144,14 +149,11 @@ def read_image(path: Path) -> tuple[Any, Any]:
         _check_png(path, data)
     else:
         raise refused(path, "is neither PGM (P2, P5) nor PNG")
-    level = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        pixels = None
-    finally:
-        cv2.utils.logging.setLogLevel(level)
+    with _silent_decoder():
+        try:
+            pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        except cv2.error:
+            pixels = None
     if pixels is None or not pixels.size:
         raise refused(path, "cannot be decoded; the image is damaged")
     full = top if data[:2] == b"P5" or top > 255.0 else 255.0 * 257.0 ** (pixels.dtype.itemsize - 1)
@@ -162,6 +164,23 @@ def read_image(path: Path) -> tuple[Any, Any]:
             pixels = pixels[:, :, :-1]
         pixels = pixels.mean(axis=2)
     return np.minimum(pixels.astype(np.float32) / np.float32(full), np.float32(1.0)), clear
+
+
+@contextmanager
+def _silent_decoder() -> Iterator[None]:
+    """Keep decoders from writing: OpenCV to its log, libpng to standard error itself."""
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    with ExitStack() as undone:
+        undone.callback(cv2.utils.logging.setLogLevel, level)
+        with suppress(OSError):  # standard error is closed: nothing to keep quiet
+            kept = os.dup(STDERR)
+            undone.callback(os.close, kept)
+            undone.callback(os.dup2, kept, STDERR)
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            undone.callback(os.close, nowhere)
+            os.dup2(nowhere, STDERR)
+        yield
 
 
 def _check_size(path: Path, width: int, height: int) -> None:

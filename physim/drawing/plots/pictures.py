@@ -31,7 +31,7 @@ from physim.drawing.plots.maps import trajectories, width
 from physim.drawing.plots.modes import modes
 from physim.drawing.plots.paper import LEAST, MOST, fitted
 from physim.drawing.plots.style import save_figure
-from physim.errors import PhysimError, nearest
+from physim.errors import PhysimError, RecordError, WorldError, nearest
 from physim.parts.user_code import asked, broken_by
 from physim.record import Record
 
@@ -88,8 +88,9 @@ def draw(
     ``title`` neither that nor the run is written; ``width`` [in] is that in print. ``stop()`` is
     asked after each picture; once True, no more are drawn. ``snapshots`` [s] is the time between
     the snapshots of ``trajectories``. The same record gives the same file. Raises PhysimError for
-    an unknown name or format, for a file that exists unless ``force`` is set, where the folder
-    cannot be written, and where a picture that a package registered fails.
+    an unknown name or format, for a record with a fault, of which no picture stays, for a file that
+    exists unless ``force`` is set, where the folder cannot be written, and where a picture that a
+    package registered fails.
     """
     known, every = names(), only is None
     only = known if only is None else only
@@ -121,6 +122,10 @@ def draw(
                     left_out(path.stem, str(empty))
             if stop is not None and stop():
                 break
+    except (RecordError, WorldError):  # of a record that is refused nothing is left
+        for path in drawn:
+            path.unlink(missing_ok=True)
+        raise
     except OSError as error:
         raise PhysimError(f"{folder}: cannot be written ({error.strerror})") from None
     return tuple(drawn)

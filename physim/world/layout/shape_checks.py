@@ -123,10 +123,11 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
     elif count == 1 and at_usual * step <= limit:
         where = ("robots", robot.number, "limits")
     others = f", and {count - 1} more move too far" if count > 1 else ""
+    moves, allowed = _told_apart(speed * step, limit)
     message = (
-        f"{describe(robot.name)} could move {speed * step:.4g} m in one step of "
+        f"{describe(robot.name)} could move {moves} m in one step of "
         f"{step:.6g} s (v {robot.v:.6g} m/s + {radius:.4g} m x omega "
-        f"{robot.omega:.6g} rad/s){others}; at most {limit:.4g} m are allowed, a quarter "
+        f"{robot.omega:.6g} rad/s){others}; at most {allowed} m are allowed, a quarter "
         f"of the smallest width, that of {describe(narrowest.name)}; "
         f"use a step of at most {_floored(limit / speed)} s or lower limits"
     )
@@ -136,6 +137,12 @@ def tunnelling(robots: Sequence[Moving], step: float) -> list[Fault]:
             f"lengths in metres, not in centimetres or millimetres? As it stands, {message}"
         )
     return [Fault(where, message)]
+
+
+def _told_apart(one: float, other: float) -> tuple[str, str]:
+    """Two different numbers, to four significant digits or as many as they differ in."""
+    texts = ((f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(4, 18))
+    return next(pair for pair in texts if pair[0] != pair[1])
 
 
 def _floored(value: float) -> str:

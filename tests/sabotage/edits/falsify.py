@@ -168,4 +168,22 @@ EDITS = (
         "robots keep their formation in a run that starts later",
         "tests/falsify/test_shrink.py::test_robots_keep_their_formation_in_a_run_that_starts_later",
     ),
+    Edit(
+        "falsify",
+        "physim/cli/falsify.py",
+        "_folder",
+        "os.path.lexists(folder / name)",
+        "(folder / name).exists()",
+        "a link to nothing is refused before the search",
+        "tests/falsify/test_command.py::test_a_link_to_nothing_is_refused_before_the_search",
+    ),
+    Edit(
+        "falsify",
+        "physim/cli/falsify.py",
+        "_alone",
+        "WriteLock(folder / WORST)",
+        'WriteLock(folder / "other")',
+        "a folder takes one search at a time",
+        "tests/falsify/test_command.py::test_a_second_search_into_a_folder_is_refused_before_it_begins",
+    ),
 )

@@ -268,4 +268,13 @@ EDITS = (
         "a path that ends far from --to is told",
         "tests/importing/test_repairs.py::test_a_path_that_ends_far_from_where_it_was_asked_to_is_told_first",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/svg_guard.py",
+        "_Guard._start",
+        'start[0] not in "Mm"',
+        "False",
+        "path data begins with a move",
+        "tests/importing/test_refusals.py::test_drawings",
+    ),
 )

@@ -159,4 +159,13 @@ EDITS = (
         "every considered robot is a message (14)",
         "tests/metrics/test_figures.py::test_messages_and_evaluations",
     ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/distances.py",
+        "corridor_width",
+        "max(every, length / MOST_PLACES)",
+        "every",
+        "a long path has no more places than a bound",
+        "tests/metrics/test_courses.py::test_places_of_a_long_path_are_farther_apart_not_more",
+    ),
 )

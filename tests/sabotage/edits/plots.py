@@ -159,4 +159,13 @@ EDITS = (
         "a decision holds until the next",
         "tests/plots/test_figures.py::test_a_decision_holds_until_the_next_however_short_the_stretches_are",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/pictures.py",
+        "draw",
+        "path.unlink(missing_ok=True)\n        raise",
+        "pass\n        raise",
+        "of a record that is refused no picture stays",
+        "tests/plots/test_plots.py::test_of_a_record_whose_world_is_no_yaml_nothing_is_drawn",
+    ),
 )

@@ -91,6 +91,7 @@ class Command(click.Command):
         """Read the arguments. Raises UsageError in the words of all errors."""
         args = _joined(args, _options(ctx))
         try:
+            self._check_repeated(ctx, args)
             rest = super().parse_args(ctx, list(args))
         except click.NoSuchOption as error:
             name = error.option_name
@@ -109,6 +110,19 @@ class Command(click.Command):
                 f"{takes or 'options'} only", ctx,
             )  # fmt: skip
         return rest
+
+    def _check_repeated(self, ctx: click.Context, args: list[str]) -> None:
+        """Raise UsageError for an option or key with two values, of which one would be dropped."""
+        values, _, order = self.make_parser(ctx).parse_args(list(args))
+        for k, one in enumerate(order):
+            may_repeat = not isinstance(one, click.Option) or one.multiple or one.is_flag
+            if not may_repeat and one in order[:k]:
+                raise click.UsageError(f"{one.opts[-1]}: is given twice; it takes one value", ctx)
+        keys = [text.partition("=")[0].strip() for text in values.get("overrides") or ()]
+        keys += ["seed"] * ("seed" in values)
+        if twice := next((key for key in keys if keys.count(key) > 1), None):
+            also = ", once by --seed" if twice == "seed" and "seed" in values else ""
+            raise click.UsageError(f"--set {quoted(twice)}: is given twice{also}", ctx)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Do what the command is for; returns the exit code."""

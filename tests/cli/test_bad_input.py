@@ -168,6 +168,17 @@ ARGUMENTS = {
     "nothing to set": (
         ["small.yaml", "--set", "time.step"], "--set time.step:", '"time.step"', "KEY=VALUE",
     ),
+    "an option with two values": (
+        ["small.yaml", "--seed", "1", "--set", "seed=1", "--see=2"], "--seed:", "twice",
+    ),
+    "a key with two values": (
+        ["small.yaml", "--set", "time.step=0.02", "--set", "time.step =0.01"],
+        "--set time.step:", "twice",
+    ),
+    "a seed with two values": (
+        ["small.yaml", "--set", "seed=1", "--seed", "2"], "--set seed:", "twice", "--seed",
+    ),
+    "two outputs": (["small.yaml", "-o", "a", "--output", "b"], "--output:", "twice"),
     "unknown key to set": (
         ["small.yaml", "--set", "time.stp=0.1"],
         "--set time.stp:", "step, duration, record_every", '"step"',

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "cli",
+        "physim/cli/parser.py",
+        "Command._check_repeated",
+        "one in order[:k]",
+        "False",
+        "no value of an option is dropped in silence",
+        "tests/cli/test_bad_input.py::test_faulty_argument",
+    ),
+    Edit(
+        "cli",
         "physim/cli/run.py",
         "_code",
         "return 0 if all(one.held for one in summary.expectations) else FAILED",

@@ -89,7 +89,7 @@ def _verdict(one: Comparison, found: Finding) -> str:
 
 def _won(found: Finding) -> str:
     what = "alone succeeds" if found.is_rate else "is better"
-    return f"A {what} with {found.only_a} seeds, B with {found.only_b}"
+    return f"A {what} with {plural(found.only_a, 'seed')}, B with {found.only_b}"
 
 
 def _points(one: Comparison, found: Finding) -> Iterator[str]:

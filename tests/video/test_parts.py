@@ -10,7 +10,16 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.drawing import palette
-from physim.drawing.labels import Label, clean, leader, metres, number, spread, ticks
+from physim.drawing.labels import (
+    Label,
+    clean,
+    leader,
+    metres,
+    number,
+    shortened,
+    spread,
+    ticks,
+)
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at
 from physim.drawing.video.closest import Closest, pairs_within
@@ -299,3 +308,20 @@ def test_a_label_stays_in_the_view() -> None:
     (x, y) = Labels().place({0: label}, np.zeros((0, 4)), (600, 400))[0]
     assert x >= 30.0
     assert y >= 10.0
+
+
+@pytest.mark.parametrize(
+    ("text", "fits", "expected"),
+    [
+        ("boat_12", 7, "boat_12"),
+        ("boat_12", 6, "boa…12"),
+        ("boat_12", 3, "…12"),
+        ("boat_12", 2, "b…"),
+        ("boat-7", 4, "bo…7"),
+        ("starboard", 5, "star…"),
+        ("speed=1.25, strength=12", 9, "speed=1.…"),
+        ("20261123", 4, "202…"),
+    ],
+)
+def test_a_name_that_is_cut_keeps_its_number_and_a_sentence_does_not(text, fits, expected):
+    assert shortened(text, fits) == expected

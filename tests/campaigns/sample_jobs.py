@@ -6,6 +6,7 @@ import ctypes
 import errno
 import os
 import signal
+import sys
 import time
 from contextlib import suppress
 
@@ -65,6 +66,12 @@ def hangs(stop: Stop) -> None:
 def hangs_in_native_code(stop: Stop) -> None:
     """Holds the lock of the interpreter."""
     ctypes.PyDLL(None).sleep(100_000)
+
+
+def prints(stop: Stop) -> None:
+    """Says on both outputs what would act on a terminal."""
+    for stream in (sys.stdout, sys.stderr):
+        print("red \x1b[31m \u202e", file=stream, flush=True)
 
 
 def takes_two_seconds() -> None:

@@ -83,3 +83,10 @@ def test_what_cannot_be_sent_is_told(executor: Processes) -> None:
     with pytest.raises(RuntimeError, match="cannot be sent"):
         executor.begin(Job("odd", sample.echo, (lambda: 1,))).result()
     assert executor.submit(abs, -4).result() == 4
+
+
+def test_what_a_job_prints_does_not_act_on_the_terminal(
+    executor: Processes, capfd: pytest.CaptureFixture[str]
+) -> None:
+    executor.begin(Job("colourful", sample.prints)).result()
+    assert capfd.readouterr() == ("red \\u001b[31m \\u202e\n",) * 2

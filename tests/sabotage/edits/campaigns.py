@@ -26,6 +26,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/processes.py",
+        "_work",
+        "with gates():",
+        "if True:",
+        "what a job prints does not act on the terminal",
+        "tests/campaigns/test_processes.py::test_what_a_job_prints_does_not_act_on_the_terminal",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
         "_limited",
         "signal.setitimer(signal.ITIMER_REAL, seconds)",
         "pass",

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import h5py
 import numpy as np
 import pytest
 import shapely
 from shapely import affinity
 
-from physim.analysis.validation.analytic_contacts import scan_walls
+import physim
+from physim.analysis.validation.analytic_contacts import (
+    Room,
+    analytic_contacts,
+    near_rows,
+    scan_walls,
+)
 from physim.geometry.shapes import pack_shapes
+from tests.validation.runs import APART, lane
 
 BOX = np.array([[0.9, 0.5], [-0.9, 0.5], [-0.9, -0.5], [0.9, -0.5]])
 CORNER = [[(0.0, -5.0), (0.0, 5.0)], [(0.0, 5.0), (8.0, 5.0)], [(8.0, 5.0), (8.0, -5.0)]]
@@ -29,3 +37,44 @@ def test_the_distance_to_a_boundary_is_that_to_its_nearest_segment(pose):
     nearest = min(body.distance(shapely.LineString(segment)) for segment in CORNER)
     assert values[0, 0] == pytest.approx(nearest, abs=1e-12)
     assert np.isnan(values[0, 1])
+
+
+LEAPS = [((-100.0, 0.0), True), ((0.0, 300.0), True), ((-100.0, 9.0), False), ((70.0, 0.0), False)]
+"""where a robot that stood at (100, 0) leaps to within a step, and whether it crosses the middle"""
+
+
+@pytest.mark.parametrize(("to", "crosses"), LEAPS)
+@pytest.mark.parametrize("middle", ["robot", "wall"])
+def test_what_a_leap_crosses_is_found_however_far_away_it_begins_and_ends(to, crosses, middle):
+    poses = np.zeros((4, 2, 3))
+    poses[:, 0] = (100.0, 0.0, 0.0) if to[1] != 300.0 else (0.0, -300.0, 0.0)
+    poses[2:, 0] = (*to, 0.0)
+    poses[:, 1] = (0.0, 0.0 if middle == "robot" else -900.0, 0.3)
+    walls = pack_shapes([[BOX + (0.0 if middle == "wall" else 900.0)]])
+    rows = near_rows(poses, 0, pack_shapes([[BOX], [BOX]]), walls, 1.1, 0.01, Room())
+    assert rows[["step", "a", "b"]].tolist() == (
+        [(2, 0, 1 if middle == "robot" else 2)] if crosses else []
+    )
+    path = shapely.LineString([poses[1, 0, :2], poses[2, 0, :2]])
+    body = affinity.rotate(
+        shapely.Polygon(BOX), 0.3 if middle == "robot" else 0.0, use_radians=True
+    )
+    apart = path.length
+    for share in np.linspace(0.0, 1.0, 4001):
+        at = path.interpolate(share, normalized=True)
+        apart = min(apart, affinity.translate(shapely.Polygon(BOX), at.x, at.y).distance(body))
+    assert crosses == (apart == 0.0)
+
+
+def test_a_leap_makes_no_pair_near_but_the_ones_it_meets(tmp_path):
+    honest = lane(APART)
+    before = analytic_contacts(honest)
+    honest.save(tmp_path / "record.h5")
+    with h5py.File(tmp_path / "record.h5", "r+") as file:
+        file["/steps/pose"][200, 1, :2] = (0.0, 1e4)
+    with physim.Record.load(tmp_path / "record.h5") as forged:
+        found = analytic_contacts(forged)
+    assert found.reach == before.reach
+    assert [(one.a, one.b) for one in found.approaches] == [
+        (one.a, one.b) for one in before.approaches
+    ]

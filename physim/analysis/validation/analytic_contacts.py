@@ -3,7 +3,8 @@
 Every pair robot-robot and robot-boundary is followed over every step, block by block, so memory
 stays flat however long the run. Footprints and walls come from the record; what the engine said
 is not looked at here. Between two samples position and angle go linearly, as the engine moves
-them. Discs leave out only what is farther than ``reach``.
+them. Discs leave out only what is farther than ``reach`` and farther than the two could move in
+the step, so a leap in a forged record makes dear the steps it is in, and no others.
 """
 
 from __future__ import annotations
@@ -57,6 +58,7 @@ def scan_robots(
 ) -> int:
     """Write a row for each pair of robots nearer than ``reach`` [m]; returns how many, or FULL.
 
+    A pair that is farther apart has a row if it touches in the step that ends there.
     ``poses`` (B, N, 3), samples from ``first`` (0 or 1) on are looked at. ``who`` (C, 3) takes the
     sample's number in the block and robots a < b, ``values`` (C, 2) the signed distance [m] and
     the time since the sample before [s] at which a contact begins (NaN: none begins).
@@ -64,9 +66,14 @@ def scan_robots(
     count = 0
     robots = poses.shape[1]
     order = np.arange(robots)
+    travel = np.zeros(robots)
     largest = shapes.radius[:robots].max()
     for k in range(first, len(poses)):
         now = poses[k]
+        old = poses[max(0, k - 1)]
+        for i in range(robots):
+            travel[i] = travel_bound(old[i], now[i], shapes.radius[i])
+        farthest = travel.max()
         for m in range(1, robots):
             i = order[m]
             place = m
@@ -78,29 +85,25 @@ def scan_robots(
             for n in range(m + 1, robots):
                 a, b = min(order[m], order[n]), max(order[m], order[n])
                 dx = now[order[n], 0] - now[order[m], 0]
-                if dx > reach + shapes.radius[order[m]] + largest:
+                if dx > max(reach, travel[order[m]] + farthest) + shapes.radius[order[m]] + largest:
                     break
-                room = reach + shapes.radius[a] + shapes.radius[b]
+                moved = travel[a] + travel[b]
+                room = max(reach, moved) + shapes.radius[a] + shapes.radius[b]
                 dy = now[b, 1] - now[a, 1]
                 if dx * dx + dy * dy > room * room:
                     continue
                 d = body_distance(shapes, a, now[a], shapes, b, now[b])
-                if d > reach:
+                entry = np.nan
+                if k > 0 and (d <= CONTACT or d <= moved):
+                    before = body_distance(shapes, a, old[a], shapes, b, old[b])
+                    if touch_in_step(before, d, moved):
+                        entry = swept_pair(shapes, a, old[a], now[a], b, old[b], now[b], dt)
+                if d > reach and not np.isfinite(entry):
                     continue
                 if count == len(who):
                     return FULL
                 who[count, 0], who[count, 1], who[count, 2] = k, a, b
-                values[count, 0], values[count, 1] = d, np.nan
-                if k > 0:
-                    old = poses[k - 1]
-                    ra, rb = shapes.radius[a], shapes.radius[b]
-                    moved = travel_bound(old[a], now[a], ra) + travel_bound(old[b], now[b], rb)
-                    if d <= CONTACT or d <= moved:
-                        before = body_distance(shapes, a, old[a], shapes, b, old[b])
-                        if touch_in_step(before, d, moved):
-                            values[count, 1] = swept_pair(
-                                shapes, a, old[a], now[a], b, old[b], now[b], dt
-                            )
+                values[count, 0], values[count, 1] = d, entry
                 count += 1
     return count
 
@@ -143,29 +146,29 @@ def scan_walls(
             parts = about[(about >= walls.body_start[w]) & (about < walls.body_start[w + 1])]
             if not len(parts):
                 continue
-            spare = 0.0  # the wall is farther than `reach` by at least that
+            spare = 0.0  # the wall is farther than `reach` by that: no contact before it is used up
             for k in range(first, len(poses)):
                 if spare > 0.0:
                     spare -= travel_bound(poses[k - 1, i], poses[k, i], radius)
                     if spare > 0.0:
                         continue
                 d = wall_distance(shapes, i, poses[k, i], walls, parts)
-                if d > reach:
-                    spare = d - reach - CONTACT
-                    continue
-                if count == len(who):
-                    return FULL
-                who[count, 0], who[count, 1], who[count, 2] = k, i, robots + w
-                values[count, 0], values[count, 1] = d, np.nan
+                entry = np.nan
                 if k > 0:
                     start, end = poses[k - 1, i], poses[k, i]
                     moved = travel_bound(start, end, radius)
                     if d <= CONTACT or d <= moved:
                         before = wall_distance(shapes, i, start, walls, parts)
                         if touch_in_step(before, d, moved):
-                            values[count, 1] = swept_walls(shapes, i, start, end, walls, parts, dt)[
-                                0
-                            ]
+                            entry = swept_walls(shapes, i, start, end, walls, parts, dt)[0]
+                if d > reach:
+                    spare = d - reach - CONTACT
+                    if not np.isfinite(entry):
+                        continue
+                if count == len(who):
+                    return FULL
+                who[count, 0], who[count, 1], who[count, 2] = k, i, robots + w
+                values[count, 0], values[count, 1] = d, entry
                 count += 1
     return count
 
@@ -212,21 +215,6 @@ class AnalyticContacts:
     approaches: list[Approach] = field(default_factory=list)
 
 
-def near_reach(record: Record, shapes: Shapes) -> float:
-    """[m] what counts as near: the largest radius of a robot, about half its length.
-
-    Never less than twice what any robot can move in a step of this record, so that no contact
-    between samples is left out.
-    """
-    fastest = 0.0
-    for poses, _ in pose_blocks(record):
-        if len(poses) > 1:
-            moved = np.abs(np.diff(poses, axis=0))
-            travel = np.hypot(moved[..., 0], moved[..., 1]) + shapes.radius * moved[..., 2]
-            fastest = max(fastest, float(travel.max()))
-    return max(float(shapes.radius.max()), 2.0 * fastest + 1e-6)
-
-
 def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
     """Poses (B, N, 3) of consecutive samples and the number of the first; each block begins with
     the last sample of the one before."""
@@ -243,7 +231,7 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     Raises RecordError if it is damaged.
     """
     shapes, walls = record.shapes, record.walls
-    reach = near_reach(record, shapes)
+    reach = float(shapes.radius.max())  # about half the length of a robot
     bodies = len(walls.body_start) - 1
     touching, grazes = [np.zeros(0, NEAR)], [np.zeros(0, NEAR)]
     running: dict[tuple[int, int], Approach] = {}
@@ -253,7 +241,7 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
         rows = near_rows(poses, start, shapes, walls, reach, record.dt, room)
         touching.append(rows[rows["distance"] <= CONTACT])
         grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
-        follow(rows, running, done)
+        follow(rows[rows["distance"] <= reach], running, done)
     done += running.values()
     done.sort(key=lambda approach: (approach.distance, approach.step, approach.a, approach.b))
     return AnalyticContacts(

@@ -7,6 +7,33 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/analytic_contacts.py",
+        "scan_robots",
+        "room = max(reach, moved) + shapes",
+        "room = reach + shapes",
+        "robots that leap are looked at between samples as far as they leap",
+        "tests/validation/test_scan.py::test_what_a_leap_crosses_is_found_however_far_away_it_begins_and_ends",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/analytic_contacts.py",
+        "scan_walls",
+        "if not np.isfinite(entry):",
+        "if True:",
+        "a wall that is crossed from afar and left within a step counts",
+        "tests/validation/test_scan.py::test_what_a_leap_crosses_is_found_however_far_away_it_begins_and_ends",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/analytic_contacts.py",
+        "analytic_contacts",
+        'rows[rows["distance"] <= reach]',
+        "rows",
+        "an approach holds near samples only",
+        "tests/validation/test_scan.py::test_a_leap_makes_no_pair_near_but_the_ones_it_meets",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/report.py",
         "_parts",
         "for stage, ones in setup.stages.items():",

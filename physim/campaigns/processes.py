@@ -240,7 +240,7 @@ class _Worker:
                 self.due = time.monotonic() + limit + GRACE_SECONDS
                 return
             done, found = answer
-        except (EOFError, OSError):
+        except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
             done, found = False, self._lost(job)
         self.job = self.future = self.due = None

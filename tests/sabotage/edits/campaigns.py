@@ -35,6 +35,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/processes.py",
+        "_Worker.end",
+        "except Exception:",
+        "except EOFError:",
+        "what is no answer of a worker ends its job alone",
+        "tests/campaigns/test_processes.py::test_whatever_a_job_does_to_its_process_the_next_is_done",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
         "_limited",
         "signal.setitimer(signal.ITIMER_REAL, seconds)",
         "pass",

@@ -221,6 +221,12 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
         for k, text in enumerate(file[path][:]):
             if not _is_line(text.decode("utf-8", "surrogateescape")):
                 yield f"{path}, row {k}: {_shown(text)} is no line of text; make the record again"
+    for k, kind in enumerate(file["/bodies/kind"][:]):
+        allowed = (b"robot",) if k < robots else (b"boundary", b"obstacle")
+        if kind not in allowed:
+            words = " or ".join(one.decode() for one in allowed)
+            given = _shown(kind.decode())
+            yield f"/bodies/kind, row {k}: {given} is no {words}; {robots} robots come first"
     for path in ("/robots/lead", layout.ARRIVED, layout.EXTREMES):
         if len(file[path]) != robots:
             yield f"dataset {path} has {len(file[path])} rows for {robots} robots"

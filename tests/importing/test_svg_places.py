@@ -37,6 +37,8 @@ FAULTS = {
         + page('width="240mm" height="240mm" viewBox="0 0 24 14" preserveAspectRatio="none"'),
         ":3: … <svg> … width … height … viewBox",
     ),
+    "path of words": (shape("path", 'd="M 2,7 L x y"'), ':3: … pillar … path data … "x y"'),
+    "path without a move": (shape("path", 'd="L 2,7"'), ':3: … pillar … path data … "L 2,7"'),
     "place": (shape("rect", 'x="a" y="6" width="1" height="1"'), ':3: … pillar … x="a"'),
     "unit": (shape("circle", 'cx="10" cy="6" r="1em"'), ':3: … pillar … r="1em" … mm'),
     "negative width": (shape("rect", 'width="-1" height="1"'), ':3: … pillar … width="-1"'),

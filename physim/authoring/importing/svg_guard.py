@@ -174,9 +174,14 @@ class _Guard:
             )
         if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
             around = attributes["d"][bad.start() : bad.start() + 20]
-            raise self._refused(f'path data: "{escaped(around)}" cannot be read')
+            raise self._refused(
+                f'{_called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
+            )
         if (start := attributes.get("d", "").strip()) and start[0] not in "Mm":
-            raise self._refused(f'path data: "{escaped(start[:20])}" must begin with M, a move')
+            raise self._refused(
+                f'{_called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
+                "with M, a move"
+            )
         if wrong := transform_fault(attributes.get("transform", "")):
             raise self._refused(f"{_called(tag, attributes)}: transform: {wrong}")
         if tag == "svg" and (wrong := page_fault(attributes)):

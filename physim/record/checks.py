@@ -188,7 +188,8 @@ def _is_line(value: Any) -> bool:
 
 def _shown(value: Any) -> str:
     """A value briefly, on one line."""
-    text = escaped(_one_line_of(repr(value)))
+    plain = value.item() if isinstance(value, np.generic) else value  # np.float64(nan) is nan
+    text = escaped(_one_line_of(repr(plain)))
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 

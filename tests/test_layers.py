@@ -28,6 +28,7 @@ LAYERS = {
     "physim.errors": (0, 0),
     "physim.escaping": (0, 0),
     "physim.tolerances": (0, 0),
+    "physim.streams": (0, 1),
     "physim.drafts": (0, 0),
     "physim.json_text": (0, 0),
     "physim.frontend": (0, 0),

@@ -25,6 +25,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from physim.errors import PhysimError
+from physim.streams import gates
 
 Stop = Callable[[], bool]
 """Whether to end early."""
@@ -239,7 +240,7 @@ class _Worker:
                 self.due = time.monotonic() + limit + GRACE_SECONDS
                 return
             done, found = answer
-        except (EOFError, OSError):
+        except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
             done, found = False, self._lost(job)
         self.job = self.future = self.due = None
@@ -289,28 +290,27 @@ def _work(pipe: Connection, halt: Any) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # Ctrl-C reaches all; the parent says what follows
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    with suppress(OSError):
-        pipe.send(READY)
-    while True:
-        try:
-            job: Job = pipe.recv()
-        except (EOFError, OSError):
-            return
-        except Exception as error:  # a function that is not there
-            answer: tuple[bool, Any] = False, RuntimeError(f"{type(error).__name__}: {error}")
-        else:
-            if job.first is not None:
-                with suppress(Exception):  # the job itself will say what is wrong
-                    job.first()
-            if job.limit is not None:
-                with suppress(OSError):
-                    pipe.send(BEGINS)
-            with _limited(job.limit):
-                answer = _answer(job, lambda: bool(halt.value))
-        try:
-            pipe.send(answer)
-        except OSError:
-            return
+    with gates():
+        with suppress(OSError):
+            pipe.send(READY)
+        while True:
+            try:
+                job: Job = pipe.recv()
+            except (EOFError, OSError):
+                return
+            except Exception as error:  # a function that is not there
+                answer: tuple[bool, Any] = False, RuntimeError(f"{type(error).__name__}: {error}")
+            else:
+                if job.first is not None:
+                    with suppress(Exception):  # the job itself will say what is wrong
+                        job.first()
+                if job.limit is not None:
+                    with suppress(OSError):
+                        pipe.send(BEGINS)
+                with _limited(job.limit):
+                    answer = _answer(job, lambda: bool(halt.value))
+            with suppress(OSError):
+                pipe.send(answer)
 
 
 def _answer(job: Job, stop: Stop) -> tuple[bool, Any]:

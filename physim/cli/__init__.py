@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 
 from physim.cli.signals import INTERRUPTED, Break, breaks
-from physim.cli.streams import failed_at, gates, silence, without_warnings
+from physim.streams import failed_at, gates, silence, without_warnings
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 """What a standard output answers that takes nothing more."""

@@ -16,8 +16,8 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from physim.cli.signals import INTERRUPTED, heard
-from physim.cli.streams import unescaped
 from physim.escaping import escaped
+from physim.streams import unescaped
 
 if TYPE_CHECKING:
     from physim.simulation.loop import Simulation

@@ -9,6 +9,7 @@ has them.
 from __future__ import annotations
 
 import math
+import re
 import unicodedata
 from bisect import bisect_right
 from collections.abc import Callable
@@ -20,6 +21,8 @@ from physim.geometry.shapes import FloatArray
 
 MOST_CHARACTERS = 400
 """of a text: no picture has room for more"""
+NUMBERED = re.compile(r"[\w-]*[^\W\d]-?([0-9]{1,5})")
+"""a name with a number at its end"""
 
 # In words
 
@@ -84,15 +87,18 @@ def clean(text: str) -> str:
 
 
 def shortened(text: str, fits: int | Callable[[str], bool]) -> str:
-    """Return ``text`` cleaned, as much of it as ``fits``, ended with an ellipsis where it is cut.
+    """Return ``text`` cleaned, as much of it as ``fits``, with an ellipsis where it is cut.
 
-    ``fits`` says whether a text does, or is the number of characters that do.
+    A name keeps the number at its end, which tells the robots of a group apart. ``fits`` says
+    whether a text does, or is the number of characters that do.
     """
     text = clean(text)[:MOST_CHARACTERS]
     short = fits if callable(fits) else lambda cut: len(cut) <= fits
     if short(text):
         return text
-    cuts = [text[:count].rstrip() + "…" for count in range(len(text))]
+    number = NUMBERED.fullmatch(text)
+    end = number[1] if number and short("…" + number[1]) else ""
+    cuts = [text[:count].rstrip() + "…" + end for count in range(len(text) - len(end))]
     return cuts[max(0, bisect_right(cuts, False, key=lambda cut: not short(cut)) - 1)]
 
 

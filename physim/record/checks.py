@@ -188,7 +188,8 @@ def _is_line(value: Any) -> bool:
 
 def _shown(value: Any) -> str:
     """A value briefly, on one line."""
-    text = escaped(_one_line_of(repr(value)))
+    plain = value.item() if isinstance(value, np.generic) else value  # np.float64(nan) is nan
+    text = escaped(_one_line_of(repr(plain)))
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 
@@ -221,6 +222,12 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
         for k, text in enumerate(file[path][:]):
             if not _is_line(text.decode("utf-8", "surrogateescape")):
                 yield f"{path}, row {k}: {_shown(text)} is no line of text; make the record again"
+    for k, kind in enumerate(file["/bodies/kind"][:]):
+        allowed = (b"robot",) if k < robots else (b"boundary", b"obstacle")
+        if kind not in allowed:
+            words = " or ".join(one.decode() for one in allowed)
+            given = _shown(kind.decode())
+            yield f"/bodies/kind, row {k}: {given} is no {words}; {robots} robots come first"
     for path in ("/robots/lead", layout.ARRIVED, layout.EXTREMES):
         if len(file[path]) != robots:
             yield f"dataset {path} has {len(file[path])} rows for {robots} robots"

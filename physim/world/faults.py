@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from physim.errors import Fault, Location, nearest
 from physim.escaping import escaped
-from physim.world.number_hints import in_metres, of_commas, of_text
+from physim.world.number_hints import in_metres, of_commas, of_flat, of_text
 
 TAGS = frozenset(
     {"<value>", "<word>", "<list>", "<mapping>", "<robot>", "<group>", "<corridor>", "<random>"}
@@ -241,7 +241,8 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
     context = details.get("ctx", {})
     kind = str(details["type"])
     if kind in _NEEDED:
-        return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given)}"
+        more = '; begin each robot with "- "' if details["loc"] == ("robots",) else ""
+        return f"{needed or _NEEDED[kind]}; given {describe(given)}{_hint(kind, given) or more}"
     if kind == "literal_error":
         words = re.findall(r"'([^']*)'", context["expected"])
         near = nearest(str(given)[:100].lower(), words)
@@ -253,7 +254,7 @@ def message(details: Mapping[str, Any], needed: str = "") -> str:
         return str(context.get("error", details["msg"]))
     if kind in _SPECIAL:
         return _SPECIAL[kind](context, given)
-    return f"{details['msg']}; given {describe(given)}"
+    return f"{details['msg']}; given {describe(given)}{of_flat(given) if kind == 'points' else ''}"
 
 
 def _words(words: list[str], details: Mapping[str, Any]) -> str:

@@ -97,6 +97,8 @@ def _points(value: Any) -> Any:
     if len(value) > MOST_POINTS:
         lengths = {"max_length": MOST_POINTS, "actual_length": len(value)}
         raise PydanticCustomError("too_long", "too long", lengths)
+    if value and all(isinstance(one, int | float) for one in value):
+        raise PydanticCustomError("points", "must be points [x, y] of two numbers each")
     if len(value) > MANY and sum(map(_is_point, value)) < len(value) - MANY:
         raise PydanticCustomError("points", "must be points [x, y] of two numbers each")
     return value

@@ -49,6 +49,7 @@ from physim.world.robot import Formation, Robot, Start
 from physim.world.run import (
     DEFAULT_RANGE,
     Arrival,
+    Choice,
     Choices,
     ControllerChoice,
     Expectation,
@@ -287,9 +288,16 @@ class World(Model):
         return re.sub(r"[^\w-]+", "_", self.name).strip("_") or "world"
 
     def changed(self, **changes: Any) -> World:
-        """Return this world with some values replaced; checked like a new one (WorldError)."""
+        """Return this world with some values replaced; checked like a new one (WorldError).
+
+        A mapping given for a group, as ``formation={"gain": 0.02}``, changes these keys alone, as
+        ``--set formation.gain=0.02`` does; with a ``type`` it is another part, without the settings
+        of the one before.
+        """
         values = {key: self.written(key) for key in type(self).model_fields}
-        return World(**{**values, **changes})
+        return World(
+            **values | {key: _changed(values.get(key), new) for key, new in changes.items()}
+        )
 
     def written(self, key: str) -> Any:
         """Value of a key as its author wrote it."""
@@ -308,3 +316,15 @@ class World(Model):
         from physim.world.yaml_text import write_atomically
 
         write_atomically(Path(path), self.to_yaml())
+
+
+def _changed(old: Any, new: Any) -> Any:
+    """``new`` in place of ``old``, of whose keys a mapping leaves those that it does not name."""
+    if not isinstance(old, Model) or not isinstance(new, Mapping):
+        return new
+    if isinstance(old, Choice):
+        return new if "type" in new else {"type": old.type, **old.settings, **new}
+    if is_random_corridor(old) != is_random_corridor(new):  # a road of the other kind
+        return new
+    kept = {key: getattr(old, key) for key in old.model_fields_set}
+    return kept | {key: _changed(kept.get(key), value) for key, value in new.items()}

@@ -11,6 +11,8 @@ WITH_UNIT = re.compile(r"\s*([+-]?\d+(?:\.\d*)?)\s*([a-z°/]+)\s*", re.IGNORECAS
 """Number and unit in one text, as in "6 m"."""
 DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)\s*")
 """Number as written in many languages, as in "6,5"."""
+MOST_FLAT = 12
+"""Numbers that are written as points"""
 SCALES = MappingProxyType(
     {
         "[m]": {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
@@ -45,6 +47,16 @@ def of_commas(given: Any, most: int) -> str:
         return ""
     pairs = zip(given[::2], given[1::2], strict=True)
     return f"; decimals take a point: [{', '.join(f'{whole}.{part}' for whole, part in pairs)}]"
+
+
+def of_flat(given: Any) -> str:
+    """What to write for points in one list of numbers, as [0, 0, 12, 0]."""
+    if not isinstance(given, list | tuple) or len(given) % 2 or not 4 <= len(given) <= MOST_FLAT:
+        return ""
+    if not all(isinstance(one, int | float) for one in given):
+        return ""
+    points = zip(given[::2], given[1::2], strict=True)
+    return f"; write [{', '.join(f'[{x:.6g}, {y:.6g}]' for x, y in points)}]"
 
 
 def in_metres(length: float) -> str:

@@ -6,6 +6,8 @@ import ctypes
 import errno
 import os
 import signal
+import stat
+import sys
 import time
 from contextlib import suppress
 
@@ -65,6 +67,20 @@ def hangs(stop: Stop) -> None:
 def hangs_in_native_code(stop: Stop) -> None:
     """Holds the lock of the interpreter."""
     ctypes.PyDLL(None).sleep(100_000)
+
+
+def writes_into_pipes(stop: Stop) -> None:
+    """Writes what is no answer wherever it can."""
+    for number in range(3, 64):
+        with suppress(OSError):
+            if stat.S_ISSOCK(os.fstat(number).st_mode):
+                os.write(number, b"\0\0\0\x05hello")
+
+
+def prints(stop: Stop) -> None:
+    """Says on both outputs what would act on a terminal."""
+    for stream in (sys.stdout, sys.stderr):
+        print("red \x1b[31m \u202e", file=stream, flush=True)
 
 
 def takes_two_seconds() -> None:

@@ -13,7 +13,7 @@ from physim.campaigns.compare import Comparison, between, by, compare
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.comparison_page import comparison_page
 from physim.campaigns.report.comparison_text import comparison_text, comparison_values
-from physim.campaigns.report.plots import paired_plot
+from physim.campaigns.report.plots import paired_plot, shift_plot
 from physim.errors import PhysimError
 from physim.statistics.paired import mcnemar, median_difference, sign_test, wilcoxon
 from tests.campaigns.tables import failed, hit, row, table
@@ -215,3 +215,10 @@ def test_one_pair_is_no_pairs() -> None:
     said = Elements(comparison_page(found, "sign", "yard")).said
     assert "1 pair;" in said
     assert "1 pairs" not in said
+
+
+@pytest.mark.parametrize("value", [0.0, 3e-17])
+def test_no_difference_has_no_axis_of_a_millionth(value: float) -> None:
+    svg = shift_plot(value, value, value, "s", 300.0, "no difference")
+    ends = [one.replace("\u2212", "-") for one in re.findall(r">([^<>]*) s</text>", svg)]
+    assert [float(one) for one in ends] == [-1.0, 1.0]

@@ -33,6 +33,7 @@ def test_it_is_an_executor(executor: Processes) -> None:
     [
         (sample.killed, None, LostError, "exit code 9"),
         (sample.killed_by_the_system, None, LostError, "SIGKILL"),
+        (sample.writes_into_pipes, None, LostError, "a worker process was killed at bad"),
         (sample.hangs, 1.0, OverdueError, "not done after 1 s"),
         (sample.hangs_in_native_code, 1.0, OverdueError, "not done after 1 s"),
     ],
@@ -83,3 +84,10 @@ def test_what_cannot_be_sent_is_told(executor: Processes) -> None:
     with pytest.raises(RuntimeError, match="cannot be sent"):
         executor.begin(Job("odd", sample.echo, (lambda: 1,))).result()
     assert executor.submit(abs, -4).result() == 4
+
+
+def test_what_a_job_prints_does_not_act_on_the_terminal(
+    executor: Processes, capfd: pytest.CaptureFixture[str]
+) -> None:
+    executor.begin(Job("colourful", sample.prints)).result()
+    assert capfd.readouterr() == ("red \\u001b[31m \\u202e\n",) * 2

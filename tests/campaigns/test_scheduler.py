@@ -54,7 +54,11 @@ def test_what_is_no_scheduler_is_told(silent: str, monkeypatch: pytest.MonkeyPat
     async def kind(address: str) -> str:
         return "Worker"
 
+    def taken(*_: object, **more: object) -> None:
+        raise AssertionError("it was taken")
+
     monkeypatch.setattr(executors, "_kind", kind)
+    monkeypatch.setattr("distributed.Client", taken)
     with (
         pytest.raises(PhysimError, match=facts(silent, "Worker", "scheduler")),
         executors.executor(scheduler=silent),

@@ -34,7 +34,8 @@ def test_agreement_ends_with_0_and_writes_nothing_but_the_json(
     assert re.search(facts("agree", "0 of 60 cases", "seed 2", "unexplained"), last)
     assert list(tree(tmp_path)) == ["found.json"]
     first = (tmp_path / "found.json").read_bytes()
-    assert json.loads(first)["cases"] == 60
+    found = json.loads(first)
+    assert (found["format"], found["version"], found["cases"]) == ("physim-crashtest", 1, 60)
     again = ("crashtest", "--cases", 60, "--seed", 2, "--json", "found.json", "--force", "--quiet")
     assert physim(*again, capture=capsys) == (0, "", "")
     assert (tmp_path / "found.json").read_bytes() == first

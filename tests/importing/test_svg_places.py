@@ -129,7 +129,11 @@ def test_a_fault_names_the_element_its_line_and_what_is_wrong(tmp_path, text):
 
 @pytest.mark.parametrize(
     "colour",
-    ["fill='rgb(1.5,2,3)'", "stroke='rgb(1e3,2,3)'", "style='fill: rgb(1.5, 2, 3); stroke:red'"],
+    [
+        "fill='rgb(1.5,2,3)'",
+        "stroke='rgb(1e3,2,3)'",
+        "style='fill: rgb(1.5, 2, 3); display: inline'",
+    ],
 )
 def test_a_shape_keeps_its_place_whatever_its_colour(tmp_path, colour):
     path = tmp_path / "plan.svg"

@@ -52,6 +52,7 @@ LINES = {
         [np.array([[0.0, 0.0], [work.FARTHEST + 1.0, 0.0]])],
         "50000 m … --scale",
     ),
+    "numbers": ([RING], [RING * np.array([1e308, np.nan])], "largest number … --scale"),
     "meetings": ([zigzag(100)], [zigzag(1000)], "over each other"),
     "density": ([teeth(1000)], [teeth(work.MOST_ACROSS + 3)], "to and fro"),
 }

@@ -167,6 +167,16 @@ def test_lengths_that_are_no_numbers(made: Path, tmp_path: Path, path: str, valu
     refused(tampered(made, tmp_path, path, 1, value), path, "row 1", str(value), "finite")
 
 
+@pytest.mark.parametrize(
+    ("row", "kind", "allowed"),
+    [(0, "obstacle", "robot"), (-1, "robot", "boundary or obstacle"), (-1, "wall", "obstacle")],
+)
+def test_bodies_of_another_kind(
+    made: Path, tmp_path: Path, row: int, kind: str, allowed: str
+) -> None:
+    refused(tampered(made, tmp_path, "/bodies/kind", row, kind), "/bodies/kind", allowed)
+
+
 @pytest.mark.parametrize(("column", "value"), [(0, 2e8), (1, -np.inf), (2, np.inf), (2, np.nan)])
 def test_poses_where_no_robot_is(made: Path, tmp_path: Path, column: int, value: float) -> None:
     name = ("x", "y", "heading")[column]

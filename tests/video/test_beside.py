@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,8 @@ CONTROLLED = SMALL + "controller: {type: mode_switching, beta: 0.2}\n"
         (CONTROLLED, SMALL + "controller: {type: path_following}\n",
          ("controller: mode_switching", "controller: path_following")),
         (SMALL, BLOCKED, ("8 values differ", "8 values differ")),
+        (SMALL, re.sub("name: .*", "name: shut", BLOCKED, count=1),
+         (parse_world(SMALL).name, "shut")),
         (SMALL, SMALL.replace("1.0, 0.0]", "1.5, 0.0]"), ("pose.1: 1.0", "pose.1: 1.5")),
         (SMALL, SMALL.replace("width: 1.0", "width: 1.1"),
          ("robots.0.footprint.width: 1.0, robots.1.footprint.width: 1.0",

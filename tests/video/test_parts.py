@@ -10,16 +10,25 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from physim.drawing import palette
-from physim.drawing.labels import Label, clean, leader, metres, number, spread, ticks
+from physim.drawing.labels import (
+    Label,
+    clean,
+    leader,
+    metres,
+    number,
+    shortened,
+    spread,
+    ticks,
+)
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at
 from physim.drawing.video.closest import Closest, pairs_within
 from physim.drawing.video.ground import Background, draw_ground, ground
-from physim.drawing.video.layout import ONE, arrange
+from physim.drawing.video.layout import ONE, SMALL, arrange
 from physim.drawing.video.marks import Fleet, draw_reference_point
 from physim.drawing.video.names import Labels
 from physim.drawing.video.panel import signs
-from physim.drawing.video.text import shorten, sprite, stamp, width
+from physim.drawing.video.text import shorten, sprite, stamp, width, wrapped
 from physim.drawing.video.view import Camera, Lens
 from physim.geometry.shapes import FloatArray
 from tests.records import BOX, ELL
@@ -299,3 +308,30 @@ def test_a_label_stays_in_the_view() -> None:
     (x, y) = Labels().place({0: label}, np.zeros((0, 4)), (600, 400))[0]
     assert x >= 30.0
     assert y >= 10.0
+
+
+@pytest.mark.parametrize(
+    ("text", "fits", "expected"),
+    [
+        ("boat_12", 7, "boat_12"),
+        ("boat_12", 6, "boa…12"),
+        ("boat_12", 3, "…12"),
+        ("boat_12", 2, "b…"),
+        ("boat-7", 4, "bo…7"),
+        ("starboard", 5, "star…"),
+        ("speed=1.25, strength=12", 9, "speed=1.…"),
+        ("20261123", 4, "202…"),
+    ],
+)
+def test_a_name_that_is_cut_keeps_its_number_and_a_sentence_does_not(text, fits, expected):
+    assert shortened(text, fits) == expected
+
+
+def test_settings_go_on_in_further_lines_and_none_is_lost_while_there_is_room():
+    settings = "horizon 4, beta 0.3, time_low 1.2, time_high 2.5, look_ahead 2.5"
+    lines = wrapped(settings, SMALL, 200, 3)
+    assert " ".join(lines) == settings
+    assert 1 < len(lines) <= 3
+    assert max(width(line, SMALL) for line in lines) <= 200
+    assert wrapped(settings, SMALL, 200, 1)[0].endswith("…")
+    assert wrapped("", SMALL, 200, 3) == []

@@ -133,13 +133,14 @@ def test_all_faults_come_at_once_in_our_words():
         ({"start": {**START, "min_gap": -1}}, ("start", "min_gap"), ("at least 0",)),
         ({"start": {**START, "abreast": 1.5}}, ("start", "abreast"), ("whole number",)),
         ({"start": {}}, ("start", "region"), ("needed", "[m]", "corners")),
-        ({"robots": {}}, ("robots",), ("list", "given a mapping")),
+        ({"robots": {}}, ("robots",), ("list", "given a mapping", '"- "')),
         ({"robots": [{**ROBOT, "omegas": [0, 2.0]}]}, ("robots", 0, "omegas", 1), ("beyond",)),
         ({"robots": [{**ROBOT, "omegas": [0, 1, -2.0]}]}, ("robots", 0, "omegas", 2), ("beyond",)),
         ({"reference_path": [[0, 0], [0, 0]]}, ("reference_path", 1), ("repeats",)),
         ({"reference_path": [[0, 0]]}, ("reference_path",), ("at least 2", "given 1")),
         ({"reference_path": [[0, 2e6], [1, 1]]}, ("reference_path", 0, 1), ("at most 1000000",)),
-        ({"reference_path": [1, 2, 3]}, ("reference_path", 0), ("list", "given 1")),
+        ({"reference_path": [1, 2, 3]}, ("reference_path",), ("points [x, y]", "list of 3")),
+        ({"reference_path": [0, 0, 12.5, 0]}, ("reference_path",), ("[[0, 0], [12.5, 0]]",)),
         ({"name": ""}, ("name",), ("empty",)),
         ({"name": "a\nb"}, ("name",), ("line breaks",)),
         ({"seed": 10**5000}, ("seed",), ("at most",)),
@@ -235,6 +236,36 @@ def test_worlds_are_changed_by_making_new_ones():
         with pytest.raises(AttributeError, match=facts(f"{type(of).__name__}.{key}", "changed")):
             delattr(of, key)
         assert getattr(of, key) == before
+
+
+def test_a_mapping_for_a_group_changes_its_named_keys_alone():
+    world = World(
+        **values(formation={"gain": 0.05, "speed": 0.8}, time={"step": 0.02, "duration": 9.0})
+    )
+    assert world.changed(formation={"gain": 0.02}) == world.changed(
+        formation={"gain": 0.02, "speed": 0.8}
+    )
+    assert world.changed(time={"duration": 5.0}).time.step == 0.02
+    assert world.changed(formation=None).formation is None
+    wide = world.changed(corridor={"width": 6.5})
+    assert (wide.corridor.width, wide.corridor.centreline) == (6.5, world.corridor.centreline)
+    with pytest.raises(WorldError, match=facts("time.duraton", "unknown key", "duration")):
+        world.changed(time={"duraton": 5.0})
+
+
+def test_a_road_of_the_other_kind_and_another_controller_take_nothing_over():
+    robots = [{**ROBOT, "path": {"offset": 0.0}}]
+    world = World(**values(robots=robots, controller={"type": "formation", "strength": 0.7}))
+    drawn = world.changed(corridor={"random": {"length": 40.0, "width": 5.0}})
+    assert drawn.is_road_random
+    longer = drawn.changed(corridor={"random": {"length": 60.0}})
+    assert longer == world.changed(corridor={"random": {"length": 60.0, "width": 5.0}})
+    assert (
+        drawn.changed(corridor={"centreline": [(0, 0), (9, 0)], "width": 4.0}).corridor.width == 4.0
+    )
+    assert world.changed(controller={"type": "formation"}).controller.settings == {}
+    both = world.changed(controller={"sharpness": 2.0}).controller
+    assert (both.type, both.settings) == ("formation", {"strength": 0.7, "sharpness": 2.0})
 
 
 def test_a_world_is_shown_on_one_line_and_survives_pickling():

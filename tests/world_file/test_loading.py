@@ -98,7 +98,7 @@ def test_missing_keys_are_told_where_they_should_stand():
 
 
 def test_many_faults_are_counted():
-    junk = f"path: [{', '.join(['1'] * 60)}]"
+    junk = f"path: [{', '.join(['x'] * 60)}]"
     text = changed("path: {offset: -1.0}", junk)
     text = text.replace("path: [[0.0, 1.0], [30.0, 1.0]]", junk)
     lines = message(text).splitlines()

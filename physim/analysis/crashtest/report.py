@@ -206,6 +206,8 @@ def _plain(report: CrashReport) -> dict[str, Any]:
     off, flat = swept[:, 0], swept[:, 1] == 0.0
     seen, still = _joined(report.grazes, 2).astype(bool).T
     return {
+        "format": "physim-crashtest",
+        "version": 1,
         "seed": report.seed,
         "cases": report.cases,
         "cases_asked": report.asked,

@@ -47,6 +47,8 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
     if not points:
         return
     every = np.concatenate(lines)
+    if not np.isfinite(every).all():
+        raise refused(path, "a coordinate is beyond the largest number; check viewBox and --scale")
     extent = np.ptp(every, axis=0)
     if not extent.max() <= FARTHEST:
         raise refused(

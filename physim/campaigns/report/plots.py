@@ -165,7 +165,8 @@ def _lower_axis(axis: Axis, floor: float, unit_text: str) -> str:
 def shift_plot(value: float, low: float, high: float, unit: str, width: float, what: str) -> str:
     """A difference with its interval on an axis with 0 in the middle; an end beyond it is open."""
     finite = [abs(x) for x in (value, low, high) if math.isfinite(x)]
-    most = max([1e-6, *finite]) * (1.0 if math.isfinite(low + high) else 1.5)
+    most = max([0.0, *finite])
+    most = (most if most >= 1e-6 else 1.0) * (1.0 if math.isfinite(low + high) else 1.5)
     step = step_of(most / 2.0)
     most = math.ceil(most / step - 1e-9) * step
     axis = Axis(-most, most, 8.0, width - 16.0)

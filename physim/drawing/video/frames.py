@@ -220,10 +220,12 @@ def draw_ended(view: Image, words: str) -> None:
 def titles(left: World, right: World) -> tuple[str, str]:
     """Say of two effective worlds in what they differ: a title for either.
 
-    Each is one line: the values of the keys that differ, or the number of these where they are
-    many; empty where the worlds are the same.
+    Each is one line: the values of the keys that differ; where they are many, the names of the
+    worlds, or of worlds with one name their number; empty where the worlds are the same.
     """
     found = differences(left, right)
+    if len(found) > MOST_NAMED and left.name != right.name:
+        return left.name, right.name
     if len(found) > MOST_NAMED:
         return f"{len(found)} values differ", f"{len(found)} values differ"
     words = [_word(key.removesuffix(".type")) for key in found]

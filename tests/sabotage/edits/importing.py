@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/work.py",
+        "check_work",
+        "if not np.isfinite(every).all():",
+        "if False:",
+        "a coordinate that is no number is told as such",
+        "tests/importing/test_work.py::test_lines_beyond_a_bound_are_refused_and_those_within_are_read",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/ros_map.py",
         "_Centres.placed",
         "np.array([[c, s], [-s, c]])",

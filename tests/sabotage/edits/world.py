@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world",
+        "physim/world/model.py",
+        "_changed",
+        "return kept | {",
+        "return {",
+        "a change of a group keeps the keys that it does not name",
+        "tests/world/test_model.py::test_a_mapping_for_a_group_changes_its_named_keys_alone",
+    ),
+    Edit(
+        "world",
         "physim/world/group.py",
         "RobotGroup.robot",
         'stream(seed, "footprint", number)',

@@ -75,9 +75,10 @@ export function because(view, robot, row, mode, rule) {
 
 /** A command as people say it. */
 function motion(v, omega) {
-  if (Math.abs(v) < 5e-4 && Math.abs(omega) < 5e-4) return "stand still";
-  const turn = Math.abs(omega) < 5e-4 ? "straight" : omega > 0 ? "turning left" : "turning right";
-  if (Math.abs(v) < 5e-4) return `turn ${omega > 0 ? "left" : "right"} where it stands`;
+  [v, omega] = [v, omega].map((one) => (Math.abs(one) < 5e-3 ? 0 : one)); // as they are shown
+  if (!v && !omega) return "stand still";
+  const turn = !omega ? "straight" : omega > 0 ? "turning left" : "turning right";
+  if (!v) return `turn ${omega > 0 ? "left" : "right"} where it stands`;
   const on = turn === "straight" ? "" : `, ${turn}`;
   return `${v > 0 ? `drive at ${decimal(v, 2)} m/s` : `back up at ${decimal(-v, 2)} m/s`}${on || " straight on"}`;
 }

@@ -316,4 +316,13 @@ EDITS = (
         "a film tells the settings of the controller",
         "tests/video/test_frames.py::test_the_settings_of_the_controller_are_told",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/ground.py",
+        "_dashes",
+        "until = min(length, middle + far)",
+        "until = length",
+        "only dashes that a picture may show are made",
+        "tests/video/test_parts.py::test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen",
+    ),
 )

@@ -39,6 +39,7 @@ def test_figures_and_names() -> None:
     assert s.real_time_factor == 100.0
     assert s.value("finished") is False
     told = json.loads(s.to_json())
+    assert (told["format"], told["version"]) == ("physim-summary", 1)
     assert told["shortest_distance_m"]["value"] == shortest.value
     assert [
         (one["bodies"], one["impact_newton_seconds"], one["impulse_newton_seconds"])

@@ -24,11 +24,11 @@ from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at
 from physim.drawing.video.closest import Closest, pairs_within
 from physim.drawing.video.ground import Background, Ground, Stroke, draw_ground, ground
-from physim.drawing.video.layout import ONE, arrange
+from physim.drawing.video.layout import ONE, SMALL, arrange
 from physim.drawing.video.marks import Fleet, draw_reference_point
 from physim.drawing.video.names import Labels
 from physim.drawing.video.panel import signs
-from physim.drawing.video.text import shorten, sprite, stamp, width
+from physim.drawing.video.text import shorten, sprite, stamp, width, wrapped
 from physim.drawing.video.view import Camera, Lens
 from physim.geometry.shapes import FloatArray
 from tests.records import BOX, ELL
@@ -337,3 +337,13 @@ def test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen():
     assert 50 <= drawn.sum() <= 80  # five of ten pixels, and their soft ends
     assert drawn[:11].any()
     assert drawn[-11:].any()
+
+
+def test_settings_go_on_in_further_lines_and_none_is_lost_while_there_is_room():
+    settings = "horizon 4, beta 0.3, time_low 1.2, time_high 2.5, look_ahead 2.5"
+    lines = wrapped(settings, SMALL, 200, 3)
+    assert " ".join(lines) == settings
+    assert 1 < len(lines) <= 3
+    assert max(width(line, SMALL) for line in lines) <= 200
+    assert wrapped(settings, SMALL, 200, 1)[0].endswith("…")
+    assert wrapped("", SMALL, 200, 3) == []

@@ -157,6 +157,8 @@ class Summary:
     def to_json(self) -> str:
         """JSON text with units in the keys; what is not a finite number is null."""
         tree = {
+            "format": "physim-summary",
+            "version": 1,
             "name": self.name,
             "seed": self.seed,
             "robots": self.robots,

@@ -26,7 +26,7 @@ from physim.drawing.video.marks import (
     draw_targets,
     draw_trails,
 )
-from physim.drawing.video.text import BOLD, shorten, width, write
+from physim.drawing.video.text import BOLD, shorten, width, wrapped, write
 from physim.parts.declarations import Mode
 
 ROW, LEAST_ROW = 21, 15
@@ -154,7 +154,7 @@ PAD = 18
 CLOCK, FIGURES = 70, 142
 """[px] tops of the clock and the figures"""
 FIGURE, HEAD, SETTINGS = 22, 18, 15
-"""[px] height of a line of figures, and of the words and settings above the modes"""
+"""[px] height of a line of figures, of the words above the modes, and of a line of settings"""
 NOW, CLOSEST_NOW = "touching now", "closest now: "
 ROOMS = (90, 72, 60, 48, 40, 34, 28)
 """[px] for each of two names, the first with which they fit beside words and a value"""
@@ -184,8 +184,9 @@ class Panel:
         contacts = timeline.contacts
         lines = 3 + bool(len(contacts.began)) + bool(np.isfinite(contacts.deep).any())
         self._modes_top = FIGURES + 20 + lines * FIGURE
-        self._set_to = timeline.record.setup.controller.set_to
-        self._head = HEAD + (SETTINGS if self._set_to else 0)
+        set_to = timeline.record.setup.controller.set_to
+        self._set_to = wrapped(set_to, SMALL, self._right - PAD, most=3)
+        self._head = HEAD + SETTINGS * len(self._set_to)
         self._scales = scales
         self._still = self._draw_still(speed, signs)
         self._shown: dict[Box, object] = {}
@@ -215,9 +216,8 @@ class Panel:
         self._rule(image, top - 8)
         words = f"{'modes of' if modes else 'controller'} {record.setup.controller.name}"
         write(image, shorten(words, SMALL, room), (PAD, top + 10), SMALL, colour=palette.QUIET)
-        if self._set_to:
-            at = PAD, top + 10 + SETTINGS
-            write(image, shorten(self._set_to, SMALL, room), at, SMALL, colour=palette.QUIET)
+        for k, line in enumerate(self._set_to, 1):
+            write(image, line, (PAD, top + 10 + k * SETTINGS), SMALL, colour=palette.QUIET)
         self._modes_top = top = top + self._head
         if modes:
             draw_modes(image, PAD, top, row, modes, room - 30)

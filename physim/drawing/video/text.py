@@ -36,6 +36,19 @@ def shorten(text: str, size: int, room: int, weight: int = NORMAL) -> str:
     return shortened(text, lambda cut: width(cut, size, weight) <= room)
 
 
+def wrapped(text: str, size: int, room: int, most: int) -> list[str]:
+    """Return ``text`` in at most ``most`` lines of ``room`` px, ended at commas, the last cut."""
+    lines: list[str] = []
+    for part in text.split(", ") if text else ():
+        longer = f"{lines[-1]}, {part}" if lines else part
+        if lines and (len(lines) == most or width(f"{longer},", size) <= room):
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    ends = ["," for _ in lines[1:]] + [""]
+    return [shorten(line + end, size, room) for line, end in zip(lines, ends, strict=False)]
+
+
 def write(
     image: Image,
     text: str,

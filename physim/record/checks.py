@@ -222,6 +222,9 @@ def _dataset_faults(file: h5py.File) -> Iterator[str]:
         for k, text in enumerate(file[path][:]):
             if not _is_line(text.decode("utf-8", "surrogateescape")):
                 yield f"{path}, row {k}: {_shown(text)} is no line of text; make the record again"
+    for k, number in enumerate(file["/bodies/id"][:].tolist()):
+        if number != k:
+            yield f"/bodies/id, row {k}: it is {number}; it must be {k}; make the record again"
     for k, kind in enumerate(file["/bodies/kind"][:]):
         allowed = (b"robot",) if k < robots else (b"boundary", b"obstacle")
         if kind not in allowed:

@@ -201,8 +201,13 @@ class Record(RecordedHistory):
         """
         import yaml
 
+        from physim.world.file.depth import is_deep
+
         fast = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast where it is there
+
         try:
+            if is_deep(self.world_text):  # the library would end the process
+                raise RecursionError
             world = yaml.load(self.world_text, Loader=fast)
         except (yaml.YAMLError, ValueError, RecursionError) as error:
             try:

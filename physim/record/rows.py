@@ -329,10 +329,15 @@ class RecordFile:
         check_starts(Source(self.where, path), start, whole, empty=empty, runs=runs)
         return start
 
-    def _runs(self, group: str, runs: int | None = None) -> list[FloatArray]:
-        """Polylines or rings of a packed group; ``runs`` of them, if that is known."""
+    def _runs(self, group: str, fewest: int, runs: int | None = None) -> list[FloatArray]:
+        """Polylines or rings of a packed group, each of ``fewest`` points or more; ``runs`` of
+        them, if that is known."""
         points = self._points(f"{group}/points")
-        start = self._starts(f"{group}/start", len(points), empty=runs is None, runs=runs)
+        start = self._starts(f"{group}/start", len(points), runs=runs)
+        found = np.diff(start)
+        Source(self.where, f"{group}/start").refuse(
+            found < fewest, lambda k: f"{found[k]} points; {fewest} are needed"
+        )
         return [points[first:last] for first, last in pairwise(start)]
 
 

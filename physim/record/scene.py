@@ -30,9 +30,11 @@ from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import damaged
 from physim.record.datasets import put, put_texts
-from physim.record.rows import RecordFile, frozen
+from physim.record.rows import RecordFile, Source, frozen
 from physim.world.scene import Body, Scene
 
+FEWEST_CORNERS = 3
+"""Of a convex part of a footprint or obstacle; those of a boundary are segments."""
 LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
 
 
@@ -114,6 +116,12 @@ def unpack(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:
     return tuple(tuple(vertices[first:last]) for first, last in pairwise(starts))
 
 
+def _area(part: FloatArray) -> float:
+    """[m²] of a convex part (n, 2)."""
+    x, y = (part - part[0]).T
+    return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2.0
+
+
 @functools.cache
 def _versions() -> dict[str, str]:
     """Versions of the libraries that made a record; looked up once, for it takes 2 ms."""
@@ -177,33 +185,53 @@ class RecordedScene(RecordFile):
     @cached_property
     def shapes(self) -> Shapes:
         """Footprints of the N robots, packed, in their frames."""
-        return self._shapes("/footprints", self.robots)
+        corners = np.full(self.robots, FEWEST_CORNERS)
+        shapes = self._shapes("/footprints", corners)
+        areas = [sum(map(_area, parts)) for parts in unpack(shapes)]
+        Source(self.where, "/footprints/body_start").refuse(
+            np.array(areas) <= 0.0, lambda _: "a footprint without area"
+        )
+        return shapes
 
     @cached_property
     def walls(self) -> Shapes:
         """Boundaries and obstacles, world frame; body k of them has id N + k."""
-        return self._shapes("/walls", self._bounds.bodies - self.robots)
+        kinds = [body.kind for body in self.bodies[self.robots :]]
+        corners = [2 if kind == "boundary" else FEWEST_CORNERS for kind in kinds]
+        return self._shapes("/walls", np.array(corners, dtype=np.int64))
 
-    def _shapes(self, group: str, bodies: int) -> Shapes:
-        """Convex parts of so many bodies, packed."""
+    def _shapes(self, group: str, corners: NDArray[np.int64]) -> Shapes:
+        """Convex parts of bodies, packed; parts of a body have so many corners, or more."""
+        bodies = len(corners)
         vertices = self._points(f"{group}/vertices")
         part_start = self._starts(f"{group}/part_start", len(vertices), empty=False)
         body_start = self._starts(
             f"{group}/body_start", len(part_start) - 1, empty=False, runs=bodies
         )
+        fewest, found = np.repeat(corners, np.diff(body_start)), np.diff(part_start)
+        Source(self.where, f"{group}/part_start").refuse(
+            found < fewest, lambda k: f"a part of {found[k]} corners; {fewest[k]} are needed"
+        )
         lengths = np.hypot(vertices[:, 0], vertices[:, 1])
         radius = np.maximum.reduceat(lengths, part_start[body_start[:-1]]) if bodies else lengths
         return Shapes(vertices, part_start, body_start, frozen(radius))
 
+    def _lines(self, group: str, runs: int) -> Polylines:
+        """So many polylines, each of some length."""
+        lines = self._runs(group, 2, runs)
+        still = np.array([not np.ptp(line, axis=0).any() for line in lines], dtype=np.bool_)
+        Source(self.where, f"{group}/start").refuse(still, lambda _: "a path of length 0")
+        return pack_polylines(lines)
+
     @cached_property
     def paths(self) -> Polylines:
         """Own path of each robot."""
-        return pack_polylines(self._runs("/paths", self.robots))
+        return self._lines("/paths", self.robots)
 
     @cached_property
     def reference(self) -> Polylines:
         """The one reference path s*."""
-        return pack_polylines(self._runs("/reference", 1))
+        return self._lines("/reference", 1)
 
     @cached_property
     def stop_station(self) -> FloatArray:
@@ -218,9 +246,9 @@ class RecordedScene(RecordFile):
     @cached_property
     def accessible(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the accessible area."""
-        return tuple(self._runs("/areas/accessible"))
+        return tuple(self._runs("/areas/accessible", 3))
 
     @cached_property
     def safe(self) -> tuple[FloatArray, ...]:
         """Rings (n, 2) [m] of the safe area."""
-        return tuple(self._runs("/areas/safe"))
+        return tuple(self._runs("/areas/safe", 3))

@@ -250,6 +250,14 @@ def test_a_path_that_passes_near_itself_does_not_mislead_the_last_station() -> N
     assert metrics.absent(out.record())[0].short == pytest.approx(37.2)
 
 
+def test_evaluations_beyond_any_number_have_no_figure() -> None:
+    rows = [
+        {"step": 50 * k, "robot": 0, "next_step": 50 * k + 50, "evaluations": -1.0e308}
+        for k in range(2)
+    ]
+    assert metrics.evaluations(history(rows)) is None
+
+
 def test_what_a_controller_does_not_declare_has_no_figure() -> None:
     rows = [{"step": 0, "robot": 0, "next_step": 50, "nominal_v": 1.0}]
     record = history(rows, declared=Declared())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -229,3 +231,65 @@ def test_a_row_that_is_there_twice(
             rows[column][1] = rows[column][0]
         file[path][...] = rows
     refused(target, path, "row 1", "step", who, "once")
+
+
+def packed(made: Path, folder: Path, group: str, points: Any, start: Any) -> Path:
+    """Copy with other points, and where each run of them starts."""
+    target = folder / "tampered.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        for name, rows in (("points", np.array(points, float)), ("start", np.array(start))):
+            del file[f"{group}/{name}"]
+            file[f"{group}/{name}"] = rows
+    return target
+
+
+@pytest.mark.parametrize("number", [0, -3, 2**31 - 1])
+def test_bodies_are_numbered_as_they_stand(made: Path, tmp_path: Path, number: int) -> None:
+    refused(tampered(made, tmp_path, "/bodies/id", 2, number), "/bodies/id", "row 2", "2")
+
+
+@pytest.mark.parametrize(
+    ("group", "points", "start", "said"),
+    [
+        ("/paths", [[0, 0], [1, 0], [2, 0]], [0, 1, 2, 3], "1 points"),
+        ("/paths", [[1, 1]] * 6, [0, 2, 4, 6], "length 0"),
+        ("/reference", [[1, 1]], [0, 1], "1 points"),
+        ("/areas/safe", [[0, 0], [1, 0], [1, 1]], [0, 0, 3], "0 points"),
+        ("/areas/accessible", [[0, 0], [1, 0], [1, 1], [2, 2], [3, 3]], [0, 3, 5], "2 points"),
+    ],
+)
+def test_lines_and_rings_that_enclose_nothing(
+    made: Path, tmp_path: Path, group: str, points: Any, start: Any, said: str
+) -> None:
+    changed = packed(made, tmp_path, group, points, start)
+    with pytest.raises(RecordError) as raised, Record.load(changed) as record:
+        getattr(record, group.rpartition("/")[2])
+    in_order(str(raised.value), f"{group}/start", "row", said)
+
+
+def test_footprints_without_area(made: Path, tmp_path: Path) -> None:
+    changed = tampered(made, tmp_path, "/footprints/vertices", slice(None), 0.0)
+    with pytest.raises(RecordError) as raised, Record.load(changed) as record:
+        record.shapes  # noqa: B018
+    in_order(str(raised.value), "/footprints", "row 0", "without area")
+
+
+def test_obstacles_of_two_corners(made: Path, tmp_path: Path) -> None:
+    changed = tampered(made, tmp_path, "/bodies/kind", -1, "obstacle")
+    with pytest.raises(RecordError) as raised, Record.load(changed) as record:
+        record.walls  # noqa: B018
+    in_order(str(raised.value), "/walls/part_start", "2 corners", "3")
+
+
+@pytest.mark.parametrize("text", ["a: " + "[" * 100_000, "- " * 100_000])
+def test_a_world_inside_that_nests_without_end(made: Path, tmp_path: Path, text: str) -> None:
+    target = tmp_path / "deep.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        file.attrs["world"] = text
+    run = subprocess.run(
+        [sys.executable, "-m", "physim", "summary", target], capture_output=True, text=True
+    )
+    assert (run.returncode, run.stderr.count("\n")) == (2, 1), run.stderr
+    in_order(run.stderr.strip(), str(target), "nested deeper")

@@ -23,7 +23,7 @@ from physim.drawing.labels import (
 from physim.drawing.timeline import Timeline
 from physim.drawing.video import frame_at
 from physim.drawing.video.closest import Closest, pairs_within
-from physim.drawing.video.ground import Background, draw_ground, ground
+from physim.drawing.video.ground import Background, Ground, Stroke, draw_ground, ground
 from physim.drawing.video.layout import ONE, SMALL, arrange
 from physim.drawing.video.marks import Fleet, draw_reference_point
 from physim.drawing.video.names import Labels
@@ -325,6 +325,18 @@ def test_a_label_stays_in_the_view() -> None:
 )
 def test_a_name_that_is_cut_keeps_its_number_and_a_sentence_does_not(text, fits, expected):
     assert shortened(text, fits) == expected
+
+
+def test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen():
+    colour, corner = (10, 200, 30), np.zeros(2)
+    lines = np.array([[[-1.0e12, 40.0], [1.0e12, 40.0]], [[-9.0e11, 1.0e3], [9.0e11, 1.0e3]]])
+    image = np.zeros((80, 100, 3), np.uint8)
+    world = Ground((), (Stroke(lines, colour, 1, (5.0, 5.0)),), (corner, corner))
+    draw_ground(image, world, Lens(1.0, 0.0, 80.0))
+    drawn = (image[40] != palette.OUTSIDE).any(axis=1)
+    assert 50 <= drawn.sum() <= 80  # five of ten pixels, and their soft ends
+    assert drawn[:11].any()
+    assert drawn[-11:].any()
 
 
 def test_settings_go_on_in_further_lines_and_none_is_lost_while_there_is_room():

@@ -123,7 +123,9 @@ def messages(record: Record) -> int | None:
 def evaluations(record: Record) -> int | None:
     """Collision times worked out; None where the controller does not report them."""
     count = record.column("evaluations", absent=np.nan)
-    return int(np.nansum(count)) if np.isfinite(count).any() else None
+    with np.errstate(over="ignore"):
+        total = np.nansum(count)
+    return int(total) if np.isfinite(count).any() and np.isfinite(total) else None
 
 
 def filtered_steps(record: Record) -> int:

@@ -21,6 +21,7 @@ from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.record import Record
+from physim.record.rows import Source
 from physim.tolerances import CONTACT
 
 FULL = -1
@@ -173,6 +174,8 @@ def scan_walls(
     return count
 
 
+FARTHEST_STEP = 1.0e6
+"""[m] along an axis that no robot goes in one step: beyond it a search for contacts has no end"""
 BLOCK_POSES = 1 << 14
 """Poses of robots in one block."""
 LEAST_STEPS = 16
@@ -217,12 +220,20 @@ class AnalyticContacts:
 
 def pose_blocks(record: Record) -> Iterator[tuple[FloatArray, int]]:
     """Poses (B, N, 3) of consecutive samples and the number of the first; each block begins with
-    the last sample of the one before."""
+    the last sample of the one before. Raises RecordError for a step that no robot makes."""
     size = max(LEAST_STEPS, BLOCK_POSES // max(1, record.robots))
     for first in range(0, max(1, record.samples - 1), size):
         last = min(first + size + 1, record.samples)
         if last > first:
-            yield np.ascontiguousarray(record.read("/steps/pose", first, last)), first
+            poses = np.ascontiguousarray(record.read("/steps/pose", first, last))
+            _refuse_jumps(Source(record.where, "/steps/pose", first + 1), poses)
+            yield poses, first
+
+
+def _refuse_jumps(source: Source, poses: FloatArray) -> None:
+    """Raise RecordError for the first step between poses (B, N, 3) that no robot makes."""
+    far = np.abs(np.diff(poses[..., :2], axis=0)).max(axis=(1, 2), initial=0.0)
+    source.refuse(far > FARTHEST_STEP, lambda k: f"a step of {far[k]:.6g} m")
 
 
 def analytic_contacts(record: Record) -> AnalyticContacts:

@@ -165,6 +165,8 @@ def differs(recorded: ArrayLike, exact: ArrayLike, slack: float) -> NDArray[np.b
 
 def plain(value: Any) -> Value:
     """A value as Python has it."""
+    if isinstance(value, bytes):  # texts of a record
+        return value.decode("utf-8", "replace")
     made: Value = value.item() if isinstance(value, np.generic) else value
     return made
 

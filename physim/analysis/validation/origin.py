@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 import yaml
 
-from physim.errors import ControllerError, PhysimError, RecordError, WorldError
+from physim.errors import ControllerError, PhysimError, RecordError, WorldError, plural
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Column, Declared, Mode, Rule
 from physim.parts.registry import CONTROLLER, DISTURBANCE, FILTER, SENSING, make_part
@@ -73,6 +73,19 @@ def world_inside(record: Record) -> Inside:
              (DISTURBANCE, world.disturbances))  # fmt: skip
     stages = [kind.word for kind, choices in named if choices]
     return Inside(scene, *_controller(record, scene), (*stages, *given))
+
+
+def fitting(record: Record, inside: Inside) -> Inside:
+    """What the world inside gives, without its scene where that has other numbers of robots or of
+    bodies than the record: robot by robot nothing can be held against such a world."""
+    scene = inside.scene
+    if scene is None or (scene.robots, len(scene.bodies)) == (record.robots, len(record.bodies)):
+        return inside
+    ours, theirs = (
+        f"{plural(one.robots, 'robot')} of {plural(len(one.bodies), 'body', 'bodies')}"
+        for one in (scene, record)
+    )
+    return Inside(None, None, f"the world inside has {ours}, the record {theirs}", None)
 
 
 def controller_name(record: Record) -> str:

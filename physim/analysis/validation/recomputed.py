@@ -237,7 +237,7 @@ def _checkers(
     if scene is None:
         return None, None, [
             "commands within limits, arrival, modes, rules, targets, considered robots, distances "
-            "and collision times of decisions: the record holds no text of its world"
+            f"and collision times of decisions: {inside.why_not}"
         ]  # fmt: skip
     if SENSING.word in (inside.stages or ()):
         return None, None, [

@@ -25,6 +25,7 @@ from physim.analysis.validation.origin import (
     Origin,
     compare_with_world,
     controller_name,
+    fitting,
     world_inside,
 )
 from physim.analysis.validation.prediction import DISAGREES, Predictor
@@ -183,8 +184,8 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     return Validation(
         _run(record, source), comparison, contacts, swept_contact_reports(record, table),
         near_misses(record, analytic, table, exact), check_motion(record, table),
-        compare_with_world(record, inside), recompute(record, inside, table), _expectations(record),
-        deep_contacts(record),
+        compare_with_world(record, inside), recompute(record, fitting(record, inside), table),
+        _expectations(record), deep_contacts(record),
     )  # fmt: skip
 
 

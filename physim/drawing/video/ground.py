@@ -130,7 +130,7 @@ def _draw_stroke(image: Image, stroke: Stroke, lens: Lens) -> None:
     pieces = pieces[seen]
     if stroke.dash is not None:
         offset = _stations(lens.pixels(stroke.pieces))[seen]
-        pieces = _dashes(pieces, offset, *stroke.dash)
+        pieces = _dashes(pieces, offset, *stroke.dash, edge)
     lines = fixed(pieces)
     cv2.polylines(image, list(lines), False, stroke.colour, stroke.width, cv2.LINE_AA, SHIFT)
 
@@ -141,17 +141,25 @@ def _stations(pieces: FloatArray) -> FloatArray:
     return np.concatenate(([0.0], np.cumsum(length)[:-1]))
 
 
-def _dashes(pieces: FloatArray, offset: FloatArray, dash: float, gap: float) -> FloatArray:
-    """Cut pieces (M, 2, 2) [px] into dashes (D, 2, 2)."""
+def _dashes(
+    pieces: FloatArray, offset: FloatArray, dash: float, gap: float, edge: FloatArray
+) -> FloatArray:
+    """Cut pieces (M, 2, 2) [px] into dashes (D, 2, 2), those that a picture from 0 to ``edge`` (2,)
+    [px] may show: a piece may be long beyond any bound."""
+    centre, far = edge / 2.0, float(np.hypot(*edge)) + dash + gap
     cut = []
     for (start, end), before in zip(pieces, offset, strict=True):
         length = float(np.hypot(*(end - start)))
         if length < 1e-9:
             continue
-        first = np.arange(-(before % (dash + gap)), length, dash + gap)
+        along = (end - start) / length
+        middle, period = float((centre - start) @ along), dash + gap
+        whole = max(0.0, (middle - far) // period) * period
+        until = min(length, middle + far)
+        first = np.arange(whole - before % period, until, period)
         span = np.clip(np.stack((first, first + dash), axis=1), 0.0, length)
         span = span[span[:, 1] > span[:, 0]]
-        cut.append(start + span[:, :, None] * ((end - start) / length))
+        cut.append(start + span[:, :, None] * along)
     return np.concatenate(cut) if cut else np.zeros((0, 2, 2))
 
 

@@ -168,4 +168,13 @@ EDITS = (
         "a long path has no more places than a bound",
         "tests/metrics/test_courses.py::test_places_of_a_long_path_are_farther_apart_not_more",
     ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/modes.py",
+        "evaluations",
+        " and np.isfinite(total)",
+        "",
+        "a sum beyond any number is no figure",
+        "tests/metrics/test_figures.py::test_evaluations_beyond_any_number_have_no_figure",
+    ),
 )

@@ -334,4 +334,13 @@ EDITS = (
         "robots of a group are told apart by the ends of their names",
         "tests/video/test_parts.py::test_a_name_that_is_cut_keeps_its_number_and_a_sentence_does_not",
     ),
+    Edit(
+        "video",
+        "physim/drawing/video/ground.py",
+        "_dashes",
+        "until = min(length, middle + far)",
+        "until = length",
+        "only dashes that a picture may show are made",
+        "tests/video/test_parts.py::test_a_dashed_line_beyond_the_picture_takes_no_more_dashes_than_are_seen",
+    ),
 )

@@ -19,7 +19,7 @@ from physim.escaping import escaped
 from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
-from physim.world.layout.scene_builder import build_scene, is_random
+from physim.world.layout.scene_builder import build_scene, may_vary, seeds_note
 
 MOST_RUNS = 1_000_000
 """Runs that are begun without being asked twice"""
@@ -191,9 +191,11 @@ def make_grid(
         if choice not in sources:
             shipped = choice in shipped_parts(CONTROLLER)
             sources[choice] = () if shipped else sources_of(choice)
-        seed = world.seed if seeds is None or not is_random(world) else seeds[0]
-        if not is_random(world):
+        seed = world.seed if seeds is None or not may_vary(world) else seeds[0]
+        if not may_vary(world):
             fixed.add(len(cells))
+        elif seeds is not None and (note := seeds_note(world)):
+            warnings[f"{name}: {note}"] = None
         cells.append(
             spec_of(
                 world,
@@ -279,7 +281,7 @@ def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldErro
 
 def _check(world: World, document: Document, seeds: range | None) -> None:
     """Raise WorldError where a world cannot be run, whatever the seed."""
-    tried = [world.seed] if seeds is None or not is_random(world) else seeds[:TRIES]
+    tried = [world.seed] if seeds is None or not may_vary(world) else seeds[:TRIES]
     for k, seed in enumerate(tried):
         try:
             build_scene(world, seed)

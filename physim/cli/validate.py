@@ -148,13 +148,13 @@ def _validate_record(record: Record, options: Options) -> int:
 
 
 def _validate_world(world: World, document: Document, options: Options) -> int:
-    from physim.world.layout.scene_builder import is_random
+    from physim.world.layout.scene_builder import may_vary, seeds_note
 
     if options.seeds is None:
         return _report(_run_and_validate(world, document, options.seed, options), options)
     if options.seed is not None:
         raise PhysimError("--seed: cannot be combined with --seeds")
-    if not is_random(world):
+    if not may_vary(world):
         found = _run_and_validate(world, document, None, options)
         print(
             "Nothing in this world is random: every seed gives the same run, so there is one run "
@@ -162,6 +162,8 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
             file=text_stream(options.json),
         )
         return _report(found, options)
+    if note := seeds_note(world):
+        print(f"WARNING  {note}", file=sys.stderr)
     return _validate_seeds(world, document, options)
 
 

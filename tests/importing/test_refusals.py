@@ -345,6 +345,7 @@ POLYGONS = {
         "POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0)\nLINESTRING (2 5, 9 5)\n",
         "bracket is missing … 2 opening, 1 closing … one closing",
     ),
+    "brackets.wkt": ("POLYGON ((0 0, 30 0, 30 10\n", "bracket is missing … 2 closing more"),
     "word.wkt": ("POLIGON ((0 0, 30 0, 30 10, 0 0))", ":1: … WKT … 'POLIGON'"),
     "line.wkt": ("LINESTRING (0 0, 10 0)", "no polygon … where robots may go"),
     "bad.wkt": ("# comment\nPOLYGON ((0 0, 10 0", ":2: … WKT"),

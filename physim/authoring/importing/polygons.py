@@ -90,7 +90,8 @@ def _missing(text: str) -> str:
     opened, closed = text.count("("), text.count(")")
     if opened != closed:
         side = "closing" if opened > closed else "opening"
-        return f"; a bracket is missing: {opened} opening, {closed} closing; one {side} more"
+        more = "one" if abs(opened - closed) == 1 else abs(opened - closed)
+        return f"; a bracket is missing: {opened} opening, {closed} closing; {more} {side} more"
     for point in re.split(r"[(),]", text):
         numbers = point.split()
         if len(numbers) > 3 and not re.search(r"[A-DF-Za-df-z]", point):

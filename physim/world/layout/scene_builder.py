@@ -23,7 +23,7 @@ from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed_anew
 from physim.world.layout.shared import Shared
-from physim.world.run import DEFAULT_RANGE
+from physim.world.run import DEFAULT_RANGE, Choice
 from physim.world.scene import DENSITY, Body, FormationPlan, Scene
 
 GRID_CELL = 2.0
@@ -114,10 +114,30 @@ def _stop_stations(paths: Polylines, formation: FormationPlan) -> FloatArray:
 
 
 def is_random(world: World) -> bool:
-    """Whether anything in the world is drawn by the seed."""
+    """Whether anything in the scene of the world is drawn by the seed."""
     return world.is_road_random or any(
         robot.pose is None or robot.pose[2] == "random" for robot in world.robots
     )
+
+
+def may_vary(world: World) -> bool:
+    """Whether runs of another seed may be others: the scene is, or a stage may draw by the seed.
+
+    Errs to the side of true: that a stage draws nothing cannot be known.
+    """
+    return is_random(world) or bool(_stages(world))
+
+
+def seeds_note(world: World) -> str:
+    """What is to be noted of its runs with several seeds, where only stages may draw; else ""."""
+    names = ", ".join(dict.fromkeys(stage.type for stage in _stages(world)))
+    if not names or is_random(world):
+        return ""
+    return f"by the seed only {names} may draw: where they do not, every seed gives the same run"
+
+
+def _stages(world: World) -> tuple[Choice, ...]:
+    return (*world.sensing.stages, *world.filters, *world.disturbances)
 
 
 def _segments(line: FloatArray) -> list[FloatArray]:

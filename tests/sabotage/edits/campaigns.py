@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/world/layout/scene_builder.py",
+        "_stages",
+        "*world.disturbances",
+        "",
+        "runs of several seeds differ where a disturbance may draw",
+        "tests/campaigns/test_drawing_stages.py::test_a_sweep_runs_every_seed",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/runner.py",
         "do_all",
         "waiting.extendleft(reversed(list(follow(key, done))))",

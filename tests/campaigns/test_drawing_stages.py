@@ -1,0 +1,50 @@
+"""A stage that draws by the seed makes runs of several seeds differ, in any world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns.samples import FIXED, rows_in
+from tests.cli.commands import physim
+from tests.packages import install
+
+TEXT = '''
+from physim.randomness import stream
+
+class Gains:
+    """Every robot is slower by a share of its own."""
+
+    def start(self, scene):
+        return [[stream(scene.seed, "gains", i).uniform(0.5, 1.0)] for i in range(scene.robots)]
+
+    def disturb(self, scene, truth, filtered, state):
+        return filtered * state, state
+'''
+
+
+@pytest.fixture
+def drawn(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A world in which nothing is random but one disturbance."""
+    package = here / "package"
+    package.mkdir()
+    install(package, monkeypatch, "drawn_gains", TEXT, {"physim.disturbances": {"gains": "Gains"}})
+    monkeypatch.setenv("PYTHONPATH", str(package))
+    (here / "drawn.yaml").write_text(FIXED + "disturbances: [{type: gains}]\n")
+    return here
+
+
+def test_a_sweep_runs_every_seed(drawn: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("sweep", "drawn.yaml", "--seeds", "1:4", "-o", "out", capture=capsys)
+    assert done.code == 0, done.err
+    rows = rows_in(drawn / "out")
+    assert [row.seed for row in rows] == [1, 2, 3]
+    assert len({row.shortest_distance for row in rows}) == 3
+    assert "gains" in done.err  # whether it draws is not known
+
+
+def test_validation_runs_every_seed(drawn: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    done = physim("validate", "drawn.yaml", "--seeds", "1:3", capture=capsys)
+    assert "2 of 2" in done.out
+    assert "gains" in done.err

@@ -24,6 +24,7 @@ from physim.drawing.scene_model import SceneModel
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.parts.declarations import NO_NUMBER
+from physim.record import check_record
 
 if TYPE_CHECKING:
     from physim.record import Record
@@ -69,6 +70,7 @@ class Timeline:
     """
 
     def __init__(self, record: Record) -> None:
+        check_record(record)
         self.time: FloatArray = np.asarray(record.time, dtype=np.float64)
         if len(self.time) == 0 or len(record.names) == 0:
             raise RecordError(

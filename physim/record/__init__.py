@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physim.record.reader import Record
+from physim.record.reader import Record, check_record
 from physim.record.writer import RecordWriter
 
-__all__ = ["Record", "RecordWriter"]
+__all__ = ["Record", "RecordWriter", "check_record"]

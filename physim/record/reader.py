@@ -33,6 +33,15 @@ if TYPE_CHECKING:
     from physim.world import World
 
 
+def check_record(given: object) -> None:
+    """Raise TypeError for what is no record, as a file, a world or a summary."""
+    if not hasattr(given, "footprints"):
+        raise TypeError(
+            f"a Record is needed, not {type(given).__name__}; Record.load(file) or simulate(world) "
+            "gives one"
+        )
+
+
 class Record(RecordedHistory):
     """One run of N robots with K recorded samples: lengths [m], angles [rad], world frame.
 

@@ -274,8 +274,11 @@ class Simulation:
     def restore(self, state: SimulationState) -> None:
         """Go to the sample of a state; what follows is bit for bit what followed there.
 
-        Raises PhysimError for a state of another world, seed, controller or stage.
+        Raises PhysimError for a state of another world, seed, controller or stage, TypeError for
+        what is no state.
         """
+        if not isinstance(state, SimulationState):
+            raise TypeError(f"a state is needed, as state() gives it, not {type(state).__name__}")
         if state.parts != self.parts.names:
             raise PhysimError(
                 f"the state is of a run with {', '.join(state.parts)}; this one has "

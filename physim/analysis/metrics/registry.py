@@ -55,7 +55,7 @@ from physim.analysis.metrics.progress import finished, time_to_finish
 from physim.analysis.metrics.registered import own_metrics
 from physim.errors import PhysimError, nearest
 from physim.geometry.shapes import FloatArray
-from physim.record import Record
+from physim.record import Record, check_record
 
 
 class Courses:
@@ -296,6 +296,7 @@ def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Met
         if faults:
             raise PhysimError(faults[0])
         return found
+    check_record(record)
     known, run = dict(DEFINITIONS), Courses(record)
     wanted = list(names)
     if not known.keys() >= set(wanted):
@@ -306,6 +307,7 @@ def measure(record: Record, names: Iterable[str] | None = None) -> dict[str, Met
 
 def measured(record: Record) -> tuple[dict[str, Metric], tuple[str, ...]]:
     """Take all metrics of a run; with a line for each registered one that failed."""
+    check_record(record)
     run, found, own = Courses(record), {}, own_metrics(DEFINITIONS)
     faults = list(own.faults)
     for name, what in (*DEFINITIONS.items(), *own.definitions.items()):

@@ -33,7 +33,7 @@ from physim.analysis.validation.recomputed import Recomputed, recompute
 from physim.analysis.validation.recorded_distances import exact_distances
 from physim.analysis.validation.rerun import Rerun, compare_runs
 from physim.errors import RecordError, plural
-from physim.record import Record
+from physim.record import Record, check_record
 from physim.record.layout import OPTIONAL
 from physim.record.setup import Setup
 from physim.world.faults import describe
@@ -174,6 +174,7 @@ def validate(record: Record, *, source: str | None = None) -> Validation:
     Raises RecordError for a coarser one, or one that breaks off or is damaged. A run that was
     interrupted or killed is validated as far as it is recorded.
     """
+    check_record(record)
     check_complete(record)
     inside = world_inside(record)
     analytic = analytic_contacts(record)

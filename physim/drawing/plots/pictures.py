@@ -33,7 +33,7 @@ from physim.drawing.plots.paper import LEAST, MOST, fitted
 from physim.drawing.plots.style import save_figure
 from physim.errors import PhysimError, RecordError, WorldError, nearest
 from physim.parts.user_code import asked, broken_by
-from physim.record import Record
+from physim.record import Record, check_record
 
 __all__ = ["FORMATS", "NAMES", "draw", "names", "not_replaced"]
 
@@ -92,6 +92,7 @@ def draw(
     exists unless ``force`` is set, where the folder cannot be written, and where a picture that a
     package registered fails.
     """
+    check_record(record)
     known, every = names(), only is None
     only = known if only is None else only
     for name in only:

@@ -172,7 +172,7 @@ def still(
 
 def _timelines(record: Record, beside: Record | None) -> list[Timeline]:
     """Of one run, or of two."""
-    return [Timeline(one) for one in (record, beside) if one is not None]
+    return [Timeline(one) for one in ((record,) if beside is None else (record, beside))]
 
 
 def _duration(timelines: Sequence[Timeline]) -> float:

@@ -7,7 +7,8 @@ import pytest
 import shapely
 
 from physim.drawing import palette
-from physim.drawing.scene_model import SceneModel, outline, region, split_at
+from physim.drawing.scene_model import SceneModel, outline, region
+from physim.drawing.split_line import split_at
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import NO_NUMBER, PAPER_MODES, Mode
 from physim.record import RecordWriter
@@ -106,6 +107,30 @@ def test_paths_are_cut_at_an_area() -> None:
     inside, outside = split_at(np.array([[-1.0, 2.0], [1.0, 2.0], [6.0, 2.0]]), area)
     assert [sorted(p[:, 0]) for p in inside] == [[0.0, 1.0, 4.0]]
     assert sorted(sorted(p[:, 0]) for p in outside) == [[-1.0, 0.0], [4.0, 6.0]]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_line_is_cut_as_shapely_cuts_it_as_a_whole(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    yard = shapely.box(0.0, 0.0, 40.0, 8.0) - shapely.box(18.0, 3.0, 22.0, 9.0)
+    area = yard - shapely.Point(30.0, 4.0).buffer(1.5)
+    line = np.stack((np.linspace(-5.0, 45.0, 30), rng.uniform(-2.0, 10.0, 30)), axis=1)
+    whole = shapely.LineString(line)
+    ways = zip(split_at(line, area), (whole & area, whole - area), strict=True)
+    for found, expected in ways:
+        assert len(found) == len(shapely.get_parts(shapely.line_merge(expected)))
+        assert shapely.MultiLineString(found).length == pytest.approx(expected.length)
+        assert shapely.hausdorff_distance(shapely.MultiLineString(found), expected) < 1e-9
+        assert all(np.diff(piece[:, 0]).min() > 0.0 for piece in found)  # as the line goes
+
+
+def test_a_line_is_cut_at_the_area_alone_and_not_where_it_crosses_itself() -> None:
+    line = np.random.default_rng(1).uniform((-1.0, 0.0), (40.0, 8.0), (1000, 2))
+    inside, outside = split_at(line, shapely.box(0.0, -1.0, 50.0, 9.0))
+    cuts = int(np.count_nonzero(np.diff(line[:, 0] > 0.0)))
+    assert len(inside) + len(outside) == cuts + 1
+    total = sum(float(np.hypot(*np.diff(one, axis=0).T).sum()) for one in (*inside, *outside))
+    assert total == pytest.approx(float(np.hypot(*np.diff(line, axis=0).T).sum()))
 
 
 def test_a_record_without_samples_has_a_place_but_no_start() -> None:

@@ -25,6 +25,7 @@ from physim.drawing.palette import (
     rgb,
     robot_colour,
 )
+from physim.drawing.split_line import split_at
 from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray, Polylines, Shapes
 from physim.parts.declarations import NO_NUMBER, Mode
@@ -301,20 +302,6 @@ def region(rings: Iterable[FloatArray]) -> shapely.Geometry:
         if len(ring) >= 3:
             area = area.symmetric_difference(_polygon(ring))
     return area
-
-
-def split_at(line: FloatArray, area: shapely.Geometry) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Pieces (n, 2) of a line inside of an area, and outside of it, each as long as it goes."""
-    whole = shapely.LineString(line)
-    return _joined(whole.intersection(area)), _joined(whole.difference(area))
-
-
-def _joined(geometry: shapely.Geometry) -> list[FloatArray]:
-    parts = [part for part in shapely.get_parts(geometry) if part.length > 0.0]
-    if not parts:
-        return []
-    merged = shapely.line_merge(shapely.MultiLineString(parts))
-    return [shapely.get_coordinates(line) for line in shapely.get_parts(merged)]
 
 
 def _bodies(shapes: Shapes) -> tuple[tuple[FloatArray, ...], ...]:

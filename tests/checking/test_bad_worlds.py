@@ -105,7 +105,7 @@ TRANSLATED = {
     "num_list": (number("[1.0]"), BAD, "number", "list of 1"),
     "num_coord_nan": (boundary("[[0, 0], [.nan, 1], [2, 0]]"), BAD, "boundaries[1][1][0]", ".nan"),
     "num_one_coord": (boundary("[[0], [1]]"), BAD, "boundaries[1][0][1]", "one more number"),
-    "num_flat": (boundary("[0, 0, 1, 0]"), BAD, "boundaries[1][0]", "list", "given 0"),
+    "num_flat": (boundary("[0, 0, 1, 0]"), BAD, "boundaries[1]", "points", "[[0, 0], [1, 0]]"),
     "num_point_map": (boundary("[{x: 0, y: 0}, {x: 1, y: 0}]"), BAD, "list", "given a mapping"),
     "boundary_one_point": (boundary("[[0, 0]]"), BAD, "boundaries[1]", "at least 2", "given 1"),
     "boundary_duplicate_neighbour": (

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "preview",
+        "physim/drawing/split_line.py",
+        "_cut",
+        "ends[back, ::-1]",
+        "ends[back]",
+        "parts of a path go as the path goes",
+        "tests/test_scene_model.py::test_a_line_is_cut_as_shapely_cuts_it_as_a_whole",
+    ),
+    Edit(
+        "preview",
+        "physim/drawing/split_line.py",
+        "_cut",
+        "(far.min(axis=1), which)",
+        "(-far.min(axis=1), which)",
+        "parts of a path stand in its order",
+        "tests/test_scene_model.py::test_a_line_is_cut_as_shapely_cuts_it_as_a_whole",
+    ),
+    Edit(
+        "preview",
         "physim/drawing/scene_model.py",
         "_stop_stations",
         "ends - (lead.max() - lead)",

@@ -63,6 +63,7 @@ LAYERS = {
     "physim.drawing.palette": (0, 0),
     "physim.drawing.labels": (0, 5),
     "physim.drawing.crowd": (0, 5),
+    "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.timeline": (5, 1),
     "physim.drawing.video": (5, 2),

@@ -71,7 +71,7 @@ ROOMS = MappingProxyType(
         "video": ("tests/video",),
         "page": ("tests/page",),
         "plots": ("tests/plots",),
-        "preview": ("tests/preview",),
+        "preview": ("tests/preview", "tests/test_scene_model.py"),
         "importing": ("tests/importing",),
         "templates": ("tests/templates",),
         "crashtest": ("tests/crashtest",),

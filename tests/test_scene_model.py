@@ -124,6 +124,17 @@ def test_a_line_is_cut_as_shapely_cuts_it_as_a_whole(seed: int) -> None:
         assert all(np.diff(piece[:, 0]).min() > 0.0 for piece in found)  # as the line goes
 
 
+def test_parts_go_as_the_line_goes_whatever_way_shapely_gives_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    line, area = np.array([[-1.0, 2.0], [1.0, 2.0], [6.0, 2.0]]), shapely.box(0.0, 0.0, 4.0, 4.0)
+    expected = split_at(line, area)
+    cut = shapely.intersection
+    monkeypatch.setattr(shapely, "intersection", lambda a, b: shapely.reverse(cut(a, b)))
+    found = split_at(line, area)
+    assert [one.tolist() for one in found[0]] == [one.tolist() for one in expected[0]]
+
+
 def test_a_line_is_cut_at_the_area_alone_and_not_where_it_crosses_itself() -> None:
     line = np.random.default_rng(1).uniform((-1.0, 0.0), (40.0, 8.0), (1000, 2))
     inside, outside = split_at(line, shapely.box(0.0, -1.0, 50.0, 9.0))

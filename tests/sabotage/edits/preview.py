@@ -12,7 +12,7 @@ EDITS = (
         "ends[back, ::-1]",
         "ends[back]",
         "parts of a path go as the path goes",
-        "tests/test_scene_model.py::test_a_line_is_cut_as_shapely_cuts_it_as_a_whole",
+        "tests/test_scene_model.py::test_parts_go_as_the_line_goes_whatever_way_shapely_gives_them",
     ),
     Edit(
         "preview",

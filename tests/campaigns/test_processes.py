@@ -33,6 +33,7 @@ def test_it_is_an_executor(executor: Processes) -> None:
     [
         (sample.killed, None, LostError, "exit code 9"),
         (sample.killed_by_the_system, None, LostError, "SIGKILL"),
+        (sample.raises_as_ctrl_c_does, None, LostError, "bad: it raised KeyboardInterrupt"),
         (sample.writes_into_pipes, None, LostError, "a worker process was killed at bad"),
         (sample.hangs, 1.0, OverdueError, "not done after 1 s"),
         (sample.hangs_in_native_code, 1.0, OverdueError, "not done after 1 s"),

@@ -14,6 +14,10 @@ from physim.campaigns.processes import Job, LostError, OverdueError, Processes
 from tests.campaigns import sample_jobs as sample
 
 
+LONGEST = 120.0
+"""[s] for a job that takes none"""
+
+
 @pytest.fixture
 def executor() -> Iterator[Processes]:
     made = Processes(2)
@@ -46,8 +50,8 @@ def test_whatever_a_job_does_to_its_process_the_next_is_done(
     good = [executor.begin(Job("good", sample.echo, (k,), 60.0)) for k in range(3)]
     for future in bad:
         with pytest.raises(error, match=text):
-            future.result()
-    assert [future.result() for future in good] == [0, 1, 2]
+            future.result(timeout=LONGEST)
+    assert [future.result(timeout=LONGEST) for future in good] == [0, 1, 2]
 
 
 def test_the_limit_counts_from_when_a_process_is_ready(executor: Processes) -> None:

@@ -13,7 +13,6 @@ import pytest
 from physim.campaigns.processes import Job, LostError, OverdueError, Processes
 from tests.campaigns import sample_jobs as sample
 
-
 LONGEST = 120.0
 """[s] for a job that takes none"""
 

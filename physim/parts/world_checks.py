@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from physim.errors import ControllerError, Fault, Location, PhysimError
+from physim.errors import ControllerError, Fault, Location
 from physim.parts.registry import Kind
 from physim.parts.user_code import MistakenError, asked, attribute, broken_by, kind_of, place_of
 
@@ -117,7 +117,7 @@ def naming(kind: Kind, part: object, time: float) -> Iterator[None]:
     """Make an error within a part one line that names it, the time [s] and the line of code."""
     try:
         yield
-    except (PhysimError, KeyboardInterrupt):
+    except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as error:
         where = f"{kind.word} {type(part).__name__} at {time:g} s"

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import ControllerError, PhysimError, nearest
+from physim.errors import ControllerError, nearest
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import (
     BatchCapable,
@@ -64,7 +64,7 @@ def decision_row(decision: object, declared: Declared, robots: int) -> Row:
             _considered(decision.considered, robots),
             _report(decision.report, declared),
         )
-    except (PhysimError, KeyboardInterrupt):
+    except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as error:
         text = f"decide returned what cannot be read: {broken_by(error)}"
@@ -176,7 +176,7 @@ def begun(
     try:
         batch = controller.batch(scene)
         return batch, batch.memory()
-    except (PhysimError, KeyboardInterrupt):
+    except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as error:
         if is_shipped(controller):
@@ -216,7 +216,7 @@ def decide(
     try:
         decisions = batch.decide_due(sensed, due, memory)
         next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
-    except (PhysimError, KeyboardInterrupt):
+    except (ControllerError, KeyboardInterrupt):
         raise
     except BaseException as error:
         if is_shipped(batch):
@@ -283,7 +283,7 @@ class PerRobotAdapter:
         observation = views.observation(i)
         try:
             decision = asked(self.controller.decide, DECIDE, observation, memory)
-        except (PhysimError, KeyboardInterrupt):
+        except KeyboardInterrupt:
             raise
         except BaseException as error:
             raise broken(error, self._where(i, views)) from error

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from physim.errors import ControllerError, PhysimError
+from physim.errors import ControllerError
 from physim.geometry.shapes import IntArray, read_only
 from physim.parts.controller import Controller, Decision, Decisions, Observation, Sensed
 from physim.parts.declarations import Declared
@@ -56,8 +56,7 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        reported = error if isinstance(error, PhysimError) else broken(error, where)
-        fault = str(reported).removeprefix(f"{where}: ")
+        fault = str(broken(error, where)).removeprefix(f"{where}: ")
         return Answer({RAISES: type(error).__name__}, None, fault)
     robot, time = np.array([observation.index]), observation.time
     try:

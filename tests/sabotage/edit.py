@@ -53,6 +53,7 @@ ROOMS = MappingProxyType(
             "tests/test_arrival.py",
             "tests/test_state.py",
             "tests/test_stages.py",
+            "tests/test_refused_by_geometry.py",
             "tests/test_stage_errors.py",
             "tests/test_control_loop.py",
             "tests/test_observations.py",

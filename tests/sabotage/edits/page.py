@@ -113,7 +113,7 @@ EDITS = (
     ),
     Edit(
         "page", f"{ROOM}/why.py", "_settings",
-        "        return {}", "        made = None",
+        "except ValidationError:\n        return {}", "except ValidationError:\n        made = None",
         "of settings that a controller refuses nothing is told",
         f"{WHY}::test_of_settings_that_are_refused_nothing_is_told",
     ),

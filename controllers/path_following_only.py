@@ -16,7 +16,7 @@ from physim.parts.declarations import AT_STOP, SAFE, STANDARD_COLUMNS, Rule
 
 from .path_following import best_plan, judging_time, speed_pairs
 from .settings import ModeSwitchingSettings, PathFollowingSettings
-from .world_checks import omega_faults, speed_faults, stop_doubts
+from .world_checks import omega_faults, speed_doubts, speed_faults, stop_doubts
 
 if TYPE_CHECKING:
     from physim.world import Robot, World
@@ -47,8 +47,8 @@ class PathFollowing:
         return speed_faults(self.settings, world, where)
 
     def world_doubts(self, world: World, where: Location) -> list[Fault]:
-        """Doubt stops short of arrival."""
-        return stop_doubts(self.settings, world)
+        """Doubt speeds out of reach, and stops short of arrival."""
+        return [*speed_doubts(self.settings, world, where), *stop_doubts(self.settings, world)]
 
     def decide(self, observation: Observation, memory: Any) -> Decision:
         """Choose the speed pair that ends nearest to the target (5)."""

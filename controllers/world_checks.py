@@ -62,6 +62,19 @@ def speed_faults(settings: ModeSwitchingSettings, world: World, where: Location)
     return [Fault((*where, "speed"), message)]
 
 
+def speed_doubts(settings: ModeSwitchingSettings, world: World, where: Location) -> list[Fault]:
+    """Warn of a speed that is written, but that the limits of all robots hold below it."""
+    of, at = (settings, where) if world.formation is None else (world.formation, ("formation",))
+    fastest = max(robot.limits.v for robot in world.robots)
+    if "speed" not in of.model_fields_set or of.speed <= fastest:
+        return []
+    message = (
+        f"no robot drives at {of.speed:g} m/s: each goes at its limits.v, at most {fastest:g} m/s; "
+        "raise the limits, or lower the speed"
+    )
+    return [Fault((*at, "speed"), message)]
+
+
 def stop_doubts(
     settings: ModeSwitchingSettings, world: World, may_stand: bool = False
 ) -> list[Fault]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+from physim.world.file import load_world
 from physim.world.file.files import shipped_worlds
 
 from .worlds_readme import key_tables
@@ -22,3 +24,10 @@ def test_every_shipped_world_stands_in_the_readme() -> None:
     for name, description in shipped_worlds().items():
         assert f"| `{name}` |" in text
         assert description
+
+
+def test_the_worlds_named_are_those_whose_controllers_have_settings_of_their_own() -> None:
+    text = README.read_text(encoding="utf-8")
+    named = text.split("All worlds but ")[1].split(" leave the controller at")[0]
+    own = {name for name in shipped_worlds() if load_world(name).controller.settings}
+    assert set(re.findall(r"`(\w+)`", named)) == own

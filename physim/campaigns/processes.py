@@ -262,9 +262,7 @@ class _Worker:
             code == -signal.SIGALRM or (self.due is not None and self.due <= time.monotonic())
         ):
             return OverdueError(f"{job.note}: not done after {job.limit:g} s")
-        how = f"exit code {code}"
-        if code is not None and code < 0:
-            how = signal.Signals(-code).name
+        how = f"exit code {code}" if code is None or code >= 0 else signal.Signals(-code).name
         hint = ": out of memory?" if code in (-signal.SIGKILL, None) else ""
         return LostError(f"a worker process was killed at {job.note} ({how}){hint}")
 
@@ -321,6 +319,8 @@ def _answer(job: Job, stop: Stop) -> tuple[bool, Any]:
         return False, PhysimError(str(error))
     except OSError as error:  # disk full, folder gone
         return False, PhysimError(f"{job.note}: {error.strerror or error}")
+    except KeyboardInterrupt:  # its own: that of the terminal does not reach a worker
+        return False, LostError(f"{job.note}: it raised KeyboardInterrupt")
     except Exception:
         return False, RuntimeError(f"{job.note}:\n{traceback.format_exc()}")
 

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 FAILED = 1
 COMPILING = 15
 """[s] about, for what tells who was responsible"""
+STANDS_IN = "constant"
+"""The controller that is asked once in place of one's own"""
 VARIED = ("pose", "heading", "speed", "settings")
 
 
@@ -125,10 +127,12 @@ def falsify(options: Options) -> int:
 def _space(options: Options) -> Space:
     """The space around a world that a check accepts, with the kernels ready.
 
+    A controller of one's own is not asked here: what it does to a process, it does to a worker.
     Raises PhysimError with every error of the check.
     """
     from physim.campaigns.falsify.space import Space
     from physim.cli.simulating import ready, tell_warnings
+    from physim.parts.registry import CONTROLLER, shipped_parts
     from physim.world.checks.check import check_world
     from physim.world.file import read_world
 
@@ -138,7 +142,10 @@ def _space(options: Options) -> Space:
     tell_warnings(document)
     if options.seed is not None:
         world = world.changed(seed=options.seed)
-    ready(world, document, None, options)
+    shipped = world.controller.type in shipped_parts(CONTROLLER)
+    ready(
+        world if shipped else world.changed(controller={"type": STANDS_IN}), document, None, options
+    )
     found = check_world(
         options.world, overrides=options.overrides, controller=options.controller,
         seed=options.seed,

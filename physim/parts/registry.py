@@ -237,7 +237,8 @@ def checked_settings(
 ) -> tuple[BaseModel | None, list[Fault]]:
     """Settings object of a part, or the faults of ``settings``, each at ``where`` and its key.
 
-    They are checked strictly, as JSON would be: text is no number, a list may fill a tuple.
+    They are checked strictly, as JSON would be: text is no number, a list may fill a tuple. A
+    setting of None is left out, as in a world, which has no way to write it.
     """
     from pydantic import ValidationError
 
@@ -250,7 +251,8 @@ def checked_settings(
         faults.append(replace(fault, message=text))
     if model is None:
         return None, faults
-    known = {key: thawed(value) for key, value in settings.items() if key in allowed}
+    given = {key: value for key, value in settings.items() if value is not None}
+    known = {key: thawed(value) for key, value in given.items() if key in allowed}
     try:
         made = model.model_validate_json(json.dumps(known), strict=True)
     except ValidationError as error:

@@ -292,7 +292,7 @@ class World(Model):
 
         A mapping given for a group, as ``formation={"gain": 0.02}``, changes these keys alone, as
         ``--set formation.gain=0.02`` does; with a ``type`` it is another part, without the settings
-        of the one before.
+        of the one before. None for a setting of the controller leaves that setting out.
         """
         values = {key: self.written(key) for key in type(self).model_fields}
         return World(

@@ -33,7 +33,8 @@ _WORD = re.compile(r"\w{1,40}")
 class Choice(Model):
     """One registered part of a run by name and its settings, which that part itself checks.
 
-    In a world file both stand in one mapping: ``{type: NAME, KEY: VALUE, …}``.
+    In a world file both stand in one mapping: ``{type: NAME, KEY: VALUE, …}``. A setting of None is
+    left out, as ``--set KEY=null`` leaves it out.
     """
 
     type: Label = Field(description="name under which it is registered")
@@ -55,7 +56,7 @@ def _settings(value: Any) -> FrozenMapping:
         raise PydanticCustomError("mapping_type", "must be a mapping")
     if "type" in value:
         raise PydanticCustomError("settings", "must not hold type, which names the part itself")
-    return FrozenMapping(value)
+    return FrozenMapping({key: item for key, item in value.items() if item is not None})
 
 
 def nested_choice(value: Any) -> Any:

@@ -52,6 +52,10 @@ def killed(stop: Stop) -> None:
     os._exit(9)
 
 
+def raises_as_ctrl_c_does(stop: Stop) -> None:
+    raise KeyboardInterrupt
+
+
 def killed_by_the_system(stop: Stop) -> None:
     """Its process is killed."""
     os.kill(os.getpid(), signal.SIGKILL)

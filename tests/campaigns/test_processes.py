@@ -13,6 +13,9 @@ import pytest
 from physim.campaigns.processes import Job, LostError, OverdueError, Processes
 from tests.campaigns import sample_jobs as sample
 
+LONGEST = 120.0
+"""[s] for a job that takes none"""
+
 
 @pytest.fixture
 def executor() -> Iterator[Processes]:
@@ -33,6 +36,7 @@ def test_it_is_an_executor(executor: Processes) -> None:
     [
         (sample.killed, None, LostError, "exit code 9"),
         (sample.killed_by_the_system, None, LostError, "SIGKILL"),
+        (sample.raises_as_ctrl_c_does, None, LostError, "bad: it raised KeyboardInterrupt"),
         (sample.writes_into_pipes, None, LostError, "a worker process was killed at bad"),
         (sample.hangs, 1.0, OverdueError, "not done after 1 s"),
         (sample.hangs_in_native_code, 1.0, OverdueError, "not done after 1 s"),
@@ -45,8 +49,8 @@ def test_whatever_a_job_does_to_its_process_the_next_is_done(
     good = [executor.begin(Job("good", sample.echo, (k,), 60.0)) for k in range(3)]
     for future in bad:
         with pytest.raises(error, match=text):
-            future.result()
-    assert [future.result() for future in good] == [0, 1, 2]
+            future.result(timeout=LONGEST)
+    assert [future.result(timeout=LONGEST) for future in good] == [0, 1, 2]
 
 
 def test_the_limit_counts_from_when_a_process_is_ready(executor: Processes) -> None:

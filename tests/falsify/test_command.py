@@ -18,7 +18,7 @@ from physim.record import Record
 from physim.record.lock import WriteLock
 from physim.world import World
 from physim.world.file import load_world
-from tests.cli.commands import SMALL, frames, physim
+from tests.cli.commands import SMALL, frames, physim, shell
 from tests.falsify.worlds import five_robots, judge
 
 QUIET_SMALL = SMALL.replace("duration: 2.0", "duration: 0.4")
@@ -240,3 +240,35 @@ def test_a_failure_that_does_not_come_again_is_told(
                   "--shrink", "0", capture=capsys)  # fmt: skip
     assert done.code == 2
     assert "once more" in done.err
+
+
+ENDS = """\
+import os
+import signal
+
+class Ends:
+    def decide(self, observation, memory):
+        {how}
+"""
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("os._exit(0)", "exit code 0"),
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "SIGSEGV"),
+        ("os.closerange(0, 64)", ""),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt"),
+    ],
+)
+def test_a_controller_that_ends_its_process_is_told_in_a_line(
+    here: Path, how: str, told: str
+) -> None:
+    """Its own process: that of the command goes on, and the exit code is not the controller's."""
+    (here / "ends.py").write_text(ENDS.format(how=how))
+    done = shell("falsify", "small.yaml", "--controller", "ends:Ends", "-o", "out", "--workers",
+                 "1", folder=here, PYTHONPATH=str(here))  # fmt: skip
+    assert done.code == 2, done
+    assert "the world itself cannot be judged" in done.err
+    assert told in done.err
+    assert len(done.err.splitlines()) == 1

@@ -77,6 +77,14 @@ def test_null_for_a_setting_of_the_controller():
     assert parse_world(STRAIGHT, overrides=["controller.look_ahead=null"]).controller.settings == {}
 
 
+def test_null_for_a_setting_that_the_world_does_not_give():
+    world = parse_world(STRAIGHT, overrides=["controller.omegas=null"])
+    assert world.controller.settings == {"look_ahead": 2.0}
+    again = world.changed(controller={"look_ahead": None, "omegas": None})
+    assert again.controller.settings == {}
+    assert parse_world(again.to_yaml()) == again
+
+
 @pytest.mark.parametrize(
     ("override", "place", "parts"),
     [

@@ -232,7 +232,7 @@ def _expectations(record: Record) -> tuple[Held, ...]:
 def missing(record: Record) -> str:
     """What a record lacks, so that its run has to be simulated again; empty where it has all."""
     if record.record_every > 1 and record.steps_run > 0:
-        return f"poses of every {record.record_every}. step only"
+        return f"poses of one step in {record.record_every} only"
     tables = [table for table in OPTIONAL if table not in record.tables]
     return f"no table {', '.join(tables)}" if tables else ""
 

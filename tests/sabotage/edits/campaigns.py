@@ -53,6 +53,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/processes.py",
+        "_answer",
+        "except KeyboardInterrupt:",
+        "except ZeroDivisionError:",
+        "a job that raises what Ctrl-C raises is told as lost",
+        "tests/campaigns/test_processes.py::test_whatever_a_job_does_to_its_process_the_next_is_done",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
         "_limited",
         "signal.setitimer(signal.ITIMER_REAL, seconds)",
         "pass",

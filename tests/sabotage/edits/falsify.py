@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "falsify",
+        "physim/cli/falsify.py",
+        "_space",
+        'world if shipped else world.changed(controller={"type": STANDS_IN})',
+        "world",
+        "a controller of one's own is asked in a process of its own",
+        "tests/falsify/test_command.py::test_a_controller_that_ends_its_process_is_told_in_a_line",
+    ),
+    Edit(
+        "falsify",
         "physim/campaigns/falsify/shrink.py",
         "_try",
         "if not _fails_alike(result, found.judged) or accepts(world):",

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world_file",
+        "physim/world/run.py",
+        "_settings",
+        "if item is not None",
+        "if True",
+        "a setting of None is left out of the world",
+        "tests/world_file/test_overrides.py::test_null_for_a_setting_that_the_world_does_not_give",
+    ),
+    Edit(
+        "world_file",
+        "physim/parts/registry.py",
+        "checked_settings",
+        "if value is not None",
+        "if True",
+        "a setting of None is not held against its kind",
+        "tests/world_file/test_overrides.py::test_null_for_a_setting_that_the_world_does_not_give",
+    ),
+    Edit(
+        "world_file",
         "physim/world/layout/shape_checks.py",
         "tunnelling",
         "TUNNEL_FRACTION * min(widths)",

@@ -44,6 +44,15 @@ EDITS = (
     Edit(
         "controllers",
         "controllers/world_checks.py",
+        "speed_doubts",
+        "or of.speed <= fastest",
+        "or of.speed > 0.0",
+        "a speed beyond the limits of all robots is doubted",
+        "tests/controllers/test_world_checks.py::test_a_speed_that_no_robot_reaches_is_doubted",
+    ),
+    Edit(
+        "controllers",
+        "controllers/world_checks.py",
         "stop_doubts",
         "if allowed >= short:",
         "if True:",

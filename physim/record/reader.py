@@ -15,7 +15,7 @@ import h5py
 from physim.contacts import Phase
 from physim.drafts import discard, draft_of
 from physim.errors import RecordError, WorldError
-from physim.escaping import html_table
+from physim.escaping import escaped, html_table
 from physim.parts.declarations import Declared, Mode
 from physim.parts.given import GivenSettings
 from physim.record import layout
@@ -210,20 +210,22 @@ class Record(RecordedHistory):
         """
         import yaml
 
-        from physim.world.file.depth import is_deep
+        from physim.world.file.depth import is_plain
 
         fast = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast where it is there
 
         try:
-            if is_deep(self.world_text):  # the library would end the process
-                raise RecursionError
+            if not is_plain(self.world_text):
+                raise ValueError("it has aliases, or nests too deeply")
             world = yaml.load(self.world_text, Loader=fast)
-        except (yaml.YAMLError, ValueError, RecursionError) as error:
+        except (yaml.YAMLError, ValueError) as error:
             try:
                 _ = self.world  # tells the place
             except WorldError as fault:
                 raise unreadable_world(self.where, fault) from error
-            raise RecordError(f"{self.where}: the world inside cannot be read") from error
+            raise RecordError(
+                f"{self.where}: the world inside cannot be read: {escaped(str(error))}"
+            ) from error
         return world if isinstance(world, Mapping) else {}
 
     @cached_property

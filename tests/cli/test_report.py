@@ -92,6 +92,31 @@ def _made(folder: Path, row: dict[str, Any]) -> Record:
     return remake(folder, row)
 
 
+def test_a_kept_record_of_another_run_is_not_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Records that were exchanged after the runs: neither may stand beside the other's row."""
+    from dataclasses import replace
+
+    from physim.campaigns.folder import Folder
+    from physim.campaigns.one_run import take
+    from physim.campaigns.spec import spec_of
+    from physim.world.file import parse_world
+
+    place, cell = Folder(tmp_path / "kept"), spec_of(parse_world(WORLD), 1, name="small")
+    place.open([cell])
+    taken = [take(replace(cell, seed=seed), "all", place.records) for seed in range(3)]
+    place.shards.write([one.row for one in taken if one is not None])
+    first, second, _ = (place.records / f"{one.row.run}.h5" for one in taken if one is not None)
+    kept = first.read_bytes()
+    first.write_bytes(second.read_bytes())
+    second.write_bytes(kept)
+    assert physim("report", place.path, "--quiet", capture=capsys).code == 0
+    page = Elements((place.path / "report.html").read_text(encoding="utf-8"))
+    assert page.tags.count("img") == 1
+    assert page.said.count("record of another run") == 2
+
+
 def test_values_and_no_pictures(
     made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -81,6 +81,18 @@ def test_a_failure_is_written_as_a_world_that_fails(
     assert judged.code == 1
 
 
+@pytest.mark.parametrize("end", ["\n", "\r", "\x85", "\u2028"])
+def test_a_command_of_several_lines_is_one_line_of_the_world(
+    here: Path, one_process: None, capsys: pytest.CaptureFixture[str], end: str
+) -> None:
+    """Its second line would be a key of the world, which is lost by that, found as it is."""
+    done = physim("falsify", "five.yaml", "--set", f'description="a{end}b: 1"', "--budget", "1",
+                  "--shrink", "0", "-o", "out", "--no-video", capture=capsys)  # fmt: skip
+    assert done.code == 1, done.err
+    load_world(here / "out" / "worst.yaml")
+    assert (here / "out" / "story.txt").read_text() in done.out
+
+
 def judge_file(path: Path) -> World:
     world = load_world(path)
     assert judge(world).failed

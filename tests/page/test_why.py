@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from physim.drawing.page import write_page
 from physim.drawing.page.why import PROSE, explanations
 from physim.parts.declarations import Rule
 from physim.parts.registry import CONTROLLER, find_part, make_part
@@ -76,8 +77,15 @@ def test_of_a_controller_that_nobody_knows_its_own_words_are_told() -> None:
     assert (found["thresholds"], found["next"]) == ([], None)
 
 
-def test_settings_that_are_refused_are_told_as_they_stand(tmp_path: Path) -> None:
-    text = "name: odd\nseed: 1\ncontroller: {type: mode_switching, beta: 7}\n"
+@pytest.mark.parametrize(
+    "setting",
+    ["beta: 7", "time_low: .nan, time_high: 3.0", "horizon: .inf", "beta: 2.0, update_period: [a]"],
+)
+def test_of_settings_that_are_refused_nothing_is_told(tmp_path: Path, setting: str) -> None:
+    """They may be anything: what no page can hold as a number, and what no rule can use."""
+    text = f"name: odd\nseed: 1\ncontroller: {{type: mode_switching, {setting}}}\n"
     make_record(tmp_path / "r.h5", 2, 1.0, world_text=text).close()
     with Record.load(tmp_path / "r.h5") as record:
-        assert explanations(record)["thresholds"] == []
+        told = explanations(record)
+        assert (told["thresholds"], told["next"], told["horizon"]) == ([], None, None)
+        write_page([record], tmp_path / "page.html")

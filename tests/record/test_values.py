@@ -293,3 +293,17 @@ def test_a_world_inside_that_nests_without_end(made: Path, tmp_path: Path, text:
     )
     assert (run.returncode, run.stderr.count("\n")) == (2, 1), run.stderr
     in_order(run.stderr.strip(), str(target), "nested deeper")
+
+
+@pytest.mark.parametrize("levels", [1, 9])
+def test_a_world_inside_of_aliases(made: Path, tmp_path: Path, levels: int) -> None:
+    """Nine lines of nine aliases stand for 9**10 values, as soon as a setting is told."""
+    target = tmp_path / "aliases.h5"
+    shutil.copyfile(made, target)
+    lines = [f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 9)}]\n" for k in range(1, levels + 1)]
+    text = f"a0: &a0 x\n{''.join(lines)}controller: {{type: constant, gain: *a{levels}}}\n"
+    with h5py.File(target, "r+") as file:
+        file.attrs["world"] = text
+    with Record.load(target) as record, pytest.raises(RecordError) as raised:
+        record.world_settings  # noqa: B018
+    in_order(str(raised.value), str(target), "the world inside cannot be read")

@@ -17,6 +17,7 @@ from physim.campaigns.falsify.search import Hunt
 from physim.campaigns.falsify.shrink import Shrunk, size_of
 from physim.campaigns.falsify.space import Space
 from physim.errors import PhysimError
+from physim.escaping import escaped
 from physim.record import Record
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
@@ -65,7 +66,7 @@ def write_world(
         *said,
         f"To see it: {run}",
     ]
-    head = "".join(f"# {line}\n" for line in lines)
+    head = "".join(f"# {escaped(line)}\n" for line in lines)
     write_atomically(path, head + world.to_yaml())
 
 

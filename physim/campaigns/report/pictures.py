@@ -143,11 +143,17 @@ def _write_page(record: Record, path: Path) -> str:
 
 
 def _record(row: dict[str, Any], folder: Path, remake: Remake) -> Record:
-    """The kept record of a run, or the run again."""
+    """The kept record of a run, or the run again. PhysimError where it is that of another run."""
     kept = folder / "records" / f"{row['run']}.h5"
-    if row["record"] and kept.is_file():
-        return Record.load(kept)
-    return remake(row)
+    if not row["record"] or not kept.is_file():
+        return remake(row)
+    record = Record.load(kept)
+    if record.digest() != row["digest"]:
+        record.close()
+        raise PhysimError(
+            f"{kept.name} is the record of another run; delete it to have it run again"
+        )
+    return record
 
 
 def _draw(record: Record, row: dict[str, Any], still: Path, video: Path | None) -> None:

@@ -94,7 +94,8 @@ def _rule(rule: Rule, prose: dict[str, str]) -> dict[str, str]:
 def _settings(record: Record) -> dict[str, Any]:
     """Settings of the controller, those that the world does not give as they are by default.
 
-    Only those that the world gives, where nobody has registered the controller or refuses them.
+    Only those that the world gives, where nobody has registered the controller; none where it
+    refuses them, as in a record of another version: they may be anything.
     """
     from physim.parts.registry import CONTROLLER, find_part
 
@@ -102,8 +103,10 @@ def _settings(record: Record) -> dict[str, Any]:
     try:
         model = getattr(find_part(CONTROLLER, part.name), "Settings", None)
         made = None if model is None else model.model_validate(part.settings)
-    except (PhysimError, ValidationError):
+    except PhysimError:
         made = None
+    except ValidationError:
+        return {}
     return dict(part.settings) if made is None else dict(made.model_dump())
 
 

@@ -1,4 +1,8 @@
-"""How deep a text nests, before a library takes it that goes down by calls."""
+"""Whether a library may take the text of a world that physim wrote, before it does.
+
+What goes down by calls is ended by a text that nests deeply; and a few lines of aliases that name
+one another stand for more values than memory holds, as soon as one is written out.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +11,17 @@ import yaml
 from physim.world.file.reading import MOST_DEPTH, Loader
 
 
-def is_deep(text: str) -> bool:
-    """Whether the text of a world nests deeper than any may. Raises yaml.YAMLError."""
+def is_plain(text: str) -> bool:
+    """Whether a text has no aliases, as none that `to_yaml` gives has, and nests no deeper than
+    a world may. Raises yaml.YAMLError."""
     depth = 0
     for event in yaml.parse(text, Loader=Loader):
+        if isinstance(event, yaml.AliasEvent):
+            return False
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
             if depth > MOST_DEPTH:
-                return True
+                return False
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
-    return False
+    return True

@@ -195,4 +195,13 @@ EDITS = (
         "a folder takes one search at a time",
         "tests/falsify/test_command.py::test_a_second_search_into_a_folder_is_refused_before_it_begins",
     ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/results.py",
+        "write_world",
+        "{escaped(line)}",
+        "{line}",
+        "a line break in the command does not break the world",
+        "tests/falsify/test_command.py::test_a_command_of_several_lines_is_one_line_of_the_world",
+    ),
 )

@@ -111,4 +111,10 @@ EDITS = (
         "an error of writing is told, not one of clearing up",
         "tests/page/test_page.py::test_of_a_page_that_cannot_be_written_nothing_is_left",
     ),
+    Edit(
+        "page", f"{ROOM}/why.py", "_settings",
+        "except ValidationError:\n        return {}", "except ValidationError:\n        made = None",
+        "of settings that a controller refuses nothing is told",
+        f"{WHY}::test_of_settings_that_are_refused_nothing_is_told",
+    ),
 )  # fmt: skip

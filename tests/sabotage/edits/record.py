@@ -251,10 +251,19 @@ EDITS = (
     Edit(
         "record",
         "physim/world/file/depth.py",
-        "is_deep",
+        "is_plain",
         "if depth > MOST_DEPTH:",
         "if False:",
         "a world inside that nests without end is refused",
         "tests/record/test_values.py::test_a_world_inside_that_nests_without_end",
+    ),
+    Edit(
+        "record",
+        "physim/world/file/depth.py",
+        "is_plain",
+        "isinstance(event, yaml.AliasEvent)",
+        "False",
+        "a world inside whose aliases name one another is refused",
+        "tests/record/test_values.py::test_a_world_inside_of_aliases",
     ),
 )

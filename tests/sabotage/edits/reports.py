@@ -141,4 +141,13 @@ EDITS = (
         "labels of one pair fit on its card",
         "tests/campaigns/test_compare.py::test_points_of_one_pair_have_labels_that_fit_on_their_card",
     ),
+    Edit(
+        "reports",
+        "physim/campaigns/report/pictures.py",
+        "_record",
+        'record.digest() != row["digest"]',
+        "False",
+        "a kept record is shown beside its own row only",
+        "tests/cli/test_report.py::test_a_kept_record_of_another_run_is_not_shown",
+    ),
 )

@@ -78,6 +78,8 @@ class Folder:
             raise PhysimError(
                 f"{self.path}: holds no campaign (physim sweep WORLD -o {self.path} makes one)"
             ) from None
+        except NotADirectoryError:
+            raise PhysimError(f"{self.path}: is a file; a campaign is a folder") from None
         except OSError as error:
             raise PhysimError(f"{self.path / CAMPAIGN}: cannot be read: {error.strerror}") from None
         except ValueError as error:

@@ -71,7 +71,7 @@ def write_results(folder: Path) -> None:
         parquet.write_table(table, draft)
         draft.replace(path)
     except OSError as error:
-        raise PhysimError(f"{path}: cannot be written: {error}") from None
+        raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         discard(draft)
 

@@ -155,7 +155,7 @@ class Shards:
         """Shards in the order in which they were written."""
         try:
             names = sorted(one.name for one in os.scandir(self.folder))
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):  # whoever needs one says so
             return []
         return [self.folder / name for name in names if name.endswith(SUFFIX) and name[0] != "."]
 

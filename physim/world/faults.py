@@ -314,7 +314,8 @@ _BOUNDS = {
 _SPECIAL: dict[str, Callable[[Mapping[str, Any], Any], str]] = {
     "missing": lambda context, given: "missing; one more number is needed here",
     "too_short": lambda context, given: (
-        f"must have at least {context['min_length']} entries; given {context['actual_length']}"
+        f"must have at least {context['min_length']} "
+        f"{'entry' if context['min_length'] == 1 else 'entries'}; given {context['actual_length']}"
     ),
     "too_long": lambda context, given: (
         f"must have at most {context['max_length']} entries; given "

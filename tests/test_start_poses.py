@@ -19,7 +19,8 @@ from physim.record import Record
 from physim.simulation.run import simulate
 from physim.world import World
 from physim.world.file import parse_world
-from physim.world.layout.places import Occupancy
+from physim.world.layout import start_poses
+from physim.world.layout.places import Candidates, Occupancy
 from physim.world.layout.scene_builder import build_scene, is_random
 from tests.cli.commands import physim, tree
 from tests.facts import facts
@@ -267,3 +268,39 @@ def test_the_first_place_with_room_is_that_of_a_look_at_all_robots(seed: int, ga
     assert (found >= 0.0).tolist() == (room >= 0.0).tolist()
     assert found[fits].tolist() == room[fits].tolist()
     assert occupied.first_fit(0, tried, hall, gap) == (int(fits[0]) if len(fits) else None)
+
+
+def crowded_field(n: int, length: float) -> World:
+    """Boxes at random headings, 1 m² each, in a region 6 m wide."""
+    region = [[1.0, -3.0], [1.0 + length, -3.0], [1.0 + length, 3.0], [1.0, 3.0]]
+    group = {"count": n, "footprint": {"length": 1.0, "width": 1.0}, "path": {"offset": 0.0}}
+    return World(
+        name="field",
+        time={"step": 0.01, "duration": 1.0},
+        corridor={"centreline": [[0, 0], [length + 5.0, 0]], "width": 8.0},
+        start={"region": region, "heading": "random", "min_gap": 0.01},
+        robots=[group],
+    )
+
+
+def test_a_crowd_that_does_not_fit_is_not_placed_anew_for_minutes(monkeypatch):
+    begun, draw = [], Candidates.draw
+
+    def counted(self, i, *rest):
+        if i == 0:
+            begun.append(self.drawn)
+        return draw(self, i, *rest)
+
+    monkeypatch.setattr(Candidates, "draw", counted)
+    monkeypatch.setattr(start_poses, "MOST_DRAWN", 30_000)
+    with pytest.raises(WorldError, match="of 110 robots could be placed"):
+        build_scene(crowded_field(110, 30.0))
+    assert 1 < len(begun) < start_poses.LOOSE_ROUNDS  # placed anew, and given up early
+    assert max(begun) <= 30_000
+
+
+def test_a_first_try_that_succeeds_is_bounded_by_nothing(monkeypatch):
+    world = crowded_field(110, 60.0)
+    before = build_scene(world).start
+    monkeypatch.setattr(start_poses, "MOST_DRAWN", 0)
+    assert np.array_equal(build_scene(world).start, before)

@@ -24,6 +24,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
+from physim.campaigns.kinship import children_allowed, end_with_parent
 from physim.errors import PhysimError
 from physim.streams import gates
 
@@ -165,8 +166,16 @@ class Processes(Executor):
             if one is not None and not one.process.is_alive():
                 self._team.remove(one)
                 continue
-            if one is None and len(self._team) >= self.workers:
-                return
+            if one is None:
+                if len(self._team) >= self.workers:
+                    return
+                try:
+                    one = _Worker.begun(self._context, self._halt)
+                except OSError as error:  # of files, processes or memory there are no more
+                    if not self._team:  # else those that are there do it later
+                        self._refuse(f"({error.strerror or error})")
+                    return
+                self._team.append(one)
             future, job = self._waiting.popleft()
             if not future.set_running_or_notify_cancel():
                 continue
@@ -175,10 +184,14 @@ class Processes(Executor):
             except Exception as error:
                 future.set_exception(RuntimeError(f"{job.note} cannot be sent: {error}"))
                 continue
-            if one is None:
-                one = _Worker.begun(self._context, self._halt)
-                self._team.append(one)
             one.begin(future, job, packed)
+
+    def _refuse(self, why: str) -> None:
+        """Let the jobs that wait fail."""
+        while self._waiting:
+            future, _ = self._waiting.popleft()
+            if future.set_running_or_notify_cancel():
+                future.set_exception(StartError(f"worker processes cannot be started {why}"))
 
     def _ready(self, busy: list[_Worker], given_up: float | None) -> list[_Worker]:
         """Workers that have something to say or are to say nothing more; waits for one."""
@@ -214,7 +227,7 @@ class _Worker:
         """A new process that waits for jobs."""
         ours, theirs = context.Pipe()
         process = context.Process(target=_work, args=(theirs, halt), daemon=True)
-        with _children_allowed():
+        with children_allowed():
             process.start()
         theirs.close()
         return cls(process, ours)
@@ -271,23 +284,11 @@ def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
     return fn(*args, **kwargs)
 
 
-@contextmanager
-def _children_allowed() -> Iterator[None]:
-    """Workers of Dask are daemons, which multiprocessing refuses children; ours end with them."""
-    config: dict[str, Any] = getattr(multiprocessing.current_process(), "_config", {})
-    before = config.pop("daemon", None)
-    try:
-        yield
-    finally:
-        if before is not None:
-            config["daemon"] = before
-
-
 def _work(pipe: Connection, halt: Any) -> None:
     """Do jobs until the other end of the pipe is closed or gone."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # Ctrl-C reaches all; the parent says what follows
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    threading.Thread(target=end_with_parent, daemon=True).start()
     with gates():
         with suppress(OSError):
             pipe.send(READY)
@@ -337,14 +338,6 @@ def _limited(seconds: float | None) -> Iterator[None]:
         yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-
-def _end_with_parent() -> None:
-    """End this process when the one that began it is gone."""
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        wait([parent.sentinel])
-        os._exit(1)
 
 
 __all__ = ["Job", "LostError", "OverdueError", "Processes", "StartError", "Stop", "worker_count"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import multiprocessing
 import os
 import signal
@@ -10,7 +11,8 @@ from concurrent.futures import Executor, wait
 
 import pytest
 
-from physim.campaigns.processes import Job, LostError, OverdueError, Processes
+from physim.campaigns import processes
+from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError
 from tests.campaigns import sample_jobs as sample
 
 LONGEST = 120.0
@@ -51,6 +53,28 @@ def test_whatever_a_job_does_to_its_process_the_next_is_done(
         with pytest.raises(error, match=text):
             future.result(timeout=LONGEST)
     assert [future.result(timeout=LONGEST) for future in good] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("most", [0, 1])
+def test_no_more_processes_than_the_system_allows(
+    executor: Processes, monkeypatch: pytest.MonkeyPatch, most: int
+) -> None:
+    begun, real = [], processes._Worker.begun
+
+    def limited(context, halt):
+        if len(begun) == most:
+            raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
+        begun.append(1)
+        return real(context, halt)
+
+    monkeypatch.setattr(processes._Worker, "begun", limited)
+    futures = [executor.begin(Job("good", sample.echo, (k,))) for k in range(3)]
+    if most:
+        assert [future.result(timeout=LONGEST) for future in futures] == [0, 1, 2]
+        return
+    for future in futures:
+        with pytest.raises(StartError, match=os.strerror(errno.EMFILE)):
+            future.result(timeout=5.0)
 
 
 def test_the_limit_counts_from_when_a_process_is_ready(executor: Processes) -> None:

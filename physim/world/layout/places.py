@@ -72,7 +72,10 @@ class Occupancy:
         inside = np.flatnonzero(shapely.covers(free, outlines))
         room[inside] = shapely.distance(self.walls, outlines[inside]) - gap
         for k in inside[room[inside] >= 0.0]:
-            room[k] = min(room[k], self._spare(i, poses[k], outlines[k], gap, float(room[k])))
+            spare = self._spare(i, poses[k], outlines[k], gap, ROUNDING)
+            if spare >= 0.0:  # few fit in a crowd, and only of these more than the nearest counts
+                spare = self._spare(i, poses[k], outlines[k], gap, float(room[k]))
+            room[k] = min(room[k], spare)
         return room
 
     def first_fit(
@@ -190,12 +193,15 @@ class Candidates:
         occupied: Occupancy,
     ) -> None:
         self.start, self.along, self.occupied, self.free = start, along, occupied, free
+        self.drawn = 0
+        """poses drawn so far"""
         self.cells: dict[int, tuple[float, float, float, float]] = {}
         if start.abreast is not None:
             self._cut(members, start.abreast, paths)
 
     def draw(self, i: int, draw: np.random.Generator, size: int, heading: float) -> FloatArray:
         """Poses (size, 3) to try for robot i, whose random heading would be ``heading``."""
+        self.drawn += size
         if i in self.cells:
             low, high, right, left = self.cells[i]
             origin, direction = self.along.at(draw.uniform(low, high, size))

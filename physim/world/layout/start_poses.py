@@ -35,6 +35,8 @@ BATCHES = (32, 128, 512, 2048)
 TIGHT_BATCH = 1024
 MOST_TIGHT = 100
 """Robots of a group that are placed as tight as can be: with more a refusal would take minutes."""
+MOST_DRAWN = 200_000
+"""Poses drawn for a group, after which it is placed anew no more: about 10 s of processor time."""
 FILLED = 0.4
 """[-] share of a region that robots with half their gap around them fill at random with ease"""
 
@@ -112,11 +114,15 @@ class _Group:
         if start.abreast is not None:
             order = self.members
         most, stuck = -1, order[0]
-        tight = TIGHT_ROUNDS if len(self.members) <= MOST_TIGHT else 0
-        for attempt in range(LOOSE_ROUNDS + tight):
+        rounds = [False] * LOOSE_ROUNDS
+        if len(self.members) <= MOST_TIGHT:
+            rounds += [True] * TIGHT_ROUNDS
+        for attempt, tight in enumerate(rounds):
+            if candidates.drawn > MOST_DRAWN:
+                break
             placed: list[int] = []
             for i in order:
-                pose = self._found(i, candidates, streams[i], tight=attempt >= LOOSE_ROUNDS)
+                pose = self._found(i, candidates, streams[i], tight)
                 if pose is None:
                     break
                 poses[i] = pose

@@ -44,6 +44,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/processes.py",
+        "Processes._hand_out",
+        "except OSError as error:",
+        "except ZeroDivisionError as error:",
+        "where no process can be begun, every job ends",
+        "tests/campaigns/test_processes.py::test_no_more_processes_than_the_system_allows",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
         "_Worker.end",
         "except Exception:",
         "except EOFError:",

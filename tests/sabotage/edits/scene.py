@@ -107,6 +107,15 @@ EDITS = (
     Edit(
         "scene",
         "physim/world/layout/start_poses.py",
+        "_Group.place",
+        "candidates.drawn > MOST_DRAWN",
+        "False",
+        "a crowd that does not fit is refused in seconds",
+        "tests/test_start_poses.py::test_a_crowd_that_does_not_fit_is_not_placed_anew_for_minutes",
+    ),
+    Edit(
+        "scene",
+        "physim/world/layout/start_poses.py",
         "drawn_heading",
         ".uniform(-pi, pi)",
         ".uniform(-0.5 * pi, 0.5 * pi)",

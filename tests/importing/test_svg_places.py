@@ -200,3 +200,75 @@ def test_transforms_count_for_every_shape_that_they_move(tmp_path, copied):
     with pytest.raises(ImportSourceError) as caught:
         import_world(path, METRES)
     check_says(str(caught.value), "transforms … 150000")
+
+
+PILLAR = '<rect x="10" y="10" width="1" height="1"/>'
+OTHER = '<rect x="15" y="10" width="1" height="1"/>'
+
+
+def obstacles(tmp_path, inner):
+    """Least x [m] of every obstacle of a drawing with these elements in its group obstacle."""
+    path = tmp_path / "plan.svg"
+    path.write_text(svg(f'{WALLS}\n<g id="obstacle">{inner}</g>\n{PATH}'))
+    made = import_world(path, METRES)
+    return sorted(min(x for x, _ in ring) for ring in made.world.obstacles or ()), made.changes
+
+
+@pytest.mark.parametrize(
+    "tag",
+    ["mask", "marker", "symbol", "clipPath", "pattern", "defs", "flowRoot", "foreignObject"],
+)
+def test_what_is_drawn_elsewhere_if_at_all_is_no_obstacle(tmp_path, tag):
+    hidden = f'<{tag} id="it">{PILLAR}</{tag}>'
+    assert obstacles(tmp_path, hidden + OTHER)[0] == [15.0]
+    assert obstacles(tmp_path, f"<g>{hidden}</g>{OTHER}")[0] == [15.0]
+
+
+@pytest.mark.parametrize("around", ["{}", "<defs>{}</defs>", "<g>{}</g>"])
+def test_a_symbol_is_drawn_where_it_is_copied(tmp_path, around):
+    symbol = around.format(f'<symbol id="it">{PILLAR}</symbol>')
+    copies = '<use href="#it" x="2"/><use xlink:href="#it" x="5"/>'
+    assert obstacles(tmp_path, symbol + copies)[0] == [12.0, 15.0]
+
+
+@pytest.mark.parametrize("tag", ["mask", "marker"])
+def test_a_copy_of_what_is_never_drawn_is_not_drawn(tmp_path, tag):
+    inner = f'<{tag} id="it">{PILLAR}</{tag}><use href="#it" x="2"/>'
+    assert obstacles(tmp_path, inner)[0] == []
+
+
+CUT = {
+    "attribute": ('clip-path="url(#k)"', "line 3: … <rect> … room … clip-path … whole"),
+    "style": ('style="fill:red;mask:url(#k)"', "line 3: … <rect> … room … mask … whole"),
+    "sheet": ('class="half"', "<style> … clip-path … whole"),
+    "none": ('clip-path="none" style="mask: none"', ""),
+}
+
+
+@pytest.mark.parametrize("how", CUT)
+def test_a_shape_that_is_cut_is_taken_whole_and_told(tmp_path, how):
+    values, told = CUT[how]
+    sheet = "<style>.half {clip-path: url(#k)} .no {mask: none}</style>"
+    inner = sheet + PILLAR.replace("<rect", f'<rect id="room" {values}')
+    found, changes = obstacles(tmp_path, inner + OTHER)
+    assert found == [10.0, 15.0]
+    said = [one for one in changes if "whole" in one]
+    assert len(said) == bool(told)
+    for one in said:
+        check_says(one, told)
+
+
+def test_a_group_or_copy_that_is_cut_is_told_once_and_not_where_it_is_left_out(tmp_path):
+    cut = '<{} id="{}" clip-path="url(#k)"'
+    group = f"{cut.format('g', 'floor')}>{PILLAR}{OTHER}</g>"
+    symbol = f'<symbol id="it">{PILLAR}</symbol>'
+    copy = f'{cut.format("use", "there")} href="#it" x="8"/>'
+    found, changes = obstacles(tmp_path, f"{group}{symbol}{copy}")
+    assert found == [10.0, 15.0, 18.0]
+    said = [one for one in changes if "whole" in one]
+    assert [name for name in ("floor", "there") for one in said if name in one] == [
+        "floor", "there",
+    ]  # fmt: skip
+    assert len(said) == 2
+    outside = f"</g>{cut.format('g', 'floor')}>{PILLAR}</g><g>"
+    assert not [one for one in obstacles(tmp_path, outside)[1] if "whole" in one]

@@ -29,7 +29,7 @@ from physim.authoring.importing.drawing import (
 )
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
-from physim.authoring.importing.svg_bare import LINE, TAG
+from physim.authoring.importing.svg_bare import CUT, LINE, TAG
 from physim.authoring.importing.svg_guard import SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
@@ -152,10 +152,8 @@ class _Line:
 
 def read_svg(path: Path, options: Options) -> Drawing:
     """Read a drawing; raises ImportSourceError with file:line where there is one."""
-    text = read_xml(path)
-    look = look_at(path, text)
-    drawing = Drawing(kind="SVG drawing")
-    drawing.changes += listed(look.left_out)
+    look = look_at(path, read_xml(path))
+    drawing = Drawing(kind="SVG drawing", changes=listed(look.left_out))
     try:
         root = svgelements.SVG.parse(io.StringIO(look.bare.text), reify=True, ppi=96.0)
     except RecursionError:
@@ -166,6 +164,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []
     left_out: list[str] = []
+    cuts: dict[str, None] = {}
     seen: set[int | None] = set()
     count = 0
     walls = Walls(frozenset(options.boundary))
@@ -179,6 +178,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
             left_out.append(f"{where}: in no layer boundary, obstacle, path or robot, left out")
             walls.note(element, name, frame.metres)
             continue
+        if cut := element.values.get(CUT):
+            cuts[f"{cut} is not applied; taken whole"] = None
         try:
             found = subpaths(
                 abs(svgelements.Path(element)), tolerance / frame.metres, MOST_POINTS - count
@@ -194,7 +195,7 @@ def read_svg(path: Path, options: Options) -> Drawing:
                 count += len(placed)
     if unknown := walls.unknown():
         raise refused(path, unknown)
-    drawing.changes += listed(left_out) + listed(look.not_among(seen))
+    drawing.changes += listed(left_out) + listed([*cuts]) + listed(look.not_among(seen))
     drawing.facts.append(
         f"{frame.scale}; curves flattened within {tolerance:g} m; y turned up, the page's lower "
         "left corner is (0, 0)"

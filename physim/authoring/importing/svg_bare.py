@@ -2,6 +2,7 @@
 
 What the library that reads it never sees costs nothing there, however much of it there is: colours,
 fonts, embedded images, text, attributes of other programs, style sheets but for what they hide.
+What no program draws where it stands is put into ``defs``, as the library knows no other way.
 """
 
 from __future__ import annotations
@@ -10,17 +11,28 @@ from itertools import islice
 from xml.sax.saxutils import escape, quoteattr
 
 from physim.authoring.importing.svg_values import EXTENTS, PLACES
+from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
 LABEL = "http://www.inkscape.org/namespaces/inkscape|label"
 SVG = "http://www.w3.org/2000/svg|"
-LINE, TAG = "physim-line", "physim-tag"
-"""Attributes that tell of an element where it stands"""
+LINE, TAG, CUT = "physim-line", "physim-tag", "physim-cut"
+"""Attributes that tell of an element where it stands, and what it or a group about it is cut by"""
 PREFIXES = {LABEL: "inkscape:label", XLINK: "xlink:href"}
 KEPT = ("id", LABEL, "transform", "display", "class", "d", "points", *PLACES, *EXTENTS, "viewBox",
         "preserveAspectRatio")  # fmt: skip
 STYLED = ("display", "transform", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``; in a style sheet the first alone."""
+CUTS = ("clip-path", "mask")
+"""Properties by which only a part of an element is drawn; they are not applied, but told."""
+NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
+"""Elements that hold no lines; they are listed as left out."""
+ONLY_COPIED = "symbol"
+"""An element that is drawn by its copies (``use``) alone"""
+NOT_DRAWN = ("defs", "clipPath", "pattern", "mask", "marker", ONLY_COPIED)
+"""Elements that hold what is drawn elsewhere, if at all."""
+AS_DEFS = ("mask", "marker", "foreignObject", "flowRoot")
+"""Those whose shapes the library would take for drawn."""
 MOST_CLASSES = 20
 """Classes of an element that are looked up"""
 ROOT = ' xmlns="{}" xmlns:xlink="{}" xmlns:inkscape="{}"'.format(
@@ -33,7 +45,7 @@ class BareSvg:
 
     def __init__(self) -> None:
         self._parts: list[str] = []
-        self._names: list[str] = []
+        self._ends: list[str] = []
 
     @property
     def text(self) -> str:
@@ -50,26 +62,44 @@ class BareSvg:
             kept["class"] = " ".join(islice(dict.fromkeys(kept["class"].split()), MOST_CLASSES))
         if style := _declarations(attributes.get("style", ""), STYLED):
             kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
+        if cut := _cut({**attributes, **_declarations(attributes.get("style", ""), CUTS)}):
+            kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
         if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
             kept[XLINK] = href
         kept |= {LINE: str(line), TAG: shown}
         written = (f" {PREFIXES.get(key, key)}={quoteattr(value)}" for key, value in kept.items())
-        self._parts.append(f"<{tag}{'' if self._names else ROOT}{''.join(written)}>")
-        self._names.append(tag)
+        tag = "defs" if tag in AS_DEFS else tag
+        begin, end = ("<defs>", "</defs>") if tag == ONLY_COPIED else ("", "")
+        self._parts.append(f"{begin}<{tag}{'' if self._ends else ROOT}{''.join(written)}>")
+        self._ends.append(f"</{tag}>{end}")
 
     def sheet(self, text: str) -> str:
-        """Take what a style sheet hides; returns the first selector that moves anything, or ""."""
+        """Take what a style sheet hides or cuts; returns the first selector that moves anything."""
         for selector, body in _rules(text):
-            found = _declarations(body, STYLED)
+            found = _declarations(body, (*STYLED, *CUTS))
             if "transform" in found:
                 return selector
             if "display" in found:
                 self._parts.append(escape(f"{selector}{{display:{found['display']}}}"))
+            if cut := _cut(found):
+                self._parts.append(escape(f"{selector}{{{CUT}:<style> has a {cut}, which}}"))
         return ""
 
     def end(self) -> None:
         """End the element that was begun last."""
-        self._parts.append(f"</{self._names.pop()}>")
+        self._parts.append(self._ends.pop())
+
+
+def called(tag: str, attributes: dict[str, str]) -> str:
+    """``<rect> "pillar"``: an element as messages call it, by its label or else its id."""
+    name = attributes.get(LABEL) or attributes.get("id") or ""
+    return f'<{escaped(tag[:40])}> "{escaped(name)[:60]}"' if name else f"<{escaped(tag[:40])}>"
+
+
+def _cut(properties: dict[str, str]) -> str:
+    """``clip-path``, ``mask``, both, or neither: by what an element of these properties is cut."""
+    given = (key for key in CUTS if properties.get(key, "none").strip().lower() != "none")
+    return " and ".join(given)
 
 
 def functions_of(tag: str, attributes: dict[str, str]) -> int:

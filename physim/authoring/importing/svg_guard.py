@@ -14,7 +14,16 @@ from pathlib import Path
 from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
-from physim.authoring.importing.svg_bare import LABEL, SVG, XLINK, BareSvg, functions_of
+from physim.authoring.importing.svg_bare import (
+    LABEL,
+    NOT_DRAWN,
+    NOT_LINES,
+    SVG,
+    XLINK,
+    BareSvg,
+    called,
+    functions_of,
+)
 from physim.authoring.importing.svg_values import (
     NUMBER,
     SHAPES,
@@ -38,10 +47,6 @@ MOST_TURNED = 150_000
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAa,\s]")
 """Beside its numbers."""
 HIDDEN = re.compile(r"display\s*:\s*none")
-NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
-"""Elements that hold no lines; they are listed as left out."""
-NOT_DRAWN = ("defs", "clipPath", "pattern")
-"""Elements that hold what is drawn elsewhere, if at all."""
 
 
 @dataclass
@@ -89,12 +94,6 @@ class _Element:
 def look_at(path: Path, text: str) -> SvgLook:
     """Check an SVG text. Raises ImportSourceError with file:line."""
     return _Guard(path).run(text)
-
-
-def _called(tag: str, attributes: dict[str, str]) -> str:
-    """``<rect> "pillar"``: an element as messages call it, by its label or else its id."""
-    name = attributes.get(LABEL) or attributes.get("id") or ""
-    return f'<{escaped(tag[:40])}> "{escaped(name)[:60]}"' if name else f"<{escaped(tag[:40])}>"
 
 
 def _blank(number: re.Match[str]) -> str:
@@ -175,17 +174,17 @@ class _Guard:
         if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
             around = attributes["d"][bad.start() : bad.start() + 20]
             raise self._refused(
-                f'{_called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
+                f'{called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
             )
         if (start := attributes.get("d", "").strip()) and start[0] not in "Mm":
             raise self._refused(
-                f'{_called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
+                f'{called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
                 "with M, a move"
             )
         if wrong := transform_fault(attributes.get("transform", "")):
-            raise self._refused(f"{_called(tag, attributes)}: transform: {wrong}")
+            raise self._refused(f"{called(tag, attributes)}: transform: {wrong}")
         if tag == "svg" and (wrong := page_fault(attributes)):
-            raise self._refused(f"{_called(tag, attributes)}: {wrong}")
+            raise self._refused(f"{called(tag, attributes)}: {wrong}")
         if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
         elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
@@ -194,15 +193,16 @@ class _Guard:
             self.look.left_out.append(
                 f"line {line}: hidden <{tag}> {label}".rstrip() + ", left out"
             )
+        elif tag in NOT_LINES:
+            self.hidden = 1
+            self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
         if tag in SHAPES and not self.hidden:
             if wrong := shape_fault(tag, attributes):
-                raise self._refused(f"{_called(tag, attributes)}: {wrong}")
-            self.look.drawn.append((line, _called(tag, attributes)))
+                raise self._refused(f"{called(tag, attributes)}: {wrong}")
+            self.look.drawn.append((line, called(tag, attributes)))
         element = _Element(functions_of(tag, attributes))
         href = attributes.get(XLINK, attributes.get("href", ""))
-        if tag in NOT_LINES and not self.hidden:
-            self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
-        elif tag == "use":
+        if tag == "use":
             if not href.startswith("#"):
                 raise self._refused(
                     f'refers to "{escaped(href[:60])}"; nothing outside the file is read'

@@ -403,6 +403,30 @@ def test_options(name: str) -> None:
     check_says(refusal(SAMPLES / "track.csv", options), message)
 
 
+SAMPLE_OF = {
+    "track": "track.csv",
+    "ros-map": "office.yaml",
+    "svg": "hall.svg",
+    "wkt": "office.wkt",
+    "geojson": "office.geojson",
+}
+USED_BY = {
+    "start": (Options(start=5.0), "track", "closed track"),
+    "gap": (Options(gap=3.0), "track", "closed track"),
+    "specks": (Options(specks=4.0), "ros-map", "ROS map"),
+    "boundary": (Options(boundary=("a",)), "svg", "SVG drawing"),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [(name, kind) for name, (_, only, _) in USED_BY.items() for kind in SAMPLE_OF if kind != only],
+)
+def test_an_option_that_a_kind_of_source_does_not_use_is_refused(name: str, kind: str) -> None:
+    options, _, what = USED_BY[name]
+    check_says(refusal(SAMPLES / SAMPLE_OF[kind], options), f"--{name} … {what} … {kind}")
+
+
 def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:
     path = tmp_path / "narrow.wkt"
     path.write_text("POLYGON ((0 0, 30 0, 30 1.2, 0 1.2, 0 0))\nLINESTRING (1 0.6, 29 0.6)")

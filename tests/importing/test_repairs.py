@@ -23,7 +23,16 @@ from physim.authoring.importing import (
     robots as group,
 )
 from physim.authoring.importing.lines import CrossingError, without_loops
-from tests.importing.plans import CELL, check_says, free_cells, map_yaml, pgm, svg, write_map
+from tests.importing.plans import (
+    CELL,
+    SAMPLES,
+    check_says,
+    free_cells,
+    map_yaml,
+    pgm,
+    svg,
+    write_map,
+)
 
 ONE = Options(scale=1.0)
 ROOM = '<path id="boundary" d="M 0,0 24,0 24,14 0,14 Z"/>'
@@ -325,6 +334,15 @@ def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
     path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
     with pytest.raises(ImportSourceError, match="the path leaves the area"):
         import_world(path)
+
+
+@pytest.mark.parametrize("name", ["track.csv", "office.wkt", "office.geojson"])
+def test_a_tolerance_without_effect_is_told(name: str) -> None:
+    """Lines of few points are taken as they are, unless they are made from curves or cells."""
+    asked, plain = (import_world(SAMPLES / name, Options(tolerance=value)) for value in (3.0, None))
+    assert asked.world == plain.world
+    assert [one for one in asked.facts if "--tolerance 3" in one]
+    assert not [one for one in plain.facts if "--tolerance" in one]
 
 
 def test_a_layer_of_another_name_is_no_role(tmp_path: Path) -> None:

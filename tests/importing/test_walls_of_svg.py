@@ -9,7 +9,6 @@ import shapely
 
 from physim.authoring.importing import Options, import_world
 from physim.errors import PhysimError
-from tests.facts import facts
 
 PLAN = """\
 <svg xmlns="http://www.w3.org/2000/svg" width="30m" height="15m" viewBox="0 0 30 15">
@@ -65,13 +64,6 @@ def test_several_may_be_walls(tmp_path: Path) -> None:
 def test_an_id_that_is_not_there_is_refused_with_the_nearest(tmp_path: Path) -> None:
     assert '"outline"' in refusal(drawing(tmp_path), "outlines")
     assert '"rim"' in refusal(drawing(tmp_path), "zzz")
-
-
-def test_it_is_for_drawings_only(tmp_path: Path) -> None:
-    path = tmp_path / "w.wkt"
-    path.write_text("POLYGON ((0 0, 30 0, 30 8, 0 8, 0 0))")
-    with pytest.raises(PhysimError, match=facts("--boundary", "wkt")):
-        import_world(path, Options(boundary=("a",)))
 
 
 def test_names_of_shapes_cannot_act_on_a_terminal(tmp_path: Path) -> None:

@@ -147,6 +147,27 @@ class Options:
         return 1.0 if self.scale is None else self.scale
 
 
+ONLY_FOR = {
+    "start": (("track",), "says where a closed track (.csv) is cut open"),
+    "gap": (("track",), "says how much road is left out where a closed track (.csv) is cut open"),
+    "specks": (("ros-map",), "says which occupied patches of a ROS map are left out"),
+    "boundary": (("svg",), "says which shapes of an SVG drawing are walls"),
+}
+"""Options that some kinds of source alone have a use for: these, and what it is; the others serve
+all."""
+
+
+TOLERANT = ("ros-map", "svg")
+"""Kinds of source of which every line is made within ``tolerance``, not only one of many points"""
+
+
+def check_options(source: Path, kind: str, options: Options) -> None:
+    """Refuse options that would be without effect for a kind of source."""
+    for name, (kinds, purpose) in ONLY_FOR.items():
+        if getattr(options, name) not in (None, ()) and kind not in kinds:
+            raise refused(source, f"--{name}: {purpose}; this is read as {kind}")
+
+
 def _lines(sources: Sequence[Source]) -> list[Any]:
     return [
         shapely.LineString(one.points) if len(one.points) > 1 else shapely.Point(one.points[0])

@@ -112,15 +112,17 @@ def _has_area(ring: FloatArray) -> bool:
     return len(ring) > 2 and bool(shapely.MultiPoint(ring).convex_hull.area > 1e-9)
 
 
-def thin_out(drawing: Drawing, within: float) -> None:
+def thin_out(drawing: Drawing, within: float) -> bool:
     """Leave out points of walls and obstacles, where there are very many, and say so.
+
+    Whether there are.
 
     They stay ``within`` [m] of where they are. Every point would be looked at in every run.
     """
     lines = [*drawing.boundaries, *drawing.obstacles]
     points = sum(map(len, lines))
     if points <= DENSE or drawing.area is not None:
-        return
+        return False
     drawing.boundaries = [thinned(line, within) for line in drawing.boundaries]
     drawing.obstacles = [_thinned_ring(ring, within) for ring in drawing.obstacles]
     left = sum(map(len, (*drawing.boundaries, *drawing.obstacles)))
@@ -129,6 +131,7 @@ def thin_out(drawing: Drawing, within: float) -> None:
             f"{points - left} of {points} points of walls and obstacles left out, which lie within "
             f"{within:g} m of a line between others (--tolerance)"
         )
+    return True
 
 
 def _thinned_ring(ring: FloatArray, within: float) -> FloatArray:

@@ -15,14 +15,17 @@ from pathlib import Path
 import numpy as np
 
 from physim.authoring.importing.drawing import (
+    TOLERANT,
     Drawing,
     ImportSourceError,
     Options,
+    check_options,
     number,
     place,
     refused,
 )
 from physim.authoring.importing.enclosure import (
+    DENSE,
     LARGEST_PLACE,
     check_size,
     check_sound,
@@ -186,8 +189,7 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
     """
     options = options or Options()
     form = options.format or format_of(source)
-    if options.boundary and form != "svg":
-        raise refused(source, f"--boundary: is for SVG drawings only; this is read as {form}")
+    check_options(source, form, options)
     module, name = READERS[form]
     reader: Callable[[Path, Options], Drawing] = getattr(import_module(module), name)
     drawing = reader(source, options)
@@ -198,7 +200,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
             f"{len(drawing.robots)} robots are drawn; at most {MOST_DRAWN} are read; draw fewer, "
             "or have boxes placed instead by --robots N",
         )
-    thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
+    many = thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
+    if options.tolerance is not None and not many and form not in TOLERANT:
+        drawing.facts.append(
+            f"--tolerance {options.tolerance:g} without effect: walls of at most {DENSE} points "
+            "are kept as they are"
+        )
     check_sound(source, drawing)
     if drawing.area is None:
         enclose(source, drawing, options.origin)

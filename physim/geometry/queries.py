@@ -26,7 +26,7 @@ from physim.geometry.collision import bodies_time
 from physim.geometry.motion import Course, arc_course, straight_course
 from physim.geometry.polygon import convex_parts, is_convex_part
 from physim.geometry.separation import body_distance, body_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_parts
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_at, pack_parts
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
 
@@ -104,11 +104,6 @@ def parts_of(shape: Any, what: str) -> tuple[FloatArray, ...]:
     return tuple(parts)
 
 
-def pack_at(parts: Sequence[FloatArray], origin: FloatArray) -> Shapes:
-    """One body, seen from ``origin``."""
-    return pack_parts([[part - origin for part in parts]])
-
-
 def horizon_of(horizon: float) -> float:
     """A time >= 0 [s]; inf is allowed."""
     if not float(horizon) >= 0.0:
@@ -134,10 +129,7 @@ class Separation:
 
 
 def pack_shapes(bodies: Sequence[ShapeLike]) -> Shapes:
-    """Pack bodies [m], each a shape in its own frame, for `shortest_distances` and the like.
-
-    Raises PhysimError for a body that is no shape, by its number.
-    """
+    """Pack bodies [m], each a shape in its own frame; PhysimError names one that is no shape."""
     if not np.iterable(bodies):
         raise PhysimError(f"bodies: {bodies!r} given; a sequence of shapes is needed")
     return pack_parts([parts_of(body, f"bodies[{k}]") for k, body in enumerate(bodies)])

@@ -77,6 +77,11 @@ def pack_parts(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
     )
 
 
+def pack_at(parts: Sequence[FloatArray], origin: FloatArray) -> Shapes:
+    """Pack one body, seen from ``origin``."""
+    return pack_parts([[part - origin for part in parts]])
+
+
 def joined_shapes(shapes: Shapes, walls: Shapes) -> Shapes:
     """Return robots and walls in one numbering of bodies and parts: robots first."""
     return Shapes(

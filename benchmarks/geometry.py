@@ -13,7 +13,7 @@ import numpy as np
 
 from physim.geometry import collision_times, shortest_distances
 from physim.geometry.clearance import clearances
-from physim.geometry.shapes import Shapes, pack_shapes
+from physim.geometry.shapes import Shapes, pack_parts
 from physim.geometry.wall_grid import build_wall_grid
 
 ROBOTS = 300
@@ -38,12 +38,12 @@ def corridor() -> Shapes:
         line = np.c_[x, 3.0 * np.sin(x / 15.0) + offset]
         return [line[k : k + 2] for k in range(len(line) - 1)]
 
-    return pack_shapes([wall(4.0), wall(-4.0)])
+    return pack_parts([wall(4.0), wall(-4.0)])
 
 
 def main() -> None:
     rng = np.random.default_rng(1)
-    shapes = pack_shapes([[BOX]] * ROBOTS)
+    shapes = pack_parts([[BOX]] * ROBOTS)
     pose = np.c_[rng.uniform(-6.0, 6.0, (ROBOTS, 2)), rng.uniform(-7.0, 7.0, ROBOTS)]
     a, b = np.tril_indices(ROBOTS, -1)
     straight = np.c_[np.ones(ROBOTS), np.zeros(ROBOTS)]
@@ -66,7 +66,7 @@ def main() -> None:
     x = 5.0 + 2.3 * (i // 2) + t * (1.0 + 0.02 * i)
     y = 3.0 * np.sin(x / 15.0) + np.where(i % 2, 1.4, -1.4)
     heading = 0.2 * np.cos(x / 15.0) + 0.1 * np.sin(t * i)
-    group = pack_shapes([[BOX]] * robots)
+    group = pack_parts([[BOX]] * robots)
     poses = np.stack([x, y, heading], axis=2)
     near = build_wall_grid(walls, 10.0, 2.0)
     sample = best_time(clearances, poses, group, walls, near) / samples * 1e6

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray, pack_parts
 from physim.simulation.engine import Physics
 
 
@@ -25,8 +25,8 @@ def scene(robots: int, spacing: float) -> Physics:
     start = np.column_stack((places, np.linspace(-3, 3, robots)))
     angle = np.linspace(0, 2 * np.pi, 201)
     ring = (10 + side * spacing) * np.column_stack((np.cos(angle), np.sin(angle)))
-    walls = pack_shapes([list(pairwise(ring))])
-    return Physics(pack_shapes([[box(1.0, 0.6)]] * robots), walls, start, np.full(robots, 10), 0.05)
+    walls = pack_parts([list(pairwise(ring))])
+    return Physics(pack_parts([[box(1.0, 0.6)]] * robots), walls, start, np.full(robots, 10), 0.05)
 
 
 def free(physics: Physics) -> FloatArray:

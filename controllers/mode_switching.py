@@ -31,7 +31,7 @@ from physim.compiled import compiled
 from physim.errors import Fault, Location
 from physim.geometry.motion import facings
 from physim.geometry.path import path_length, point_at
-from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Polylines, pack_parts
 from physim.geometry.wall_tree import Sight, build_wall_tree, seen_distance
 from physim.parts.controller import BatchController, Decision, Observation
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Rule
@@ -271,7 +271,7 @@ class ModeSwitching:
         rows, neighbours = np.arange(len(station)), np.arange(1, len(station))
         pose = np.array([o.pose, *(other.pose for other in o.others)])
         bodies = Bodies(
-            shapes=pack_shapes([o.footprint, *(other.footprint for other in o.others)]),
+            shapes=pack_parts([o.footprint, *(other.footprint for other in o.others)]),
             shape=np.arange(1 + len(o.others)),
             number=np.array([o.index, *(other.index for other in o.others)]),
             pose=pose,
@@ -279,7 +279,7 @@ class ModeSwitching:
             station=np.array([o.reference_station, *(other.station for other in o.others)]),
             facing=facings(pose),
         )
-        walls = pack_shapes([[part] for part in o.walls])
+        walls = pack_parts([[part] for part in o.walls])
         own = EgoState(
             row=0,
             path=0,

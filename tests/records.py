@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from physim.contacts import CONTACT_ROW, FALSE_CONTACT_ROW, Phase
-from physim.geometry.shapes import FloatArray, Polylines, pack_polylines, pack_shapes
+from physim.geometry.shapes import FloatArray, Polylines, pack_parts, pack_polylines
 from physim.parts.declarations import PAPER_MODES, STANDARD_COLUMNS, Declared, Rule
 from physim.record import Record, RecordWriter
 from physim.record.layout import CONSIDERED, CONSIDERING, update_type
@@ -37,7 +37,7 @@ def make_scene(robots: int = 3, seconds: float = 10.0, dt: float = 0.01) -> Simp
     offsets = np.linspace(-2.0, 2.0, robots) if robots > 1 else np.zeros(1)
     paths = pack_polylines([_offset(CENTRELINE, offset) for offset in offsets])
     left, right = _offset(CENTRELINE, WIDTH / 2), _offset(CENTRELINE, -WIDTH / 2)
-    walls = pack_shapes([list(pairwise(line)) for line in (left, right)])
+    walls = pack_parts([list(pairwise(line)) for line in (left, right)])
     names = [Body(i, "robot", f"r{i + 1}") for i in range(robots)]
     names += [Body(robots, "boundary", "left"), Body(robots + 1, "boundary", "right")]
     start = _along(paths, 3.0 + 2.5 * np.arange(robots)[::-1], np.arange(robots))
@@ -47,7 +47,7 @@ def make_scene(robots: int = 3, seconds: float = 10.0, dt: float = 0.01) -> Simp
         dt=dt,
         steps=round(seconds / dt),
         bodies=tuple(names),
-        shapes=pack_shapes([ELL if i % 3 == 2 else (BOX,) for i in range(robots)]),
+        shapes=pack_parts([ELL if i % 3 == 2 else (BOX,) for i in range(robots)]),
         walls=walls,
         start=start,
         paths=paths,

@@ -202,10 +202,10 @@ import sys
 import numpy as np
 from physim.controllers.safe_area import safe_target
 from physim.geometry.safe_point import nearest_safe_point
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.wall_tree import Sight, build_wall_tree
 
-walls = pack_shapes([[np.array([[0.0, 0.0], [9.0, 0.0]])]])
+walls = pack_parts([[np.array([[0.0, 0.0], [9.0, 0.0]])]])
 sight = Sight(build_wall_tree(walls), 1.0, 1.0, 9.0, np.array([-1]))
 target, ahead = (4.0, 0.5), (1.0, 0.0)
 moved = lambda: safe_target(sight, target, ahead, False, (1.0, 1.0), 2.0, 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physim.contacts import allowed_depth
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.tolerances import DEEP, IMPACT_SPEED, TUNNEL_FRACTION
 from tests.physics.hosts import box, drive, host, segments
 
@@ -14,7 +14,7 @@ ROBOT = [box(0.5, 0.3)]
 
 
 def shapes(*footprints):
-    return pack_shapes([[box(*sides)] for sides in footprints])
+    return pack_parts([[box(*sides)] for sides in footprints])
 
 
 @pytest.mark.parametrize("step", [0.001, 0.005, 0.01])

@@ -15,7 +15,7 @@ import pytest
 import shapely
 
 from physim.controllers.mode_switching import ModeSwitching
-from physim.geometry.shapes import Shapes, pack_shapes, read_only
+from physim.geometry.shapes import Shapes, pack_parts, read_only
 from physim.geometry.wall_grid import build_wall_grid
 from physim.parts.controller import (
     BatchCapable,
@@ -239,7 +239,7 @@ def test_nothing_beyond_the_range_changes_a_decision(world_name: str, plain: boo
         gaps = shapely.distance(walls, shapely.Point(snapshot.pose[i, :2]))
         kept = [p for p in range(len(walls)) if gaps[p] <= scene.sensing_range + 1e-6]
         kept = kept or [int(gaps.argmin())]
-        bare = pack_shapes([[part_of(scene.walls, p)] for p in kept])
+        bare = pack_parts([[part_of(scene.walls, p)] for p in kept])
         narrow = dataclasses.replace(
             scene, walls=bare, wall_grid=build_wall_grid(bare, scene.sensing_range, 2.0)
         )

@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
+from physim.world.checks import check_world
 from physim.world.file import load_world
 from physim.world.file.files import shipped_worlds
 
@@ -31,3 +34,24 @@ def test_the_worlds_named_are_those_whose_controllers_have_settings_of_their_own
     named = text.split("All worlds but ")[1].split(" leave the controller at")[0]
     own = {name for name in shipped_worlds() if load_world(name).controller.settings}
     assert set(re.findall(r"`(\w+)`", named)) == own
+
+
+WHOLE = [
+    block
+    for block in re.findall(r"```yaml\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    if "name: " in block.partition("\n")[0]
+]
+
+
+def test_whole_worlds_are_looked_for() -> None:
+    assert any("fleet" in block for block in WHOLE)
+
+
+@pytest.mark.parametrize("text", WHOLE)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_whole_world_of_the_readme_is_accepted_without_a_warning(
+    tmp_path: Path, text: str, seed: int
+) -> None:
+    (tmp_path / "world.yaml").write_text(text, encoding="utf-8")
+    found = check_world(tmp_path / "world.yaml", seed=seed)
+    assert [str(one) for one in (*found.errors, *found.warnings)] == []

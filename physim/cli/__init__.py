@@ -79,6 +79,10 @@ def _main(arguments: Sequence[str] | None, broken: Break) -> int:
             raise KeyboardInterrupt from None
         _print_error(str(error))
         return 2
+    except MemoryError as error:
+        why = f" ({error})" if str(error) else ""
+        _print_error(f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more")
+        return 2
 
 
 def _fault() -> int:

@@ -69,8 +69,9 @@ def falsify(options: Options) -> int:
 
     bounds: pose: up to 1 m along x and y, or anywhere in the start region, clear of all else by
     0.3 m or what the world itself has; heading: any where it is random, else 0.5 rad to either
-    side; speed: limits of v and omega, half to all of each; settings: numbers of the controller,
-    within the bounds that it declares, half to twice where it declares none
+    side; speed: limits of v and omega, half to all of each, as far as the controller takes them;
+    settings: numbers of the controller, within the bounds that it declares, half to twice where it
+    declares none
 
     written to DIR:
       worst.yaml     the world that fails, shrunk; or the one that came nearest to it

@@ -180,14 +180,16 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read what stands before the command. Raises UsageError for options of commands."""
+        """Read what stands before the command. Raises UsageError for all but its own."""
         try:
             return super().parse_args(ctx, list(args))
         except click.NoSuchOption as error:
+            made = filter(None, (self.get_command(ctx, name) for name in COMMANDS))
+            if not any(error.option_name in one.opts for each in made for one in each.params):
+                raise _explained(error, ctx, args) from None
             option = quoted(error.option_name)
-            raise click.UsageError(
-                f"{option}: stands before the command; write physim COMMAND ... {option}", ctx
-            ) from None
+            why = f"stands before the command; write physim COMMAND ... {option}"
+            raise click.UsageError(f"{option}: {why}", ctx) from None
         except click.UsageError as error:
             raise _explained(error, ctx, args) from None
 
@@ -197,8 +199,7 @@ class Commands(click.Group):
         for title, group in GROUPS.items():
             for name in group:
                 found = self.get_command(ctx, name)
-                summary = found.short_help if found is not None else ""
-                formatter.write(f"{title:<8}{name:<18}{summary}\n")
+                formatter.write(f"{title:<8}{name:<18}{found.short_help if found else ''}\n")
                 title = ""
         formatter.write(TAIL)
 

@@ -222,7 +222,7 @@ def video(options: Options) -> int:
 
 def _check_kind(options: Options, output: Path) -> None:
     """Raise PhysimError where the file is of no kind there is, or of another than asked for."""
-    from physim.drawing.video.files import STILL, check_still, kind_of, rate
+    from physim.drawing.video.files import STILL, check_still, kind_of, named, rate
 
     suffix = output.suffix.lower()
     if options.at is None:
@@ -238,7 +238,7 @@ def _check_kind(options: Options, output: Path) -> None:
     if suffix != STILL:
         raise PhysimError(
             f"--at {options.at:g}: makes a still, which {output} cannot be; did you mean "
-            f'"{output.with_suffix(STILL).name}"?'
+            f'"{named(output, STILL)}"?'
         )
     check_still(output)
 

@@ -19,12 +19,13 @@ if TYPE_CHECKING:
         closest_points,
         collision_time,
         collision_times,
+        pack_shapes,
         polyline,
         shortest_distance,
         shortest_distances,
         signed_distance,
     )
-    from physim.geometry.shapes import Shapes, pack_shapes
+    from physim.geometry.shapes import Shapes
 
 __all__ = [
     "CertifiedTime",
@@ -51,7 +52,7 @@ HOMES = {
     "collision_time_certified": "physim.geometry.encounters",
     "collision_times": "physim.geometry.queries",
     "contact_intervals": "physim.geometry.encounters",
-    "pack_shapes": "physim.geometry.shapes",
+    "pack_shapes": "physim.geometry.queries",
     "polyline": "physim.geometry.queries",
     "shortest_distance": "physim.geometry.queries",
     "shortest_distances": "physim.geometry.queries",

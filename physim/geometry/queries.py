@@ -26,7 +26,7 @@ from physim.geometry.collision import bodies_time
 from physim.geometry.motion import Course, arc_course, straight_course
 from physim.geometry.polygon import convex_parts, is_convex_part
 from physim.geometry.separation import body_distance, body_separation
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, locked, pack_at, pack_parts
 
 ShapeLike = ArrayLike | Sequence[ArrayLike]
 
@@ -49,8 +49,8 @@ def bodies_of(
     twist_b: ArrayLike,
 ) -> tuple[Shapes, Course, Shapes, Course]:
     """Both bodies with their courses: shapes and course of a, then of b."""
-    a = pack_shapes([parts_of(footprint_a, "footprint_a")])
-    b = pack_shapes([parts_of(footprint_b, "footprint_b")])
+    a = pack_parts([parts_of(footprint_a, "footprint_a")])
+    b = pack_parts([parts_of(footprint_b, "footprint_b")])
     course_a = course_of(pose_a, twist_a, float(a.radius[0]), "a")
     course_b = course_of(pose_b, twist_b, float(b.radius[0]), "b")
     return a, course_a, b, course_b
@@ -104,11 +104,6 @@ def parts_of(shape: Any, what: str) -> tuple[FloatArray, ...]:
     return tuple(parts)
 
 
-def pack_at(parts: Sequence[FloatArray], origin: FloatArray) -> Shapes:
-    """One body, seen from ``origin``."""
-    return pack_shapes([[part - origin for part in parts]])
-
-
 def horizon_of(horizon: float) -> float:
     """A time >= 0 [s]; inf is allowed."""
     if not float(horizon) >= 0.0:
@@ -131,6 +126,13 @@ class Separation:
     """on a: nearest to b, or deepest inside b"""
     point_b: Point
     """on b: nearest to a, or deepest inside a"""
+
+
+def pack_shapes(bodies: Sequence[ShapeLike]) -> Shapes:
+    """Pack bodies [m], each a shape in its own frame; PhysimError names one that is no shape."""
+    if not np.iterable(bodies):
+        raise PhysimError(f"bodies: {bodies!r} given; a sequence of shapes is needed")
+    return pack_parts([parts_of(body, f"bodies[{k}]") for k, body in enumerate(bodies)])
 
 
 def polyline(points: ArrayLike) -> tuple[FloatArray, ...]:
@@ -209,9 +211,9 @@ def shortest_distances(
 ) -> FloatArray:
     """Shortest distances (11) [m] of M pairs (M,); 0 where the two intersect.
 
-    Pair k: body ``index_a[k]`` of ``shapes_a`` (see `pack_shapes`: convex parts, counter-clockwise,
-    in the body's frame) at ``pose_a[k]``, and the same of b. Indices are (M,) whole numbers, poses
-    (M, 3) x, y, heading [m, m, rad], world frame; one pose (3,) or one index serves for all pairs.
+    Pair k: body ``index_a[k]`` of ``shapes_a`` (see `pack_shapes`), at ``pose_a[k]``, and the same
+    of b. Indices are (M,) whole numbers, poses (M, 3) x, y, heading [m, m, rad], world frame; one
+    pose (3,) or one index serves for all pairs.
 
     Exact to about 1e-15 of the size of the shapes and of their distance, either way. Raises
     `PhysimError` where arrays do not fit together, an index names no body, or a pose is not finite.

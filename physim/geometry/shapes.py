@@ -61,8 +61,11 @@ class Polylines(NamedTuple):
     """(V,) [m] arc length from the first point of its polyline"""
 
 
-def pack_shapes(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
-    """Pack bodies, each a sequence of convex parts (n, 2), counter-clockwise, into arrays."""
+def pack_parts(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
+    """Pack bodies, each a sequence of convex parts (n, 2), counter-clockwise, into arrays.
+
+    Nothing is looked at: `physim.geometry.pack_shapes` takes shapes of any kind.
+    """
     packed = [[np.asarray(part, dtype=np.float64) for part in body] for body in bodies]
     parts = list(chain.from_iterable(packed))
     radius = [max(float(np.hypot(p[:, 0], p[:, 1]).max()) for p in body) for body in packed]
@@ -72,6 +75,11 @@ def pack_shapes(bodies: Sequence[Sequence[ArrayLike]]) -> Shapes:
         _offsets([len(body) for body in packed]),
         np.array(radius, dtype=np.float64),
     )
+
+
+def pack_at(parts: Sequence[FloatArray], origin: FloatArray) -> Shapes:
+    """Pack one body, seen from ``origin``."""
+    return pack_parts([[part - origin for part in parts]])
 
 
 def joined_shapes(shapes: Shapes, walls: Shapes) -> Shapes:

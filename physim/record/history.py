@@ -179,5 +179,5 @@ class RecordedHistory(RecordedScene):
 
     @cached_property
     def arrived(self) -> IntArray:
-        """(N,) sample from which on each robot has arrived, to the end; -1 where it has not."""
+        """(N,) step from which on each robot has arrived, to the end; -1 where it has not."""
         return self.read(layout.ARRIVED)

@@ -164,7 +164,7 @@ EXTREMES = "/extremes"
 EXTREMES_FARTHEST = "/extremes_farthest"
 
 ARRIVED = "/robots/arrived"
-"""(N,) sample from which on each robot has arrived, to the end of the run; -1 where it has not."""
+"""(N,) step from which on each robot has arrived, to the end of the run; -1 where it has not."""
 
 DATASETS = (*FIXED, EXTREMES, EXTREMES_FARTHEST, ARRIVED, *TABLES, OTHERS, *STEPS)
 """Every dataset that a record must have."""

@@ -237,7 +237,7 @@ class RecordWriter:
             self._others.append(others)
 
     def note_arrived(self, since: NDArray[np.int64]) -> None:
-        """Set the samples (N,) from which on robots have arrived; -1 where they have not."""
+        """Set the physics steps (N,) from which on robots have arrived; -1 where they have not."""
         self.arrived[:] = since
 
     def note_extremes(self, step: ArrayLike, found: Clearances) -> None:

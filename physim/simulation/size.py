@@ -62,7 +62,8 @@ class Size:
     def line(self) -> str:
         """One line: how large, and how long it takes."""
         return (
-            f"{self.robots:,} robots, {self.steps:,} steps: roughly {_time(self.seconds)} of "
+            f"{self.robots:,} robot{'' if self.robots == 1 else 's'}, {self.steps:,} steps: "
+            f"roughly {_time(self.seconds)} of "
             f"computing and {_bytes(self.record)} of record, {_bytes(self.samples)} of it samples"
         )
 

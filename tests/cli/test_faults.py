@@ -41,3 +41,17 @@ def test_ends_that_are_no_fault(monkeypatch: pytest.MonkeyPatch, error: BaseExce
             main(["list"])
     else:
         assert main(["list"]) == 130
+
+
+@pytest.mark.parametrize("error", [MemoryError(), MemoryError("Unable to allocate 3 GiB")])
+def test_no_memory_is_no_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], error: MemoryError
+) -> None:
+    def full(options: object) -> int:
+        raise error
+
+    monkeypatch.setattr(listing, "callback", full)
+    assert main(["list"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("out of memory")
+    assert str(error) in line

@@ -24,6 +24,7 @@ MISTAKES = {
     ("run", "a", "b c"): ('"b c"', "physim run takes WORLD"),
     ("list", "a"): ("a", "physim list takes options"),
     ("--seed", "3", "run", "x"): ("--seed", "physim COMMAND ... --seed"),
+    ("--versoin",): ("--versoin", "no such option", '"--version"'),
     ("--version=3",): ("--version", "given 3"),
     ("validate", "x", "--json"): ("--json", "FILE is missing", "standard output"),
     ("validate", "x", "--json", "--quiet"): ("--json", "FILE is missing", "standard output"),

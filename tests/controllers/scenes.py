@@ -17,7 +17,7 @@ from physim.controllers.mode_switching import ModeSwitching
 from physim.controllers.near_field import COLUMNS, NearField, look_about
 from physim.controllers.priority import Bodies
 from physim.controllers.settings import ModeSwitchingSettings
-from physim.geometry.shapes import Shapes, pack_polylines, pack_shapes, read_only
+from physim.geometry.shapes import Shapes, pack_parts, pack_polylines, read_only
 from physim.geometry.wall_grid import build_wall_grid
 from physim.geometry.wall_tree import Sight, build_wall_tree
 from physim.parts.controller import Decisions, Observation, Sensed
@@ -63,12 +63,12 @@ def scene_of(history: History) -> Scene:
     ]
     n = len(robots)
     adjacency = np.zeros((0, 0)) if cluster.adjacency is None else cluster.adjacency
-    walls = pack_shapes(history.walls)
+    walls = pack_parts(history.walls)
     return dataclasses.replace(
         template(),
         dt=0.01,
         bodies=tuple(names),
-        shapes=pack_shapes([robot.parts for robot in robots]),
+        shapes=pack_parts([robot.parts for robot in robots]),
         walls=walls,
         wall_grid=build_wall_grid(walls, cluster.range if np.isfinite(cluster.range) else 1e3, 2.0),
         mass=np.ones(n),

@@ -14,7 +14,7 @@ from physim.controllers.near_field import NearField
 from physim.controllers.priority import Bodies
 from physim.controllers.settings import ModeSwitchingSettings
 from physim.geometry.motion import facings
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from tests.controllers.agreement import hold_against_oracle
 from tests.controllers.random_scenes import convex_part, footprint, random_command, random_history
 from tests.controllers.scenes import near_field
@@ -83,7 +83,7 @@ def rows_of(
     """The robots as a decision looks at them."""
     order = np.arange(len(bodies))
     command = np.zeros((len(bodies), 2)) if command is None else command
-    packed, station = pack_shapes(bodies), np.zeros(len(bodies))
+    packed, station = pack_parts(bodies), np.zeros(len(bodies))
     return Bodies(packed, order, order, pose, command, station, facings(pose))
 
 
@@ -91,7 +91,7 @@ def about(
     bodies: Bodies, rows: np.ndarray, walls: list[np.ndarray], translation: bool = False
 ) -> tuple[Bodies, NearField]:
     """The robots, and what the first of them sees."""
-    packed = pack_shapes([[part] for part in walls])
+    packed = pack_parts([[part] for part in walls])
     return bodies, near_field(bodies, rows, packed, translation)
 
 

@@ -17,7 +17,7 @@ from physim.controllers.near_field import NearField
 from physim.controllers.path_following import speed_pairs
 from physim.controllers.priority import Bodies
 from physim.geometry.motion import facings
-from physim.geometry.shapes import IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import IntArray, Shapes, pack_parts
 from tests.controllers.random_scenes import BOX, convex_part, footprint
 from tests.controllers.scenes import near_field
 from tests.oracles import avoidance as plain
@@ -43,13 +43,13 @@ def packed(
 ) -> Around:
     order = np.arange(len(pose))
     bodies = Bodies(
-        pack_shapes(footprints), order, order, pose, command, np.zeros(len(pose)), facings(pose)
+        pack_parts(footprints), order, order, pose, command, np.zeros(len(pose)), facings(pose)
     )
     rows = np.flatnonzero(rng.random(len(pose)) < 0.8)
     return Around(
         bodies,
         rows[rows != 0],
-        pack_shapes([[part] for part in walls]),
+        pack_parts([[part] for part in walls]),
         np.arange(len(walls)),
         speed_pairs(np.array([-1.0, 0.0, 1.0]), float(rng.uniform(0.3, 1.3)), OMEGAS),
         tuple(pose[0, :2] + rng.uniform(-2.0, 2.0, 2)),

@@ -9,7 +9,7 @@ import shapely
 
 from physim.controllers.safe_area import is_outside, safe_target
 from physim.geometry.safe_point import nearest_safe_point
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.wall_tree import Sight, build_wall_tree
 from tests.controllers.random_scenes import random_road, random_walls, stretches_outside
 from tests.oracles import paths, safe_area
@@ -39,7 +39,7 @@ def random_place(rng: np.random.Generator) -> tuple[Place, np.ndarray]:
 
 
 def moved(where: Place, robot: np.ndarray) -> np.ndarray:
-    tree = build_wall_tree(pack_shapes([[part] for part in where.walls]))
+    tree = build_wall_tree(pack_parts([[part] for part in where.walls]))
     sight = Sight(tree, robot[0], robot[1], np.inf, np.array([-1]))
     found = safe_target(
         sight, tuple(where.target), tuple(where.ahead), where.outside, tuple(robot),
@@ -112,7 +112,7 @@ def test_the_nearest_walls_decide_as_all_of_them() -> None:
         where, robot = random_place(np.random.default_rng([82, k]))
         if where.outside or where.clearances(where.target[None])[0] >= where.safe_distance:
             continue
-        walls = pack_shapes([[part] for part in where.walls])
+        walls = pack_parts([[part] for part in where.walls])
         found, x, y = nearest_safe_point(
             walls, np.arange(len(where.walls)), tuple(where.target), tuple(where.ahead),
             tuple(where.target), where.safe_distance, 2.0 * where.look_ahead,

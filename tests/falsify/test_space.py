@@ -14,6 +14,7 @@ from physim.campaigns.falsify.space import FACTOR, KINDS, REACH, Settings, Space
 from physim.campaigns.falsify.starts import GAP, pinned
 from physim.errors import PhysimError
 from physim.parts.registry import CONTROLLER, make_part
+from physim.simulation.loop import Simulation
 from physim.world import World
 from physim.world.file import load_world
 from physim.world.layout.layout import lay_out
@@ -155,3 +156,29 @@ def test_settings_that_contradict_one_another_are_repaired(data: st.DataObject) 
 def test_nothing_to_vary_is_refused() -> None:
     with pytest.raises(PhysimError, match="settings"):
         Space(five_robots(), ("settings",))
+
+
+def slow(controller: str, **limits: Any) -> World:
+    own = {} if "omegas" not in limits else {"omegas": limits.pop("omegas")}
+    robots = [{**robot("a", 2.0, 0.0, 0.0), "limits": {"v": 1.5, "omega": 1.6, **limits}, **own}]
+    time = {"step": 0.02, "duration": 1.0}
+    return five_robots(robots=robots, controller={"type": controller}, time=time)
+
+
+@pytest.mark.parametrize(
+    ("controller", "limits", "least"),
+    [
+        ("constant", {}, {"v": 0.75, "omega": 0.8}),
+        ("path_following", {"omegas": [-1.2, 0.0, 1.3]}, {"v": 0.75, "omega": 1.3}),
+        ("mode_switching", {}, {"v": 0.75, "omega": np.pi / 2}),  # the fastest turn it chooses from
+        ("mode_switching", {"omega": 4.0}, {"v": 0.75, "omega": 2.0}),
+        ("mode_switching", {"omega": 1.6, "omegas": [-0.9, 0.9]}, {"v": 0.75, "omega": 0.9}),
+        ("path_following", {"omegas": [-1.6, 1.6]}, {"v": 0.75}),
+    ],
+)
+def test_limits_go_down_to_what_the_controller_takes(
+    controller: str, limits: dict[str, Any], least: dict[str, float]
+) -> None:
+    space = Space(slow(controller, **limits), ("speed",))
+    assert {one.key: one.low for one in space.dimensions} == pytest.approx(least, abs=1e-5)
+    Simulation(space.at(np.zeros(len(space.dimensions))).world)

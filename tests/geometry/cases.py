@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from physim.geometry.corridor import width_feet
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 
 CASES = Path(__file__).parents[3] / "shared" / "cases"
 
@@ -68,7 +68,7 @@ def random_scene(rng, count, spread=4.0):
     """Bodies, their packed shapes, and poses (count, 3)."""
     bodies = [random_body(rng) for _ in range(count)]
     poses = np.c_[rng.uniform(-spread, spread, (count, 2)), rng.uniform(-7.0, 7.0, count)]
-    return bodies, pack_shapes(bodies), poses
+    return bodies, pack_parts(bodies), poses
 
 
 def corridor_walls(length=40.0, step=1.3, obstacle=True):
@@ -82,7 +82,7 @@ def corridor_walls(length=40.0, step=1.3, obstacle=True):
     bodies = [wall(4.0), wall(-4.0)]
     if obstacle:
         bodies.append([BOX + [length / 2, 5.0]])
-    return pack_shapes(bodies)
+    return pack_parts(bodies)
 
 
 def side_distances(points, directions, segments):

@@ -16,7 +16,7 @@ from physim.geometry import (
 )
 from physim.geometry.queries import fill_distances, fill_times, parts_of
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import locked
+from physim.geometry.shapes import locked, pack_parts
 from tests.geometry.cases import BOX, published, random_scene
 from tests.geometry.test_collision_time import OMEGAS
 from tests.geometry.test_separation import shape_of
@@ -65,7 +65,7 @@ def test_published_distances():
     cases = published("distance_cases.json")["cases"]
     pairs = [(shape_of(case["a"]), shape_of(case["b"]), case) for case in cases]
     pairs = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
-    one, two = (pack_shapes([parts_of(pair[k], "shape") for pair in pairs]) for k in (0, 1))
+    one, two = (pack_parts([parts_of(pair[k], "shape") for pair in pairs]) for k in (0, 1))
     index, still = np.arange(len(pairs)), np.zeros(3)
     found = shortest_distances(one, index, still, two, index, still)
     assert len(pairs) > 150
@@ -74,7 +74,7 @@ def test_published_distances():
 
 
 def test_one_serves_for_all_and_twists_may_differ_in_kind():
-    shapes = pack_shapes([[BOX]])
+    shapes = pack_parts([[BOX]])
     poses = np.array([[5.0, 0.0, 0.0], [1.8, 0.0, 0.0], [5.0, 3.0, 0.0]])
     found = collision_times(shapes, 0, (0, 0, 0), (1, 0), shapes, 0, poses, (0, 0, 0))
     assert found == pytest.approx([3.2, 0.0, math.inf], abs=1e-12)
@@ -86,7 +86,7 @@ def test_one_serves_for_all_and_twists_may_differ_in_kind():
 
 def test_kernels_are_compiled_once_whatever_arrays_are_given():
     """One pair or many, arrays that may be written to or not, lists, slices."""
-    shapes, poses = pack_shapes([[BOX]]), np.zeros((6, 3))
+    shapes, poses = pack_parts([[BOX]]), np.zeros((6, 3))
     poses[:, 0] = 3.0
     one = (shapes, 0, (0, 0, 0), (1, 0), shapes, 0, (3, 0, 0), (0, 0))
     kernels = fill_distances.whole, fill_times.whole
@@ -117,7 +117,7 @@ def test_kernels_are_compiled_once_whatever_arrays_are_given():
     ],
 )
 def test_bad_input_is_refused(change, words):
-    shapes = pack_shapes([[BOX]])
+    shapes = pack_parts([[BOX]])
     good = {
         "shapes_a": shapes,
         "index_a": [0, 0],
@@ -136,3 +136,34 @@ def test_bad_input_is_refused(change, words):
             del given[name]
         with pytest.raises(PhysimError, match=words):
             shortest_distances(**given)
+
+
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+NOTCHED = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.5], [0.5, 0.5], [0.5, 2.0], [0.0, 2.0]])
+
+
+def test_bodies_are_packed_whichever_way_they_go_round_and_nonconvex_ones_too():
+    shapes = pack_shapes([SQUARE, SQUARE[::-1], [SQUARE[::-1]], NOTCHED, NOTCHED[::-1]])
+    still, ahead = np.zeros(3), np.array([3.0, 0.0, 0.0])
+    inside = np.array([0.9, 0.9, 0.0])  # in the notch, 0.4 m from both arms
+    assert shortest_distances(shapes, range(3), still, shapes, 1, ahead).tolist() == [2.0] * 3
+    toward = collision_times(shapes, range(3), still, [1.0, 0.0], shapes, 1, ahead, [0.0, 0.0], 9.0)
+    assert toward == pytest.approx([2.0] * 3)
+    notch = shortest_distances(shapes, [3, 4], still, shapes, [0, 1], inside)
+    assert notch == pytest.approx([0.4, 0.4])
+
+
+@pytest.mark.parametrize(
+    ("bodies", "words"),
+    [
+        ([SQUARE, [[0.0, math.nan], [1.0, 0.0], [0.0, 1.0]]], ("bodies[1]", "finite")),
+        ([[]], ("bodies[0]", "no points")),
+        ([SQUARE, [[0.0, 1.0, 2.0]]], ("bodies[1]", "(n, 2)")),
+        ([[SQUARE], SQUARE[[0, 2, 1, 3]]], ("bodies[1]",)),
+        (3, ("bodies", "sequence")),
+    ],
+)
+def test_what_is_no_shape_is_not_packed(bodies, words):
+    with pytest.raises(PhysimError) as caught:
+        pack_shapes(bodies)
+    assert all(word in str(caught.value) for word in words)

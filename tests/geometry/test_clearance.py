@@ -9,7 +9,7 @@ from physim.geometry import separation as kernels
 from physim.geometry.clearance import ClearanceFinder, clearances
 from physim.geometry.nearest_wall import LIST_SIZE
 from physim.geometry.robot_frames import bounding_discs
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.wall_grid import build_wall_grid
 from tests.geometry.cases import BOX, corridor_walls, random_body
 from tests.oracles.clearances import clearances as plain_clearances
@@ -17,7 +17,7 @@ from tests.oracles.clearances import clearances as plain_clearances
 
 def random_run(rng, robots, samples):
     """Robots that drift and turn along a corridor, in small and sometimes in large steps."""
-    shapes = pack_shapes([random_body(rng) for _ in range(robots)])
+    shapes = pack_parts([random_body(rng) for _ in range(robots)])
     start = np.c_[
         rng.uniform(4, 16, robots), rng.uniform(-2, 2, robots), rng.uniform(-4, 4, robots)
     ]
@@ -89,7 +89,7 @@ def test_robots_in_rows_and_columns_tie_to_the_bit(gap):
     walls = corridor_walls(25.0)
     wall_grid = build_wall_grid(walls, 3.0, 1.0)
     square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
-    shapes = pack_shapes([[square]] * 36)
+    shapes = pack_parts([[square]] * 36)
     places = (1.0 + gap) * np.stack(np.meshgrid(np.arange(6.0), np.arange(6.0)), axis=-1)
     start = np.c_[places.reshape(36, 2), np.zeros(36)]
     poses = start + np.arange(12)[:, None, None] * np.array([0.25, 0.0, 0.0])
@@ -109,7 +109,7 @@ def test_work_grows_with_the_robots_and_not_with_their_pairs():
         places = 2.0 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1)
         start = np.c_[places.reshape(robots, 2), rng.uniform(-3.0, 3.0, robots)]
         poses = start + np.cumsum(rng.normal(0.0, 0.005, (20, robots, 3)), axis=0)
-        finder = ClearanceFinder(pack_shapes([[BOX]] * robots), walls, wall_grid)
+        finder = ClearanceFinder(pack_parts([[BOX]] * robots), walls, wall_grid)
         finder.find(poses)
         work.append(finder.measured / poses[..., 0].size)
     assert work[1] < 1.2 * work[0]
@@ -143,7 +143,7 @@ def test_a_sample_does_not_depend_on_the_others():
 def test_outside_the_grid_and_far_from_all_walls():
     walls = corridor_walls(25.0)
     wall_grid = build_wall_grid(walls, 2.0, 1.0)
-    shapes = pack_shapes([[BOX], [BOX]])
+    shapes = pack_parts([[BOX], [BOX]])
     poses = np.array([[[-300.0, 40.0, 1.0], [12.0, 0.0, 0.0]]] * 3)
     found = clearances(poses, shapes, walls, wall_grid)
     _, gaps = plain(poses[0], shapes, walls)
@@ -153,7 +153,7 @@ def test_outside_the_grid_and_far_from_all_walls():
 def test_overlaps_are_negative():
     walls = corridor_walls(25.0)
     wall_grid = build_wall_grid(walls, 5.0, 1.0)
-    shapes = pack_shapes([[BOX], [BOX], [BOX]])
+    shapes = pack_parts([[BOX], [BOX], [BOX]])
     poses = np.array([[[5.0, 0.0, 0.0], [6.6, 0.1, 0.0], [12.0, 4.6, 0.0]]])
     found = clearances(poses, shapes, walls, wall_grid)
     assert found.clearance[0, :2] == pytest.approx([-0.2, -0.2])
@@ -162,9 +162,9 @@ def test_overlaps_are_negative():
 
 def test_more_walls_near_than_a_list_holds():
     comb = [[np.array([[0.02 * k, 3.0], [0.02 * k + 0.01, 3.1]])] for k in range(5 * LIST_SIZE)]
-    walls = pack_shapes(comb)
+    walls = pack_parts(comb)
     wall_grid = build_wall_grid(walls, 5.0, 1.0)
-    shapes = pack_shapes([[BOX]])
+    shapes = pack_parts([[BOX]])
     poses = np.array([[[0.5 + 0.02 * k, 0.0, 0.1 * k]] for k in range(40)])
     found = clearances(poses, shapes, walls, wall_grid)
     for b in range(len(poses)):
@@ -175,7 +175,7 @@ def test_more_walls_near_than_a_list_holds():
 def test_one_robot_alone():
     walls = corridor_walls(25.0)
     wall_grid = build_wall_grid(walls, 5.0, 1.0)
-    found = clearances(np.array([[[5.0, 0.0, 0.0]]]), pack_shapes([[BOX]]), walls, wall_grid)
+    found = clearances(np.array([[[5.0, 0.0, 0.0]]]), pack_parts([[BOX]]), walls, wall_grid)
     assert found.clearance[0, 0] == np.inf
     assert found.other[0, 0] == -1
     assert (found.farthest[0], found.farthest_a[0], found.farthest_b[0]) == (-np.inf, -1, -1)
@@ -184,7 +184,7 @@ def test_one_robot_alone():
 def test_equally_near_robots_give_the_lowest():
     walls = corridor_walls(25.0)
     wall_grid = build_wall_grid(walls, 5.0, 1.0)
-    shapes = pack_shapes([[BOX]] * 3)
+    shapes = pack_parts([[BOX]] * 3)
     poses = np.array([[[8.0, 0.0, 0.0], [5.0, 0.0, 0.0], [11.0, 0.0, 0.0]]])
     found = clearances(poses, shapes, walls, wall_grid)
     assert list(found.other[0]) == [1, 0, 0]
@@ -192,10 +192,10 @@ def test_equally_near_robots_give_the_lowest():
 
 def test_cores_lie_inside():
     rng = np.random.default_rng(9)
-    shapes = pack_shapes([random_body(rng) for _ in range(20)])
+    shapes = pack_parts([random_body(rng) for _ in range(20)])
     discs = bounding_discs(shapes)
     for i in range(20):
-        core = pack_shapes([[np.array([[discs.x[i], discs.y[i]]])]])
+        core = pack_parts([[np.array([[discs.x[i], discs.y[i]]])]])
         pose = np.zeros(3)
         d = kernels.body_distance(shapes, i, pose, core, 0, pose)
         assert d <= 1e-15
@@ -209,7 +209,7 @@ def test_a_robot_that_turns_on_the_spot_between_walls():
     """Its reference point rests, yet what was far from its ends comes near."""
     bar = np.array([[-2.0, -0.2], [2.0, -0.2], [2.0, 0.2], [-2.0, 0.2]])
     sides = [[[0.2, 0.6], [0.6, 0.6]], [[1.5, -1.4], [2.5, -1.4]], [[9.0, -9.0], [9.0, 9.0]]]
-    shapes, walls = pack_shapes([[bar]]), pack_shapes([[np.array(side)] for side in sides])
+    shapes, walls = pack_parts([[bar]]), pack_parts([[np.array(side)] for side in sides])
     poses = np.zeros((30, 1, 3))
     poses[:, 0, 2] = -0.02 * np.arange(30)
     found = clearances(poses, shapes, walls, build_wall_grid(walls, 5.0, 1.0))

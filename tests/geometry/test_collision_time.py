@@ -19,7 +19,7 @@ from physim.geometry import collision_time
 from physim.geometry.advancement import advancement_time
 from physim.geometry.gap_bounds import travel, turning_reach
 from physim.geometry.motion import Course, along_course, arc_course, still_course
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.translation import clip_normals, translation_time
 from physim.tolerances import CLOSING_SPEED, CONTACT, TIME
 from tests.geometry.cases import BOX, corridor_walls, placed, published, random_convex, random_scene
@@ -284,7 +284,7 @@ def test_walls_early_out_never_changes_a_value():
     W, start = walls.vertices, walls.part_start
     for _ in range(60):
         P = random_convex(rng)
-        shapes = pack_shapes([[P]])
+        shapes = pack_parts([[P]])
         pose = np.array([rng.uniform(5, 35), rng.uniform(-2, 2), rng.uniform(-4, 4)])
         twist = (float(rng.uniform(-1.5, 1.5)), float(rng.choice(OMEGAS)))
         a = arc_course(pose, *twist, shapes.radius[0])

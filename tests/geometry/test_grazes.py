@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, pack_parts
 from physim.geometry.swept_contacts import find_swept_contacts, travel_bounds, within_reach
 from tests.geometry.cases import BOX
 
 DT = 0.1
-SHAPES = pack_shapes([[BOX], [BOX]])
+SHAPES = pack_parts([[BOX], [BOX]])
 RADIUS = math.hypot(0.9, 0.5)
 TURN = math.atan2(0.9, 0.5)
 """[rad] heading at which a corner of the box is farthest to the left"""
@@ -21,7 +21,7 @@ TURN = math.atan2(0.9, 0.5)
 
 def found(poses: FloatArray, walls: list[FloatArray]) -> tuple[IntArray, FloatArray]:
     """Rows of the search over samples (B, 2, 3), every clearance by the plain distance."""
-    packed = pack_shapes([[wall] for wall in walls])
+    packed = pack_parts([[wall] for wall in walls])
     gap, wall_gap = np.empty((2, len(poses), 2))
     for k, pose in enumerate(poses):
         gap[k] = body_distance(SHAPES, 0, pose[0], SHAPES, 1, pose[1])

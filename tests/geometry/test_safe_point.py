@@ -13,7 +13,7 @@ from physim.geometry.safe_point import (
     point_clearance,
     roomiest_point,
 )
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 
 L = 1.0
 CHORD = L * (1.0 - np.cos(np.pi / 4 / 256))
@@ -23,7 +23,7 @@ CHORD = L * (1.0 - np.cos(np.pi / 4 / 256))
 def room(corners: FloatArray) -> tuple[Shapes, IntArray]:
     n = len(corners)
     segments = [corners[[k, (k + 1) % n]] for k in range(n)]
-    return pack_shapes([segments]), np.arange(n)
+    return pack_parts([segments]), np.arange(n)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -91,7 +91,7 @@ def test_curves_that_are_left_out_change_nothing() -> None:
         posts = rng.uniform([2.0, 0.0], [10.0, width], (2, 2))
         lines = [side, side + [0.0, width], *(post + [[0, 0], [0.2, 0.1]] for post in posts)]
         segments = [line[k : k + 2] for line in lines for k in range(len(line) - 1)]
-        walls, parts = pack_shapes([segments]), np.arange(len(segments))
+        walls, parts = pack_parts([segments]), np.arange(len(segments))
         for _ in range(3):
             target = tuple(rng.uniform([1.0, 0.0], [11.0, width]).tolist())
             eye = target if rng.random() < 0.5 else (0.5, width / 2)
@@ -106,9 +106,7 @@ def test_curves_that_are_left_out_change_nothing() -> None:
 
 def test_point_beyond_a_thin_wall_is_not_taken() -> None:
     """A wall between two lanes, 1.2 m from the outer wall: safe points lie beyond it only."""
-    walls = pack_shapes(
-        [[np.array([[0.0, 0.0], [20.0, 0.0]]), np.array([[0.0, 1.2], [20.0, 1.2]])]]
-    )
+    walls = pack_parts([[np.array([[0.0, 0.0], [20.0, 0.0]]), np.array([[0.0, 1.2], [20.0, 1.2]])]])
     target = (10.0, 1.0)
     found, _, y = nearest_safe_point(
         walls, np.arange(2), target, (1.0, 0.0), (10.0, 3.0), L, 4.0, 4.0
@@ -121,7 +119,7 @@ def test_point_beyond_a_thin_wall_is_not_taken() -> None:
 
 def test_safe_point_behind_the_target_is_not_taken() -> None:
     """A narrow stretch begins at x = 0: no safe point ahead, so none further than ``back``."""
-    walls = pack_shapes(
+    walls = pack_parts(
         [[np.array([[0.0, s * 0.7], [30.0, s * 0.7]]), np.array([[0.0, s * 0.7], [0.0, s * 5.0]])]
          for s in (-1.0, 1.0)]
     )  # fmt: skip
@@ -138,7 +136,7 @@ def test_safe_point_behind_the_target_is_not_taken() -> None:
 
 
 def test_inside_an_obstacle_clearance_is_zero() -> None:
-    walls = pack_shapes([[np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])]])
+    walls = pack_parts([[np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])]])
     assert point_clearance(walls, np.arange(1), 1.0, 1.0) == 0.0
     assert point_clearance(walls, np.arange(1), 3.0, 1.0) == pytest.approx(1.0)
 
@@ -146,7 +144,7 @@ def test_inside_an_obstacle_clearance_is_zero() -> None:
 def test_a_wall_far_from_the_target_hides_points_from_the_eye() -> None:
     """It is 20 m from the target, where no safe point is sought, but stands before the eye."""
     far, near = np.array([[0.0, -50.0], [0.0, 50.0]]), np.array([[20.3, -50.0], [20.3, 50.0]])
-    walls, parts = pack_shapes([[far, near]]), np.arange(2)
+    walls, parts = pack_parts([[far, near]]), np.arange(2)
     target, ahead = (20.0, 0.0), (1.0, 0.0)
     for x, seen in ((-1.0, False), (1.0, True)):
         found, sx, _ = nearest_safe_point(walls, parts, target, ahead, (x, 0.0), 0.5, 2.0, 0.5)

@@ -17,7 +17,7 @@ from physim.geometry import (
 )
 from physim.geometry import separation as kernels
 from physim.geometry.convex import face_gap, part_gap, vertex_gap
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.witness import part_witness
 from tests.geometry.cases import (
     BOX,
@@ -200,7 +200,7 @@ def test_walls_agree_with_shapely(seed):
 
 
 def test_no_walls_are_infinitely_far():
-    shapes = pack_shapes([[BOX]])
+    shapes = pack_parts([[BOX]])
     none = np.zeros(0, dtype=np.int64)
     assert kernels.wall_distance(shapes, 0, np.zeros(3), shapes, none) == np.inf
 
@@ -328,14 +328,14 @@ def test_a_wall_of_many_segments_is_its_nearest_segment():
         [(-0.5, 0.0), (-0.2, 0.0), (-0.2, 0.5), (-0.5, 0.5)],
     ]
     away = [[(2.0 + x, 1.0 + y) for x, y in part] for part in ell]  # not about its origin
-    robots, still = pack_shapes([ell, away]), np.zeros(3)
+    robots, still = pack_parts([ell, away]), np.zeros(3)
     for _ in range(200):
         points = rng.uniform(-4.0, 4.0, (30, 2)).round(rng.integers(0, 3))
         parts = [
             points[k : k + 2].tolist() for k in range(29) if (points[k] != points[k + 1]).any()
         ]
         parts.insert(rng.integers(len(parts)), [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
-        whole, alone = pack_shapes([parts]), pack_shapes([[part] for part in parts])
+        whole, alone = pack_parts([parts]), pack_parts([[part] for part in parts])
         for i in (0, 1):
             pose = np.array([*rng.uniform(-4, 4, 2), rng.uniform(-4, 4)])
             each = [

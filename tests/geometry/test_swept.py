@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from physim.geometry.separation import body_distance, nearest_wall
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.swept import (
     SLACK,
     least_gap_pair,
@@ -117,7 +117,7 @@ def test_least_distance_against_dense_sampling(seed):
     a, b = random_convex(rng), random_convex(rng)
     start = np.c_[rng.uniform(-1.2, 1.2, (2, 2)), rng.uniform(-4, 4, 2)]
     end = np.array([random_step(rng, pose) for pose in start])
-    least, bound, at = least_gap_pair(*pair(pack_shapes([[a], [b]]), start, end))
+    least, bound, at = least_gap_pair(*pair(pack_parts([[a], [b]]), start, end))
     assert 0.0 <= at <= DT
     assert least == pytest.approx(signed(a, b, start, end, at), abs=1e-11)
     for t in np.linspace(0.0, DT, 120):
@@ -157,9 +157,9 @@ def test_walls_are_the_best_of_their_parts(seed):
 def bar_and_wall(gap):
     """A bar that turns through upright in mid-step, its corner then ``gap`` below a wall."""
     bar = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 0.01]])
-    wall = pack_shapes([[np.array([[-5.0, 1.0 + gap], [5.0, 1.0 + gap]])]])
+    wall = pack_parts([[np.array([[-5.0, 1.0 + gap], [5.0, 1.0 + gap]])]])
     start, end = (np.array([0.0, 0.0, math.pi / 2 + turn]) for turn in (-0.2, 0.2))
-    return pack_shapes([[bar]]), 0, start, end, wall, np.zeros(1, dtype=np.int64), DT
+    return pack_parts([[bar]]), 0, start, end, wall, np.zeros(1, dtype=np.int64), DT
 
 
 def test_graze_between_samples():
@@ -179,7 +179,7 @@ def test_graze_between_samples():
 
 
 def test_touching_at_either_sample_counts():
-    shapes = pack_shapes([[BOX], [BOX]])
+    shapes = pack_parts([[BOX], [BOX]])
     away, beside = np.array([2.5, 0.0, 0.0]), np.array([1.8 + 0.9e-9, 0.0, 0.0])
     assert swept_pair(shapes, 0, STILL, STILL, 1, beside, away, DT) == 0.0
     assert swept_pair(shapes, 0, STILL, STILL, 1, away, beside, DT) == pytest.approx(DT, abs=1e-9)
@@ -189,7 +189,7 @@ def test_touching_at_either_sample_counts():
 
 
 def test_head_on_at_a_known_time():
-    shapes = pack_shapes([[BOX], [BOX]])
+    shapes = pack_parts([[BOX], [BOX]])
     for turn in (0.0, 0.3, 2.0):
         start = np.c_[placed([(0.0, 0.0), (1.9, 0.1)], (0, 0, turn)), [turn, turn]]
         end = np.c_[placed([(0.2, 0.0), (1.8, 0.1)], (0, 0, turn)), [turn, turn]]
@@ -203,8 +203,8 @@ def test_head_on_at_a_known_time():
 
 def test_angles_count_as_given():
     """A whole turn within the step sweeps the corners round; none leaves the box where it is."""
-    shapes = pack_shapes([[BOX]])
-    walls = pack_shapes([[np.array([[-2.0, 0.8], [2.0, 0.8]])]])
+    shapes = pack_parts([[BOX]])
+    walls = pack_parts([[np.array([[-2.0, 0.8], [2.0, 0.8]])]])
     part = np.zeros(1, dtype=np.int64)
     end = np.array([0.0, 0.0, 2.0 * math.pi])
     t, _ = swept_walls(shapes, 0, STILL, end, walls, part, DT)
@@ -216,7 +216,7 @@ def test_angles_count_as_given():
 
 
 def test_no_parts_no_contact():
-    shapes, walls = pack_shapes([[BOX]]), corridor_walls()
+    shapes, walls = pack_parts([[BOX]]), corridor_walls()
     none = np.zeros(0, dtype=np.int64)
     assert swept_walls(shapes, 0, STILL, STILL, walls, none, DT) == (math.inf, -1)
     least, bound, _, part = least_gap_walls(shapes, 0, STILL, STILL, walls, none, DT)
@@ -243,7 +243,7 @@ def test_published_point_and_segment():
             continue
         used += 1
         point, segment = np.array(case["point_t0"]), np.array(case["seg_t0"])
-        shapes = pack_shapes([[np.zeros((1, 2))], [segment - segment[0]]])
+        shapes = pack_parts([[np.zeros((1, 2))], [segment - segment[0]]])
         move = np.array(case["point_t1"]), np.array(case["seg_t1"])[0]
         start = [np.array([*at, 0.0]) for at in (point, segment[0])]
         end = [np.array([*at, 0.0]) for at in move]
@@ -267,7 +267,7 @@ def test_compiled_equals_plain():
 
 def test_bodies_too_fast_for_their_times_end_the_search():
     """At 9e9 m/s, as in a damaged record, 1e-9 m further is no later time."""
-    shapes = pack_shapes([(BOX,), (BOX,)])
+    shapes = pack_parts([(BOX,), (BOX,)])
     start = np.array([0.023643249400513433, 9e7, 0.9009273926518706])
     end = np.array([-0.047524828055559826, 0.8972988942744877, 0.9009273926518706])
     still = np.array([-0.4600413061645461, 0.0, 1.9662155629226508])

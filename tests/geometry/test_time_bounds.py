@@ -7,7 +7,7 @@ import pytest
 
 from physim.geometry.collision import bodies_time
 from physim.geometry.motion import arc_course
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.geometry.time_bounds import discs_meet, overlap_at, overlap_time
 from tests.controllers.random_scenes import BOX, footprint
 
@@ -16,7 +16,7 @@ HORIZON = 10.0
 
 def two_on_their_way(rng: np.random.Generator):
     """Shapes of two robots and their courses."""
-    shapes = pack_shapes([footprint(rng), footprint(rng)])
+    shapes = pack_parts([footprint(rng), footprint(rng)])
     courses = [
         arc_course(
             rng.uniform(-1.0, 1.0, 3) * [2.5, 2.5, np.pi],
@@ -57,7 +57,7 @@ def test_discs_are_followed_to_where_they_meet() -> None:
 
 
 def test_what_merely_touches_is_no_sure_overlap() -> None:
-    shapes = pack_shapes([BOX, BOX])
+    shapes = pack_parts([BOX, BOX])
     a = arc_course((0.0, 0.0, 0.0), 1.0, 0.0, shapes.radius[0])
     for gap, sure in ((0.0, False), (-1e-3, True), (1e-3, False)):
         b = arc_course((3.8 + gap, 0.0, 0.0), -1.0, 0.0, shapes.radius[1])

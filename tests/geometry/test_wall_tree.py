@@ -9,7 +9,7 @@ from physim.geometry.collision import walls_time
 from physim.geometry.motion import arc_course
 from physim.geometry.safe_point import point_clearance
 from physim.geometry.separation import wall_distance
-from physim.geometry.shapes import IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import IntArray, Shapes, pack_parts
 from physim.geometry.wall_grid import parts_in_range
 from physim.geometry.wall_tree import (
     Sight,
@@ -32,12 +32,12 @@ def road_with_obstacles(rng: np.random.Generator) -> Shapes:
     walls = random_walls(rng, road, outline)
     ends = rng.uniform(-12.0, 12.0, (int(rng.integers(0, 20)), 2))
     walls += [[np.array([end, end + rng.normal(0.0, 0.3, 2)])] for end in ends]
-    return pack_shapes(walls)
+    return pack_parts(walls)
 
 
 def robot_among(rng: np.random.Generator, walls: Shapes) -> tuple[Shapes, np.ndarray, Sight]:
     """A robot near a wall, or in it, or far from all, and what it sees."""
-    shapes = pack_shapes([footprint(rng)])
+    shapes = pack_parts([footprint(rng)])
     corner = walls.vertices[rng.integers(len(walls.vertices))]
     spread = rng.choice([0.3, 2.0, 30.0])
     pose = np.array([*(corner + rng.normal(0.0, spread, 2)), rng.uniform(-9.0, 9.0)])
@@ -117,10 +117,10 @@ def test_numbers_are_put_in_order() -> None:
 @pytest.mark.parametrize("count", [0, 1, 4, 5, 9])
 def test_few_walls_or_none(count: int) -> None:
     rng = np.random.default_rng([73, count])
-    walls = pack_shapes([[rng.normal(0.0, 1.0, (2, 2))] for _ in range(count)])
+    walls = pack_parts([[rng.normal(0.0, 1.0, (2, 2))] for _ in range(count)])
     tree = build_wall_tree(walls)
     assert sorted(tree.part.tolist()) == list(range(count))
-    shapes, pose = pack_shapes([footprint(rng)]), np.array([0.5, 0.0, 1.0])
+    shapes, pose = pack_parts([footprint(rng)]), np.array([0.5, 0.0, 1.0])
     sight = Sight(tree, 0.5, 0.0, np.inf, np.array([-1]))
     a = arc_course(pose, 1.0, 0.0, shapes.radius[0])
     assert seen_distance(shapes, 0, pose, sight) == wall_distance(

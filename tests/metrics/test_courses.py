@@ -13,7 +13,7 @@ from physim.analysis.metrics.distances import MOST_PLACES, sides_of, width_extre
 from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
 from physim.geometry.corridor import offset_polyline, sampled_widths
-from physim.geometry.shapes import FloatArray, pack_polylines, pack_shapes
+from physim.geometry.shapes import FloatArray, pack_parts, pack_polylines
 from physim.record import Record, RecordWriter
 from physim.world.file import load_world
 from physim.world.layout.layout import lay_out
@@ -147,7 +147,7 @@ def test_width_is_from_wall_to_wall() -> None:
 def room(walls: FloatArray, path: list[list[float]]) -> Record:
     """One robot on a path within one closed line of walls."""
     scene = make_scene(1)
-    scene.walls = pack_shapes([list(pairwise(walls))])
+    scene.walls = pack_parts([list(pairwise(walls))])
     scene.bodies = (scene.bodies[0], Body(1, "boundary", "boundary 1"))
     scene.paths = pack_polylines([np.array(path)])
     out = RecordWriter(None, scene, "boundaries: []", name="room")
@@ -262,7 +262,7 @@ def corridor(path_offset: float, obstacle: bool = False) -> Record:
     if obstacle:
         bodies.append([np.array([[5.0, -3.0], [6.0, -3.0], [6.0, -2.0], [5.0, -2.0]])])
         names, kinds = [*names, "box"], [*kinds, "obstacle"]
-    scene.walls = pack_shapes(bodies)
+    scene.walls = pack_parts(bodies)
     rows = zip(kinds, names, strict=True)
     others = [Body(1 + k, kind, name) for k, (kind, name) in enumerate(rows)]
     scene.bodies = (scene.bodies[0], *others)

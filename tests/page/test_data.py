@@ -191,3 +191,25 @@ def test_ten_robots_over_their_run_fit_into_the_bound(tmp_path: Path) -> None:
     """Made up, with a decision every 0.1 s: as many as the shipped world has, twice over."""
     with make_record(tmp_path / "r.h5", 10, 250.0, contacts=False) as record:
         assert len(physim.page(record).html.encode()) < 1.5e6
+
+
+LATE = """\
+name: late
+time: {step: 0.01, duration: 6.0}
+corridor: {centreline: [[0, 0], [14, 0]], width: 6.0}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [9, 1.2, 0], path: [[0, 1.2], [12, 1.2]]}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [1, -1.2, 0], path: {offset: -1.2}}
+controller: {type: path_following}
+"""
+
+
+@pytest.mark.parametrize("every", [2, 7])
+def test_robots_arrive_at_the_same_step_however_often_poses_are_recorded(every: int) -> None:
+    world = physim.parse_world(LATE)
+    found = []
+    for one in (1, every):
+        made = physim.simulate(world.changed(time={"record_every": one}))
+        found.append(unpack(run_data(made, summarise(made)))[1]["arrived"].tolist())
+    assert found[0] == found[1]
+    assert 300 < found[0][0] < 600

@@ -28,6 +28,7 @@ def test_a_stop_is_told_from_its_first_to_its_last_sample(every: int) -> None:
     assert found.tolist() == [[0, 20 * every, 35 * every]]
 
 
+@pytest.mark.parametrize("every", [1, 3])
 @pytest.mark.parametrize(
     ("speeds", "arrived", "count"),
     [
@@ -42,7 +43,13 @@ def test_a_stop_is_told_from_its_first_to_its_last_sample(every: int) -> None:
     ],
 )
 def test_what_counts_as_standing(
-    speeds: list[tuple[float, float]], arrived: int, count: int
+    speeds: list[tuple[float, float]], arrived: int, count: int, every: int
 ) -> None:
-    made = record(speeds or [(0.1, 1.0)], arrived)
+    """``arrived`` counts samples; a record counts steps."""
+    made = record(speeds or [(0.1, 1.0)], max(-1, arrived * every), every)
     assert len(stands(made)) == count  # type: ignore[arg-type]
+
+
+def test_who_arrived_between_two_samples_stood_until_the_next() -> None:
+    made = record([(1.0, 1.0), (5.0, 0.0)], 3 * 30 - 1, every=3)
+    assert stands(made).tolist() == [[0, 30, 90]]  # type: ignore[arg-type]

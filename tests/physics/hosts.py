@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import Shapes, pack_shapes
+from physim.geometry.shapes import Shapes, pack_parts
 from physim.simulation.engine import Physics
 
 FAR = [[(-900.0, -900.0), (-900.0, -901.0)]]
@@ -31,9 +31,9 @@ def segments(points):
 
 def host(start, robots=None, walls=(FAR,), dt=0.05, mass=10.0, **more):
     start = np.atleast_2d(np.array(start, dtype=float))
-    shapes = pack_shapes(robots if robots is not None else [[box()]] * len(start))
+    shapes = pack_parts(robots if robots is not None else [[box()]] * len(start))
     weights = np.broadcast_to(np.asarray(mass, dtype=float), len(start))
-    return Physics(shapes, pack_shapes(list(walls)), start, weights, dt, **more)
+    return Physics(shapes, pack_parts(list(walls)), start, weights, dt, **more)
 
 
 def drive(physics, command, steps):

@@ -8,7 +8,7 @@ from hosts import box, drive, host, segments
 
 from physim.contacts import Phase
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import joined_shapes, pack_shapes
+from physim.geometry.shapes import joined_shapes, pack_parts
 from physim.simulation.engine import host as hosting
 from physim.simulation.engine.cutting import cut_short
 from physim.tolerances import DEEP, SETTLED_DEPTH
@@ -182,7 +182,7 @@ def test_robots_stop_in_the_order_in_which_they_meet():
     """The kernel against what must hold, for crowds that move at random from clear places."""
     rng = np.random.default_rng(7)
     wall = segments([(-5.0, -4.0), (5.0, -4.0), (5.0, 4.0), (-5.0, 4.0), (-5.0, -4.0)])
-    shapes = joined_shapes(pack_shapes([BOX] * 6), pack_shapes([wall]))
+    shapes = joined_shapes(pack_parts([BOX] * 6), pack_parts([wall]))
     pairs = [(a, b) for a in range(6) for b in range(a + 1, 7)]
     keys = np.array([a * 7 + b for a, b in pairs])
     stops, unmet = 0, 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hosts import ELL, box, distances, host, pairs_in, segments
 
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from physim.tolerances import CONTACT
 
 RING = [(-6, -5), (0, -5), (6, -5), (6, 5), (0, 6), (-6, 5), (-6, -5)]
@@ -36,7 +36,7 @@ def test_two_hosts_of_a_jam_are_bit_equal():
 
 
 def test_nothing_is_missed_or_thrown_in_a_jam():
-    shapes, walls = pack_shapes(ROBOTS), pack_shapes([segments(RING)])
+    shapes, walls = pack_parts(ROBOTS), pack_parts([segments(RING)])
     last = None
     for physics in jam(150):
         exact = distances(shapes, walls, physics.pose)

@@ -10,7 +10,7 @@ import pytest
 from crowds import KINDS, run
 from test_guard import FALSE_CONTACTS, side_by_side
 
-from physim.geometry.shapes import joined_shapes, pack_shapes
+from physim.geometry.shapes import joined_shapes, pack_parts
 from physim.simulation.engine import Physics, choice, guard, native_guard
 from physim.simulation.engine.choice import judges_natively
 from physim.simulation.engine.guard import PlainGuard
@@ -79,9 +79,9 @@ def test_deep_false_contacts_are_kept_out_alike(plainly):
 def test_many_contacts_in_one_solve(plainly):
     """More than the arrays hold at first."""
     rng = np.random.default_rng(0)
-    shapes = pack_shapes([[[(-0.5, -0.3), (0.5, -0.3), (0.0, 0.5)]]] * 60)
+    shapes = pack_parts([[[(-0.5, -0.3), (0.5, -0.3), (0.0, 0.5)]]] * 60)
     start = np.column_stack((rng.uniform(0, 3, (60, 2)), rng.uniform(-3, 3, 60)))
-    wall = pack_shapes([[[(-99.0, 0.0), (-99.0, 1.0)]]])
+    wall = pack_parts([[[(-99.0, 0.0), (-99.0, 1.0)]]])
 
     def told():
         physics = Physics(shapes, wall, start, np.ones(60), 0.05)
@@ -105,7 +105,7 @@ def test_the_deepest_point_is_the_first_of_them():
         walls = [ends[k : k + 2].tolist() for k in range(3)]
         corners = 0.7 * np.exp(1j * np.sort(rng.uniform(0, 2 * np.pi, rng.integers(3, 7))))
         robot = np.column_stack((corners.real, corners.imag))
-        shapes = joined_shapes(pack_shapes([[robot]]), pack_shapes([walls]))
+        shapes = joined_shapes(pack_parts([[robot]]), pack_parts([walls]))
         links = guard.segment_links(shapes)
         pose = np.array([*rng.uniform(-1, 1, 2), rng.uniform(-4, 4)])
         for segment, (one, other) in enumerate(walls, 1):

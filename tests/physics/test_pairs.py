@@ -9,7 +9,7 @@ import pytest
 from hosts import ELL, box, drive, host, segments
 
 from physim.contacts import CONTACT_ROW, Kind, Phase
-from physim.geometry.shapes import joined_shapes, pack_shapes, part_bodies
+from physim.geometry.shapes import joined_shapes, pack_parts, part_bodies
 from physim.simulation.engine.pairs import Pairs, contact_rows, gather, hold_back, split
 from tests.oracles import contact_pairs as oracle
 
@@ -37,7 +37,7 @@ def in_a_row(distance=1.0):
     """Ten boxes 1 m long, one ahead of the other."""
     pose = np.zeros((B, 3))
     pose[:, 0] = distance * np.arange(B)
-    return pack_shapes([[box()]] * B), pose
+    return pack_parts([[box()]] * B), pose
 
 
 def account(step, before, now, pushes=None, distance=1.0):
@@ -93,7 +93,7 @@ def test_bookkeeping_is_that_of_sets_and_columns():
         [box(0.3, 0.3)],
         segments([(0, 0), (1, 3)]),
     ]
-    shapes = joined_shapes(pack_shapes(robots), pack_shapes(walls))
+    shapes = joined_shapes(pack_parts(robots), pack_parts(walls))
     owner = part_bodies(shapes)
     touched = np.zeros(0, dtype=np.int64)
     for step in range(300):

@@ -14,7 +14,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from physim.geometry.polygon import convex_parts, counter_clockwise, is_simple, signed_area
-from physim.geometry.shapes import pack_shapes, part_bodies
+from physim.geometry.shapes import pack_parts, part_bodies
 from physim.simulation.engine.space import MOST_WALL_CELLS, cell_side, moment
 from tests.geometry.test_polygon import star_polygons
 
@@ -50,22 +50,22 @@ def test_moment_of_a_box_is_the_textbook_one():
 
 
 def test_parts_know_their_body():
-    shapes = pack_shapes([[box()], ELL, [box()]])
+    shapes = pack_parts([[box()], ELL, [box()]])
     assert part_bodies(shapes).tolist() == [0, 1, 1, 2]
 
 
 def test_cells_are_three_lengths_of_the_longest_robot():
-    robots = pack_shapes([[box(0.8, 0.6)], [box(1.6, 1.2)]])
-    assert cell_side(robots, pack_shapes([])) == pytest.approx(6.0)
-    near = pack_shapes([[[(-300.0, -300.0), (300.0, 300.0)]]])
+    robots = pack_parts([[box(0.8, 0.6)], [box(1.6, 1.2)]])
+    assert cell_side(robots, pack_parts([])) == pytest.approx(6.0)
+    near = pack_parts([[[(-300.0, -300.0), (300.0, 300.0)]]])
     assert cell_side(robots, near) == pytest.approx(6.0)
 
 
 def test_a_wall_of_kilometres_drawn_diagonally_fills_no_more_cells_than_allowed():
-    robots = pack_shapes([[box(0.8, 0.6)]])
-    side = cell_side(robots, pack_shapes([[[(-1e6, -1e6), (1e6, 1e6)]]]))
+    robots = pack_parts([[box(0.8, 0.6)]])
+    side = cell_side(robots, pack_parts([[[(-1e6, -1e6), (1e6, 1e6)]]]))
     assert MOST_WALL_CELLS / 8 < (2e6 / side) ** 2 <= MOST_WALL_CELLS
-    along = cell_side(robots, pack_shapes([[[(-1e5, 0.0), (1e5, 0.0)]]]))
+    along = cell_side(robots, pack_parts([[[(-1e5, 0.0), (1e5, 0.0)]]]))
     assert along == pytest.approx(3.0)
 
 

@@ -10,14 +10,14 @@ from hosts import ELL, box, distances, drive, host, pairs_in, segments
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from physim.geometry.shapes import joined_shapes, pack_shapes
+from physim.geometry.shapes import joined_shapes, pack_parts
 from physim.simulation.engine.verdict import ACTS, APART, LEFT, SIDE, classify, segment_links
 from physim.tolerances import CONTACT
 
 ROBOTS = [[box()], ELL, [box(0.4, 0.4)], [[(-0.3, -0.3), (0.6, 0.0), (-0.3, 0.3)]], [box()], ELL]
 RING = [(-1.5, -1.5), (0.0, -1.5), (1.5, -1.5), (1.5, 1.5), (0.2, 1.2), (-1.5, 1.5), (-1.5, -1.5)]
 WALLS = [segments(RING), [box(0.3, 0.3, x=0.5)], [box(0.4, 0.2, x=-0.8), box(0.2, 0.5, x=-0.8)]]
-SHAPES, SOLID = pack_shapes(ROBOTS), pack_shapes(WALLS)
+SHAPES, SOLID = pack_parts(ROBOTS), pack_parts(WALLS)
 
 
 def touching(pose):
@@ -60,7 +60,7 @@ def test_at_the_very_edge_of_contact(gap, heading, away, shift, turn):
     x, y = shift * c - (reach + gap) * s, shift * s + (reach + gap) * c
     start = np.array([[away, away, heading], [away + x, away + y, heading + turn]])
     physics = host(start)
-    exact = distances(pack_shapes([[box()]] * 2), pack_shapes([]), physics.pose)
+    exact = distances(pack_parts([[box()]] * 2), pack_parts([]), physics.pose)
     assert pairs_in(physics.contacts) == {p for p, d in exact.items() if d <= CONTACT}
 
 
@@ -86,14 +86,14 @@ def test_depth_of_aligned_deep_overlap_is_exact():
 
 def judged(robot, points, pose):
     """Verdict of each segment of a chain on a robot of one part."""
-    shapes = joined_shapes(pack_shapes([[robot]]), pack_shapes([segments(points)]))
+    shapes = joined_shapes(pack_parts([[robot]]), pack_parts([segments(points)]))
     links, still = segment_links(shapes), np.zeros(3)
     parts = range(1, len(points))
     return [classify(shapes, links, 0, np.array(pose), q, still) for q in parts]
 
 
 def test_links_of_open_and_closed_chains():
-    lines = pack_shapes([segments([(0, 0), (1, 0), (2, 0)]), segments(RING), [box()]])
+    lines = pack_parts([segments([(0, 0), (1, 0), (2, 0)]), segments(RING), [box()]])
     links = segment_links(lines)
     assert links.part[:2].tolist() == [[-1, 1], [0, -1]]
     assert links.part[2:8].tolist() == [[7, 3], [2, 4], [3, 5], [4, 6], [5, 7], [6, 2]]
@@ -104,7 +104,7 @@ def test_links_of_open_and_closed_chains():
 
 def test_links_prefer_the_own_body_and_take_either_direction():
     wall, cap = [(0, 0), (1, 0), (2, 0)], [(2, 3), (2, 0)]
-    links = segment_links(pack_shapes([segments(wall), segments(cap), segments([(1, 5), (1, 0)])]))
+    links = segment_links(pack_parts([segments(wall), segments(cap), segments([(1, 5), (1, 0)])]))
     assert links.part.tolist() == [[-1, 1], [0, 2], [-1, 1], [-1, 0]]
     assert links.end[1].tolist() == [1, 1]
     assert links.own.tolist() == [[False, True], [True, False], [False, False], [False, False]]

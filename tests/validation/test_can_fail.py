@@ -11,7 +11,7 @@ from physim.analysis.validation import analytic_contacts as ledger
 from physim.analysis.validation import prediction, report, validate
 from physim.contacts import Phase
 from physim.geometry.collision import collision_time_pair
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from tests.validation.reports import states
 from tests.validation.runs import edited, side_by_side
 
@@ -27,9 +27,7 @@ def shrunk(shapes):
     """Footprints drawn in by 1 cm on every side, about."""
     parts = np.split(shapes.vertices, shapes.part_start[1:-1])
     smaller = [part - 0.01 * part / abs(part).max() for part in parts]
-    return pack_shapes(
-        [smaller[first:last] for first, last in pairwise(shapes.body_start.tolist())]
-    )
+    return pack_parts([smaller[first:last] for first, last in pairwise(shapes.body_start.tolist())])
 
 
 def test_footprints_shrunk_in_the_analytic_check(monkeypatch, rear_end, apart):

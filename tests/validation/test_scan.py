@@ -15,7 +15,7 @@ from physim.analysis.validation.analytic_contacts import (
     near_rows,
     scan_walls,
 )
-from physim.geometry.shapes import pack_shapes
+from physim.geometry.shapes import pack_parts
 from tests.validation.runs import APART, lane
 
 BOX = np.array([[0.9, 0.5], [-0.9, 0.5], [-0.9, -0.5], [0.9, -0.5]])
@@ -27,8 +27,8 @@ CORNER = [[(0.0, -5.0), (0.0, 5.0)], [(0.0, 5.0), (8.0, 5.0)], [(8.0, 5.0), (8.0
     "pose", [(1.2, 0.0, 0.0), (4.0, 4.3, 0.0), (6.9, 0.0, 0.0), (1.5, 4.0, 0.4), (6.2, 3.6, 2.0)]
 )
 def test_the_distance_to_a_boundary_is_that_to_its_nearest_segment(pose):
-    shapes = pack_shapes([[BOX]])
-    walls = pack_shapes([[np.array(segment) for segment in CORNER]])
+    shapes = pack_parts([[BOX]])
+    walls = pack_parts([[np.array(segment) for segment in CORNER]])
     who, values = np.zeros((4, 3), dtype=np.int64), np.zeros((4, 2))
     count = scan_walls(np.array([[pose]]), 0, shapes, walls, 3.0, 0.01, who, values)
     body = affinity.rotate(shapely.Polygon(BOX), pose[2], origin=(0, 0), use_radians=True)
@@ -50,8 +50,8 @@ def test_what_a_leap_crosses_is_found_however_far_away_it_begins_and_ends(to, cr
     poses[:, 0] = (100.0, 0.0, 0.0) if to[1] != 300.0 else (0.0, -300.0, 0.0)
     poses[2:, 0] = (*to, 0.0)
     poses[:, 1] = (0.0, 0.0 if middle == "robot" else -900.0, 0.3)
-    walls = pack_shapes([[BOX + (0.0 if middle == "wall" else 900.0)]])
-    rows = near_rows(poses, 0, pack_shapes([[BOX], [BOX]]), walls, 1.1, 0.01, Room())
+    walls = pack_parts([[BOX + (0.0 if middle == "wall" else 900.0)]])
+    rows = near_rows(poses, 0, pack_parts([[BOX], [BOX]]), walls, 1.1, 0.01, Room())
     assert rows[["step", "a", "b"]].tolist() == (
         [(2, 0, 1 if middle == "robot" else 2)] if crosses else []
     )

@@ -21,7 +21,7 @@ from physim.geometry.polygon import (
     signed_area,
     smallest_width,
 )
-from physim.geometry.shapes import FloatArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, Shapes, pack_parts
 from physim.randomness import stream
 
 STORED = 200
@@ -69,7 +69,7 @@ def footprint(points: FloatArray) -> Footprint:
         circumscribed_radius(outline),
         smallest_width(parts),
         abs(signed_area(outline)),
-        pack_shapes([parts]),
+        pack_parts([parts]),
     )
 
 

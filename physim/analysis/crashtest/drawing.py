@@ -30,7 +30,7 @@ from physim.analysis.crashtest.layouts import (
     wall_graze,
 )
 from physim.geometry.separation import body_distance
-from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, Shapes, pack_parts
 from physim.randomness import stream
 from physim.world import World
 from physim.world.scene import DENSITY
@@ -100,7 +100,7 @@ def _is_clear(layout: Layout, walls: tuple[tuple[FloatArray, ...], ...]) -> bool
     if len(start) == 2:
         other = layout.robots[1].packed
         return bool(body_distance(robot, 0, start[0], other, 0, start[1]) > CLEAR)
-    solid, still = pack_shapes(walls), np.zeros(3)
+    solid, still = pack_parts(walls), np.zeros(3)
     return all(
         body_distance(robot, 0, start[0], solid, k, still) > CLEAR for k in range(len(walls))
     )
@@ -148,8 +148,8 @@ def pack(dt: float, cases: tuple[Case, ...]) -> Batch:
     return Batch(
         dt,
         cases,
-        pack_shapes([robot.parts for robot in robots]),
-        pack_shapes([parts for case in cases for parts in case.walls]),
+        pack_parts([robot.parts for robot in robots]),
+        pack_parts([parts for case in cases for parts in case.walls]),
         np.concatenate([case.layout.start for case in cases]),
         np.concatenate([case.layout.command for case in cases]),
         np.array([DENSITY * robot.area for robot in robots]),

@@ -15,7 +15,7 @@ from numpy.random import Generator
 from physim.analysis.crashtest.case import STEPS, Footprint, Layout, Solid, Store
 from physim.geometry.motion import arc
 from physim.geometry.separation import body_separation
-from physim.geometry.shapes import FloatArray, pack_shapes
+from physim.geometry.shapes import FloatArray, pack_parts
 from physim.tolerances import TUNNEL_FRACTION
 
 FASTEST = 3.0
@@ -230,9 +230,7 @@ def wall_graze(rng: Generator, origin: Origin, dt: float, store: Store) -> Layou
         ends = (rng.uniform(-1.0, 1.0) * robot.radius, 5.0)
     line = np.array(origin) + 2.0 * robot.radius * across + np.outer(ends, direction)
     still = np.zeros(3)
-    d, nx, ny, ax, ay, _, _ = body_separation(
-        robot.packed, 0, pose, pack_shapes([[line]]), 0, still
-    )
+    d, nx, ny, ax, ay, _, _ = body_separation(robot.packed, 0, pose, pack_parts([[line]]), 0, still)
     line = line - (d - hair(rng)) * np.array((nx, ny))
     most, time = advance((robot,), dt), meeting_time(rng, dt)
     v = rng.uniform(0.1, 1.0) * min(FASTEST, most)

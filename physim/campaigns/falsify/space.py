@@ -13,8 +13,15 @@ import shapely
 from physim.campaigns.falsify.starts import Starts, pinned
 from physim.errors import PhysimError, plural
 from physim.geometry.shapes import FloatArray
-from physim.parts.registry import CONTROLLER, checked_settings, find_part, settings_model
-from physim.world import World
+from physim.parts.registry import (
+    CONTROLLER,
+    checked_settings,
+    find_part,
+    make_part,
+    settings_model,
+)
+from physim.parts.world_checks import robot_faults
+from physim.world import Robot, World
 
 POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
 """What can be varied."""
@@ -31,6 +38,8 @@ FACTOR = 2.0
 this, as far as its one bound allows."""
 PROBES = (1.0 + 1e-3, 1.0 - 1e-3)
 """[-] A setting that can be changed by neither alone is tied to others, and stays."""
+HALVINGS = 20
+"""of the span in which the least limit that the controller takes is looked for"""
 SHARES = (0.75, 0.5, 0.25)
 """[-] of the way from its value in the world to the one asked for that a setting is tried at"""
 
@@ -115,6 +124,46 @@ def declared_bounds(metadata: list[Any]) -> tuple[float | None, float | None]:
     return low, high
 
 
+class LeastLimits:
+    """How far the limits of robots may be lowered, so that their world can still be run.
+
+    A robot that chooses among turns faster than its limit is refused, by the world where they are
+    its own and by the controller where they are of its settings. Each limit is looked at alone.
+    """
+
+    def __init__(self, world: World) -> None:
+        choice = world.controller
+        self._controller = make_part(CONTROLLER, choice.type, choice.settings, trusted=True)
+        self._found: dict[tuple[Any, ...], float] = {}
+
+    def least(self, robot: Robot, key: str) -> float:
+        """The least limit of a robot: half of its own, or more where that is refused."""
+        alike = (key, robot.limits.v, robot.limits.omega, robot.omegas)
+        if alike not in self._found:
+            self._found[alike] = self._least(robot, key)
+        return self._found[alike]
+
+    def _least(self, robot: Robot, key: str) -> float:
+        taken = float(getattr(robot.limits, key))
+        refused = SLOWEST * taken
+        if key == "omega" and robot.omegas:
+            refused = max(refused, *map(abs, robot.omegas))
+        if self._takes(robot, key, refused):
+            return refused
+        for _ in range(HALVINGS):
+            middle = 0.5 * (taken + refused)
+            if self._takes(robot, key, middle):
+                taken = middle
+            else:
+                refused = middle
+        return taken
+
+    def _takes(self, robot: Robot, key: str, limit: float) -> bool:
+        limits = robot.limits.model_copy(update={key: limit})
+        slower = robot.model_copy(update={"limits": limits})
+        return not robot_faults(self._controller, {0: slower})
+
+
 class Dimension(NamedTuple):
     """One number that is varied."""
 
@@ -163,6 +212,7 @@ class Space:
 
     def _dimensions(self) -> list[Dimension]:
         found: list[Dimension] = []
+        slowest = LeastLimits(self.world)
         for i, robot in enumerate(self.world.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
@@ -177,10 +227,10 @@ class Space:
                 found.append(
                     Dimension(HEADING, "heading", i, heading, heading - turn, heading + turn)
                 )
-            if SPEED in self.vary:
-                for key in ("v", "omega"):
-                    limit = getattr(robot.limits, key)
-                    found.append(Dimension(SPEED, key, i, limit, SLOWEST * limit, limit))
+            for key in ("v", "omega") if SPEED in self.vary else ():
+                limit, least = getattr(robot.limits, key), slowest.least(robot, key)
+                if least < limit:
+                    found.append(Dimension(SPEED, key, i, limit, least, limit))
         if self.settings is not None:
             found += [
                 Dimension(SETTINGS, one.key, -1, one.base, one.low, one.high)
@@ -243,7 +293,8 @@ class Space:
             found.append(f"heading   {'; '.join(words)}")
         if SPEED in self.vary:
             found.append(
-                f"speed     limits of v and omega of {count}: from {SLOWEST:.0%} to 100% of each"
+                f"speed     limits of v and omega of {count}: from {SLOWEST:.0%} to 100% of each, "
+                "but none below what its controller takes"
             )
         if self.settings is not None:
             ranges = [f"{one.key} {one.low:.4g} to {one.high:.4g}" for one in self.settings.varied]

@@ -79,8 +79,7 @@ def run_data(record: Record, summary: Summary) -> str:
     }
     _pack_poses(timeline, pack, crowd)
     pack_events(record, pack)
-    arrived = np.where(record.arrived >= 0, record.steps[record.arrived], -1)
-    pack.whole("arrived", arrived)
+    pack.whole("arrived", record.arrived)
     return pack.to_base64(header)
 
 

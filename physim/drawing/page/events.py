@@ -39,11 +39,11 @@ def stands(record: Record) -> IntArray:
         for robot in range(record.robots):
             moved = np.hypot(*np.diff(record.pose[:, robot, :2], axis=0).T)
             edges = np.diff(np.concatenate(([0], moved < STILL * took, [0])).astype(np.int8))
-            arrived = int(record.arrived[robot])
+            arrived = int(np.searchsorted(steps, record.arrived[robot]))  # the sample
             for first, end in zip(
                 np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True
             ):
-                last = end if arrived < 0 else min(int(end), arrived)
+                last = end if record.arrived[robot] < 0 else min(int(end), arrived)
                 if (steps[last] - steps[first]) * record.dt >= LEAST - 1e-9:
                     spans.append((robot, int(steps[first]), int(steps[last])))
     return np.array(spans, dtype=np.int64).reshape(-1, 3)

@@ -48,13 +48,18 @@ def check_still(path: Path) -> None:
     _suffix(path, [STILL], "a still")
 
 
+def named(path: Path, suffix: str) -> str:
+    """Name of a file with another suffix; that of a folder such as ``.`` is none of a file."""
+    return path.with_suffix(suffix).name if path.name.strip(".") else f"run{suffix}"
+
+
 def _suffix(path: Path, allowed: Sequence[str], what: str) -> str:
     """Suffix of a path that can be written to. Raises RecordError."""
     suffix = path.suffix.lower()
     if suffix not in allowed:
         raise RecordError(
             f'{path}: cannot write {what} as "{path.suffix}"; allowed: {", ".join(allowed)}; '
-            f'did you mean "{path.with_suffix(allowed[0]).name}"?'
+            f'did you mean "{named(path, allowed[0])}"?'
         )
     try:
         folder, parent = path.is_dir(), path.parent.is_dir()

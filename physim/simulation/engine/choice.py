@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from physim.geometry.shapes import Shapes, joined_shapes, pack_shapes
+from physim.geometry.shapes import Shapes, joined_shapes, pack_parts
 from physim.simulation.engine.guard import Guard, PlainGuard
 from physim.simulation.engine.space import Hosted, build_space
 from physim.tolerances import CONTACT
@@ -55,7 +55,7 @@ PLACES = np.array(
 
 
 def _trial() -> bool:
-    robots, walls = pack_shapes([[BOX]] * len(PLACES)), pack_shapes([CORNER])
+    robots, walls = pack_parts([[BOX]] * len(PLACES)), pack_parts([CORNER])
     hosted = build_space(robots, walls, PLACES, np.ones(len(PLACES)), 0.0, 0.0)
     guard = native(hosted, joined_shapes(robots, walls))
     hosted.bodies[2].force = (7.0, 0.0)

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.errors import PhysimError
-from physim.geometry.shapes import FloatArray, IntArray, pack_shapes
+from physim.geometry.shapes import FloatArray, IntArray, pack_parts
 from physim.simulation.engine.space import Hosted, build_space
 
 
@@ -198,8 +198,8 @@ _TRIAL_STEP = 0.05
 def _row_of_boxes(start: FloatArray) -> Hosted:
     box = [(-0.5, -0.3), (0.5, -0.3), (0.5, 0.3), (-0.5, 0.3)]
     wall = [(len(start) - 0.51, -9.0), (len(start) - 0.51, 9.0)]
-    robots = pack_shapes([[box]] * len(start))
-    return build_space(robots, pack_shapes([[wall]]), start, np.full(len(start), 10.0), 0.3, 0.0)
+    robots = pack_parts([[box]] * len(start))
+    return build_space(robots, pack_parts([[wall]]), start, np.full(len(start), 10.0), 0.3, 0.0)
 
 
 def _press(hosted: Hosted) -> None:

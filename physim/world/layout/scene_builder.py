@@ -15,8 +15,8 @@ from physim.geometry.shapes import (
     FloatArray,
     IntArray,
     Polylines,
+    pack_parts,
     pack_polylines,
-    pack_shapes,
 )
 from physim.geometry.wall_grid import build_wall_grid
 from physim.world import RobotGroup, World
@@ -39,7 +39,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
     """
     laid = lay_out(world, seed)
     world, footprints = laid.world, laid.footprints
-    walls = pack_shapes(
+    walls = pack_parts(
         [_segments(line) for line in laid.boundaries.values()]
         + [list(convex_parts(obstacle)) for obstacle in laid.obstacles]
     )
@@ -56,7 +56,7 @@ def build_scene(world: World, seed: int | None = None) -> Scene:
         dt=world.time.step,
         steps=round(world.time.duration / world.time.step),
         bodies=tuple(Body(k, kind, name) for k, (kind, name) in enumerate(names)),
-        shapes=pack_shapes([parts(outline) for outline in footprints]),
+        shapes=pack_parts([parts(outline) for outline in footprints]),
         walls=walls,
         wall_grid=build_wall_grid(walls, world.sensing_range, GRID_CELL),
         mass=np.array([

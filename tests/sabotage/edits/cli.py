@@ -125,6 +125,15 @@ EDITS = (
     Edit(
         "cli",
         "physim/cli/__init__.py",
+        "_main",
+        "except MemoryError as error:",
+        "except ZeroDivisionError as error:",
+        "a machine without more memory is no fault in physim",
+        "tests/cli/test_faults.py::test_no_memory_is_no_fault",
+    ),
+    Edit(
+        "cli",
+        "physim/cli/__init__.py",
         "_fault",
         "return FAULT",
         "return 2",

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "falsify",
+        "physim/campaigns/falsify/space.py",
+        "LeastLimits._takes",
+        "return not robot_faults(self._controller, {0: slower})",
+        "return True",
+        "no limit goes below what the controller takes",
+        "tests/falsify/test_space.py::test_limits_go_down_to_what_the_controller_takes",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/space.py",
+        "LeastLimits._least",
+        "refused = max(refused, *map(abs, robot.omegas))",
+        "pass",
+        "no limit goes below the turns of the robot's own",
+        "tests/falsify/test_space.py::test_limits_go_down_to_what_the_controller_takes",
+    ),
+    Edit(
+        "falsify",
         "physim/cli/falsify.py",
         "_space",
         'world if shipped else world.changed(controller={"type": STANDS_IN})',

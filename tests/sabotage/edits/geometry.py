@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/queries.py",
+        "pack_shapes",
+        'parts_of(body, f"bodies[{k}]") for k, body in enumerate(bodies)',
+        "body for body in bodies",
+        "bodies are packed as convex parts, counter-clockwise",
+        "tests/geometry/test_batch.py::test_bodies_are_packed_whichever_way_they_go_round_and_nonconvex_ones_too",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/motion.py",
         "arc",
         "direction = pose[2] + h",

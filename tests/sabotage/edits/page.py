@@ -9,6 +9,15 @@ ROOM = "physim/drawing/page"
 
 EDITS = (
     Edit(
+        "page",
+        "physim/drawing/page/events.py",
+        "stands",
+        "int(np.searchsorted(steps, record.arrived[robot]))",
+        "int(record.arrived[robot])",
+        "arrival is a step, of which not every one is a sample",
+        "tests/page/test_events.py::test_who_arrived_between_two_samples_stood_until_the_next",
+    ),
+    Edit(
         "page", f"{ROOM}/packing.py", "_planes",
         "(numbers << 1) ^ (numbers >> 63)", "(numbers << 1)",
         "negative numbers come back", f"{DATA}::test_numbers_come_back",
@@ -40,7 +49,7 @@ EDITS = (
     ),
     Edit(
         "page", f"{ROOM}/events.py", "stands",
-        "end if arrived < 0 else min(int(end), arrived)", "end",
+        "end if record.arrived[robot] < 0 else min(int(end), arrived)", "end",
         "a robot that has arrived no longer counts as standing",
         "tests/page/test_events.py::test_what_counts_as_standing",
     ),

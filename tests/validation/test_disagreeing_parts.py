@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from copy import deepcopy
 
 import h5py
 import pytest
@@ -30,7 +31,7 @@ def test_a_world_inside_of_other_robots_is_told(made, tmp_path, change):
     def other(file: h5py.File) -> None:
         world = yaml.safe_load(file.attrs["world"])
         robots = change(world["robots"])
-        robots[-1] = {**robots[-1], "name": "last", "pose": [7.5, 0.0, 0.0]}
+        robots[-1] = {**deepcopy(robots[-1]), "name": "last", "pose": [7.5, 0.0, 0.0]}  # no alias
         world["formation"]["spacing"] = "initial"
         file.attrs["world"] = yaml.safe_dump({**world, "robots": robots})
 

@@ -212,7 +212,7 @@ class Space:
 
     def _dimensions(self) -> list[Dimension]:
         found: list[Dimension] = []
-        slowest = LeastLimits(self.world)
+        slowest = LeastLimits(self.world) if SPEED in self.vary else None
         for i, robot in enumerate(self.world.robots):
             x, y, heading = self.starts.base[i].tolist()
             if POSE in self.vary:
@@ -227,10 +227,11 @@ class Space:
                 found.append(
                     Dimension(HEADING, "heading", i, heading, heading - turn, heading + turn)
                 )
-            for key in ("v", "omega") if SPEED in self.vary else ():
-                limit, least = getattr(robot.limits, key), slowest.least(robot, key)
-                if least < limit:
-                    found.append(Dimension(SPEED, key, i, limit, least, limit))
+            if slowest is not None:
+                for key in ("v", "omega"):
+                    limit, least = getattr(robot.limits, key), slowest.least(robot, key)
+                    if least < limit:
+                        found.append(Dimension(SPEED, key, i, limit, least, limit))
         if self.settings is not None:
             found += [
                 Dimension(SETTINGS, one.key, -1, one.base, one.low, one.high)

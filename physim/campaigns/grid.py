@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import NamedTuple, overload
 
 from physim.campaigns import own_metrics
-from physim.campaigns.sources import Source, sources_of
+from physim.campaigns.sources import Part, Source, own_parts, sources_of
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
-from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
 from physim.world.layout.scene_builder import build_scene, may_vary, seeds_note
@@ -178,7 +177,7 @@ def make_grid(
     cells: list[RunSpec] = []
     fixed: set[int] = set()
     warnings: dict[str, None] = dict.fromkeys(own_metrics.installed().faults)
-    sources: dict[str, tuple[Source, ...]] = {}
+    sources: dict[tuple[Part, ...], tuple[Source, ...]] = {}
     for (name, given), overrides, controller in product(names.items(), changes, chosen):
         try:
             world, document = read_world(given, overrides=overrides, controller=controller)
@@ -187,10 +186,9 @@ def make_grid(
             raise _of_cell(error, *one_of_several) from None
         warnings |= dict.fromkeys(warning_lines(document))
         _check(world, document, seeds)
-        choice = world.controller.type
-        if choice not in sources:
-            shipped = choice in shipped_parts(CONTROLLER)
-            sources[choice] = () if shipped else sources_of(choice)
+        own = own_parts(world)
+        if own not in sources:
+            sources[own] = sources_of(own)
         seed = world.seed if seeds is None or not may_vary(world) else seeds[0]
         if not may_vary(world):
             fixed.add(len(cells))
@@ -202,7 +200,7 @@ def make_grid(
                 seed,
                 name=name,
                 settings="; ".join(overrides),
-                sources=sources[choice],
+                sources=sources[own],
                 limit=limit,
             )
         )
@@ -252,12 +250,17 @@ def settings_of(axis: str) -> list[str]:
 
 
 def _named(worlds: Sequence[str]) -> dict[str, str]:
-    """What is given of each world by what it is called: the stem of its file, where one has it."""
+    """What is given of each world by what it is called: the stem of its file, where one has it.
+
+    Bytes of a name that are not UTF-8 are written out, as no text on disk could hold them.
+    """
     given = list(dict.fromkeys(worlds))
     stems = [Path(one).stem for one in given]
-    return {
-        stem if stems.count(stem) == 1 else one: one for stem, one in zip(stems, given, strict=True)
-    }
+    names = [
+        stem if stems.count(stem) == 1 else one for stem, one in zip(stems, given, strict=True)
+    ]
+    texts = (name.encode(errors="backslashreplace").decode() for name in names)
+    return dict(zip(texts, given, strict=True))
 
 
 def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldError:

@@ -68,7 +68,8 @@ def write_results(folder: Path) -> None:
     path = folder / RESULTS
     draft = draft_of(path)
     try:
-        parquet.write_table(table, draft)
+        with open(draft, "wb") as stream:  # it takes no path that is not UTF-8
+            parquet.write_table(table, stream)
         draft.replace(path)
     except OSError as error:
         raise PhysimError(f"{path}: cannot be written: {error.strerror or error}") from None

@@ -13,10 +13,9 @@ from physim.campaigns.own_metrics import TEXT
 from physim.campaigns.processes import Job, Processes, Stop
 from physim.campaigns.reading import read
 from physim.campaigns.runner import outcomes
-from physim.campaigns.sources import source_hash, sources_of
+from physim.campaigns.sources import own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
 from physim.errors import PhysimError
-from physim.parts.registry import CONTROLLER, shipped_parts
 from physim.record import Record
 from physim.simulation.run import record_run
 from physim.world.file.files import file_text
@@ -52,7 +51,7 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
     """The spec of a row, where the same run can be made here.
 
     ``controller`` allows a class of one's own, which is code, to be imported. Raises PhysimError
-    where versions or the source of the controller are others now, with all that is.
+    where versions or the source of its controller or of a stage are others now, with all that is.
     """
     cells = {label_of(one): one for one in folder.cells()}
     cell = cells[row.world, row.settings, row.controller]
@@ -63,22 +62,23 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
         )
     file = folder.world_file(row.world_hash)
     text = file_text(file)
-    shipped = row.controller in shipped_parts(CONTROLLER)
-    sources = () if shipped else sources_of(row.controller)
+    own = row.controller if ":" in row.controller else None
+    world = parse_world(text, str(file), controller=own)
+    parts = own_parts(world)
+    sources = sources_of(parts)
+    named = " and ".join(name for _, name in parts) or row.controller
     differing = [
         f"{what} {there or 'unknown'} there, {here or 'unknown'} here"
         for what, there, here in (
             ("physim", row.physim, __version__),
             ("engine", row.engine, engine()),
-            (f"source of {row.controller}", cell["source_hash"], source_hash(sources)),
+            (f"source of {named}", cell["source_hash"], source_hash(sources)),
         )
         if there != here
     ]
-    own = row.controller if ":" in row.controller else None
     spec = RunSpec(
-        text, row.seed, row.world, row.settings, row.controller, sources,
-        usual_limit(parse_world(text, str(file), controller=own)),
-    )  # fmt: skip
+        text, row.seed, row.world, row.settings, row.controller, sources, usual_limit(world)
+    )
     if differing:
         raise PhysimError(f"run {row.run} would not be the same again: {'; '.join(differing)}")
     return spec

@@ -1,8 +1,8 @@
-"""Controllers of one's own as text: a run takes the source along, to wherever it is done.
+"""Controllers and stages of one's own as text: a run takes the source along, wherever it is done.
 
-Taken along are the module of the class and all that it imports from the same folder; installed
-packages are not, and must be there. A module is made of the text that came, whatever lies on disk
-by then, and its code is called by the name of its file, so that errors point into it.
+Taken along are the modules of their classes and all that those import from the same folder;
+installed packages are not, and must be there. A module is made of the text that came, whatever lies
+on disk by then, and its code is called by the name of its file, so that errors point into it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from types import ModuleType
 from typing import NamedTuple
 
 from physim.errors import ControllerError
-from physim.parts.registry import CONTROLLER, find_part
+from physim.parts.registry import CONTROLLER, STAGES, Kind, find_part, shipped_parts
+from physim.world import World
 from physim.world.faults import describe
 
 
@@ -48,19 +49,42 @@ def source_hash(sources: tuple[Source, ...]) -> str:
     return found.hexdigest()[:12]
 
 
-def sources_of(controller: str) -> tuple[Source, ...]:
-    """Modules of a controller that came with neither physim nor an installed package.
+Part = tuple[Kind, str]
 
-    ``controller`` is as ``--controller`` takes it. Raises ControllerError where it cannot be had.
+
+def own_parts(world: World) -> tuple[Part, ...]:
+    """Controller and stages of a world that did not come with physim, each once."""
+    listed = (world.sensing.stages, world.filters, world.disturbances)
+    named = [(CONTROLLER, world.controller.type)]
+    named += [(kind, c.type) for kind, some in zip(STAGES, listed, strict=True) for c in some]
+    return tuple((kind, name) for kind, name in dict.fromkeys(named) if _is_own(kind, name))
+
+
+def _is_own(kind: Kind, name: str) -> bool:
+    return name not in shipped_parts(kind)
+
+
+def sources_of(parts: Sequence[Part]) -> tuple[Source, ...]:
+    """Modules of parts that came with neither physim nor an installed package.
+
+    Controllers are named as ``--controller`` takes them. Raises ControllerError where one cannot be
+    had.
     """
-    module = find_part(CONTROLLER, controller, trusted=True).__module__
+    found: dict[str, Source] = {}
+    for kind, name in parts:
+        _add(found, find_part(kind, name, trusted=True).__module__)
+    return tuple(found[name] for name in sorted(found))
+
+
+def _add(found: dict[str, Source], module: str) -> None:
+    """Add a module, and what it imports from the same folder."""
     file = _file_of(module)
     if module.partition(".")[0] == "physim" or file is None:
-        return ()
+        return
     if _is_installed(file):  # it must be there; its text is part of what the run is all the same
-        return (_read(module, file),)
+        found[module] = _read(module, file)
+        return
     root = file.parents[module.count(".") + (file.name == "__init__.py")]
-    found: dict[str, Source] = {}
     waiting = [module]
     while waiting:
         name = waiting.pop()
@@ -73,7 +97,6 @@ def sources_of(controller: str) -> tuple[Source, ...]:
         parent = name.rpartition(".")[0]
         waiting += [parent] if parent else []
         waiting += _imported(one)
-    return tuple(found[name] for name in sorted(found))
 
 
 def provide(sources: Sequence[Source]) -> None:
@@ -189,4 +212,4 @@ def _imported(one: Source) -> Iterator[str]:
             yield from (f"{base}.{alias.name}".lstrip(".") for alias in node.names)
 
 
-__all__ = ["Source", "provide", "source_hash", "sources_of"]
+__all__ = ["Part", "Source", "own_parts", "provide", "source_hash", "sources_of"]

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from physim._version import __version__
-from physim.campaigns.sources import Source, source_hash, sources_of
-from physim.parts.registry import CONTROLLER, shipped_parts
+from physim.campaigns.sources import Source, own_parts, source_hash, sources_of
 from physim.world import World
 
 LEAST_LIMIT = 120.0
@@ -26,7 +25,7 @@ Label = tuple[str, str, str]
 
 @dataclass(frozen=True)
 class RunSpec:
-    """One run: an effective world, a seed, and the source of a controller of one's own."""
+    """One run: an effective world, a seed, and the source of parts of one's own."""
 
     text: str
     """the effective world as YAML, controller and settings included, with the seed 0"""
@@ -48,7 +47,7 @@ class RunSpec:
 
     @property
     def source_hash(self) -> str:
-        """Short hash of the controller's source; empty for one that comes with physim."""
+        """Short hash of the source of controller and stages; empty where all come with physim."""
         return source_hash(self.sources)
 
     @property
@@ -89,11 +88,11 @@ def spec_of(
 ) -> RunSpec:
     """Run of a world, whose controller may be ``module:Class``; ``sources`` where they are known.
 
-    Raises ControllerError where the source of the controller cannot be had.
+    Raises ControllerError where the source of its controller or of a stage cannot be had.
     """
     controller = world.controller.type
     if sources is None:
-        sources = () if controller in shipped_parts(CONTROLLER) else sources_of(controller)
+        sources = sources_of(own_parts(world))
     return RunSpec(
         world.changed(seed=0).to_yaml(), seed, world.stem if name is None else name, settings,
         controller, sources, usual_limit(world) if limit is None else limit,

@@ -78,11 +78,26 @@ def _main(arguments: Sequence[str] | None, broken: Break) -> int:
         if broken.came:  # what was being imported made an error of it
             raise KeyboardInterrupt from None
         _print_error(str(error))
+        _tell_folder_gone()
+        return 2
+    except FileNotFoundError:
+        if not _tell_folder_gone():
+            raise
         return 2
     except MemoryError as error:
         why = f" ({error})" if str(error) else ""
         _print_error(f"out of memory{why}: the machine, or a limit such as ulimit -v, has no more")
         return 2
+
+
+def _tell_folder_gone() -> bool:
+    """Say so where the working folder is not there any more, by which relative names fail."""
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        _print_error("the folder that this was started in is gone; change to one that is there")
+        return True
+    return False
 
 
 def _fault() -> int:

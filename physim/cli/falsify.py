@@ -102,7 +102,7 @@ def falsify(options: Options) -> int:
     if not options.quiet:
         print("varied:\n" + "\n".join(f"  {line}" for line in space.lines()), file=out, flush=True)
     with interrupts() as interrupt, _alone(folder), executor(options.workers) as workers:
-        evaluate = by_executor(workers, space.world.controller.type, interrupt)
+        evaluate = by_executor(workers, space.world, interrupt)
         accepts = accepted(options.controller)
         with Bar("search", options.budget, "runs", options.quiet) as bar:
             found = hunt(

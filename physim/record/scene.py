@@ -35,7 +35,7 @@ from physim.world.scene import Body, Scene
 
 FEWEST_CORNERS = 3
 """Of a convex part of a footprint or obstacle; those of a boundary are segments."""
-LIBRARIES = ("physim", "numpy", "pymunk", "numba", "h5py")
+LIBRARIES = ("physim", "numpy", "pymunk", "numba", "shapely", "h5py")
 
 
 def write_attributes(

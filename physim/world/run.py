@@ -30,6 +30,14 @@ DEFAULT_RANGE = 10.0
 _WORD = re.compile(r"\w{1,40}")
 
 
+def _settings(value: Any) -> FrozenMapping:
+    if not isinstance(value, Mapping):
+        raise PydanticCustomError("mapping_type", "must be a mapping")
+    if "type" in value:
+        raise PydanticCustomError("settings", "must not hold type, which names the part itself")
+    return FrozenMapping({key: item for key, item in value.items() if item is not None})
+
+
 class Choice(Model):
     """One registered part of a run by name and its settings, which that part itself checks.
 
@@ -40,7 +48,7 @@ class Choice(Model):
     type: Label = Field(description="name under which it is registered")
     settings: Annotated[
         FrozenMapping,
-        BeforeValidator(lambda value: _settings(value)),
+        BeforeValidator(_settings),
         WithJsonSchema({"type": "object"}),
     ] = Field(default_factory=FrozenMapping, description="its settings")
 
@@ -49,14 +57,6 @@ class Choice(Model):
     @field_serializer("settings")
     def _plain_settings(self, settings: FrozenMapping) -> dict[str, Any]:
         return dict(thawed(settings))
-
-
-def _settings(value: Any) -> FrozenMapping:
-    if not isinstance(value, Mapping):
-        raise PydanticCustomError("mapping_type", "must be a mapping")
-    if "type" in value:
-        raise PydanticCustomError("settings", "must not hold type, which names the part itself")
-    return FrozenMapping({key: item for key, item in value.items() if item is not None})
 
 
 def nested_choice(value: Any) -> Any:

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.campaigns.samples import lines_on_disk, rows_in, without_times
+from physim.campaigns import read
+from tests.campaigns.samples import WORLD, lines_on_disk, rows_in, without_times
 from tests.cli.commands import Done, physim, shell, started, tree
 from tests.facts import facts
 from tests.says import check_error
@@ -224,3 +225,18 @@ def test_a_full_disk_is_one_message(here: Path) -> None:
     assert done.returncode == 2, done.stderr
     assert "cannot be written" in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_names_of_files_that_are_not_utf_8(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Legal where names are bytes: the sweep ended in a traceback, its folder half made."""
+    world, folder = os.fsdecode(b"w\xff.yaml"), os.fsdecode(b"out\xfe")
+    try:
+        (here / world).write_text(WORLD)
+    except OSError:
+        pytest.skip("this file system has no such names")
+    done = physim("sweep", world, "--seeds", "1:3", "-o", folder, capture=capsys)
+    assert done.code == 0, done.err
+    rows = read(here / folder).to_pylist()
+    assert [(row["world"], row["seed"]) for row in rows] == [(r"w\udcff", 1), (r"w\udcff", 2)]
+    assert (here / folder / "results.parquet").stat().st_size
+    assert physim("replay", f"{folder}:0", "-o", "again", capture=capsys).code == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,7 @@ def drawn(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A world in which nothing is random but one disturbance."""
     package = here / "package"
     package.mkdir()
+    monkeypatch.delitem(sys.modules, "drawn_gains", raising=False)  # of another test's folder
     install(package, monkeypatch, "drawn_gains", TEXT, {"physim.disturbances": {"gains": "Gains"}})
     monkeypatch.setenv("PYTHONPATH", str(package))
     (here / "drawn.yaml").write_text(FIXED + "disturbances: [{type: gains}]\n")
@@ -48,3 +50,23 @@ def test_validation_runs_every_seed(drawn: Path, capsys: pytest.CaptureFixture[s
     done = physim("validate", "drawn.yaml", "--seeds", "1:3", capture=capsys)
     assert "2 of 2" in done.out
     assert "gains" in done.err
+
+
+def test_rows_of_two_codes_of_a_stage_are_not_mixed(
+    drawn: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As for a controller; other rows would stand in one cell and be taken for one sample."""
+    assert physim("sweep", "drawn.yaml", "--seeds", "1:3", "-o", "out", capture=capsys).code == 0
+    (module,) = (drawn / "package").glob("*.py")
+    module.write_text(TEXT.replace("0.5, 1.0", "0.9, 1.0"))
+    again = physim("sweep", "drawn.yaml", "--seeds", "1:5", "-o", "out", capture=capsys)
+    assert again.code == 2
+    assert "stage" in again.err
+    assert len(rows_in(drawn / "out")) == 2
+    replayed = physim("replay", "out:0", "-o", "again", capture=capsys)
+    assert replayed.code == 2
+    assert "source of gains" in replayed.err
+    module.write_text(TEXT)
+    done = physim("sweep", "drawn.yaml", "--seeds", "1:4", "-o", "out", capture=capsys)
+    assert done.code == 0, done.err
+    assert len(rows_in(drawn / "out")) == 3

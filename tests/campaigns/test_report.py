@@ -111,6 +111,17 @@ def test_without_a_failure_it_says_what_that_shows() -> None:
     assert re.search(r"at most 0\.10 % go wrong, which shows 99\.9 %", text)
 
 
+@pytest.mark.parametrize("only", [row(1), hit(1)])
+def test_of_a_single_run_it_promises_nothing(only: dict[str, Any]) -> None:
+    """There may be no second one: where nothing is random, every seed gives this run."""
+    text, page = pages(report([only]))
+    for words in (text, Elements(page).said):
+        assert "nothing in the world is random" in words
+        assert "more, none of which does" not in words
+    text, _ = pages(report([row(1), row(2)]))
+    assert "nothing in the world is random" not in text
+
+
 def test_a_campaign_with_a_goal_has_the_sequence_and_says_so() -> None:
     rows = [hit(seed) if seed % 25 == 0 else row(seed) for seed in range(600)]
     goal = read_goal("rate > 0.9")

@@ -15,6 +15,7 @@ from physim.campaigns.grid import make_grid
 from physim.campaigns.one_run import run_one, simulation_of
 from physim.campaigns.sources import sources_of
 from physim.campaigns.spec import RunSpec, spec_of
+from physim.parts.registry import CONTROLLER
 from physim.simulation.run import record_run
 from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD, specs, without_times
@@ -98,11 +99,11 @@ def test_sources_of_a_package_with_relative_imports(
         "    def decide(self, observation, memory):\n        return None\n"
     )
     monkeypatch.chdir(tmp_path)
-    found = sources_of("my_packet.deep.one:One")
+    found = sources_of([(CONTROLLER, "my_packet.deep.one:One")])
     assert [one.module for one in found] == [
         "my_packet", "my_packet.deep", "my_packet.deep.one", "my_packet.speeds",
     ]  # fmt: skip
-    assert sources_of("mode_switching") == ()
+    assert sources_of([(CONTROLLER, "mode_switching")]) == ()
 
 
 @pytest.mark.parametrize(

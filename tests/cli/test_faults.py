@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from physim.cli import FAULT, main
@@ -55,3 +57,24 @@ def test_no_memory_is_no_fault(
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("out of memory")
     assert str(error) in line
+
+
+@pytest.mark.parametrize("gone", [True, False])
+def test_a_working_folder_that_is_gone_is_no_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path, gone: bool
+) -> None:
+    """A file that is missing otherwise, and of which nobody has thought, still is one."""
+
+    def missing(options: object) -> int:
+        raise FileNotFoundError(2, "No such file or directory")
+
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    if gone:
+        folder.rmdir()
+    monkeypatch.setattr(listing, "callback", missing)
+    assert main(["list"]) == (2 if gone else 70)
+    told = capsys.readouterr().err
+    assert ("gone" in told) == gone
+    assert ("Traceback" in told) != gone

@@ -134,7 +134,7 @@ def interrupting(calls: int) -> Callable[..., Any]:
     """Runs in this process; before one of them Ctrl-C is pressed."""
     seen = iter(range(1, 1000))
 
-    def by_executor(executor: object, controller: str, stop: Callable[[], bool]) -> Any:
+    def by_executor(executor: object, world: World, stop: Callable[[], bool]) -> Any:
         here = in_this_process(stop)
 
         def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:

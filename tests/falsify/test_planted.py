@@ -82,5 +82,5 @@ def test_the_result_is_the_same_whoever_does_the_runs(space: Space) -> None:
     here = hunt(space, in_this_process(), accepts, budget=60, seed=1)
     assert len(here.history) > 1
     with executor(2) as workers:
-        there = hunt(space, by_executor(workers, NAME), accepts, budget=60, seed=1)
+        there = hunt(space, by_executor(workers, space.world), accepts, budget=60, seed=1)
     assert there == here

@@ -427,6 +427,15 @@ def test_an_option_that_a_kind_of_source_does_not_use_is_refused(name: str, kind
     check_says(refusal(SAMPLES / SAMPLE_OF[kind], options), f"--{name} … {what} … {kind}")
 
 
+@pytest.mark.parametrize("asked", [{"lanes": 2}, {"robot": (1.0, 0.5)}])
+def test_drawn_robots_are_neither_ranked_nor_sized(asked: dict[str, Any]) -> None:
+    """`--lanes` and `--robot` are of boxes that are placed; in silence they would do nothing."""
+    key = next(iter(asked))
+    hall = SAMPLES / "hall.svg"
+    check_says(refusal(hall, Options(scale=0.1, **asked)), f"--{key} … drawn … --robots N")
+    assert import_world(hall, Options(scale=0.1, robots=2, **asked)).world.robots
+
+
 def test_room_for_none_is_told_without_advice_that_cannot_help(tmp_path: Path) -> None:
     path = tmp_path / "narrow.wkt"
     path.write_text("POLYGON ((0 0, 30 0, 30 1.2, 0 1.2, 0 0))\nLINESTRING (1 0.6, 29 0.6)")

@@ -272,3 +272,26 @@ def test_a_group_or_copy_that_is_cut_is_told_once_and_not_where_it_is_left_out(t
     assert len(said) == 2
     outside = f"</g>{cut.format('g', 'floor')}>{PILLAR}</g><g>"
     assert not [one for one in obstacles(tmp_path, outside)[1] if "whole" in one]
+
+
+def test_of_a_switch_one_alternative_is_drawn(tmp_path):
+    """The first that needs no extension, as programs draw it; the others are told."""
+    foreign = '<foreignObject requiredExtensions="http://example.org/"><p/></foreignObject>'
+    found, changes = obstacles(
+        tmp_path, f"<switch>{foreign}<g>{PILLAR}</g><g>{OTHER}</g></switch>{OTHER}"
+    )
+    assert found == [10.0, 15.0]
+    assert len([one for one in changes if "hidden <g>" in one]) == 1
+    assert obstacles(tmp_path, f"<switch>{OTHER}{PILLAR}</switch>")[0] == [15.0]
+
+
+def test_a_symbol_with_a_view_of_its_own_is_told(tmp_path):
+    """Programs fit it into the box of its copy; that is not done."""
+    told = {}
+    for view in ("", 'viewBox="0 0 20 20"'):
+        symbol = f'<symbol id="it" {view}>{PILLAR}</symbol><use href="#it" x="2" width="4"/>'
+        found, changes = obstacles(tmp_path, symbol)
+        assert found == [12.0]
+        told[view] = [one for one in changes if "viewBox" in one]
+    assert list(map(len, told.values())) == [0, 1]
+    check_says(told['viewBox="0 0 20 20"'][0], "line 3: … <symbol> … it … viewBox … not applied")

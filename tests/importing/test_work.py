@@ -20,7 +20,7 @@ from physim.authoring.importing import (
 from physim.authoring.importing.drawing import Drawing, ImportSourceError, Options
 from physim.authoring.importing.geojson import read_geojson
 from physim.authoring.importing.polygons import read_wkt
-from physim.authoring.importing.svg import subpaths
+from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import look_at
 from physim.authoring.importing.track_file import read_track_file
 from tests.importing.plans import check_says

@@ -50,7 +50,7 @@ def test_round_trip(made: Path) -> None:
         assert record.names == ("r1", "r2", "r3")
         assert record.bodies == scene.bodies
         assert record.wall_clock == {"seconds": 0.1, "factor": 40.0}
-        assert set(record.versions) >= {"physim", "pymunk"}
+        assert set(record.versions) >= {"physim", "pymunk", "shapely"}
         np.testing.assert_array_equal(record.steps, np.arange(401))
         np.testing.assert_array_equal(record.time, 0.01 * np.arange(401))
         np.testing.assert_array_equal(record.pose, poses(scene))

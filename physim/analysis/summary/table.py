@@ -84,7 +84,7 @@ def _command_rows(summary: Summary) -> list[tuple[str, str]]:
     """How often a stage changed commands; none of a run in which none did."""
     stages = (
         ("filtered differs from nominal", summary.value("filtered_steps")),
-        ("applied from filtered", summary.value("disturbed_steps")),
+        ("applied differs from filtered", summary.value("disturbed_steps")),
     )
     parts = [
         f"{words} in {count} robot-steps ({count / max(summary.robot_steps, 1):.1%})"

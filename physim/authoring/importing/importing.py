@@ -1,15 +1,11 @@
-"""From a source to a world: read, enclose, find a path, place the robots, write, and check.
-
-The world file is pleasant to read: every length to the millimetre, sources named.
-"""
+"""From a source to a world: read, enclose, find a path, place the robots, write, and check."""
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from math import ceil, hypot
+from math import hypot
 from pathlib import Path
 
 import numpy as np
@@ -37,124 +33,12 @@ from physim.authoring.importing.lines import length_of
 from physim.authoring.importing.robots import Placed, as_drawn, fill_in, stop_warnings
 from physim.authoring.importing.source import format_of
 from physim.authoring.importing.work import GRAIN
+from physim.authoring.importing.world_text import world_text
 from physim.errors import Location, WorldError, plural
 from physim.escaping import escaped
-from physim.geometry.shapes import FloatArray
 from physim.world import World
 from physim.world.file import parse_world
-from physim.world.file.schema import FILE
 from physim.world.layout.scene_builder import build_scene
-from physim.world.yaml_text import flow_list, scalar_text
-
-LINE = 100
-SETTINGS = {
-    "look_ahead": 2.0,
-    "safe_distance": 1.0,
-    "arrival_tolerance": 0.06,
-    "distance_low": 0.5,
-    "distance_high": 0.8,
-    "boundary_low": 0.15,
-}
-"""[m] settings of the shipped controller that are lengths, at size 1"""
-SPACE = 1.35
-"""[-] duration over the time that the path takes at the formation's speed"""
-
-
-def world_text(name: str, source: str, drawing: Drawing, found: Fit, robots: list[Placed]) -> str:
-    """YAML text of the world; loading it checks it."""
-    lines = [f"# yaml-language-server: $schema={FILE}", *_heading(source, drawing)]
-    group = "One robot" if len(robots) == 1 else f"{len(robots)} robots"
-    duration = 10.0 * ceil((length_of(found.reference) / found.size * SPACE + 20.0) / 10.0)
-    lines.append(f"name: {scalar_text(name)}")
-    lines.append(f"description: {scalar_text(f'{group} in a place imported from {source}.')}")
-    lines.append(f"time: {{step: 0.01, duration: {duration:.1f}}}  # [s]")
-    lines.append("boundaries:  # [m] polylines, points x, y")
-    for boundary in drawing.boundaries:
-        lines += _points("  - ", boundary)
-    if drawing.obstacles:
-        lines.append("obstacles:  # [m] closed, solid")
-        for obstacle in drawing.obstacles:
-            lines += _points("  - ", obstacle)
-    lines.append("reference_path:  # [m]")
-    lines += _points("  ", found.reference)
-    lines.append("robots:  # lengths [m] in the robot's frame, pose [m, m, rad], path [m]")
-    named: dict[int, str] = {}
-    for robot in robots:
-        anchor = _anchor(robot, robots, named) if robot.offset is None else ""
-        lines += _robot(robot, found.size, anchor)
-    lines += _control(found.size)
-    return "\n".join(lines) + "\n"
-
-
-def _heading(source: str, drawing: Drawing) -> Iterator[str]:
-    yield from _comment(f"Imported from {source}: {drawing.kind}.")
-    for text in (*drawing.facts, *drawing.changes):
-        yield from _comment(f"- {text}")
-
-
-def _comment(text: str) -> Iterator[str]:
-    indent = "#   " if text.startswith("- ") else "# "
-    yield from textwrap.wrap(
-        escaped(text), LINE, initial_indent="# ", subsequent_indent=indent, break_long_words=True
-    )
-
-
-def _anchor(robot: Placed, robots: list[Placed], named: dict[int, str]) -> str:
-    """Anchor of a path that several robots follow, or the alias of one written before."""
-    key = id(robot.path)
-    if key in named:
-        return f"*{named[key]}"
-    if sum(other.path is robot.path for other in robots) == 1:
-        return ""
-    named[key] = f"lane{len(named) + 1}"
-    return f"&{named[key]} "
-
-
-def _points(head: str, points: FloatArray) -> Iterator[str]:
-    pieces = [f"[{number(float(x))}, {number(float(y))}]" for x, y in points]
-    return flow_list(head, pieces, LINE)
-
-
-def _robot(robot: Placed, size: float, anchor: str) -> Iterator[str]:
-    yield f"  - name: {scalar_text(robot.name)}"
-    if isinstance(robot.footprint, tuple):
-        length, width = robot.footprint
-        yield f"    footprint: {{length: {number(length)}, width: {number(width)}}}"
-    else:
-        yield from _points("    footprint: ", robot.footprint)
-    x, y, heading = robot.pose
-    yield f"    pose: [{number(x)}, {number(y)}, {number(heading)}]"
-    if robot.offset is not None:
-        yield f"    path: {{offset: {number(robot.offset)}}}"
-    elif anchor.startswith("*"):
-        yield f"    path: {anchor}"
-    else:
-        yield from _points(f"    path: {anchor}", robot.path)
-    if size != 1.0:
-        yield f"    limits: {{v: {_scaled(1.5, size)}, omega: 1.6}}  # [m/s], [rad/s]"
-
-
-def _control(size: float) -> Iterator[str]:
-    if size != 1.0:
-        yield f"# Lengths and speeds below are the usual ones times {size:g}, as the robots are."
-    limits = f"[{_scaled(0.8, size)}, {_scaled(1.3, size)}]"
-    speeds = f"speed: {_scaled(1.0, size)}, limits: {limits}, range: {_scaled(10.0, size)}"
-    yield f"formation: {{gain: 0.05, {speeds}}}  # [1/s, m/s, m]"
-    if size != 1.0:
-        yield "controller:  # [m]"
-        yield "  type: mode_switching"
-        for key, value in SETTINGS.items():
-            yield f"  {key}: {_scaled(value, size)}"
-    else:
-        yield "controller: {type: mode_switching}"
-    yield "expect: {contacts: 0, finished: true}"
-
-
-def _scaled(value: float, size: float) -> str:
-    scaled = float(f"{value * size:.3g}")
-    text = f"{scaled:.9f}".rstrip("0")
-    return text + "0" if text.endswith(".") else text
-
 
 MOST_DRAWN = 500
 """Robots of a drawing, each of which gets a lane of its own"""
@@ -199,6 +83,12 @@ def import_world(source: Path, options: Options | None = None) -> Imported:
             source,
             f"{len(drawing.robots)} robots are drawn; at most {MOST_DRAWN} are read; draw fewer, "
             "or have boxes placed instead by --robots N",
+        )
+    if drawn and (given := [f"--{name}" for name in ("lanes", "robot") if getattr(options, name)]):
+        raise refused(
+            source,
+            f"{given[0]}: {plural(len(drawing.robots), 'robot')} of the drawing are taken as they "
+            "are drawn; with --robots N boxes are placed instead",
         )
     many = thin_out(drawing, GRAIN if options.tolerance is None else options.tolerance)
     if options.tolerance is not None and not many and form not in TOLERANT:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import dataclass
-from math import acos, ceil, hypot, isfinite, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -30,95 +29,12 @@ from physim.authoring.importing.drawing import (
 from physim.authoring.importing.enclosure import join_ends
 from physim.authoring.importing.source import read_xml
 from physim.authoring.importing.svg_bare import CUT, LINE, TAG
+from physim.authoring.importing.svg_curves import subpaths
 from physim.authoring.importing.svg_guard import SvgLook, look_at
 from physim.authoring.importing.svg_walls import LABEL, Walls, names_of
 from physim.authoring.importing.work import MOST_POINTS, check_work
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray
-
-MOST_CHORDS = 10_000
-"""Chords of one curve."""
-
-
-def subpaths(
-    shape: Any, tolerance: float, most: int = MOST_POINTS
-) -> list[tuple[FloatArray, bool]]:
-    """Polylines (n, 2) of an svgelements path, in its units, and whether each is closed.
-
-    ``tolerance`` in the same units. A closed one has its first point repeated. Raises ValueError
-    for coordinates that are not finite, and before there are more than ``most`` points.
-    """
-    made = 0
-    found: list[tuple[FloatArray, bool]] = []
-    points: list[tuple[float, float]] = []
-    for segment in shape:
-        if isinstance(segment, svgelements.Move):
-            _finish(found, points, False)
-            points = [(segment.end.x, segment.end.y)]
-        elif isinstance(segment, svgelements.Close):
-            _finish(found, points, True)
-            points = [points[0]] if points else []
-        else:
-            if not points:
-                points = [(segment.start.x, segment.start.y)]
-            count = _chords(segment, tolerance)
-            made += count
-            if made > most:
-                raise ValueError(
-                    f"more than {MOST_POINTS} points up to here; use a larger "
-                    "--tolerance, check --scale, or simplify the drawing"
-                )
-            points += _points(segment, count)
-    _finish(found, points, False)
-    return found
-
-
-def _finish(
-    found: list[tuple[FloatArray, bool]], points: list[tuple[float, float]], closed: bool
-) -> None:
-    line = np.array(points, dtype=np.float64).reshape(-1, 2)
-    if not np.isfinite(line).all():
-        raise ValueError("a coordinate is not a finite number")
-    if len(line) < 2:
-        return
-    if closed and (line[0] != line[-1]).any():
-        line = np.vstack([line, line[:1]])
-    found.append((line, closed or bool(len(line) > 3 and (line[0] == line[-1]).all())))
-
-
-def _chords(segment: Any, tolerance: float) -> int:
-    """How many chords stand for a segment."""
-    if isinstance(segment, svgelements.Line):
-        return 1
-    count = _count(segment, tolerance)
-    if not isfinite(count):
-        raise ValueError("a coordinate is not a finite number")
-    return min(max(ceil(count), 1), MOST_CHORDS)
-
-
-def _points(segment: Any, count: int) -> list[tuple[float, float]]:
-    """Points of a segment after its first, the ends of ``count`` chords."""
-    inner = segment.npoint(np.arange(1, count) / count) if count > 1 else ()
-    return [*((float(x), float(y)) for x, y in inner), (segment.end.x, segment.end.y)]
-
-
-def _count(segment: Any, tolerance: float) -> float:
-    """Chords that keep within the tolerance: from the largest second difference, or the radius."""
-    if isinstance(segment, svgelements.QuadraticBezier):
-        a, b, c = segment.start, segment.control, segment.end
-        bend = hypot(a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y)
-        return sqrt(bend / (4.0 * tolerance))
-    if isinstance(segment, svgelements.CubicBezier):
-        p = (segment.start, segment.control1, segment.control2, segment.end)
-        bend = max(
-            hypot(a.x - 2 * b.x + c.x, a.y - 2 * b.y + c.y)
-            for a, b, c in (p[:3], p[1:])
-        )  # fmt: skip
-        return sqrt(0.75 * bend / tolerance)
-    radius = max(float(segment.rx), float(segment.ry))
-    turn = acos(max(1.0 - tolerance / radius, -1.0)) if radius > tolerance else pi / 2.0
-    return abs(float(segment.sweep)) / (2.0 * turn) if turn > 0.0 else float(MOST_CHORDS)
-
 
 TOLERANCE = 0.01
 """[m] chords of curves, unless the user says otherwise"""

@@ -62,7 +62,10 @@ class BareSvg:
             kept["class"] = " ".join(islice(dict.fromkeys(kept["class"].split()), MOST_CLASSES))
         if style := _declarations(attributes.get("style", ""), STYLED):
             kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
-        if cut := _cut({**attributes, **_declarations(attributes.get("style", ""), CUTS)}):
+        cut = _cut({**attributes, **_declarations(attributes.get("style", ""), CUTS)})
+        if tag == ONLY_COPIED and "viewBox" in attributes:  # would fit it into its copies' boxes
+            cut = "viewBox"
+        if cut:
             kept[CUT] = f"line {line}: {called(tag, attributes)}: its {cut}"
         if tag == "use" and (href := attributes.get(XLINK, attributes.get("href"))) is not None:
             kept[XLINK] = href

@@ -84,6 +84,8 @@ class _Element:
     """functions that move these, its own only when it has ended"""
     copies: list[tuple[str, int]] = field(default_factory=list)
     """ids, and how many functions below this element move what is copied"""
+    is_drawn: bool = False
+    """of a ``switch``: whether one of its alternatives is"""
 
     def moved_by(self, functions: int) -> None:
         """Take all in it to be moved by so many functions more."""
@@ -150,6 +152,8 @@ class _Guard:
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         line = self.parser.CurrentLineNumber
         tag = name.removeprefix(SVG)
+        if self.open and self.open[-1][0] == "switch":
+            attributes = self._alternative(attributes)
         self.look.bare.start(name, attributes, line)
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
@@ -213,6 +217,17 @@ class _Guard:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
+
+    def _alternative(self, attributes: dict[str, str]) -> dict[str, str]:
+        """Attributes of what stands in a ``switch``, hidden unless it is what is drawn of it.
+
+        That is the first that needs no extension, of whatever language.
+        """
+        within = self.open[-1][1]
+        if within.is_drawn or attributes.get("requiredExtensions", "").strip():
+            return {**attributes, "display": "none"}
+        within.is_drawn = True
+        return attributes
 
     def _text(self, text: str) -> None:
         if self.open[-1][0] == "style":

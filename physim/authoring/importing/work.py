@@ -41,8 +41,7 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
     if points > MOST_POINTS:
         raise refused(
             path,
-            f"{points} points; at most {MOST_POINTS} are read; use a larger --tolerance, or "
-            "simplify the lines first",
+            f"{points} points; at most {MOST_POINTS} are read; simplify the lines first",
         )
     if not points:
         return

@@ -11,11 +11,11 @@ from physim.campaigns.falsify.robustness import Judged, judged
 from physim.campaigns.one_run import one_line, ready
 from physim.campaigns.processes import Job, LostError, OverdueError
 from physim.campaigns.runner import POLL_SECONDS, begin
-from physim.campaigns.sources import Source, provide, sources_of
+from physim.campaigns.sources import Source, own_parts, provide, sources_of
 from physim.campaigns.spec import usual_limit
 from physim.errors import WorldError
 from physim.parts.controller import Controller
-from physim.parts.registry import CONTROLLER, make_part, shipped_parts
+from physim.parts.registry import CONTROLLER, make_part
 from physim.simulation.loop import Simulation
 from physim.simulation.recorder import SaveAt
 from physim.simulation.run import record_run
@@ -77,11 +77,10 @@ def in_this_process(stop: Callable[[], bool] = never) -> Evaluate:
     return evaluate
 
 
-def by_executor(executor: Executor, controller: str, stop: Callable[[], bool] = never) -> Evaluate:
+def by_executor(executor: Executor, world: World, stop: Callable[[], bool] = never) -> Evaluate:
     """Evaluate worlds by the workers of an executor; a run that one of them does not survive, or
-    that takes too long, is one that broke off. ``controller`` is that of all worlds."""
-    own = controller not in shipped_parts(CONTROLLER)
-    sources = sources_of(controller) if own else ()
+    that takes too long, is one that broke off. All have controller and stages of ``world``."""
+    sources = sources_of(own_parts(world))
 
     def evaluate(worlds: Sequence[World]) -> Iterator[Judged]:
         futures = [

@@ -26,7 +26,7 @@ from physim.campaigns.report.wording import (
     interval,
     measured,
     method,
-    no_failure,
+    note_of,
     number,
     of_cells,
     percent,
@@ -127,7 +127,7 @@ def _rates(report: Report) -> Iterator[str]:
         if report.goal is not None and one.decision is not None:
             words = decision_words(one.decision, report.goal)
             decision = f'<br><small class="verdict">{text(words)}</small>'
-        note = no_failure(both)
+        note = note_of(both)
         yield (
             f"<tr>{_name(one)}"
             f'<td class="number" data-name="runs">{number(one.cell.count)}</td>'

@@ -14,7 +14,7 @@ from physim.campaigns.report.wording import (
     interval,
     measured,
     method,
-    no_failure,
+    note_of,
     number,
     of_cells,
     percent,
@@ -71,8 +71,8 @@ def _cell(report: Report, one: CellReport) -> Iterator[str]:
     told = ""
     for rate in one.rates:
         yield f"  {RATE_NAMES[rate.name]:<26}{rate_text(rate)}"
-        note = no_failure(rate)
-        if note and note != told:  # where all went well, one line stands for the three rates
+        note = note_of(rate)
+        if note and note != told:  # one line stands for rates that have the same
             yield f"  {'':<26}{note}"
         told = note
     for name in (*TOLD, *report.outcomes.own):

@@ -50,8 +50,13 @@ def interval(low: float, high: float) -> str:
     return f"[{percent(low, digits, -1)}, {percent(high, digits, 1)}]"
 
 
-def no_failure(rate: Rate) -> str:
-    """What it means that no run went wrong; empty where one did."""
+def note_of(rate: Rate) -> str:
+    """What a single run tells, or what it means that none went wrong; else empty."""
+    if rate.of == 1:
+        return (
+            "one run: where nothing in the world is random it is all there is, and the interval "
+            "tells nothing"
+        )
     if rate.at_most is None or rate.needed is None:
         return ""
     most = percent(rate.at_most, None, 1)

@@ -252,7 +252,7 @@ def width(record: Record) -> Any:
         apart = [np.hypot(*(feet - found.points).T) for feet in (found.left, found.right)]
         dots = below.plot(found.station, apart[0] + apart[1], ":", color=INK, linewidth=0.8)
         dots[0].set_label("walls not abreast")
-        below.legend(handles=dots, loc="upper right", frameon=False)
+        handles += dots
     for end, word, colour in zip(ends, ("least", "greatest"), (WIDTHS, INK), strict=True):
         if end is not None:
             text = f"{word} {end.value:.2f} m"

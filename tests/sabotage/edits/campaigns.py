@@ -302,4 +302,13 @@ EDITS = (
         "what is no JSON is told in plain words",
         "tests/campaigns/test_places.py::test_what_is_no_json_is_told_in_plain_words",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/sources.py",
+        "own_parts",
+        "(kind, c.type) for kind, some in zip(STAGES, listed, strict=True) for c in some",
+        "(kind, c.type) for kind, some in zip(STAGES, listed, strict=True) for c in some[:0]",
+        "rows of two codes of a stage are not mixed",
+        "tests/campaigns/test_drawing_stages.py::test_rows_of_two_codes_of_a_stage_are_not_mixed",
+    ),
 )

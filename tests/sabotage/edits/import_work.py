@@ -97,7 +97,7 @@ EDITS = (
     ),
     Edit(
         "importing",
-        "physim/authoring/importing/svg.py",
+        "physim/authoring/importing/svg_curves.py",
         "subpaths",
         "if made > most:",
         "if False:",

@@ -150,4 +150,13 @@ EDITS = (
         "a kept record is shown beside its own row only",
         "tests/cli/test_report.py::test_a_kept_record_of_another_run_is_not_shown",
     ),
+    Edit(
+        "reports",
+        "physim/campaigns/report/wording.py",
+        "note_of",
+        "if rate.of == 1:",
+        "if False:",
+        "of a single run nothing is promised",
+        "tests/campaigns/test_report.py::test_of_a_single_run_it_promises_nothing",
+    ),
 )

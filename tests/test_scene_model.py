@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from hypothesis import given
+from hypothesis import strategies as st
 
 from physim.drawing import palette
 from physim.drawing.scene_model import SceneModel, outline, region
@@ -22,6 +24,19 @@ from tests.preview.worlds import NARROW
 from tests.records import DECLARED, ELL, make_record
 
 L = 0.8
+
+
+@given(st.lists(st.tuples(*[st.integers(0, 12)] * 4), max_size=9))
+def test_a_region_is_that_of_rings_taken_one_after_the_other(boxes: list[tuple[int, ...]]) -> None:
+    """Even-odd, whatever their order: beside each other, one in another, across each other."""
+    rings = [
+        np.array([[x, y], [x + w + 1, y], [x + w + 1, y + h + 1], [x, y + h + 1]], dtype=float)
+        for x, y, w, h in boxes
+    ]
+    area = shapely.Polygon()
+    for ring in rings:
+        area = area.symmetric_difference(shapely.Polygon(ring))
+    assert region(rings).equals(area)
 
 
 def three_models(world: World) -> list[SceneModel]:

@@ -124,14 +124,28 @@ def side_feet(
 
     ``segments`` (S, 4) lie on the side of the path on which they are found, as in `width_feet`;
     ``walls`` are those of a corridor, of which it is known which is left and which is right: their
-    points need only be 90 degrees or more apart, all others must be `opposite`.
+    points need only be 90 degrees or more apart, all others must be `opposite`. Where the road
+    passes itself, so that both nearest points lie on one side, the farther one is of another
+    stretch, behind the wall that the nearer one is on: that of its own side is taken instead.
     """
     left, right = width_feet(points, directions, segments)
     if walls is None:
         return left, right, opposite(points, directions, left, right)
+    own = left, right
     left = _nearer(points, left, nearest_feet(points, walls[0]))
     right = _nearer(points, right, nearest_feet(points, walls[1]))
-    return left, right, _apart(points, left, right, 0.0)
+    between = _apart(points, left, right, 0.0)
+    rows = np.flatnonzero(~between)
+    at, along = points[rows], directions[rows]
+    halves = (width_feet(at, along, wall)[k] for k, wall in enumerate(walls))
+    sides = [_nearer(at, side[rows], half) for side, half in zip(own, halves, strict=True)]
+    farther = _gaps(at, left[rows]) > _gaps(at, right[rows])
+    seen_left = np.where(farther[:, None], sides[0], left[rows])
+    seen_right = np.where(farther[:, None], right[rows], sides[1])
+    found = opposite(at, along, seen_left, seen_right)
+    left[rows[found]], right[rows[found]] = seen_left[found], seen_right[found]
+    between[rows[found]] = True
+    return left, right, between
 
 
 def opposite(
@@ -162,8 +176,11 @@ def _apart(
 
 
 def _nearer(points: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
-    gaps = [np.hypot(*(feet - points).T) for feet in (first, second)]
-    return np.where((gaps[0] < gaps[1])[:, None], first, second)
+    return np.where((_gaps(points, first) < _gaps(points, second))[:, None], first, second)
+
+
+def _gaps(points: FloatArray, feet: FloatArray) -> FloatArray:
+    return np.asarray(np.hypot(*(feet - points).T))
 
 
 def _feet(

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.geometry.corridor import opposite, side_feet, width_feet
+from physim.geometry.corridor import (
+    corridor_boundaries,
+    offset_polyline,
+    opposite,
+    side_feet,
+    width_feet,
+    widths_at,
+)
 from tests.geometry.cases import side_distances
 
 place = st.tuples(*[st.integers(-20, 20)] * 2)
@@ -68,3 +76,27 @@ def test_the_two_sides_are_apart_as_seen_from_the_path() -> None:
         left, right = np.array([[0.0, 1.0]]), np.array([[sine, cosine]])
         assert opposite(point, along, left, right).tolist() == [expected]
     assert not opposite(point, along, np.array([[0.0, 1.0]]), np.full((1, 2), np.inf)).any()
+
+
+@pytest.mark.parametrize("aside", [-1.2, 0.0, 1.2])
+@pytest.mark.parametrize("inward", [True, False])
+def test_a_road_that_passes_itself_has_its_own_width_everywhere(aside: float, inward: bool) -> None:
+    """A spiral of 2.5 turns, 5 m wide and 0.5 m between its turns: behind either wall of a turn
+    lies the other wall of the next, nearer than the far side of the road."""
+    angle = np.linspace(0.0, 5.0 * np.pi, 400)
+    line = (8.0 + 5.5 * angle / (2.0 * np.pi))[:, None] * np.stack(
+        [np.cos(angle), np.sin(angle)], axis=1
+    )
+    line = line[::-1] if inward else line
+    walls = corridor_boundaries(line, np.full(len(line), 5.0), 2.0)
+    left, right = (
+        np.hstack([walls[side][:-1], walls[side][1:]]) for side in ("left wall", "right wall")
+    )
+    path = offset_polyline(line, np.full(len(line), aside))
+    stations = np.linspace(0.0, np.hypot(*np.diff(path, axis=0).T).sum(), 600)
+    found = widths_at(path, stations, np.zeros((0, 4)), (left, right))
+    assert found.between.all()
+    # chords of 0.1 m of a radius of 8 m leave the arc by less than 1 mm; the spiral's own widths
+    # differ from 5 m by what its radius grows within the turn of a normal, 5.5 / (2 pi 8) of it
+    assert np.allclose(found.width, 5.0, rtol=0, atol=0.02)
+    assert np.allclose(found.left, 2.5 - aside, rtol=0, atol=0.02)

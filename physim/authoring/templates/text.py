@@ -277,7 +277,7 @@ def new_project(title: str, stem: str, world: str, schema: str) -> dict[str, str
     """
     return {
         "README.md": README.format(title=title, stem=stem),
-        ".gitignore": "runs/\n__pycache__/\n",
+        ".gitignore": "runs/\nsweeps/\nfalsified/\n__pycache__/\n",
         f"worlds/{stem}.yaml": world,
         "worlds/world.schema.json": schema,
         "controllers/__init__.py": "",

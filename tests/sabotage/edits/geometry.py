@@ -583,4 +583,22 @@ EDITS = (
         "a wall that stands in the area has a danger area",
         "tests/geometry/test_area.py::test_a_wall_that_stands_in_the_area_has_a_danger_area",
     ),
+    Edit(
+        "geometry",
+        "physim/geometry/corridor.py",
+        "side_feet",
+        "between[rows[found]] = True",
+        "pass",
+        "a road that passes itself has its own width",
+        "tests/geometry/test_width.py::test_a_road_that_passes_itself_has_its_own_width_everywhere",
+    ),
+    Edit(
+        "geometry",
+        "physim/geometry/corridor.py",
+        "side_feet",
+        "_gaps(at, left[rows]) > _gaps(at, right[rows])",
+        "_gaps(at, left[rows]) < _gaps(at, right[rows])",
+        "of two nearest points on one side the farther is of another stretch",
+        "tests/geometry/test_width.py::test_a_road_that_passes_itself_has_its_own_width_everywhere",
+    ),
 )

@@ -87,4 +87,13 @@ EDITS = (
         "a preview and a run have one width, along the first robot's path",
         "tests/preview/test_contents.py::test_a_preview_and_a_run_have_one_width",
     ),
+    Edit(
+        "preview",
+        "physim/drawing/scene_model.py",
+        "region",
+        "shapely.symmetric_difference(",
+        "shapely.union(",
+        "an area within rings is that of the even-odd rule",
+        "tests/test_scene_model.py::test_a_region_is_that_of_rings_taken_one_after_the_other",
+    ),
 )

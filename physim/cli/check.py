@@ -14,6 +14,7 @@ from physim.cli.output import inputs, new_file
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import interrupts, watch
 from physim.cli.signals import INTERRUPTED
+from physim.cli.values import PATH
 from physim.errors import PhysimError, WorldError
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ def _room(profiles: tuple[ClearanceProfile, ...]) -> list[str]:
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="picture, ending in .png or .svg (default: the world's file name with .png, here)",
 )

@@ -13,7 +13,7 @@ from physim.cli.output import its_folder, new_file, new_json, text_stream, write
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
-from physim.cli.values import LONGEST_QUOTE, OneOf, Value, quoted, seed_range, whole_from
+from physim.cli.values import LONGEST_QUOTE, PATH, OneOf, Value, quoted, seed_range, whole_from
 from physim.errors import PhysimError, nearest
 
 if TYPE_CHECKING:
@@ -53,9 +53,9 @@ def measures(text: str) -> dict[str, int]:
 
 @command("compare", "is A better than B? differences on the same seeds")
 @click.argument(
-    "a", metavar="A", type=Path, help="folder of a campaign (physim sweep); with --seeds a world"
+    "a", metavar="A", type=PATH, help="folder of a campaign (physim sweep); with --seeds a world"
 )
-@click.argument("b", metavar="[B]", type=Path, required=False, help="another one, but with --by")
+@click.argument("b", metavar="[B]", type=PATH, required=False, help="another one, but with --by")
 @option(
     "--seeds", type=Value(seed_range), metavar="A:B",
     help="run the world A (or the worlds A and B) with the seeds A to B - 1 first, then compare",
@@ -65,7 +65,7 @@ def measures(text: str) -> dict[str, int]:
     "--set", "axes", multiple=True, metavar="KEY=V1,V2",
     help="with --seeds: each of these values of a world (may be repeated)",
 )  # fmt: skip
-@option("--runs", type=Path, metavar="DIR", help="with --seeds: folder of rows (sweeps/WORLD)")
+@option("--runs", type=PATH, metavar="DIR", help="with --seeds: folder of rows (sweeps/WORLD)")
 @option(
     "--workers", type=whole_from(1, 1024), metavar="N",
     help="with --seeds: processes on this machine (as many as cores, at most 8)",
@@ -91,8 +91,8 @@ def measures(text: str) -> dict[str, int]:
     help="of measures: sign (needs no assumption), or wilcoxon (sees more where differences are "
     "symmetric)",
 )
-@option("-o", "--output", type=Path, metavar="FILE", help="write a page with all pairs as points")
-@option("--json", type=Path, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
+@option("-o", "--output", type=PATH, metavar="FILE", help="write a page with all pairs as points")
+@option("--json", type=PATH, metavar="FILE", help="write all to FILE (-: standard output) as JSON")
 @flag("--force", "overwrite an existing FILE")
 @flag("--quiet", "print no table")  # fmt: skip
 def compare(options: Options) -> int:

@@ -11,7 +11,7 @@ from physim.cli.output import new_json, remove_earlier, text_stream, write_json
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import WHOLE, whole_from
+from physim.cli.values import PATH, WHOLE, whole_from
 
 if TYPE_CHECKING:
     from physim.analysis.crashtest.report import CrashReport
@@ -32,14 +32,14 @@ COMPILING = 15
 @option("--seed", type=WHOLE, default=0, metavar="N", help="seed of the cases (0)")
 @option(
     "--json",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="write the figures to FILE (-: standard output) as JSON",
 )
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="DIR",
     help="folder for the worlds of unexplained cases (default: crashtest-SEED)",
 )

@@ -16,7 +16,7 @@ from physim.cli.output import writing as writing_to
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, Interrupt, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import Value, not_among, whole_from
+from physim.cli.values import PATH, Value, not_among, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ def _kinds(text: str) -> tuple[str, ...]:
         help="runs to shrink a failure with at most (500); 0 leaves it as found")  # fmt: skip
 @option("--workers", type=whole_from(1, 64), metavar="N",
         help="processes, 1 to 64 (as cores, at most 8); the result is the same")  # fmt: skip
-@option("-o", "--output", type=Path, metavar="DIR",
+@option("-o", "--output", type=PATH, metavar="DIR",
         help="output folder (default: falsified/NAME-SEED)")  # fmt: skip
-@option("--json", type=Path, metavar="FILE",
+@option("--json", type=PATH, metavar="FILE",
         help="write what was found to FILE (-: standard output) as JSON")  # fmt: skip
 @flag("--force", "overwrite an earlier search in DIR")
 @changes()

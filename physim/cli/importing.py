@@ -10,7 +10,7 @@ import click
 from physim.cli.new import check_schema, write_schema
 from physim.cli.output import its_folder, new_file, write_text
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import COUNT, DISTANCE, POSITIVE, OneOf, Value, pair, size
+from physim.cli.values import COUNT, DISTANCE, PATH, POSITIVE, OneOf, Value, pair, size
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from physim.world.checks import Finding
 
 FORMATS = ("track", "ros-map", "svg", "wkt", "geojson")
-LINES, PATH = "Lines", "Path and robots"
+LINES, ROUTE = "Lines", "Path and robots"
 ASKED = (
     "format", "scale", "tolerance", "specks", "start", "gap", "origin", "goal", "robots", "lanes",
     "robot", "name", "boundary",
@@ -26,8 +26,8 @@ ASKED = (
 
 
 @command("import", "a world from a track, map, drawing or polygons")
-@click.argument("source", metavar="SOURCE", type=Path, help="the file to import")
-@option("-o", "--output", type=Path, metavar="WORLD", required=True, help="the world file to write")
+@click.argument("source", metavar="SOURCE", type=PATH, help="the file to import")
+@option("-o", "--output", type=PATH, metavar="WORLD", required=True, help="the world file to write")
 @flag("--force", "overwrite an existing file")
 @option("--format", type=OneOf(FORMATS), help="kind of the source (default: by suffix or content)")
 @option("--name", metavar="NAME", help="name of the world (default: that of the source)")
@@ -74,17 +74,17 @@ ASKED = (
     "origin",
     type=Value(pair),
     metavar="X,Y",
-    section=PATH,
+    section=ROUTE,
     help="[m] where the path begins (default: as drawn, else far from its end)",
 )
-@option("--to", "goal", type=Value(pair), metavar="X,Y", section=PATH, help="[m] where it ends")
-@option("--robots", type=COUNT, metavar="N", section=PATH, help="robots (default: as drawn, or 1)")
-@option("--lanes", type=COUNT, metavar="K", section=PATH, help="robots abreast (1)")
+@option("--to", "goal", type=Value(pair), metavar="X,Y", section=ROUTE, help="[m] where it ends")
+@option("--robots", type=COUNT, metavar="N", section=ROUTE, help="robots (default: as drawn, or 1)")
+@option("--lanes", type=COUNT, metavar="K", section=ROUTE, help="robots abreast (1)")
 @option(
     "--robot",
     type=Value(size),
     metavar="L,W",
-    section=PATH,
+    section=ROUTE,
     help="[m] length and width of a robot (default: as large as fits, at most 1.8,1.0)",
 )
 @flag("--quiet", "no report")  # fmt: skip

@@ -6,12 +6,12 @@ import json
 import sys
 import textwrap
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from physim.cli.parser import Options, command, flag
+from physim.cli.values import PATH
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ LINE = 96
 
 
 @command("summary", "figures of a record: contacts, distances, times")
-@click.argument("record", metavar="[RECORD]", required=False, type=Path, help="record.h5 of a run")
+@click.argument("record", metavar="[RECORD]", required=False, type=PATH, help="record.h5 of a run")
 @flag("--json", "print everything as JSON instead")
 @flag("--definitions", "print what each metric means instead, with its unit and equation or figure")
 def summary(options: Options) -> int:

@@ -11,7 +11,7 @@ import click
 
 from physim.cli.output import empty_folder, inputs, new_file, regular, write_text, writing
 from physim.cli.parser import Options, command, flag, option
-from physim.cli.values import WHOLE, OneOf
+from physim.cli.values import PATH, WHOLE, OneOf
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
@@ -57,7 +57,7 @@ def _holds(file: Path, text: str) -> bool:
 
 
 @command("schema", "the JSON Schema of world files, for editors")
-@option("-o", "--output", type=Path, metavar="FILE", help="write it to a file instead")
+@option("-o", "--output", type=PATH, metavar="FILE", help="write it to a file instead")
 @flag("--force", "overwrite an existing file")
 def schema(options: Options) -> int:
     """Print the JSON Schema of world files: every key with its unit and meaning.
@@ -102,10 +102,10 @@ TEMPLATES = ("corridor", "bend", "doorway", "s_bend", "roundabout", "warehouse",
     help="instead of a template: a world with corridor.random, its road written out as drawn",
 )
 @option("--seed", type=WHOLE, metavar="N", help="with --from: the seed, instead of the world's own")
-@option("-o", "--output", type=Path, metavar="FILE", help="file to write (default: NAME.yaml)")
+@option("-o", "--output", type=PATH, metavar="FILE", help="file to write (default: NAME.yaml)")
 @option(
     "--project",
-    type=Path,
+    type=PATH,
     metavar="DIR",
     help="make a folder with worlds/, controllers/ with an example, media/ and a README",
 )

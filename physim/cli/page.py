@@ -11,6 +11,7 @@ import click
 from physim.cli.output import its_folder, new_file
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import announce_compiling
+from physim.cli.values import PATH
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -25,12 +26,12 @@ NAME = "page.html"
 
 
 @command("page", "a run in the browser: watch, scrub, ask why")
-@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=Path,
+@click.argument("records", metavar="RECORD...", nargs=-1, required=True, type=PATH,
                 help="record.h5 of a run; of several runs, shown in step")  # fmt: skip
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="file, ending in .html (default: page.html beside the first record)",
 )

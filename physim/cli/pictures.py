@@ -15,7 +15,7 @@ from physim.cli.output import CUT_SHORT, a_folder, new_file, regular
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
+from physim.cli.values import PATH, POSITIVE, PRINTED, OneOf, not_among, number_from, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @command("plot", "draw the figures of a record")
-@click.argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+@click.argument("record", metavar="RECORD", type=PATH, help="record.h5 of a run")
 @option(
     "--only",
     metavar="NAMES",
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="DIR",
     help="folder for the pictures (default: that of the record)",
 )
@@ -112,21 +112,21 @@ def plot(options: Options) -> int:
 
 
 @command("video", "films and stills of a record, or of two")
-@click.argument("record", metavar="RECORD", type=Path, help="record.h5 of a run")
+@click.argument("record", metavar="RECORD", type=PATH, help="record.h5 of a run")
 @click.argument(
-    "other", metavar="[RECORD]", required=False, type=Path, help="another run, as by --beside"
+    "other", metavar="[RECORD]", required=False, type=PATH, help="another run, as by --beside"
 )
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="file, ending in .mp4, .gif, .webp, or .png for a still (default: video.mp4 beside the "
     "record, or beside.mp4; frame.png)",
 )
 @option(
     "--beside",
-    type=Path,
+    type=PATH,
     metavar="RECORD",
     help="another run, shown on the right; titles say in what the two worlds differ",
 )

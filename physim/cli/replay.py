@@ -13,6 +13,7 @@ from physim.cli.parser import Options, command, flag, option
 from physim.cli.pictures import write_video
 from physim.cli.progress import interrupts
 from physim.cli.signals import INTERRUPTED
+from physim.cli.values import PATH
 from physim.errors import PhysimError
 
 DISAGREE = 3
@@ -24,7 +25,7 @@ DISAGREE = 3
     help="a folder of physim sweep, and the number of a row in its results.parquet, from 0, or the "
     "digits in its column run, as many as are needed",
 )  # fmt: skip
-@option("-o", "--output", type=Path, metavar="DIR", help="output folder (default: runs/WORLD-SEED)")
+@option("-o", "--output", type=PATH, metavar="DIR", help="output folder (default: runs/WORLD-SEED)")
 @option(
     "--controller", metavar="NAME",
     help="the row's own controller, where that is a class of yours: code is only run when named",

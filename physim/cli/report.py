@@ -21,16 +21,17 @@ from physim.cli.output import (
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
+from physim.cli.values import PATH
 
 PAGE = "report.html"
 
 
 @command("report", "how likely a contact is: rates, intervals, the worst")
-@click.argument("folder", metavar="DIR", type=Path, help="folder of a campaign (physim sweep)")
+@click.argument("folder", metavar="DIR", type=PATH, help="folder of a campaign (physim sweep)")
 @option(
-    "-o", "--output", type=Path, metavar="FILE", help=f"page to write (DIR/{PAGE}, again each time)"
+    "-o", "--output", type=PATH, metavar="FILE", help=f"page to write (DIR/{PAGE}, again each time)"
 )
-@option("--json", type=Path, metavar="FILE", help="write all figures to FILE (-: standard output)")
+@option("--json", type=PATH, metavar="FILE", help="write all figures to FILE (-: standard output)")
 @flag("--videos", "make the videos of the worst runs, and link to them")
 @flag("--pages", "make the pages of the worst runs for the browser, and link to their moments")
 @flag("--no-pictures", "do not run the worst again for their pictures")

@@ -10,7 +10,7 @@ from physim.cli.output import empty_folder, write_text, writing
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import whole_from
+from physim.cli.values import PATH, whole_from
 from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ COMPILING = 30
 @option(
     "-o",
     "--output",
-    type=Path,
+    type=PATH,
     metavar="DIR",
     default=Path("reproduction"),
     help="folder to write to (reproduction)",

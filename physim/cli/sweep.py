@@ -11,7 +11,7 @@ import click
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
-from physim.cli.values import OneOf, Value, number_from, seed_range, whole_from
+from physim.cli.values import PATH, OneOf, Value, number_from, seed_range, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def goal(text: str) -> Goal:
     "--controller", metavar="NAME,...",
     help="each of these controllers, registered ones (physim list) or your own as module:Class",
 )  # fmt: skip
-@option("-o", "--output", type=Path, metavar="DIR", help="folder (default: sweeps/WORLD)")
+@option("-o", "--output", type=PATH, metavar="DIR", help="folder (default: sweeps/WORLD)")
 @option(
     "--workers", type=whole_from(1, 1024), metavar="N",
     help="processes on this machine (as many as cores, at most 8)",

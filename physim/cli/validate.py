@@ -15,7 +15,7 @@ from physim.cli.page import make_page, new_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED
-from physim.cli.values import Value, seed_range, whole_from
+from physim.cli.values import PATH, Value, seed_range, whole_from
 from physim.errors import PhysimError
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ COMPILING = 15
 )
 @option(
     "--json",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="write everything to FILE (-: standard output) as JSON",
 )
 @option(
     "--page",
-    type=Path,
+    type=PATH,
     metavar="FILE",
     help="write the run as a page for the browser (.html), each finding with a link to its moment",
 )

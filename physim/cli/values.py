@@ -6,6 +6,7 @@ import math
 import re
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -147,3 +148,12 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         return math.nan
+
+
+def _path(text: str) -> Path:
+    if not text:  # Python's would be the working folder; mostly it is a variable that is not set
+        raise ValueError("the name of a file or folder")
+    return Path(text)
+
+
+PATH = Value(_path)

@@ -30,6 +30,8 @@ MISTAKES = {
     ("validate", "x", "--json", "--quiet"): ("--json", "FILE is missing", "standard output"),
     ("run", "x", "--set", "--force"): ("--set", "KEY=VALUE is missing"),
     ("run", "x", "-o", "--force"): ("-o/--output", "DIR is missing", "runs/NAME-SEED"),
+    ("run", "x", "-o", ""): ('-o/--output ""', "name of a file or folder"),
+    ("summary", ""): ('RECORD ""', "name of a file or folder"),
     ("new", "--template"): ("--template", "missing", TEMPLATES),
     ("new", "--template", "bent"): ("--template bent", TEMPLATES, '"bend"'),
     ("plot", "x", "--format", "pgn"): ("--format pgn", "png, svg, pdf", '"png"'),

@@ -266,4 +266,13 @@ EDITS = (
         "a working folder that is gone is told in a line",
         "tests/cli/test_faults.py::test_a_working_folder_that_is_gone_is_no_fault",
     ),
+    Edit(
+        "cli",
+        "physim/cli/values.py",
+        "_path",
+        "if not text:",
+        "if False:",
+        "an empty name is not the working folder",
+        "tests/cli/test_mistakes.py::test_a_mistake_is_told_in_one_line",
+    ),
 )

@@ -35,7 +35,10 @@ def _settings(value: Any) -> FrozenMapping:
         raise PydanticCustomError("mapping_type", "must be a mapping")
     if "type" in value:
         raise PydanticCustomError("settings", "must not hold type, which names the part itself")
-    return FrozenMapping({key: item for key, item in value.items() if item is not None})
+    # by name: two files that give the same settings are one world, of one digest
+    return FrozenMapping(
+        {key: value[key] for key in sorted(value, key=str) if value[key] is not None}
+    )
 
 
 class Choice(Model):

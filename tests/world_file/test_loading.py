@@ -197,3 +197,13 @@ def test_a_name_without_its_ending_is_told_with_the_file_that_is_there(
     with pytest.raises(WorldError, match=facts(f"{given}: no such file", suggested)) as caught:
         find_world(given)
     assert "hall.txt" not in str(caught.value)
+
+
+def test_the_order_of_settings_is_no_part_of_a_world() -> None:
+    """Two files with the same settings are one world, whose runs have one digest."""
+    some = {"time_low": 0.9, "horizon": 6.0, "distance_low": 0.4}
+    worlds = [
+        load_world("straight").changed(controller={"type": "mode_switching", **dict(pairs)})
+        for pairs in (some.items(), reversed(some.items()), sorted(some.items()))
+    ]
+    assert len({world.to_yaml() for world in worlds}) == 1

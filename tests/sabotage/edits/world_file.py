@@ -250,4 +250,13 @@ EDITS = (
         "a dash without a space is told",
         "tests/world_file/test_reading.py::test_a_dash_without_a_space_is_said",
     ),
+    Edit(
+        "world_file",
+        "physim/world/run.py",
+        "_settings",
+        "sorted(value, key=str)",
+        "value",
+        "the order of settings is no part of a world",
+        "tests/world_file/test_loading.py::test_the_order_of_settings_is_no_part_of_a_world",
+    ),
 )

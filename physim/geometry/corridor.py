@@ -10,13 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
 
 SIDES = ("left wall", "right wall")
 """Boundaries of a corridor; the caps that close its ends lie on neither side of a path."""
-
-SHARPEST_TURN = 2.6
-"""[rad] Beyond this (150 degrees) a mitred corner would reach four half-widths out."""
 
 
 def offset_polyline(points: FloatArray, offset: FloatArray, first: int = 0) -> FloatArray:

@@ -5,19 +5,27 @@ is the same for one polyline and for reading by people.
 
 A projection does not jump between branches: from step to step it looks at most a window along
 the path, two circumscribed radii of the robot, at least 1 m. That is more than a robot moves in a
-step, and less than the way between two branches of a path that passes near itself.
+step, and less than the way between two branches of a path that passes near itself. On the
+reference path s*, from which robots keep a lane's distance, it looks as far as the inside of a
+corner asks for (`track_past_corners`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, tan
 
 import numpy as np
 
 from physim.compiled import compiled
 from physim.geometry.shapes import FloatArray, Polylines, locked, pack_polylines
+
+SHARPEST_TURN = 2.6
+"""[rad] Beyond this (150 degrees) a mitred corner of a road would reach four half-widths out."""
+CORNER = 2.0 * tan(0.5 * SHARPEST_TURN)
+"""[-] way along a path over the distance from it, between the two points nearest to a robot on the
+inside of its sharpest turn"""
 
 
 @compiled
@@ -96,6 +104,22 @@ def track(
     long as the way there along the path is longer than the window.
     """
     return project(lines, k, x, y, previous - window, previous + window)
+
+
+@compiled
+def track_past_corners(
+    lines: Polylines, k: int, x: float, y: float, previous: float, window: float
+) -> tuple[float, float]:
+    """`track`, that goes on with a robot which cuts a corner.
+
+    On the inside of a turn, ``d`` from both legs, the nearest point is 2 d tan(turn / 2) further on
+    all at once: within a window of what the robot moves it would stay on the first leg for good. So
+    as much as that is looked at, for the sharpest turn of a road.
+    """
+    station, deviation = track(lines, k, x, y, previous, window)
+    if CORNER * abs(deviation) > window:
+        return track(lines, k, x, y, previous, CORNER * abs(deviation))
+    return station, deviation
 
 
 @dataclass(frozen=True, init=False, eq=False)

@@ -1,8 +1,8 @@
 """Stations of many robots, followed from step to step along their own paths and along s*.
 
-What `physim.geometry.path.track` finds, to the last bit, and faster: what does not change from step
-to step is worked out once, the search for a segment begins where the last one ended, and a segment
-that is plainly farther than another is left alone.
+What `physim.geometry.path.track` finds, on s* `track_past_corners`, to the last bit, and faster:
+what does not change from step to step is worked out once, the search for a segment begins where the
+last one ended, and a segment that is plainly farther than another is left alone.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from physim.compiled import compiled
-from physim.geometry.path import SHORTEST_WINDOW
+from physim.geometry.path import CORNER, SHORTEST_WINDOW
 from physim.geometry.shapes import FloatArray, IntArray, Polylines, joined_polylines, read_only
 
 MORE = 1.0 + 1e-9
@@ -158,10 +158,16 @@ def track_all(
         )  # fmt: skip
         gap = hypot(ox, oy)
         after[1, i] = gap if left else -gap
-        after[2, i], _, _, _, last[1, i] = track_leg(
+        after[2, i], ox, oy, _, last[1, i] = track_leg(
             row, start[robots], start[robots + 1] - 1, last[1, i],
             x, y, before[2, i] - window, before[2, i] + window,
         )  # fmt: skip
+        wide = CORNER * hypot(ox, oy)
+        if wide > window:
+            after[2, i], _, _, _, last[1, i] = track_leg(
+                row, start[robots], start[robots + 1] - 1, last[1, i],
+                x, y, before[2, i] - wide, before[2, i] + wide,
+            )  # fmt: skip
 
 
 @compiled

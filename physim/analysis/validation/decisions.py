@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pose_blocks
-from physim.geometry.path import path_length, project, track
+from physim.geometry.path import path_length, project, track_past_corners
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.geometry.tracking import Tracking
 from physim.record import Record
@@ -111,7 +111,8 @@ class DecisionTable:
             return float(project(lines, 0, x, y, 0.0, path_length(lines, 0))[0])
         seconds = (step - int(row["step"])) * record.dt
         window = WINDOW + 2.0 * abs(float(row["applied_v"])) * seconds
-        return float(track(lines, 0, x, y, float(row["reference_station"]), window)[0])
+        station = float(row["reference_station"])
+        return float(track_past_corners(lines, 0, x, y, station, window)[0])
 
     def last_before(self, robots: list[int], step: int) -> int | None:
         """Step of the last decision of any of these robots before a step."""

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
-from physim.geometry.corridor import SHARPEST_TURN
+from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH

@@ -9,7 +9,7 @@ EDITS = (
         "world_file",
         "physim/world/run.py",
         "_settings",
-        "if item is not None",
+        "if value[key] is not None",
         "if True",
         "a setting of None is left out of the world",
         "tests/world_file/test_overrides.py::test_null_for_a_setting_that_the_world_does_not_give",

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import BaseModel, model_validator
 
 from physim.errors import ControllerError
-from physim.parts.controller import Decision
+from physim.parts.controller import Decision, Decisions
 from physim.parts.declarations import Declared
 from physim.parts.given import given_settings
 from physim.parts.registry import (
@@ -135,6 +136,39 @@ def test_a_batch_form_that_answers_something_else_is_told_what_it_must() -> None
     with pytest.raises(ControllerError, match=facts("Batched", "int", "Decisions")) as caught:
         Simulation(road(THREE), controller=Batched("", 5)).step()
     assert "test_evil_controllers.py:" in str(caught.value)
+
+
+def answer(**changed: Any) -> Decisions:
+    """What robots 0, 1 and 2, who stand, may be told."""
+    many, numbers = 3, np.zeros(3, dtype=np.int64)
+    right = Decisions(
+        np.arange(many), np.zeros((many, 2)), np.full(many, 0.1), numbers - 1, numbers - 1,
+        np.zeros((many, 0)), np.zeros(0, dtype=np.int64), np.zeros(many + 1, dtype=np.int64),
+    )  # fmt: skip
+    return right._replace(**changed)
+
+
+WRONG = {
+    "others": ({"robot": np.array([1, 2, 3])}, ("[1, 2, 3]", "[0, 1, 2]")),
+    "swapped": ({"robot": np.array([2, 1, 0])}, ("[2, 1, 0]", "[0, 1, 2]")),
+    "fewer": ({"robot": np.array([0, 1])}, ("[0, 1]", "[0, 1, 2]")),
+    "half a mode": ({"mode": np.full(3, 0.5)}, ("mode", "whole numbers")),
+    "half a rule": ({"rule": np.full(3, 0.5)}, ("rule", "whole numbers")),
+    "a list": ({"hold": [0.1, 0.1, 0.1]}, ("hold", "array")),
+}
+
+
+@pytest.mark.parametrize("how", WRONG)
+def test_a_batch_form_that_answers_for_others_or_by_halves_is_refused(how: str) -> None:
+    """Rows of `/updates` would be of other robots, and modes others than were given."""
+    changed, said = WRONG[how]
+    with pytest.raises(ControllerError, match=facts("Batched", *said)) as caught:
+        Simulation(road(THREE), controller=Batched("", answer(**changed))).step()
+    assert "test_evil_controllers.py:" in str(caught.value)
+
+
+def test_a_batch_form_that_answers_right_is_taken() -> None:
+    Simulation(road(THREE), controller=Batched("", answer())).step()
 
 
 def test_a_fault_of_a_shipped_controller_is_not_told_as_the_users(monkeypatch: Any) -> None:

@@ -184,13 +184,18 @@ def begun(
         raise broken(error, f"controller {type(controller).__name__}, batch form") from error
 
 
+NUMBERS_OF = ("robot", "mode", "rule", "considered", "considered_start")
+"""Fields of decisions that number something"""
+
+
 def unreadable(decisions: object, due: IntArray) -> str:
     """Why what a batch form returned is not a row for each robot asked for; empty where it is."""
     if not isinstance(decisions, Decisions):
         return f"returned {type(decisions).__name__}; it must return Decisions"
     for name, values in zip(decisions._fields, decisions, strict=True):
-        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu":
-            return f"returned {name} that is not an array of numbers"
+        kinds, what = ("iu", "whole numbers") if name in NUMBERS_OF else ("fiu", "numbers")
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in kinds:
+            return f"returned {name} that is not an array of {what}"
     if decisions.command.shape != (len(due), 2):
         return f"returned command of shape {decisions.command.shape}; it must be {(len(due), 2)}"
     if not np.array_equal(decisions.robot, due):
@@ -212,9 +217,11 @@ def decide(
 
     Writes ``memory``. Raises ControllerError for what cannot be done or recorded.
     """
-    decisions = None
     try:
         decisions = batch.decide_due(sensed, due, memory)
+        if not is_shipped(batch) and (fault := unreadable(decisions, due)):
+            where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
+            raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}")
         next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
     except (ControllerError, KeyboardInterrupt):
         raise
@@ -222,8 +229,6 @@ def decide(
         if is_shipped(batch):
             raise
         where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
-        if decisions is not None and (fault := unreadable(decisions, due)):
-            raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}") from error
         raise broken(error, where) from error
     if next_step is None:
         try:

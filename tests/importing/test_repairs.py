@@ -233,12 +233,16 @@ def test_thresholds_and_modes(
     assert (y0, y1) == (0.0, 20.0)
 
 
-def test_transparent_cells_are_unknown_in_scale_mode(tmp_path: Path) -> None:
+def test_transparent_cells_are_unknown(tmp_path: Path) -> None:
     image = np.full((40, 80, 4), 255, dtype=np.uint8)
     image[:, 40:, 3] = 0
     cv2.imwrite(str(tmp_path / "map.png"), image)
-    for mode, width in (("scale", 20.0), ("trinary", 40.0)):
+    for mode, width in (("scale", 20.0), ("trinary", 20.0), ("raw", None)):
         (tmp_path / "map.yaml").write_text(map_yaml("map.png", 0.5, (0, 0), mode=mode))
+        if width is None:  # 255 is unknown in percent
+            with pytest.raises(ImportSourceError, match="no cell"):
+                import_world(tmp_path / "map.yaml")
+            continue
         line = shapely.LineString((import_world(tmp_path / "map.yaml").world.boundaries or ())[0])
         assert line.bounds == (0.0, 0.0, width, 20.0)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -44,14 +45,18 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         raise refused(path, escaped(str(error))[:100]) from None
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
-    crs = json.dumps(value.get("crs") or "").lower()
-    if any(name in crs for name in DEGREES):
+    crs = json.dumps(value.get("crs") or "")
+    if any(name in crs.lower() for name in DEGREES):
         raise degrees(path, "the crs of the file")
     parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
     check_count(path, parts)
     if options.scale is None and len(crs) < 3 and parts:
         _check_degrees(path, parts)
-    return drawing_of(path, "GeoJSON", parts, options)
+    drawing = drawing_of(path, "GeoJSON", parts, options)
+    if len(crs) > 2:
+        name = escaped(re.sub(r'.*"name": "([^"]*)".*', r"\1", crs))[:60]
+        drawing.facts.insert(1, f"lengths of its crs, {name}, are taken as they are")
+    return drawing
 
 
 def _whole(digits: str) -> int:

@@ -35,6 +35,7 @@ from physim.geometry.shapes import FloatArray
 MOST_GEOMETRIES = 10_000
 MOST_DEPTH = 20
 """Geometries within geometries."""
+KILOMETRE = 1000.0
 HEIGHTS = "third coordinates (height) left out"
 
 
@@ -125,7 +126,10 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     if not parts:
         raise refused(path, "holds no polygon and no line")
     check_count(path, parts)
-    shapes = [_scaled(path, part, options.unit, drawing) for part in parts]
+    origin = _origin([part.shape for part in parts], options.unit)
+    if origin.any():
+        drawing.facts.append(f"origin moved to {origin[0]:.0f}, {origin[1]:.0f} m of the source")
+    shapes = [_scaled(path, part, options.unit, origin, drawing) for part in parts]
     check_work(path, [line for shape in shapes for line in lines_of(shape)])
     polygons: list[Any] = []
     unused: list[str] = []
@@ -160,17 +164,33 @@ def check_count(path: Path, parts: list[Part]) -> None:
         raise refused(path, f"more than {MOST_GEOMETRIES} geometries")
 
 
-def _scaled(path: Path, part: Part, scale: float, drawing: Drawing) -> Any:
-    """Shape of a part in metres, without heights. Raises ImportSourceError for what is too far."""
-    shape = shapely.transform(shapely.force_2d(part.shape), lambda points: points * scale)
+def _origin(shapes: list[Any], scale: float) -> FloatArray:
+    """(2,) [m] to be taken from all coordinates: whole kilometres, as national grids need; else 0.
+
+    Only where the place itself is no larger than coordinates may be.
+    """
+    points = shapely.get_coordinates(shapes) * scale
+    low, extent = points.min(axis=0), np.ptp(points, axis=0)
+    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= extent.max():
+        return np.asarray(np.floor(low / KILOMETRE) * KILOMETRE)
+    return np.zeros(2)
+
+
+def _scaled(path: Path, part: Part, scale: float, origin: FloatArray, drawing: Drawing) -> Any:
+    """Shape of a part in metres from an origin, without heights.
+
+    Raises ImportSourceError for what is too far.
+    """
+    flat_part = shapely.force_2d(part.shape)
+    shape = shapely.transform(flat_part, lambda points: points * scale - origin)
     points = shapely.get_coordinates(shape)
     if not np.isfinite(points).all():
         raise refused(path, "a coordinate is not a finite number", part.line)
     if np.abs(points).max() > LARGEST:
         raise refused(
             path,
-            f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; move the origin, "
-            "or check --scale",
+            f"a coordinate of {np.abs(points).max():g} m is beyond {LARGEST:g} m; check "
+            "--scale, or leave out what lies far away",
             part.line,
         )
     if part.shape.has_z and HEIGHTS not in drawing.changes:
@@ -206,7 +226,9 @@ def _valid(path: Path, shape: Any, line: int | None, drawing: Drawing) -> Any:
     """Polygon on the millimetre grid; one that crosses itself is repaired, which is reported."""
     if not shape.is_valid:
         reason = shapely.is_valid_reason(shape)
-        valid = _polygons_of(shapely.make_valid(shape))
+        # holes are taken out of what is within the outline, also where they touch or cross it
+        repaired = shapely.make_valid(shape, method="structure", keep_collapsed=False)
+        valid = _polygons_of(repaired)
         if not valid:
             raise refused(path, f"a polygon encloses no area ({reason})", line)
         shape = max(valid, key=shapely.area)

@@ -243,10 +243,13 @@ def read_ros_map(path: Path, options: Options) -> Drawing:
 
 
 def _free(found: RosMap, brightness: Any, clear: Any) -> Any:
-    """(rows, columns) bool, top row first."""
+    """(rows, columns) bool, top row first.
+
+    Departure from nav2, which averages opacity with the colours in ``trinary`` mode: so white that
+    is transparent is unknown as here, but grey of unknown cells that is opaque becomes free.
+    """
     if found.mode == "raw":
         percent = np.round(brightness * 255.0)
         return percent / 100.0 < found.free
     occupancy = brightness if found.negate else 1.0 - brightness
-    free = occupancy < found.free
-    return free & ~clear if found.mode == "scale" else free
+    return (occupancy < found.free) & ~clear

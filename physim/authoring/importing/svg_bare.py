@@ -60,9 +60,9 @@ class BareSvg:
         kept = {key: attributes[key] for key in KEPT if key in attributes}
         if "class" in kept:
             kept["class"] = " ".join(islice(dict.fromkeys(kept["class"].split()), MOST_CLASSES))
-        if style := _declarations(attributes.get("style", ""), STYLED):
+        if style := declarations(attributes.get("style", ""), STYLED):
             kept["style"] = ";".join(f"{key}:{value}" for key, value in style.items())
-        cut = _cut({**attributes, **_declarations(attributes.get("style", ""), CUTS)})
+        cut = _cut({**attributes, **declarations(attributes.get("style", ""), CUTS)})
         if tag == ONLY_COPIED and "viewBox" in attributes:  # would fit it into its copies' boxes
             cut = "viewBox"
         if cut:
@@ -79,9 +79,11 @@ class BareSvg:
     def sheet(self, text: str) -> str:
         """Take what a style sheet hides or cuts; returns the first selector that moves anything."""
         for selector, body in _rules(text):
-            found = _declarations(body, (*STYLED, *CUTS))
+            found = declarations(body, (*STYLED, *CUTS, "visibility"))
             if "transform" in found:
                 return selector
+            if found.get("visibility", "").lower() in ("hidden", "collapse"):
+                found["display"] = "none"
             if "display" in found:
                 self._parts.append(escape(f"{selector}{{display:{found['display']}}}"))
             if cut := _cut(found):
@@ -107,7 +109,7 @@ def _cut(properties: dict[str, str]) -> str:
 
 def functions_of(tag: str, attributes: dict[str, str]) -> int:
     """How many functions of transforms move what is in an element; a page within one has two."""
-    style = _declarations(attributes.get("style", ""), ("transform",))
+    style = declarations(attributes.get("style", ""), ("transform",))
     own = attributes.get("transform", "") + style.get("transform", "")
     return own.count("(") + (2 if tag == "svg" else 0)
 
@@ -120,7 +122,7 @@ def _rules(text: str) -> list[tuple[str, str]]:
     return [(selector.strip(), body) for selector, opened, body in parts if opened]
 
 
-def _declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
+def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:
     """Those of some properties, the last of each; without ``!important``."""
     parts = (one.partition(":") for one in style.split(";"))
     found = {key.strip().lower(): value.partition("!")[0].strip() for key, _, value in parts}

@@ -22,6 +22,7 @@ from physim.authoring.importing.svg_bare import (
     XLINK,
     BareSvg,
     called,
+    declarations,
     functions_of,
 )
 from physim.authoring.importing.svg_values import (
@@ -84,6 +85,8 @@ class _Element:
     """functions that move these, its own only when it has ended"""
     copies: list[tuple[str, int]] = field(default_factory=list)
     """ids, and how many functions below this element move what is copied"""
+    is_invisible: bool = False
+    """by its own ``visibility``, or that of what it stands in"""
     is_drawn: bool = False
     """of a ``switch``: whether one of its alternatives is"""
 
@@ -154,6 +157,7 @@ class _Guard:
         tag = name.removeprefix(SVG)
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
+        attributes, is_invisible = self._seen(tag, attributes)
         self.look.bare.start(name, attributes, line)
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
@@ -204,7 +208,7 @@ class _Guard:
             if wrong := shape_fault(tag, attributes):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
-        element = _Element(functions_of(tag, attributes))
+        element = _Element(functions_of(tag, attributes), is_invisible=is_invisible)
         href = attributes.get(XLINK, attributes.get("href", ""))
         if tag == "use":
             if not href.startswith("#"):
@@ -228,6 +232,20 @@ class _Guard:
             return {**attributes, "display": "none"}
         within.is_drawn = True
         return attributes
+
+    def _seen(self, tag: str, attributes: dict[str, str]) -> tuple[dict[str, str], bool]:
+        """Attributes, with those of an invisible shape or copy hiding it; whether it is invisible.
+
+        ``visibility`` is inherited, and what is in a group may be seen again, unlike ``display``.
+        """
+        own = declarations(attributes.get("style", ""), ("visibility",)).get("visibility")
+        own = (own or attributes.get("visibility", "inherit")).strip().lower()
+        is_invisible = own in ("hidden", "collapse")
+        if own == "inherit" and self.open:
+            is_invisible = self.open[-1][1].is_invisible
+        if is_invisible and (tag in SHAPES or tag == "use"):
+            attributes = {**attributes, "display": "none"}
+        return attributes, is_invisible
 
     def _text(self, text: str) -> None:
         if self.open[-1][0] == "style":

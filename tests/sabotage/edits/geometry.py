@@ -601,4 +601,13 @@ EDITS = (
         "of two nearest points on one side the farther is of another stretch",
         "tests/geometry/test_width.py::test_a_road_that_passes_itself_has_its_own_width_everywhere",
     ),
+    Edit(
+        "geometry",
+        "physim/geometry/tracking.py",
+        "track_all",
+        "if wide > window:",
+        "if wide < 0.0:",
+        "the station on s* goes round a corner with a robot that cuts it",
+        "tests/geometry/test_tracking.py::test_the_reference_station_goes_round_a_corner_with_the_robot",
+    ),
 )

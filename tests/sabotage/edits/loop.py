@@ -473,4 +473,22 @@ EDITS = (
         "a fault of a shipped controller is a fault of physim",
         "tests/test_evil_controllers.py::test_a_fault_of_a_shipped_controller_is_not_told_as_the_users",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/decisions.py",
+        "decide",
+        "if not is_shipped(batch) and (fault := unreadable(decisions, due)):",
+        "if fault := '':",
+        "a batch form decides for the robots asked for",
+        "tests/test_evil_controllers.py::test_a_batch_form_that_answers_for_others_or_by_halves_is_refused",
+    ),
+    Edit(
+        "loop",
+        "physim/simulation/decisions.py",
+        "unreadable",
+        'if name in NUMBERS_OF else ("fiu", "numbers")',
+        'if False else ("fiu", "numbers")',
+        "modes and rules of a batch form are whole numbers",
+        "tests/test_evil_controllers.py::test_a_batch_form_that_answers_for_others_or_by_halves_is_refused",
+    ),
 )

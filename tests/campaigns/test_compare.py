@@ -222,3 +222,15 @@ def test_no_difference_has_no_axis_of_a_millionth(value: float) -> None:
     svg = shift_plot(value, value, value, "s", 300.0, "no difference")
     ends = [one.replace("\u2212", "-") for one in re.findall(r">([^<>]*) s</text>", svg)]
     assert [float(one) for one in ends] == [-1.0, 1.0]
+
+
+@pytest.mark.parametrize("spread", [7.5e-4, 1.1e-3, 1.6e-3, 2.1e-3, 3.9e-3])
+def test_labels_of_pairs_that_hardly_vary_are_their_values(spread: float) -> None:
+    """Each with the digits that it needs: none is there twice, and all are evenly apart."""
+    values = 0.5003 + np.linspace(0.0, spread, 9)
+    svg = paired_plot(values, values[::-1], "m", "a and b")
+    found = [float(one) for one in re.findall(r'text-anchor="end">([^<:]*)</text>', svg)]
+    gaps = np.diff(found)
+    assert len(gaps) >= 1
+    assert (gaps > 0.0).all()
+    assert np.allclose(gaps, gaps[0], rtol=0, atol=1e-9)

@@ -199,11 +199,10 @@ def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float
     low, high = float(min(a.min(), b.min())), float(max(a.max(), b.max()))
     spread = max(high - low, LEAST_SPREAD * max(abs(low), abs(high))) or 1.0
     step = step_of(spread / 4.0)
-    low, high = (
-        math.floor(low / step) * step,
-        max(math.ceil(high / step), math.floor(low / step) + 1) * step,
-    )
-    labels = {tick: _short(tick, step) for tick in Axis(low, high, 0.0, 1.0).ticks(4)}
+    first = math.floor(low / step)
+    last = max(math.ceil(high / step), first + 1)
+    low, high = first * step, last * step
+    labels = {k * step: _short(k * step, step) for k in range(first, last + 1)}
     left = max(44.0, 8.0 + DIGIT * max(map(len, labels.values())))
     axis = Axis(low, high, left, side - 10.0 - left)
     floor = axis.start + axis.length - 34.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -54,9 +53,15 @@ def read_geojson(path: Path, options: Options) -> Drawing:
         _check_degrees(path, parts)
     drawing = drawing_of(path, "GeoJSON", parts, options)
     if len(crs) > 2:
-        name = escaped(re.sub(r'.*"name": "([^"]*)".*', r"\1", crs))[:60]
+        name = _name_of(value["crs"])
         drawing.facts.insert(1, f"lengths of its crs, {name}, are taken as they are")
     return drawing
+
+
+def _name_of(crs: Any) -> str:
+    about = crs.get("properties") if isinstance(crs, dict) else None
+    name = about.get("name") if isinstance(about, dict) else None
+    return escaped(str(name or "unnamed")[:60])
 
 
 def _whole(digits: str) -> int:

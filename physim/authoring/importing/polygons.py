@@ -170,9 +170,8 @@ def _origin(shapes: list[Any], scale: float) -> FloatArray:
     Only where the place itself is no larger than coordinates may be.
     """
     points = shapely.get_coordinates(shapes) * scale
-    low, extent = points.min(axis=0), np.ptp(points, axis=0)
-    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= extent.max():
-        return np.asarray(np.floor(low / KILOMETRE) * KILOMETRE)
+    if np.isfinite(points).all() and np.abs(points).max() > LARGEST >= np.ptp(points, axis=0).max():
+        return np.asarray(np.floor(points.min(axis=0) / KILOMETRE) * KILOMETRE)
     return np.zeros(2)
 
 

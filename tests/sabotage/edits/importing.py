@@ -362,7 +362,7 @@ EDITS = (
         "importing",
         "physim/authoring/importing/polygons.py",
         "_origin",
-        "> LARGEST >= extent.max()",
+        "> LARGEST >= np.ptp(points, axis=0).max()",
         "> np.inf",
         "coordinates of a national grid are taken from an origin",
         "tests/importing/test_as_meant.py::test_coordinates_of_a_national_grid_are_taken_from_an_origin",

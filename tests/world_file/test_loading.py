@@ -207,3 +207,14 @@ def test_the_order_of_settings_is_no_part_of_a_world() -> None:
         for pairs in (some.items(), reversed(some.items()), sorted(some.items()))
     ]
     assert len({world.to_yaml() for world in worlds}) == 1
+
+
+def test_a_folder_does_not_hide_a_shipped_world(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As the one that its runs were written to; a file of that name goes first."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "straight").mkdir()
+    assert load_world("straight").name == "straight"
+    (tmp_path / "merging").write_text("name: my own\n")
+    assert find_world("merging") == Path("merging")

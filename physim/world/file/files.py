@@ -44,11 +44,11 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     """
     path, given = Path(given), str(given)
     plain = given.isprintable() and len(path.parts) == 1 and path.suffix not in SUFFIXES
+    shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
+    if plain and given in shipped and (path.is_dir() or not path.exists()):
+        return shipped_folder() / f"{given}.yaml"  # a folder of that name may hold its runs
     if not plain or path.exists():
         return path  # reading says what is wrong with it
-    shipped = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
-    if given in shipped:
-        return shipped_folder() / f"{given}.yaml"
     message = f'{given}: no such file, and no shipped world is called "{given}"'
     if near := _near(Path(), given):
         raise WorldError([Fault((), f"{message}; did you mean {' or '.join(near)}?")])

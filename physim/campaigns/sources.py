@@ -57,11 +57,7 @@ def own_parts(world: World) -> tuple[Part, ...]:
     listed = (world.sensing.stages, world.filters, world.disturbances)
     named = [(CONTROLLER, world.controller.type)]
     named += [(kind, c.type) for kind, some in zip(STAGES, listed, strict=True) for c in some]
-    return tuple((kind, name) for kind, name in dict.fromkeys(named) if _is_own(kind, name))
-
-
-def _is_own(kind: Kind, name: str) -> bool:
-    return name not in shipped_parts(kind)
+    return tuple(part for part in dict.fromkeys(named) if part[1] not in shipped_parts(part[0]))
 
 
 def sources_of(parts: Sequence[Part]) -> tuple[Source, ...]:

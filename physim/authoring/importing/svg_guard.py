@@ -179,16 +179,7 @@ class _Guard:
                 f"more than {MOST_NUMBERS} numbers in its paths up to here; simplify them first, "
                 "or delete what is no wall, obstacle, path or robot"
             )
-        if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
-            around = attributes["d"][bad.start() : bad.start() + 20]
-            raise self._refused(
-                f'{called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
-            )
-        if (start := attributes.get("d", "").strip()) and start[0] not in "Mm":
-            raise self._refused(
-                f'{called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
-                "with M, a move"
-            )
+        self._check_path_data(tag, attributes)
         if wrong := transform_fault(attributes.get("transform", "")):
             raise self._refused(f"{called(tag, attributes)}: transform: {wrong}")
         if tag == "svg" and (wrong := page_fault(attributes)):
@@ -221,6 +212,19 @@ class _Guard:
             self.elements.setdefault(own, element)
             self.look.lines.setdefault(own, line)
         self.open.append((tag, element))
+
+    def _check_path_data(self, tag: str, attributes: dict[str, str]) -> None:
+        """Refuse path data that no program reads alike: other signs, or no move to begin with."""
+        if bad := NO_PATH_DATA.search(NUMBER.sub(_blank, attributes.get("d", ""))):
+            around = attributes["d"][bad.start() : bad.start() + 20]
+            raise self._refused(
+                f'{called(tag, attributes)}: path data: "{escaped(around)}" cannot be read'
+            )
+        if (start := attributes.get("d", "").strip()) and start[0] not in "Mm":
+            raise self._refused(
+                f'{called(tag, attributes)}: path data: "{escaped(start[:20])}" must begin '
+                "with M, a move"
+            )
 
     def _alternative(self, attributes: dict[str, str]) -> dict[str, str]:
         """Attributes of what stands in a ``switch``, hidden unless it is what is drawn of it.

@@ -271,7 +271,7 @@ EDITS = (
     Edit(
         "importing",
         "physim/authoring/importing/svg_guard.py",
-        "_Guard._start",
+        "_Guard._check_path_data",
         'start[0] not in "Mm"',
         "False",
         "path data begins with a move",

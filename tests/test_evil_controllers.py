@@ -171,6 +171,22 @@ def test_a_batch_form_that_answers_right_is_taken() -> None:
     Simulation(road(THREE), controller=Batched("", answer())).step()
 
 
+class Reusing(Batched):
+    """Decides into arrays of its own, the same each time."""
+
+    def decide_due(self, sensed: Any, due: Any, memory: Any) -> Any:
+        self.answer.command[:, 0] = 0.01 * sensed.step
+        return self.answer
+
+
+def test_what_a_batch_form_writes_into_its_answer_later_changes_no_record() -> None:
+    """`validate` alone found it: `/updates` had the last command in every row."""
+    record = simulate(road(THREE).changed(time={"duration": 0.5}), controller=Reusing("", answer()))
+    updates = record.updates
+    assert len(set(updates["step"].tolist())) > 3
+    assert updates["nominal_v"] == pytest.approx(0.01 * updates["step"])
+
+
 def test_a_fault_of_a_shipped_controller_is_not_told_as_the_users(monkeypatch: Any) -> None:
     simulation = Simulation(road(THREE))
 

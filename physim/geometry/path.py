@@ -5,9 +5,8 @@ is the same for one polyline and for reading by people.
 
 A projection does not jump between branches: from step to step it looks at most a window along
 the path, two circumscribed radii of the robot, at least 1 m. That is more than a robot moves in a
-step, and less than the way between two branches of a path that passes near itself. On the
-reference path s*, from which robots keep a lane's distance, it looks as far as the inside of a
-corner asks for (`track_past_corners`).
+step, and less than the way between two branches of a path that passes near itself. Of a robot
+away from the path it looks as far as the inside of a corner asks for (`track`).
 """
 
 from __future__ import annotations
@@ -102,23 +101,15 @@ def track(
     ``window`` [m] counts along the path and must exceed what the robot can move between two
     calls. A path that passes near itself does not attract the projection to the other branch as
     long as the way there along the path is longer than the window.
-    """
-    return project(lines, k, x, y, previous - window, previous + window)
-
-
-@compiled
-def track_past_corners(
-    lines: Polylines, k: int, x: float, y: float, previous: float, window: float
-) -> tuple[float, float]:
-    """`track`, that goes on with a robot which cuts a corner.
 
     On the inside of a turn, ``d`` from both legs, the nearest point is 2 d tan(turn / 2) further on
-    all at once: within a window of what the robot moves it would stay on the first leg for good. So
-    as much as that is looked at, for the sharpest turn of a road.
+    all at once: within what the robot moves the projection would stay on the first leg for good. So
+    as much as that is looked at where it is more, for the sharpest turn of a road.
     """
-    station, deviation = track(lines, k, x, y, previous, window)
-    if CORNER * abs(deviation) > window:
-        return track(lines, k, x, y, previous, CORNER * abs(deviation))
+    station, deviation = project(lines, k, x, y, previous - window, previous + window)
+    wide = CORNER * abs(deviation)
+    if wide > window:
+        return project(lines, k, x, y, previous - wide, previous + wide)
     return station, deviation
 
 
@@ -162,7 +153,7 @@ class Path:
     ) -> tuple[float, float]:
         """Station [m] of the nearest point and the signed deviation [m], left positive.
 
-        With ``near``, only stations within ``window`` of it are looked at.
+        With ``near``, only stations about it are looked at, as `track` does within ``window``.
         """
         if near is None:
             return project(self.lines, 0, x, y, 0.0, self.length)
@@ -178,5 +169,5 @@ SHORTEST_WINDOW = 1.0
 
 
 def project_near(lines: Polylines, k: int, x: float, y: float, near: float) -> float:
-    """Station [m] of the point of path k next to (x, y), within `SHORTEST_WINDOW` of ``near``."""
+    """Station [m] of the point of path k next to (x, y), by `track` from ``near`` on."""
     return float(track(lines, k, x, y, near, SHORTEST_WINDOW)[0])

@@ -1,6 +1,6 @@
 """Stations of many robots, followed from step to step along their own paths and along s*.
 
-What `physim.geometry.path.track` finds, on s* `track_past_corners`, to the last bit, and faster:
+What `physim.geometry.path.track` finds, to the last bit, and faster:
 what does not change from step to step is worked out once, the search for a segment begins where the
 last one ended, and a segment that is plainly farther than another is left alone.
 """
@@ -135,6 +135,36 @@ def track_leg(
 
 
 @compiled
+def track_line(
+    row: FloatArray,
+    first: int,
+    end: int,
+    near: int,
+    x: float,
+    y: float,
+    before: float,
+    window: float,
+) -> tuple[float, float, bool, int]:
+    """`track` on the polyline of the rows ``first`` to ``end``: station, distance, whether left.
+
+    And the segment at which the next search begins.
+    """
+    low, high = before - window, before + window
+    station, ox, oy, left, near = track_leg(row, first, end, near, x, y, low, high)
+    gap = hypot(ox, oy)
+    wide = CORNER * gap
+    if wide <= window:
+        return station, gap, left, near
+    goes_on = near > first and before - wide < row[near, 4]
+    goes_on = goes_on or (near + 1 < end and before + wide > row[near + 1, 4])
+    if goes_on or not low < station < high:  # else all that is looked at is one segment, and known
+        low, high = before - wide, before + wide
+        station, ox, oy, left, near = track_leg(row, first, end, near, x, y, low, high)
+        gap = hypot(ox, oy)
+    return station, gap, left, near
+
+
+@compiled
 def track_all(
     start: IntArray,
     row: FloatArray,
@@ -152,22 +182,13 @@ def track_all(
     robots = len(pose)
     for i in range(robots):
         x, y, window = pose[i, 0], pose[i, 1], windows[i]
-        after[0, i], ox, oy, left, last[0, i] = track_leg(
-            row, start[i], start[i + 1] - 1, last[0, i],
-            x, y, before[0, i] - window, before[0, i] + window,
-        )  # fmt: skip
-        gap = hypot(ox, oy)
+        after[0, i], gap, left, last[0, i] = track_line(
+            row, start[i], start[i + 1] - 1, last[0, i], x, y, before[0, i], window
+        )
         after[1, i] = gap if left else -gap
-        after[2, i], ox, oy, _, last[1, i] = track_leg(
-            row, start[robots], start[robots + 1] - 1, last[1, i],
-            x, y, before[2, i] - window, before[2, i] + window,
-        )  # fmt: skip
-        wide = CORNER * hypot(ox, oy)
-        if wide > window:
-            after[2, i], _, _, _, last[1, i] = track_leg(
-                row, start[robots], start[robots + 1] - 1, last[1, i],
-                x, y, before[2, i] - wide, before[2, i] + wide,
-            )  # fmt: skip
+        after[2, i], _, _, last[1, i] = track_line(
+            row, start[robots], start[robots + 1] - 1, last[1, i], x, y, before[2, i], window
+        )
 
 
 @compiled

@@ -5,6 +5,7 @@ A controller that decides for one robot at a time is adapted to the batch form o
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from itertools import islice
 from math import nan
@@ -219,9 +220,11 @@ def decide(
     """
     try:
         decisions = batch.decide_due(sensed, due, memory)
-        if not is_shipped(batch) and (fault := unreadable(decisions, due)):
-            where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
-            raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}")
+        if not is_shipped(batch):
+            if fault := unreadable(decisions, due):
+                where = f"{type(batch).__name__}.decide_due at {sensed.step * scene.dt:g} s"
+                raise ControllerError(f"{where} {fault}{place_of(batch.decide_due)}")
+            decisions = copy.deepcopy(decisions)  # it may write its own arrays again
         next_step = plainly_fine(scene, sensed.step, due, decisions, declared)
     except (ControllerError, KeyboardInterrupt):
         raise

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physim.geometry.corridor import offset_polyline
-from physim.geometry.path import SHORTEST_WINDOW, Path, track, track_past_corners
+from physim.geometry.path import SHORTEST_WINDOW, Path, track
 from physim.geometry.shapes import pack_polylines
 from physim.geometry.tracking import Tracking
 
@@ -52,21 +52,24 @@ def test_a_path_that_passes_near_itself_does_not_attract() -> None:
 
 @pytest.mark.parametrize("turn", [30, 60, 90, 120, 140])
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_the_reference_station_goes_round_a_corner_with_the_robot(turn: float, side: float) -> None:
-    """A lane 2 m inside of the corner, or outside: at its end the nearest point of s* is the one
-    that it has of all points of s*, and nowhere farther from the robot than that by 1 mm."""
+def test_stations_go_round_a_corner_with_the_robot(turn: float, side: float) -> None:
+    """2 m inside of the corner, or outside: at the end the nearest point of the path is the one
+    that it has of all its points, and nowhere farther from the robot than that by 1 mm. So of the
+    robot's own path, and of s*."""
     angle = np.radians(turn)
     line = np.array([[0.0, 0.0], [40.0, 0.0], [40.0 + 40.0 * np.cos(angle), 40.0 * np.sin(angle)]])
     lane = offset_polyline(line, np.full(3, 2.0 * side))
     way = Path(lane)
     poses = np.array([[[*way.point(s), 0.0]] for s in np.arange(0.0, way.length, 0.02)])
     reference = Path(line)
-    tracking = Tracking(way.lines, reference.lines, np.array([0.5]), poses[0])
-    found = tracking.course(poses)[:, 0, 2]
-    for (x, y, _), station in zip(poses[:, 0], found, strict=True):
+    tracking = Tracking(reference.lines, reference.lines, np.array([0.5]), poses[0])
+    found = tracking.course(poses)[:, 0]
+    assert np.array_equal(found[:, 0], found[:, 2])
+    for (x, y, _), (station, deviation, _) in zip(poses[:, 0], found, strict=True):
         nearest = abs(reference.project(x, y)[1])
         assert np.hypot(*(reference.point(station) - (x, y))) <= nearest + 1e-3
-    assert found[-1] == pytest.approx(reference.project(*poses[-1, 0, :2])[0])
+        assert abs(deviation) <= nearest + 1e-3
+    assert found[-1, 0] == pytest.approx(reference.project(*poses[-1, 0, :2])[0])
 
 
 def plain(paths, reference, radius, poses):
@@ -77,7 +80,7 @@ def plain(paths, reference, radius, poses):
         for k, (x, y, _) in enumerate(poses[:, i]):
             window = windows[i] if k else np.inf
             found[k + 1, :2, i] = track(paths, i, x, y, found[k, 0, i], window)
-            found[k + 1, 2, i] = track_past_corners(reference, 0, x, y, found[k, 2, i], window)[0]
+            found[k + 1, 2, i] = track(reference, 0, x, y, found[k, 2, i], window)[0]
     return found[1:]
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 import shapely
 
-from physim.authoring.importing import Imported, Options, import_world
+from physim.authoring.importing import Imported, ImportSourceError, Options, import_world
 from tests.importing.plans import check_says, svg
 
 ROOM = [[0, 0], [30, 0], [30, 20], [0, 20], [0, 0]]
@@ -74,6 +75,39 @@ UNSEEN = {
     "style": ('<g id="obstacle">{}</g>', 'style="fill:red; visibility:collapse"', 0),
     "group": ('<g id="obstacle" visibility="hidden">{}</g>', "", 0),
     "sheet": ('<style>.off {{visibility:hidden}}</style><g id="obstacle">{}</g>', 'class="off"', 0),
+    "commented sheet": (
+        '<style><![CDATA[<!-- @charset "x"; .off {{display:none}} -->]]></style>'
+        '<g id="obstacle">{}</g>',
+        'class="off"',
+        0,
+    ),
+    "clear in a sheet": ('<style>.a {{opacity: 0}}</style><g id="obstacle">{}</g>', 'class="a"', 0),
+    "style over attribute": ('<g id="obstacle">{}</g>', 'display="none" style="display:inline"', 1),
+    "invisible, though displayed": (
+        '<g id="obstacle">{}</g>',
+        'visibility="hidden" style="display:inline"',
+        0,
+    ),
+    "clear": ('<g id="obstacle">{}</g>', 'opacity="0.0"', 0),
+    "clear group": ('<g id="obstacle" style="opacity:0%">{}</g>', "", 0),
+    "nearly clear": ('<g id="obstacle">{}</g>', 'opacity="0.01"', 1),
+    "box about a shape": (
+        '<g id="obstacle">{}</g>',
+        'class="BoundingBox" fill="none" stroke="none"',
+        0,
+    ),
+    "outline": ('<g id="obstacle">{}</g>', 'fill="none" stroke="black"', 1),
+    "area": ('<g id="obstacle">{}</g>', 'stroke="none"', 1),
+    "painted by a sheet": (
+        '<style>.w {{stroke: black}}</style><g id="obstacle">{}</g>',
+        'class="w" fill="none" stroke="none"',
+        1,
+    ),
+    "shown by a sheet": (
+        '<style>.a rect {{fill: red; display: inline}}</style><g id="obstacle">{}</g>',
+        "",
+        1,
+    ),
     "seen again": ('<g id="obstacle" visibility="hidden">{}</g>', 'visibility="visible"', 1),
     "inherited": ('<g id="obstacle" visibility="visible">{}</g>', 'visibility="inherit"', 1),
 }
@@ -87,3 +121,78 @@ def test_what_is_invisible_is_no_obstacle(tmp_path: Path, how: str) -> None:
     imported = import_world(path, Options(scale=1.0))
     assert len(imported.world.obstacles or ()) == count
     assert len([one for one in imported.changes if "hidden" in one]) == 1 - count
+
+
+SELECTORS = (".k rect", ".k > rect", ".a.b", 'rect[id="x"]', "rect:not(.h)", "@media print {.h")
+
+
+@pytest.mark.parametrize("selector", SELECTORS)
+@pytest.mark.parametrize("body", ["display:none", "visibility: hidden", "mask: url(#m)"])
+def test_what_a_sheet_hides_in_ways_that_are_not_followed_is_refused(
+    tmp_path: Path, selector: str, body: str
+) -> None:
+    path = tmp_path / "plan.svg"
+    sheet = f"<style><![CDATA[.x, {selector} {{{body}}}]]></style>"
+    path.write_text(svg(f'{WALLS}\n{sheet}<g id="obstacle">{PILLAR.format("")}</g>\n{PATH}'))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), f"plan.svg:3 … <style> … {selector} … hides or cuts")
+
+
+def test_a_share_of_the_diagonal_and_a_page_in_ems_are_refused(tmp_path: Path) -> None:
+    """The one became an ellipse; the reason of the other was left empty."""
+    path = tmp_path / "plan.svg"
+    for circle in ('<circle cx="5" cy="5" r="10%"/>', '<circle style="cx:5;cy:5;r:10%"/>'):
+        path.write_text(svg(f'{WALLS}\n<g id="obstacle">{circle}</g>\n{PATH}'))
+        with pytest.raises(ImportSourceError) as caught:
+            import_world(path, Options(scale=1.0))
+        check_says(str(caught.value), "plan.svg:3 … <circle> … 10% … diagonal")
+    text = svg(f"{WALLS}\n{PATH}")
+    path.write_text(re.sub(r'width="[^"]*"', 'width="30em"', text, count=1))
+    with pytest.raises(ImportSourceError) as caught:
+        import_world(path, Options(scale=1.0))
+    check_says(str(caught.value), 'plan.svg:1 … <svg> … width="30em" … length')
+
+
+DEGREES = [[-100.0, 30.0], [-70.0, 30.0], [-70.0, 50.0], [-100.0, 50.0], [-100.0, 30.0]]
+
+
+@pytest.mark.parametrize("code", [4269, 4490, 4674, 6318, 7844])
+def test_degrees_of_every_system_are_refused(tmp_path: Path, code: int) -> None:
+    """Those of two systems alone were; the others became metres in silence."""
+    wkt = tmp_path / "plan.wkt"
+    wkt.write_text(f"SRID={code};POLYGON((" + ", ".join(f"{x:g} {y:g}" for x, y in DEGREES) + "))")
+    for name in ("", f"EPSG:{code}", f"urn:ogc:def:crs:EPSG:6.9:{code}"):
+        path = geojson(tmp_path, [DEGREES], name) if name else wkt
+        with pytest.raises(ImportSourceError) as caught:
+            import_world(path, Options())
+        check_says(str(caught.value), "degrees … --scale 1 if these are metres")
+        assert room(import_world(path, Options(scale=1.0))).area == pytest.approx(600.0)
+
+
+def test_lengths_of_an_srid_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "plan.wkt"
+    path.write_text("SRID=2263;POLYGON((0 0, 30 0, 30 20, 0 20, 0 0))")
+    check_says(" ".join(import_world(path, Options()).facts), "SRID, 2263 … as they are")
+
+
+def test_a_solid_obstacle_with_a_courtyard_is_told(tmp_path: Path) -> None:
+    path = geojson(tmp_path, [ROOM])
+    value = json.loads(path.read_text())
+    rings = [[[2, 2], [12, 2], [12, 12], [2, 12], [2, 2]], [[4, 4], [6, 4], [6, 6], [4, 6], [4, 4]]]
+    building = {"type": "Polygon", "coordinates": rings}
+    feature = {"type": "Feature", "properties": {"role": "obstacle"}, "geometry": building}
+    own = {"type": "Feature", "properties": {"role": "boundary"}, "geometry": value}
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [own, feature]}))
+    check_says(
+        " ".join(import_world(path, Options(scale=1.0)).changes), "obstacle at … holes filled"
+    )
+
+
+def test_a_table_with_numbered_rows_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "track.csv"
+    rows = (f"{k},{5.0 * k},0.0,3.0,3.0" for k in range(9))
+    path.write_text("\n".join((",x_m,y_m,w_tr_right_m,w_tr_left_m", *rows)))
+    walls = [point for wall in import_world(path, Options()).world.boundaries or () for point in wall]
+    assert {abs(y) for _, y in walls} == {3.0}
+    assert (min(walls)[0], max(walls)[0]) == (0.0, 40.0)

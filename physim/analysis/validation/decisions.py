@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.analysis.validation.analytic_contacts import pose_blocks
-from physim.geometry.path import path_length, project, track_past_corners
+from physim.geometry.path import path_length, project, track
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.geometry.tracking import Tracking
 from physim.record import Record
@@ -112,7 +112,7 @@ class DecisionTable:
         seconds = (step - int(row["step"])) * record.dt
         window = WINDOW + 2.0 * abs(float(row["applied_v"])) * seconds
         station = float(row["reference_station"])
-        return float(track_past_corners(lines, 0, x, y, station, window)[0])
+        return float(track(lines, 0, x, y, station, window)[0])
 
     def last_before(self, robots: list[int], step: int) -> int | None:
         """Step of the last decision of any of these robots before a step."""

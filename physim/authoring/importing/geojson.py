@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from physim.authoring.importing.polygons import (
     MOST_DEPTH,
     MOST_GEOMETRIES,
     Part,
+    check_code,
     check_count,
     degrees,
     drawing_of,
@@ -26,7 +28,8 @@ from physim.escaping import escaped
 
 MOST_DIGITS = 300
 """Digits of a whole number, about what fits into a float."""
-DEGREES = ("crs84", "epsg:4326", "epsg::4326", "epsg/0/4326", "epsg:4258", "epsg::4258")
+EPSG = re.compile(r"epsg.*?(\d{1,9})\D*$", re.I)
+"""How a crs gives the number by which it is known; a version may stand before it."""
 ROLES = ("boundary", "obstacle", "path", "robot")
 COLLECTIONS = {"FeatureCollection": "features", "GeometryCollection": "geometries"}
 
@@ -45,12 +48,14 @@ def read_geojson(path: Path, options: Options) -> Drawing:
     if not isinstance(value, dict) or "type" not in value:
         raise refused(path, 'not GeoJSON: an object with "type" is needed')
     crs = json.dumps(value.get("crs") or "")
-    if any(name in crs.lower() for name in DEGREES):
+    if "crs84" in crs.lower():
         raise degrees(path, "the crs of the file")
     parts = list(islice(_features(path, value, "", "", 0), MOST_GEOMETRIES + 1))
     check_count(path, parts)
     if options.scale is None and len(crs) < 3 and parts:
         _check_degrees(path, parts)
+    if code := EPSG.search(crs):
+        check_code(path, int(code[1]), "the crs of the file", parts, options)
     drawing = drawing_of(path, "GeoJSON", parts, options)
     if len(crs) > 2:
         name = _name_of(value["crs"])

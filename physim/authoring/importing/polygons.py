@@ -36,6 +36,10 @@ MOST_GEOMETRIES = 10_000
 MOST_DEPTH = 20
 """Geometries within geometries."""
 KILOMETRE = 1000.0
+DEGREES = (4326, 4258)
+"""EPSG codes of degrees that are met most"""
+MAYBE_DEGREES = range(4001, 20_000)
+"""EPSG codes, the others of degrees among them, and some of metres with places farther away"""
 HEIGHTS = "third coordinates (height) left out"
 
 
@@ -64,17 +68,37 @@ def read_wkt(path: Path, options: Options) -> Drawing:
     if not texts:
         raise refused(path, "holds no geometry; POLYGON ((x y, ...)) is needed")
     parts: list[Part] = []
+    srids: dict[str, None] = {}
     for k, rows in texts:
-        parts += _from_wkt(path, k, " ".join(rows))
-    return drawing_of(path, "WKT", parts, options)
+        text = " ".join(rows)
+        srid = re.match(r"SRID\s*=\s*(\d+)\s*;?\s*", text, re.I)
+        found = _from_wkt(path, k, text[srid.end() :] if srid else text)
+        if srid is not None and int(srid[1][:9]):
+            check_code(path, int(srid[1][:9]), f"SRID {srid[1]}"[:40], found, options, k)
+            srids[f"lengths of its SRID, {srid[1][:30]}, are taken as they are"] = None
+        parts += found
+    drawing = drawing_of(path, "WKT", parts, options)
+    drawing.facts[1:1] = listed([*srids])
+    return drawing
+
+
+def check_code(
+    path: Path, code: int, named: str, parts: list[Part], options: Options, line: int | None = None
+) -> None:
+    """Refuse degrees: known by the EPSG code of the source, or by code and numbers together.
+
+    With ``--scale`` the user says what a unit is, and the numbers say nothing.
+    """
+    if code in DEGREES:
+        raise degrees(path, named, line)
+    if code in MAYBE_DEGREES and options.scale is None and parts:
+        points = np.concatenate([shapely.get_coordinates(part.shape) for part in parts])
+        if (np.abs(points) <= (180.0, 90.0)).all():
+            why = f"{named}, and all within 180 by 90 units; --scale 1 if these are metres"
+            raise degrees(path, why, line)
 
 
 def _from_wkt(path: Path, line: int, text: str) -> list[Part]:
-    srid = re.match(r"SRID\s*=\s*(\d+)\s*;?\s*", text, re.I)
-    if srid is not None:
-        if srid[1] in ("4326", "4258"):
-            raise degrees(path, f"SRID {srid[1]}", line)
-        text = text[srid.end() :]
     if text.count("(") > 1_000_000 or depth_of(text) > MOST_DEPTH:
         raise refused(path, f"nested deeper than {MOST_DEPTH} levels", line)
     try:
@@ -134,6 +158,8 @@ def drawing_of(path: Path, kind: str, parts: list[Part], options: Options) -> Dr
     polygons: list[Any] = []
     unused: list[str] = []
     for part, shape in zip(parts, shapes, strict=True):
+        if part.role in ("robot", "obstacle") and shape.geom_type == "Polygon" and shape.interiors:
+            unused.append(f"{part.role} at {place(_ring(shape)[0])}: solid, its holes filled")
         if shape.geom_type in ("LineString", "LinearRing"):
             _line(drawing, part, rounded(shapely.get_coordinates(shape)), unused)
         elif shape.geom_type != "Polygon":

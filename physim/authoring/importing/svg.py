@@ -75,7 +75,8 @@ def read_svg(path: Path, options: Options) -> Drawing:
     except RecursionError:
         raise refused(path, "groups are nested too deeply; ungroup some of them") from None
     except (ValueError, TypeError, ArithmeticError, AttributeError, LookupError) as error:
-        raise refused(path, f"cannot be read as SVG: {escaped(str(error))[:100]}") from None
+        reason = escaped(str(error))[:100] or type(error).__name__
+        raise refused(path, f"cannot be read as SVG: {reason}") from None
     frame = _Frame.of(path, root, look, options)
     tolerance = TOLERANCE if options.tolerance is None else options.tolerance
     lines: list[_Line] = []

@@ -7,10 +7,11 @@ What no program draws where it stands is put into ``defs``, as the library knows
 
 from __future__ import annotations
 
+import re
 from itertools import islice
 from xml.sax.saxutils import escape, quoteattr
 
-from physim.authoring.importing.svg_values import EXTENTS, PLACES
+from physim.authoring.importing.svg_values import EXTENTS, PLACES, SHAPES
 from physim.escaping import escaped
 
 XLINK = "http://www.w3.org/1999/xlink|href"
@@ -23,8 +24,16 @@ KEPT = ("id", LABEL, "transform", "display", "class", "d", "points", *PLACES, *E
         "preserveAspectRatio")  # fmt: skip
 STYLED = ("display", "transform", *PLACES, *EXTENTS)
 """Properties that count in ``style="..."``; in a style sheet the first alone."""
+SELECTOR = re.compile(r"\*|#[\w-]+|[\w-]*\.[\w-]+|[\w-]+")
+"""What the library knows to look for: a tag, a class, both, or an id."""
+NOTHING = re.compile(r"[-+]?(0+\.?0*|\.0+)%?")
+"""An opacity of zero."""
 CUTS = ("clip-path", "mask")
 """Properties by which only a part of an element is drawn; they are not applied, but told."""
+UNSEEN = ("display", "visibility", "opacity", "fill", "stroke")
+"""Properties by which an element is not to be seen."""
+INVISIBLE = ("hidden", "collapse")
+"""Values of ``visibility``"""
 NOT_LINES = ("text", "image", "foreignObject", "flowRoot")
 """Elements that hold no lines; they are listed as left out."""
 ONLY_COPIED = "symbol"
@@ -46,6 +55,8 @@ class BareSvg:
     def __init__(self) -> None:
         self._parts: list[str] = []
         self._ends: list[str] = []
+        self.is_painted = False
+        """whether a style sheet says what is filled and stroked"""
 
     @property
     def text(self) -> str:
@@ -77,22 +88,53 @@ class BareSvg:
         self._ends.append(f"</{tag}>{end}")
 
     def sheet(self, text: str) -> str:
-        """Take what a style sheet hides or cuts; returns the first selector that moves anything."""
+        """Take what a style sheet hides or cuts; returns what is wrong with it, or nothing."""
         for selector, body in _rules(text):
-            found = declarations(body, (*STYLED, *CUTS, "visibility"))
+            shown = f'"{escaped(selector)[:60]}"'
+            found = declarations(body, (*STYLED, *CUTS, *UNSEEN))
+            self.is_painted |= "fill" in found or "stroke" in found
             if "transform" in found:
-                return selector
-            if found.get("visibility", "").lower() in ("hidden", "collapse"):
+                return f"{shown} has a transform; only those of elements are read"
+            if _is_unseen(found) or found.get("visibility", "").lower() in INVISIBLE:
                 found["display"] = "none"
+            cut = _cut(found)
+            simple = all(SELECTOR.fullmatch(one.strip()) for one in selector.split(","))
+            if (cut or found.get("display") == "none") and not simple:
+                return (
+                    f"{shown} hides or cuts what it selects, by more than a tag, a class or an id; "
+                    "delete what is hidden, or save as plain SVG"
+                )
             if "display" in found:
                 self._parts.append(escape(f"{selector}{{display:{found['display']}}}"))
-            if cut := _cut(found):
+            if cut:
                 self._parts.append(escape(f"{selector}{{{CUT}:<style> has a {cut}, which}}"))
         return ""
+
+    def is_hidden(self, tag: str, attributes: dict[str, str]) -> bool:
+        """Whether an element hides itself and all in it.
+
+        So does a shape of which both line and area are told not to be drawn, as those that some
+        programs put about each of theirs; unless a style sheet may say otherwise.
+        """
+        own = {**attributes, **declarations(attributes.get("style", ""), UNSEEN)}
+        own = {key: own[key].strip().lower() for key in UNSEEN if key in own}
+        unpainted = tag in SHAPES and own.get("fill") == own.get("stroke") == "none"
+        return (
+            own.get("display") == "none" or _is_unseen(own) or (unpainted and not self.is_painted)
+        )
 
     def end(self) -> None:
         """End the element that was begun last."""
         self._parts.append(self._ends.pop())
+
+
+def hidden(attributes: dict[str, str]) -> dict[str, str]:
+    """Attributes of an element, so that it is hidden whatever they say."""
+    return {**attributes, "style": f"{attributes.get('style', '')};display:none"}
+
+
+def _is_unseen(properties: dict[str, str]) -> bool:
+    return NOTHING.fullmatch(properties.get("opacity", "1")) is not None
 
 
 def called(tag: str, attributes: dict[str, str]) -> str:
@@ -116,10 +158,11 @@ def functions_of(tag: str, attributes: dict[str, str]) -> int:
 
 def _rules(text: str) -> list[tuple[str, str]]:
     """Selectors and declarations of a style sheet; linear in its length."""
-    begun, *commented = text.split("/*")
+    begun, *commented = text.replace("<!--", "").replace("-->", "").split("/*")
     text = begun + "".join(part.partition("*/")[2] for part in commented)
     parts = (part.rpartition("{") for part in text.split("}"))
-    return [(selector.strip(), body) for selector, opened, body in parts if opened]
+    # before a selector may stand @charset and @import, which end with a semicolon
+    return [(found.rpartition(";")[2].strip(), body) for found, opened, body in parts if opened]
 
 
 def declarations(style: str, keys: tuple[str, ...]) -> dict[str, str]:

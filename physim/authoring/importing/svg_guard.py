@@ -15,6 +15,7 @@ from xml.parsers import expat
 
 from physim.authoring.importing.drawing import ImportSourceError, refused
 from physim.authoring.importing.svg_bare import (
+    INVISIBLE,
     LABEL,
     NOT_DRAWN,
     NOT_LINES,
@@ -24,9 +25,12 @@ from physim.authoring.importing.svg_bare import (
     called,
     declarations,
     functions_of,
+    hidden,
 )
 from physim.authoring.importing.svg_values import (
+    EXTENTS,
     NUMBER,
+    PLACES,
     SHAPES,
     page_fault,
     shape_fault,
@@ -47,7 +51,6 @@ MOST_TURNED = 150_000
 
 NO_PATH_DATA = re.compile(r"[^MmZzLlHhVvCcSsQqTtAa,\s]")
 """Beside its numbers."""
-HIDDEN = re.compile(r"display\s*:\s*none")
 
 
 @dataclass
@@ -158,6 +161,8 @@ class _Guard:
         if self.open and self.open[-1][0] == "switch":
             attributes = self._alternative(attributes)
         attributes, is_invisible = self._seen(tag, attributes)
+        if is_hidden := self.look.bare.is_hidden(tag, attributes):
+            attributes = hidden(attributes)
         self.look.bare.start(name, attributes, line)
         if not self.open and tag != "svg":
             raise self._refused(f"the root is <{escaped(name[:40])}>, not <svg>")
@@ -186,7 +191,7 @@ class _Guard:
             raise self._refused(f"{called(tag, attributes)}: {wrong}")
         if self.hidden or tag in NOT_DRAWN:
             self.hidden += 1
-        elif attributes.get("display") == "none" or HIDDEN.search(attributes.get("style", "")):
+        elif is_hidden:
             self.hidden = 1
             label = escaped(attributes.get(LABEL, attributes.get("id", "")))[:60]
             self.look.left_out.append(
@@ -196,7 +201,8 @@ class _Guard:
             self.hidden = 1
             self.look.left_out.append(f"line {line}: <{tag}> holds no lines, left out")
         if tag in SHAPES and not self.hidden:
-            if wrong := shape_fault(tag, attributes):
+            style = declarations(attributes.get("style", ""), (*PLACES, *EXTENTS))
+            if wrong := shape_fault(tag, {**attributes, **style}):
                 raise self._refused(f"{called(tag, attributes)}: {wrong}")
             self.look.drawn.append((line, called(tag, attributes)))
         element = _Element(functions_of(tag, attributes), is_invisible=is_invisible)
@@ -233,7 +239,7 @@ class _Guard:
         """
         within = self.open[-1][1]
         if within.is_drawn or attributes.get("requiredExtensions", "").strip():
-            return {**attributes, "display": "none"}
+            return hidden(attributes)
         within.is_drawn = True
         return attributes
 
@@ -244,11 +250,11 @@ class _Guard:
         """
         own = declarations(attributes.get("style", ""), ("visibility",)).get("visibility")
         own = (own or attributes.get("visibility", "inherit")).strip().lower()
-        is_invisible = own in ("hidden", "collapse")
+        is_invisible = own in INVISIBLE
         if own == "inherit" and self.open:
             is_invisible = self.open[-1][1].is_invisible
         if is_invisible and (tag in SHAPES or tag == "use"):
-            attributes = {**attributes, "display": "none"}
+            attributes = hidden(attributes)
         return attributes, is_invisible
 
     def _text(self, text: str) -> None:
@@ -259,11 +265,8 @@ class _Guard:
         tag, element = self.open.pop()
         self.hidden = max(self.hidden - 1, 0)
         if tag == "style":
-            if moves := self.look.bare.sheet("".join(self.sheet)):
-                raise self._refused(
-                    f'<style>: "{escaped(moves)[:60]}" has a transform; only those of elements are '
-                    "read"
-                )
+            if wrong := self.look.bare.sheet("".join(self.sheet)):
+                raise self._refused(f"<style>: {wrong}")
             self.sheet.clear()
         self.look.bare.end()
         element.moved_by(element.functions)

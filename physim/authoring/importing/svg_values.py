@@ -17,6 +17,8 @@ FUNCTION = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)\s*,?")
 LENGTH = re.compile(rf"\s*({NUMBER.pattern})\s*(?:px|mm|cm|in|pt|pc|%)?\s*$", re.I)
 PAGE = re.compile(rf"\s*({NUMBER.pattern})\s*[A-Za-z%]*\s*$")
 """A unit that is none stands for user units, as some programs write ``30m``."""
+NO_LENGTH = re.compile(r"(?:em|ex|ch|lh|rem|v[a-z]+)\s*$", re.I)
+"""Units of a font or of a window"""
 NO_POINTS = re.compile(r"[^eE0-9+\-.,\s]")
 PLACES = ("x", "y", "cx", "cy", "x1", "y1", "x2", "y2")
 EXTENTS = ("width", "height", "r", "rx", "ry")
@@ -30,6 +32,8 @@ def page_fault(values: dict[str, str]) -> str:
         found = PAGE.match(given)
         if found is None or not 0.0 < float(found[1]) < float("inf"):
             return f'{key}="{escaped(given)[:40]}": a length above 0 is needed, such as 240mm'
+        if NO_LENGTH.search(given):
+            return f'{key}="{escaped(given)[:40]}": has no length of its own; give it as 240mm'
     box = values.get("viewBox", "0 0 1 1")
     numbers = [float(one) for one in NUMBER.findall(box)]
     if NUMBER.sub("", box).strip(" \t\r\n,") or len(numbers) != 4:
@@ -49,6 +53,8 @@ def shape_fault(tag: str, values: dict[str, str]) -> str:
         if found is None or not isfinite(float(found[1])):
             units = "px, mm, cm, in, pt, pc or %"
             return f'{key}="{escaped(given)[:40]}": a number is needed, alone or with {units}'
+        if key == "r" and given.endswith("%"):
+            return f'r="{escaped(given)[:40]}": a share of a diagonal; give it in px or mm'
         if key in EXTENTS and float(found[1]) < 0.0:
             return f'{key}="{escaped(given)[:40]}": must not be negative'
     points = values.get("points", "") if tag in ("polyline", "polygon") else ""

@@ -75,8 +75,11 @@ def columns_of(path: Path, rows: Sequence[tuple[int, str]]) -> Columns:
 
 
 def is_data(row: str) -> bool:
-    """Whether a row holds values rather than names: it does not begin with a letter."""
-    first = row.lstrip("\"'")[:3].lower()
+    """Whether a row holds values rather than names: its first cell does not begin with a letter.
+
+    Its first that holds anything: tables with numbered rows have none above their numbers.
+    """
+    first = row.lstrip("\"',;% \t")[:3].lower()
     return not first[:1].isalpha() or first in ("nan", "inf")
 
 

@@ -491,4 +491,13 @@ EDITS = (
         "modes and rules of a batch form are whole numbers",
         "tests/test_evil_controllers.py::test_a_batch_form_that_answers_for_others_or_by_halves_is_refused",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/decisions.py",
+        "decide",
+        "decisions = copy.deepcopy(decisions)",
+        "pass",
+        "what a batch form writes into its answer later changes no record",
+        "tests/test_evil_controllers.py::test_what_a_batch_form_writes_into_its_answer_later_changes_no_record",
+    ),
 )

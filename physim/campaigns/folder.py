@@ -19,8 +19,19 @@ from physim.json_text import file_json
 from physim.world.file.reading import MOST_BYTES
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
+RESULTS, UNTIL, CLAIMS = "results.parquet", "until.json", ".claims"
+PARTS = (CAMPAIGN, RESULTS, UNTIL, CLAIMS, ROWS, RECORDS, WORLDS)
+"""Files and folders of a campaign; pages and pictures of reports stand beside them."""
 FORMAT, VERSION = "physim-campaign", 1
-CLAIMS = ".claims"
+
+
+def is_part(path: Path, folder: Path) -> bool:
+    """Whether a file is, or would be, a part of the campaign that ``folder`` holds."""
+    try:
+        inside = path.resolve().relative_to(folder.resolve())
+    except (ValueError, OSError, RuntimeError):
+        return False
+    return inside.parts[:1] != () and inside.parts[0] in PARTS
 
 
 class Folder:

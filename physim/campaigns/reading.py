@@ -10,7 +10,7 @@ import numpy as np
 
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import FAILED, schema
-from physim.campaigns.folder import CAMPAIGN, Folder, label_of
+from physim.campaigns.folder import CAMPAIGN, RESULTS, Folder, label_of
 from physim.campaigns.spec import identity_of, key_of, short_hash
 from physim.drafts import discard, draft_of
 from physim.errors import PhysimError
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
     from physim.campaigns.grid import Grid
 
-RESULTS = "results.parquet"
 ORDER = ("world", "settings", "controller", "seed", "run")
 OF_CELL = ("world_hash", "physim", "engine")
 """Columns that all rows of a cell have alike."""

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 from physim.campaigns.columns import FINISHED, Brief, Row
-from physim.campaigns.folder import Folder, check_version
+from physim.campaigns.folder import UNTIL, Folder, check_version
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
 from physim.campaigns.processes import Stop
@@ -22,8 +22,6 @@ from physim.errors import PhysimError
 from physim.json_text import file_json
 from physim.statistics.goal import Goal, Watch, read_goal
 
-UNTIL = "until.json"
-"""File in a campaign's folder that tells its goal: reports need to know that it was looked at."""
 FORMAT, VERSION = "physim-until", 1
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import its_folder, new_file, new_json, text_stream, write_json, write_text
+from physim.cli.output import new_json, new_page, spare, text_stream, write_json, write_text
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
@@ -124,10 +124,11 @@ def compare(options: Options) -> int:
     from physim.campaigns.report.comparison_page import comparison_page
     from physim.campaigns.report.comparison_text import comparison_text, comparison_values
 
+    spare(options.json, *_folders(options), option="--json")
+    spare(options.output, *_folders(options))
     new_json(options.json, options.force)
     if options.output is not None:
-        new_file(options.output, options.force)
-        its_folder(options.output)
+        new_page(options.output, options.force)
     _check(options)
     if options.seeds is not None:
         made = _made(options)
@@ -141,8 +142,7 @@ def compare(options: Options) -> int:
     chosen = options.only or measures(",".join(USUAL))
     own = {name: way for name, way in chosen.items() if name.startswith(PREFIX)}
     found = compared(pairs, [*chosen], options.test, own)
-    folders = () if options.seeds is not None else (options.a, options.b)
-    looked = any(_looked_at(folder) for folder in folders if folder is not None)
+    looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
         page = comparison_page(found, options.test, name, looked)
         write_text(options.output, page)
@@ -177,6 +177,17 @@ def _check(options: Options) -> None:
         )
 
 
+def _given(options: Options) -> tuple[str, ...]:
+    return tuple(str(one) for one in (options.a, options.b) if one is not None)
+
+
+def _folders(options: Options) -> tuple[Path, ...]:
+    """Folders of the campaigns that are compared, or are made first."""
+    if options.seeds is not None:
+        return (options.runs or usual_folder(_given(options)),)
+    return tuple(map(Path, _given(options)))
+
+
 def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     """Make the runs, and what of them is to be compared; None when that was interrupted."""
     from physim.campaigns.compare import by
@@ -184,7 +195,7 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     from physim.campaigns.outcomes import CELL, Outcomes
     from physim.campaigns.reading import read_part
 
-    worlds = tuple(str(one) for one in (options.a, options.b) if one is not None)
+    worlds = _given(options)
     names = names_of(options.controller)
     grid = make_grid(worlds, range(*options.seeds), options.axes, names)
     several = [
@@ -204,7 +215,7 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
     dimension = options.by or several[0]
     if dimension not in several:
         raise PhysimError(f"--by {dimension}: there is only one")
-    folder = options.runs or usual_folder(worlds)
+    (folder,) = _folders(options)
     tell_fixed(grid, options.quiet)
     tally, _ = run_grid(grid, folder, workers=options.workers, quiet=options.quiet)
     if tally.interrupted:

@@ -158,9 +158,9 @@ def _space(options: Options) -> Space:
 
 def _files() -> tuple[str, ...]:
     from physim.campaigns.falsify.results import FILES
-    from physim.cli.output import CUT_SHORT
+    from physim.cli.output import FILES as OF_RUN
 
-    return (*FILES, f"video{CUT_SHORT}.mp4")
+    return tuple(dict.fromkeys((*FILES, *OF_RUN)))
 
 
 def _folder(options: Options, space: Space) -> Path:

@@ -155,6 +155,25 @@ def new_json(path: Path | None, force: bool, *inputs: Path) -> None:
         its_folder(path)
 
 
+def new_page(path: Path, force: bool, *inputs: Path, option: str = "-o") -> None:
+    """Raise PhysimError unless a page may be written to a file."""
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise PhysimError(f"{path}: a page ends in .html")
+    new_file(path, force, *inputs, option=option)
+    its_folder(path)
+
+
+def spare(path: Path | None, *folders: Path, option: str = "-o") -> None:
+    """Raise PhysimError where a file to be written is a part of a campaign that is read."""
+    from physim.campaigns.folder import is_part
+
+    for folder in folders:
+        if path is not None and is_part(path, folder):
+            raise PhysimError(
+                f"{path}: is a part of the campaign in {folder}; {option} takes another file"
+            )
+
+
 def write_json(path: Path | None, text: str) -> None:
     """Write what ``--json`` asks for, if anything. Raises PhysimError when it cannot be written."""
     if path == STDOUT:

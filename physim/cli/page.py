@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import its_folder, new_file
+from physim.cli.output import new_page
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import announce_compiling
 from physim.cli.values import PATH
@@ -69,14 +69,6 @@ def page(options: Options) -> int:
     if not options.quiet:
         print(output)
     return 0
-
-
-def new_page(path: Path, force: bool, *inputs: Path, option: str = "-o") -> None:
-    """Raise PhysimError unless a page may be written to a file."""
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise PhysimError(f"{path}: a page ends in .html")
-    new_file(path, force, *inputs, option=option)
-    its_folder(path)
 
 
 def make_page(

@@ -10,10 +10,11 @@ import click
 from physim.cli.output import (
     STDOUT,
     inputs,
-    its_folder,
     new_file,
     new_json,
+    new_page,
     regular,
+    spare,
     text_stream,
     write_json,
     write_text,
@@ -73,10 +74,11 @@ def report(options: Options) -> int:
 
     folder: Path = options.folder
     page: Path = options.output or folder / PAGE
+    spare(options.json, folder, option="--json")
+    spare(options.output, folder)
     new_json(options.json, options.force, *inputs(folder))
     if options.output is not None:
-        new_file(page, options.force)
-        its_folder(page)
+        new_page(page, options.force)
     Folder(folder).cells()
     regular(page)
     if page.exists() and not is_ours(page):

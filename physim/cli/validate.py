@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import inputs, new_json, text_stream, write_json
-from physim.cli.page import make_page, new_page
+from physim.cli.output import inputs, new_json, new_page, text_stream, write_json
+from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.signals import INTERRUPTED

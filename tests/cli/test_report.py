@@ -45,6 +45,35 @@ def test_a_report_has_pictures_of_the_worst(made: Path, capsys: pytest.CaptureFi
     assert [file.stat().st_mtime_ns for file in stills] == times
 
 
+PARTS = ("campaign.json", "results.parquet", "rows/x.jsonl", "worlds/x.yaml", "records/x.html")
+
+
+@pytest.mark.parametrize("option", ["-o", "--json"])
+@pytest.mark.parametrize("name", PARTS)
+def test_no_part_of_a_campaign_is_overwritten(
+    made: Path, option: str, name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """By force the campaign was lost: its own file was a page."""
+    before = {file: file.read_bytes() for file in made.rglob("*") if file.is_file()}
+    for command in (("report", made), ("compare", made, "--by", "controller")):
+        done = physim(*command, option, made / name, "--force", capture=capsys)
+        assert done.code == 2
+        check_error(done.err, f"{made / name}:", "campaign", str(made), option)
+    assert {file: file.read_bytes() for file in made.rglob("*") if file.is_file()} == before
+
+
+def test_a_page_is_not_written_over_what_is_none(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record = tmp_path / "record.h5"
+    record.write_bytes(b"kept")
+    for command in (("report", made), ("compare", made, "--by", "controller")):
+        done = physim(*command, "-o", record, "--force", capture=capsys)
+        assert done.code == 2
+        check_error(done.err, str(record), "ends in .html")
+    assert record.read_bytes() == b"kept"
+
+
 def test_the_worst_lead_to_pages_at_their_moments(
     made: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

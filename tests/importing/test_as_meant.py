@@ -139,6 +139,16 @@ def test_what_a_sheet_hides_in_ways_that_are_not_followed_is_refused(
     check_says(str(caught.value), f"plan.svg:3 … <style> … {selector} … hides or cuts")
 
 
+def test_sizes_in_a_style_sheet_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "plan.svg"
+    sheet = "<style>.big {width: 4px; height: 4px} .no {fill: red}</style>"
+    for name, count in (("big", 1), ("no", 0)):
+        pillar = PILLAR.format(f'class="{name}"')
+        path.write_text(svg(f'{WALLS}\n{sheet}<g id="obstacle">{pillar}</g>\n{PATH}'))
+        changes = [one for one in import_world(path, Options(scale=1.0)).changes if "width" in one]
+        assert len(changes) == count
+
+
 def test_a_share_of_the_diagonal_and_a_page_in_ems_are_refused(tmp_path: Path) -> None:
     """The one became an ellipse; the reason of the other was left empty."""
     path = tmp_path / "plan.svg"
@@ -193,6 +203,8 @@ def test_a_table_with_numbered_rows_is_read(tmp_path: Path) -> None:
     path = tmp_path / "track.csv"
     rows = (f"{k},{5.0 * k},0.0,3.0,3.0" for k in range(9))
     path.write_text("\n".join((",x_m,y_m,w_tr_right_m,w_tr_left_m", *rows)))
-    walls = [point for wall in import_world(path, Options()).world.boundaries or () for point in wall]
+    walls = [
+        point for wall in import_world(path, Options()).world.boundaries or () for point in wall
+    ]
     assert {abs(y) for _, y in walls} == {3.0}
     assert (min(walls)[0], max(walls)[0]) == (0.0, 40.0)

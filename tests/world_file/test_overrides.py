@@ -90,7 +90,7 @@ def test_null_for_a_setting_that_the_world_does_not_give():
     [
         ("time.stp=0.02", "--set time.stp:", ("unknown", '"step"')),
         ("tiem.step=0.02", "--set tiem.step: tiem:", ("unknown", '"time"')),
-        ("time.step=-1", "--set time.step:", ("greater than 0", "given -1")),
+        ("time.step=-1", "--set time.step:", ("at least 1e-06", "given -1")),
         ("time.step=1e-3", "--set time.step:", ("1e-3", "text", "1.0e-3")),
         ("time.step=", "--set time.step:", ("no value",)),
         ("time.step=[1,", "--set time.step:", ("not valid YAML",)),

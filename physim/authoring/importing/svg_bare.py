@@ -106,8 +106,9 @@ class BareSvg:
                 )
             if "display" in found:
                 self._parts.append(escape(f"{selector}{{display:{found['display']}}}"))
-            if cut:
-                self._parts.append(escape(f"{selector}{{{CUT}:<style> has a {cut}, which}}"))
+            ignored = cut or " and ".join(key for key in (*PLACES, *EXTENTS) if key in found)
+            if ignored:
+                self._parts.append(escape(f"{selector}{{{CUT}:<style> has a {ignored}, which}}"))
         return ""
 
     def is_hidden(self, tag: str, attributes: dict[str, str]) -> bool:

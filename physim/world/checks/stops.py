@@ -136,7 +136,7 @@ def _check_robots(
             if at[k] is stop or looked_at > MOST_PAIRS:
                 continue
             gap = _ahead(stop, outlines[k].intersection(way))
-            if gap < needed[stop.number] - LENGTH and gap > -stop.reach:
+            if -stop.reach + LENGTH < gap < needed[stop.number] - LENGTH:
                 near.append((gap, stop, at[k]))
     if not near:
         return

@@ -477,7 +477,7 @@ EDITS = (
         "loop",
         "physim/simulation/decisions.py",
         "decide",
-        "if not is_shipped(batch) and (fault := unreadable(decisions, due)):",
+        "if fault := unreadable(decisions, due):",
         "if fault := '':",
         "a batch form decides for the robots asked for",
         "tests/test_evil_controllers.py::test_a_batch_form_that_answers_for_others_or_by_halves_is_refused",

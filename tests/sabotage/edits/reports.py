@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "reports",
+        "physim/campaigns/folder.py",
+        "is_part",
+        "inside.parts[0] in PARTS",
+        "False",
+        "no part of a campaign is overwritten by what reads it",
+        "tests/cli/test_report.py::test_no_part_of_a_campaign_is_overwritten",
+    ),
+    Edit(
+        "reports",
         "physim/campaigns/report/contents.py",
         "Report.cells_of_worst",
         "return len(set(",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import cos, sin
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,24 @@ def test_robots_that_stop_in_one_place_are_told(tmp_path, offset, now, needed, e
     assert bool(line) == bool(now)
     if line:
         check_finding(line, "6:92 robots[1].path.offset", *facts)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, 0.64, 1.1, 2.0])
+def test_robots_that_stop_on_one_another_do_not_stop_behind_one_another(tmp_path, turn):
+    """By rounding one of them, both or neither stopped "0 m behind" the other, too."""
+    c, s = cos(turn), sin(turn)
+    poses = "".join(
+        f"  - {{name: {name}, footprint: {{length: 1.8, width: 1.0}}, path: {{offset: 1.5}}, "
+        f"pose: [{x * c - 1.5 * s}, {x * s + 1.5 * c}, {turn}]}}\n"
+        for name, x in (("a", 7.0), ("b", 3.0))
+    )
+    world = TWO.replace("[20, 0]", f"[{20 * c}, {20 * s}]").replace(
+        "path_following", "mode_switching"
+    )
+    head, _, tail = world.partition("  - ")
+    world = head + poses + "controller:" + tail.partition("controller:")[2]
+    assert len(overlapping(tmp_path, world)) == 1
+    assert told(tmp_path, world) == []
 
 
 def test_paths_that_end_across_each_other_are_told(tmp_path):

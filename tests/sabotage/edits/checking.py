@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/stops.py",
+        "_check_robots",
+        "-stop.reach + LENGTH <",
+        "-stop.reach - LENGTH <",
+        "robots that stop on one another do not stop behind one another",
+        "tests/checking/test_stops.py::test_robots_that_stop_on_one_another_do_not_stop_behind_one_another",
+    ),
+    Edit(
+        "checking",
         "physim/world/partial.py",
         "_Reader._value",
         "return None",

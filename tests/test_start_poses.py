@@ -20,7 +20,7 @@ from physim.simulation.run import simulate
 from physim.world import World
 from physim.world.file import parse_world
 from physim.world.layout import start_poses
-from physim.world.layout.places import Candidates, Occupancy
+from physim.world.layout.places import Candidates, Occupancy, PathFrame
 from physim.world.layout.scene_builder import build_scene, is_random
 from tests.cli.commands import physim, tree
 from tests.facts import facts
@@ -304,3 +304,16 @@ def test_a_first_try_that_succeeds_is_bounded_by_nothing(monkeypatch):
     before = build_scene(world).start
     monkeypatch.setattr(start_poses, "MOST_DRAWN", 0)
     assert np.array_equal(build_scene(world).start, before)
+
+
+def test_what_prolongs_the_reference_path_counts_only_beyond_its_ends() -> None:
+    """Its end points at the first stretch: prolonged, it was nearer to robots there than that."""
+    points = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [10.0, 20.0], [10.0, 10.0]])
+    frame = PathFrame(points)
+    places = np.array([[8.0, 1.0], [9.5, 1.0], [10.2, -1.0], [-3.0, 0.5], [10.5, 9.0], [11.0, 4.0]])
+    station, deviation = frame.project(places)
+    far = frame.station[1]
+    assert station - far == pytest.approx([8.0, 9.5, 10.2, -3.0, 81.0, 11.0])
+    assert deviation == pytest.approx([1.0, 1.0, -1.0, 0.5, 0.5, 4.0])
+    _, direction = frame.at(station)
+    assert direction[:4] == pytest.approx(np.tile([1.0, 0.0], (4, 1)))

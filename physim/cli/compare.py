@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import new_json, new_page, spare, text_stream, write_json, write_text
+from physim.cli.output import (
+    alone,
+    inputs,
+    new_json,
+    new_page,
+    spare,
+    text_stream,
+    write_json,
+    write_text,
+)
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
@@ -126,9 +135,11 @@ def compare(options: Options) -> int:
 
     spare(options.json, *_folders(options), option="--json")
     spare(options.output, *_folders(options))
-    new_json(options.json, options.force)
+    read = inputs(*_given(options)) if options.seeds is not None else ()
+    new_json(options.json, options.force, *read)
+    alone(options.json, options.output)
     if options.output is not None:
-        new_page(options.output, options.force)
+        new_page(options.output, options.force, *read)
     _check(options)
     if options.seeds is not None:
         made = _made(options)

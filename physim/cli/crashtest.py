@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from pathlib import Path
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 DISAGREE = 3
 COMPILING = 15
 """[s] about, for the collision checks"""
+CASE = re.compile(r"case-\d{6,}\.yaml")
+"""Name of a world that a crash test wrote"""
 
 
 @command("crashtest", "random shapes: does the engine agree with analysis?")
@@ -65,7 +68,7 @@ def crashtest(options: Options) -> int:
 
     folder = options.output or Path(f"crashtest-{options.seed}")
     new_json(options.json, options.force)
-    earlier = sorted(folder.glob("case-*.yaml"))
+    earlier = [file for file in sorted(folder.glob("case-*.yaml")) if CASE.fullmatch(file.name)]
     remove_earlier(folder, earlier, options.force, what="worlds of an earlier crash test")
     if not is_warm():
         announce_compiling("the collision checks", COMPILING, options.quiet)

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from physim.cli.output import inputs, new_json, remove_earlier, text_stream, write_json, write_text
+from physim.cli.output import (
+    alone,
+    inputs,
+    new_json,
+    remove_earlier,
+    text_stream,
+    write_json,
+    write_text,
+)
 from physim.cli.output import writing as writing_to
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, Interrupt, announce_compiling, interrupts
@@ -168,6 +176,7 @@ def _folder(options: Options, space: Space) -> Path:
     world = space.world
     folder: Path = options.output or Path("falsified") / f"{world.stem}-{world.seed}"
     earlier = [folder / name for name in _files() if os.path.lexists(folder / name)]
+    alone(options.json, *(folder / name for name in _files()))
     what = "an earlier search"
     remove_earlier(folder, earlier, options.force, *inputs(options.world), what=what)
     with writing_to(folder):

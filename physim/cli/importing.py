@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from physim.cli.new import check_schema, write_schema
-from physim.cli.output import its_folder, new_file, write_text
+from physim.cli.output import its_folder, new_file, world_name, write_text
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.values import COUNT, DISTANCE, PATH, POSITIVE, OneOf, Value, pair, size
-from physim.errors import PhysimError
 
 if TYPE_CHECKING:
     from physim.authoring.importing import Imported
@@ -124,11 +123,10 @@ def import_command(options: Options) -> int:
 
 
 def _check_output(source: Path, output: Path, force: bool) -> None:
-    if not output.is_dir() and output.suffix.lower() not in (".yaml", ".yml"):
-        raise PhysimError(f"{output}: a world file ends in .yaml")
+    world_name(output)
     new_file(output, force, source)
     its_folder(output)
-    check_schema(output, force)
+    check_schema(output, force, source)
 
 
 def _report(source: Path, imported: Imported) -> list[str]:

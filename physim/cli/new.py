@@ -9,22 +9,22 @@ from pathlib import Path
 
 import click
 
-from physim.cli.output import empty_folder, inputs, new_file, regular, write_text, writing
+from physim.cli.output import empty_folder, inputs, new_file, world_name, write_text, writing
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.values import PATH, WHOLE, OneOf
 from physim.errors import PhysimError, WorldError
 from physim.escaping import escaped
 
 
-def check_schema(world: Path, force: bool) -> None:
-    """Raise PhysimError where `write_schema` would not write: where something odd stands."""
+def check_schema(world: Path, force: bool, *inputs: Path) -> None:
+    """Raise PhysimError where `write_schema` would not write: over an input, or something odd."""
     from physim.world.file.schema import FILE
 
     schema = world.with_name(FILE)
     if force and schema.is_dir():
         raise PhysimError(f"{schema}: is a folder; the schema of worlds goes there")
     if force:
-        regular(schema)
+        new_file(schema, True, *inputs)
 
 
 def write_schema(world: Path, force: bool) -> str:
@@ -153,8 +153,9 @@ def _check_file(file: Path, force: bool, *inputs: Path) -> None:
 
     if file.name == FILE:
         raise PhysimError(f"{file}: is the name of the schema; choose another one")
+    world_name(file)
     new_file(file, force, *inputs)
-    check_schema(file, force)
+    check_schema(file, force, *inputs)
 
 
 def _write(file: Path, text: str, force: bool) -> None:

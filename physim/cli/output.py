@@ -155,12 +155,28 @@ def new_json(path: Path | None, force: bool, *inputs: Path) -> None:
         its_folder(path)
 
 
+def world_name(path: Path) -> None:
+    """Raise PhysimError for the name of a world file that no command would take for one."""
+    if not path.is_dir() and path.suffix.lower() not in (".yaml", ".yml"):
+        raise PhysimError(f"{path}: a world file ends in .yaml")
+
+
 def new_page(path: Path, force: bool, *inputs: Path, option: str = "-o") -> None:
     """Raise PhysimError unless a page may be written to a file."""
     if path.suffix.lower() not in (".html", ".htm"):
         raise PhysimError(f"{path}: a page ends in .html")
     new_file(path, force, *inputs, option=option)
     its_folder(path)
+
+
+def alone(path: Path | None, *others: Path | None, option: str = "--json") -> None:
+    """Raise PhysimError where a file to be written is one of others that the command writes."""
+    if path is None or path == STDOUT:
+        return
+    if any(other is not None and path.resolve() == other.resolve() for other in others):
+        raise PhysimError(
+            f"{path}: is what the command writes besides; {option} takes another file"
+        )
 
 
 def spare(path: Path | None, *folders: Path, option: str = "-o") -> None:

@@ -9,6 +9,7 @@ import click
 
 from physim.cli.output import (
     STDOUT,
+    alone,
     inputs,
     new_file,
     new_json,
@@ -77,6 +78,7 @@ def report(options: Options) -> int:
     spare(options.json, folder, option="--json")
     spare(options.output, folder)
     new_json(options.json, options.force, *inputs(folder))
+    alone(options.json, page)
     if options.output is not None:
         new_page(page, options.force)
     Folder(folder).cells()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from physim.cli.output import inputs, new_json, new_page, text_stream, write_json
+from physim.cli.output import alone, inputs, new_json, new_page, text_stream, write_json
 from physim.cli.page import make_page
 from physim.cli.parser import Options, changes, command, flag, option
 from physim.cli.progress import Bar, announce_compiling, interrupts
@@ -89,6 +89,7 @@ def validate_command(options: Options) -> int:
 
     given = inputs(options.given, options.world)
     new_json(options.json, options.force, *given)
+    alone(options.json, options.page)
     if options.page is not None:
         if options.seeds is not None:
             raise PhysimError("--page: is of one run; not with --seeds")
@@ -135,9 +136,10 @@ def _validate_record(record: Record, options: Options) -> int:
         raise PhysimError("--seed: needs a world; a record has its own seed")
     lacking = missing(record)
     again = options.rerun or bool(lacking)
-    changes = options.overrides or (options.controller and not again)
-    if changes and options.world is None:
-        raise PhysimError("--set, --controller: need a world, --world or --rerun")
+    if options.overrides and options.world is None:
+        raise PhysimError("--set: needs a world or --world; a record is run again as it was made")
+    if options.controller and not again and options.world is None:
+        raise PhysimError("--controller: needs a world, --world or --rerun")
     if not again:
         return _report(_judged(record, str(record.path), options), options, record)
     with rerun.run_of_record(record, options) as full:

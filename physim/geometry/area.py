@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -96,7 +97,10 @@ class Area:
         for shape in (self.polygon, self._edge):
             shapely.prepare(shape)
         begins_inside = self.polygon.covers(shapely.get_point(line, 0))
-        return bool(begins_inside and not shapely.dwithin(self._edge, line, NEAR_EDGE))
+        return bool(begins_inside and not self._comes_near(line))
+
+    def _comes_near(self, line: LineString) -> bool:
+        return bool(shapely.dwithin(self._edge, line, NEAR_EDGE))
 
     @cached_property
     def _edge(self) -> shapely.Geometry:
@@ -104,10 +108,18 @@ class Area:
 
     def _stretches(self, line: LineString) -> FloatArray:
         """As `outside_stretches`, of any line."""
-        inside = self.polygon.intersection(line)
         ends = {0.0, line.length}
-        for piece in shapely.get_parts(inside):
-            ends.update(line.project(shapely.points(shapely.get_coordinates(piece))).tolist())
+        if line.is_simple:
+            for piece in shapely.get_parts(self.polygon.intersection(line)):
+                ends.update(line.project(shapely.points(shapely.get_coordinates(piece))).tolist())
+        else:  # where it passes itself a place has several stations: leg by leg
+            points = shapely.get_coordinates(line)
+            begin = np.cumsum([0.0, *np.hypot(*np.diff(points, axis=0).T)])
+            for start, leg in zip(begin, map(LineString, pairwise(points)), strict=False):
+                if self._comes_near(leg):
+                    cut = shapely.get_coordinates(self.polygon.intersection(leg))
+                    found = shapely.line_locate_point(leg, shapely.points(cut))
+                    ends.update((start + found).tolist())
         stations = np.array(sorted(ends))
         middle = line.interpolate((stations[:-1] + stations[1:]) / 2.0)
         outside = ~shapely.covers(self.polygon, middle) & (np.diff(stations) > LENGTH)

@@ -61,13 +61,24 @@ def point_at(lines: Polylines, k: int, station: float) -> tuple[float, float, fl
 
 
 @compiled
+def left_of_both(lines: Polylines, a: int, b: int, ox: float, oy: float) -> bool:
+    """Whether (ox, oy) from the waypoint between segments a and b is left of both together."""
+    p, s = lines.points, lines.station
+    one, other = s[a + 1] - s[a], s[b + 1] - s[b]
+    tx = (p[a + 1, 0] - p[a, 0]) / one + (p[b + 1, 0] - p[b, 0]) / other
+    ty = (p[a + 1, 1] - p[a, 1]) / one + (p[b + 1, 1] - p[b, 1]) / other
+    return bool(tx * oy - ty * ox >= 0.0)
+
+
+@compiled
 def project(
     lines: Polylines, k: int, x: float, y: float, low: float, high: float
 ) -> tuple[float, float]:
     """Station of the point of polyline k nearest to (x, y) with low <= station <= high.
 
     Returns the station and the signed deviation [m], positive when (x, y) is left of the path.
-    Of equally near points the one with the smaller station is taken.
+    Of equally near points the one with the smaller station is taken. Next to a waypoint both its
+    legs say where left is: outside of a turn of more than 90 degrees one of them alone may not.
     """
     first = lines.start[k]
     end = lines.station[lines.start[k + 1] - 1]
@@ -83,11 +94,17 @@ def project(
         ty = (lines.points[a + 1, 1] - lines.points[a, 1]) / length
         dx, dy = x - lines.points[a, 0], y - lines.points[a, 1]
         along = min(max(dx * tx + dy * ty, max(low - s0, 0.0)), min(high - s0, length))
-        gap = hypot(dx - along * tx, dy - along * ty)
+        ox, oy = dx - along * tx, dy - along * ty
+        gap = hypot(ox, oy)
         if gap < best:
             best = gap
             station = min(max(s0 + along, low), high)  # rounding must not leave the stretch
-            deviation = gap if tx * dy - ty * dx >= 0.0 else -gap
+            left = tx * dy - ty * dx >= 0.0
+            if along >= length and a + 2 < lines.start[k + 1]:
+                left = left_of_both(lines, a, a + 1, ox, oy)
+            elif along <= 0.0 and a > first:
+                left = left_of_both(lines, a, a - 1, ox, oy)
+            deviation = gap if left else -gap
         a += 1
     return station, deviation
 

@@ -129,6 +129,10 @@ def track_leg(
             square <= best * MORE + TINY and hypot(ox, oy) < hypot(bx, by)
         ):
             best, bx, by, left = square, ox, oy, tx * dy - ty * dx >= 0.0
+            if along >= row[a, 5] and a + 1 < end:
+                left = (tx + row[a + 1, 2]) * oy - (ty + row[a + 1, 3]) * ox >= 0.0
+            elif along <= 0.0 and a > first:
+                left = (tx + row[a - 1, 2]) * oy - (ty + row[a - 1, 3]) * ox >= 0.0
             station = min(max(s0 + along, low), high)
         a += 1
     return station, bx, by, left, near

@@ -193,7 +193,7 @@ TRANSLATED = {
     "formation_count": (
         changed(CORRIDOR, ("-3.0]}", "-3.0, -6.0]}")), BAD, "3 leads", "2 robots",
     ),
-    "dt_zero": (changed(CORRIDOR, ("step: 0.01", "step: 0")), BAD, "time.step", "greater than 0"),
+    "dt_zero": (changed(CORRIDOR, ("step: 0.01", "step: 0")), BAD, "time.step", "at least 1e-06"),
     "dt_larger_than_duration": (
         changed(CORRIDOR, ("step: 0.01, duration: 60.0", "step: 10, duration: 1")),
         BAD, "time.step", "10.0 s", "longer", "1.0 s",

@@ -78,11 +78,11 @@ WORLDS = {
     ),
     "step of zero": (
         changed("step: 0.02", "step: 0.0"),
-        "w.yaml:3:14: time.step:", "greater than 0", "given 0.0",
+        "w.yaml:3:14: time.step:", "at least 1e-06", "given 0.0",
     ),
     "negative step": (
         changed("step: 0.02", "step: -0.02"),
-        "w.yaml:3:14: time.step:", "greater than 0", "given -0.02",
+        "w.yaml:3:14: time.step:", "at least 1e-06", "given -0.02",
     ),
     "a speed that would tunnel": (
         changed("path: {offset: 1.0}", "path: {offset: 1.0}\n    limits: {v: 30.0, omega: 1.6}"),

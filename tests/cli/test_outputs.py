@@ -194,6 +194,56 @@ def test_worlds_of_an_earlier_crash_test_are_kept_without_force(
     assert set(before) - set(tree(here)) == {"crashtest-0/case-000001.yaml"}
 
 
+def test_a_new_world_is_named_as_one_and_no_schema_is_written_over_the_source(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = tree(here)
+    done = physim("new", "a", "-o", "record.h5", "--force", capture=capsys)
+    assert done.code == 2
+    check_error(done.err, "record.h5:", ".yaml")
+    assert tree(here) == before
+    source = here / "world.schema.json"
+    source.write_text('{"type": "Polygon", "coordinates": [[[0, 0], [30, 0], [30, 20], [0, 0]]]}')
+    before = tree(here)
+    arguments = ("--format", "geojson", "--scale", "1", "-o", "out.yaml", "--force")
+    done = physim("import", source.name, *arguments, capture=capsys)
+    assert done.code == 2
+    check_error(done.err, "world.schema.json:", "input")
+    assert tree(here) == before
+
+
+def test_what_no_crash_test_wrote_is_kept(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """All that began with case- went, by force, and nothing was said."""
+    for name in ("case-study.yaml", "case-000003.yaml", "case-12.yaml"):
+        (here / name).write_text(SMALL)
+    done = physim("crashtest", "--cases", "1", "-o", ".", "--force", "--quiet", capture=capsys)
+    assert done.code == 0
+    assert (here / "case-study.yaml").exists()
+    assert (here / "case-12.yaml").exists()
+    assert not (here / "case-000003.yaml").exists()
+
+
+BOTH = {
+    "validate": (["validate", "record.h5"], "--page", "both.html", "./both.html"),
+    "page below": (["validate", "record.h5"], "--page", "both.html", "there/../both.html"),
+    "falsify": (["falsify", "small.yaml", "--budget", "2"], "-o", "found", "found/worst.yaml"),
+}
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_two_outputs_of_a_command_are_two_files(
+    name: str, here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The one that was written last was all there was, and both were told as written."""
+    arguments, option, output, json = BOTH[name]
+    (here / "there").mkdir()
+    before = tree(here)
+    done = physim(*arguments, option, output, "--json", json, capture=capsys)
+    assert done.code == 2
+    check_error(done.err, f"{json}:", "--json", "another file")
+    assert tree(here) == before
+
+
 @pytest.mark.parametrize("kind", ["pipe", "folder", "link to nothing"])
 def test_a_schema_that_is_no_file_is_left_alone(
     kind: str, here: Path, capsys: pytest.CaptureFixture[str]

@@ -62,6 +62,22 @@ def test_no_part_of_a_campaign_is_overwritten(
     assert {file: file.read_bytes() for file in made.rglob("*") if file.is_file()} == before
 
 
+def test_the_page_and_the_figures_are_two_files(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    both = tmp_path / "both.html"
+    again = tmp_path / "." / "both.html"
+    for command in (
+        ("report", made, "-o", both, "--json", again),
+        ("report", made, "--json", made / "report.html", "--force"),
+        ("compare", made, "--by", "controller", "-o", both, "--json", again),
+    ):
+        done = physim(*command, capture=capsys)
+        assert done.code == 2
+        assert "--json takes another file" in done.err
+    assert not both.exists()
+
+
 def test_a_page_is_not_written_over_what_is_none(
     made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

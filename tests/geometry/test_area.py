@@ -69,6 +69,17 @@ def test_a_line_that_turns_back_cannot_be_offset() -> None:
         offset_polyline(np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 0.1]]), np.full(3, 1.0))
 
 
+def test_outside_stretches_of_a_path_of_two_laps() -> None:
+    """An obstacle on the road is on the path in every lap; it was so in the first alone."""
+    lap = [(5.0, 0.0), (20.0, 0.0), (20.0, 15.0), (0.0, 15.0), (0.0, 0.0)]
+    path = np.array([(2.0, 0.0), *lap, *lap, (5.0, 0.0)])
+    hall = np.array([(-5.0, -5.0), (25.0, -5.0), (25.0, 20.0), (-5.0, 20.0), (-5.0, -5.0)])
+    block = np.array([(9.0, -0.5), (11.0, -0.5), (11.0, 0.5), (9.0, 0.5)])
+    area = accessible_area([hall], [block], path[:5])
+    wanted = np.array([[7.0, 9.0], [77.0, 79.0]])
+    assert area.outside_stretches(path) == pytest.approx(wanted)
+
+
 def test_outside_stretches_of_a_path() -> None:
     walls = corridor_boundaries(STRAIGHT, np.array([8.0, 8.0]), 3.0)
     area = accessible_area(list(walls.values()), [], STRAIGHT)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from physim.geometry.path import Path, project, track
 from physim.geometry.shapes import pack_polylines
+from physim.geometry.tracking import Tracking
 
 coordinate = st.floats(-50.0, 50.0).map(lambda value: round(value, 3))
 points = st.lists(st.tuples(coordinate, coordinate), min_size=2, max_size=8)
@@ -65,6 +66,20 @@ def test_left_of_the_path_is_positive() -> None:
     path = Path([(0.0, 0.0), (10.0, 0.0)])
     assert path.project(4.0, 1.5) == pytest.approx((4.0, 1.5))
     assert path.project(4.0, -1.5) == pytest.approx((4.0, -1.5))
+
+
+@pytest.mark.parametrize("turn", [20, 60, 90, 120, 150, 170])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_outside_of_a_turn_is_one_side_all_the_way_round(turn: float, side: float) -> None:
+    """Of either leg alone, past 90 degrees, a part of the outside lies on the other side."""
+    angle = side * np.radians(turn)
+    path = Path([(0.0, 0.0), (20.0, 0.0), (20.0 + 9.0 * np.cos(angle), 9.0 * np.sin(angle))])
+    for bearing in np.linspace(-0.5 * np.pi, turn * np.pi / 180.0 - 0.5 * np.pi, 9)[1:-1]:
+        x, y = 20.0 + 0.7 * np.cos(bearing), side * 0.7 * np.sin(bearing)
+        assert path.project(x, y) == pytest.approx((20.0, -side * 0.7))
+        assert path.project(x, y, near=20.2, window=0.5) == pytest.approx((20.0, -side * 0.7))
+        tracking = Tracking(path.lines, path.lines, np.array([0.3]), np.array([[x, y, 0.0]]))
+        assert tracking.deviation == pytest.approx(-side * 0.7)
 
 
 def test_projection_does_not_jump_to_a_branch_nearby() -> None:

@@ -154,15 +154,29 @@ class PathFrame:
         first = points[0] - far * steps[0] / np.hypot(*steps[0])
         last = points[-1] + far * steps[-1] / np.hypot(*steps[-1])
         self.points = np.vstack([first, points, last])
-        self.line = shapely.LineString(self.points)
+        self.line, self.own = shapely.LineString(self.points), shapely.LineString(points)
         steps = np.diff(self.points, axis=0)
         length = np.hypot(*steps.T)
         self.station = np.concatenate([[0.0], np.cumsum(length)])
         self.direction = steps / length[:, None]
 
     def project(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Stations (B,) and deviations (B,), left positive, of points (B, 2) [m]."""
-        station = shapely.line_locate_point(self.line, shapely.points(points))
+        """Stations (B,) and deviations (B,), left positive, of points (B, 2) [m].
+
+        Only a point next to an end of the path is beside what prolongs that end: this may cross
+        the road elsewhere.
+        """
+        places = shapely.points(points)
+        station = shapely.line_locate_point(self.line, places)
+        own = shapely.line_locate_point(self.own, places)
+        begin, end = self.station[1], self.station[-2]
+        before, after = own <= 0.0, own >= self.own.length
+        strays = ((station < begin) & ~before) | ((station > end) & ~after)
+        if strays.any():
+            back = np.minimum((points - self.points[1]) @ self.direction[0], 0.0)
+            on = np.maximum((points - self.points[-2]) @ self.direction[-1], 0.0)
+            beside = begin + own + np.where(before, back, 0.0) + np.where(after, on, 0.0)
+            station = np.where(strays, beside, station)
         origin, direction = self.at(station)
         apart = points - origin
         return station, direction[:, 0] * apart[:, 1] - direction[:, 1] * apart[:, 0]

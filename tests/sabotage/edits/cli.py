@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "cli",
+        "physim/cli/output.py",
+        "alone",
+        "path.resolve() == other.resolve()",
+        "path == other",
+        "two outputs of a command are two files",
+        "tests/cli/test_outputs.py::test_two_outputs_of_a_command_are_two_files",
+    ),
+    Edit(
+        "cli",
+        "physim/cli/crashtest.py",
+        "crashtest",
+        "if CASE.fullmatch(file.name)",
+        "",
+        "a world that no crash test wrote is kept",
+        "tests/cli/test_outputs.py::test_what_no_crash_test_wrote_is_kept",
+    ),
+    Edit(
+        "cli",
         "physim/cli/parser.py",
         "Command._check_repeated",
         "one in order[:k]",

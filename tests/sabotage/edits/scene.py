@@ -8,6 +8,15 @@ EDITS = (
     Edit(
         "scene",
         "physim/world/layout/places.py",
+        "PathFrame.project",
+        "if strays.any():",
+        "if False:",
+        "what prolongs the reference path counts only beyond its ends",
+        "tests/test_start_poses.py::test_what_prolongs_the_reference_path_counts_only_beyond_its_ends",
+    ),
+    Edit(
+        "scene",
+        "physim/world/layout/places.py",
         "Cells.near",
         "for b in range(low, high + 1)",
         "for b in range(low, high)",

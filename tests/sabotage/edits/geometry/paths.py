@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/path.py",
+        "project",
+        "if along >= length and a + 2 < lines.start[k + 1]:",
+        "if False:",
+        "outside of a turn is one side all the way round",
+        "tests/geometry/test_path.py::test_outside_of_a_turn_is_one_side_all_the_way_round",
+    ),
+    Edit(
+        "geometry",
+        "physim/geometry/tracking.py",
+        "track_leg",
+        "if along >= row[a, 5] and a + 1 < end:",
+        "if False:",
+        "a robot outside of a turn is on one side of its path all the way round",
+        "tests/geometry/test_path.py::test_outside_of_a_turn_is_one_side_all_the_way_round",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/motion.py",
         "arc",
         "direction = pose[2] + h",

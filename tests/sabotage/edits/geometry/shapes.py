@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/area.py",
+        "Area._stretches",
+        "if line.is_simple:",
+        "if True:",
+        "a path is outside in every lap",
+        "tests/geometry/test_area.py::test_outside_stretches_of_a_path_of_two_laps",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/queries.py",
         "pack_shapes",
         'parts_of(body, f"bodies[{k}]") for k, body in enumerate(bodies)',

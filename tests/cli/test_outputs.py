@@ -224,7 +224,7 @@ def test_what_no_crash_test_wrote_is_kept(here: Path, capsys: pytest.CaptureFixt
 
 
 BOTH = {
-    "validate": (["validate", "record.h5"], "--page", "both.html", "./both.html"),
+    "validate": (["validate", "record.h5"], "--page", "./both.html", "both.html"),
     "page below": (["validate", "record.h5"], "--page", "both.html", "there/../both.html"),
     "falsify": (["falsify", "small.yaml", "--budget", "2"], "-o", "found", "found/worst.yaml"),
 }
@@ -237,6 +237,7 @@ def test_two_outputs_of_a_command_are_two_files(
     """The one that was written last was all there was, and both were told as written."""
     arguments, option, output, json = BOTH[name]
     (here / "there").mkdir()
+    (here / "found").mkdir()
     before = tree(here)
     done = physim(*arguments, option, output, "--json", json, capture=capsys)
     assert done.code == 2

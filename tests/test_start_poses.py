@@ -306,6 +306,21 @@ def test_a_first_try_that_succeeds_is_bounded_by_nothing(monkeypatch):
     assert np.array_equal(build_scene(world).start, before)
 
 
+def test_a_row_that_has_no_place_in_the_region_is_told() -> None:
+    """A region over both legs of a U-turn ended in an error of numpy."""
+    world = parse_world("""\
+name: both legs
+time: {step: 0.01, duration: 60.0}
+boundaries: [[[-5, -5], [60, -5], [60, 15], [-5, 15], [-5, -5]]]
+reference_path: [[0, 0], [50, 0], [50, 10], [0, 10]]
+start: {region: [[4, -3], [16, -3], [16, 13], [4, 13]], heading: along, abreast: 2}
+robots:
+  - {count: 8, footprint: {length: 0.8, width: 0.5}, path: {offset: 0.0}}
+""")
+    with pytest.raises(WorldError, match=facts("start", "along the reference path", "2 abreast")):
+        build_scene(world)
+
+
 def test_what_prolongs_the_reference_path_counts_only_beyond_its_ends() -> None:
     """Its end points at the first stretch: prolonged, it was nearer to robots there than that."""
     points = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 20.0], [10.0, 20.0], [10.0, 10.0]])

@@ -178,7 +178,7 @@ def _folder(options: Options, space: Space) -> Path:
     earlier = [folder / name for name in _files() if os.path.lexists(folder / name)]
     alone(options.json, *(folder / name for name in _files()))
     what = "an earlier search"
-    remove_earlier(folder, earlier, options.force, *inputs(options.world), what=what)
+    remove_earlier(folder, earlier, options.force, *inputs(options.world), what=what, later=True)
     with writing_to(folder):
         folder.mkdir(parents=True, exist_ok=True)
     return folder
@@ -243,6 +243,9 @@ def _write(
 
     if found.world is None or found.judged is None:
         return ""
+    with writing_to(folder):
+        for name in _files():
+            (folder / name).unlink(missing_ok=True)
     said = [f"Found by: {_command(options)}"]
     world, result = named(found.world, WORST if shrunk is None else FOUND), found.judged
     if shrunk is not None:

@@ -44,12 +44,18 @@ def output_folder(folder: Path, force: bool, *inputs: Path) -> Path:
 
 
 def remove_earlier(
-    folder: Path, earlier: Sequence[Path], force: bool, *inputs: Path, what: str
+    folder: Path,
+    earlier: Sequence[Path],
+    force: bool,
+    *inputs: Path,
+    what: str,
+    later: bool = False,
 ) -> None:
     """Remove from a folder the files of an earlier command, or nothing.
 
-    Raises PhysimError where there are any and ``force`` is not set, where one is no regular file,
-    one of ``inputs`` or a record that a run is writing, and where it is no folder.
+    ``later`` leaves that to the caller, who knows then that there is something to put in their
+    place. Raises PhysimError where there are any and ``force`` is not set, where one is no regular
+    file, one of ``inputs`` or a record that a run is writing, and where it is no folder.
     """
     from physim.record.lock import check_unwritten
 
@@ -63,7 +69,7 @@ def remove_earlier(
             "use --force to overwrite it, or -o for another folder"
         )
     with writing(folder):
-        for file in earlier:
+        for file in () if later else earlier:
             file.unlink()
 
 

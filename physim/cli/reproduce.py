@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 COMPILING = 30
 """[s] about, for all that its jobs need"""
+PICTURE = re.compile(r"\d[a-z]?-[a-z_]+\.png")
+"""Name of a picture that a reproduction drew"""
 
 
 @command("reproduce", "the paper's figures again, reported beside measured")
@@ -101,7 +104,8 @@ def _folder(folder: Path, plan: Plan, force: bool) -> Path:
     with writing(folder):
         for name in (PICTURES, *plan.worlds):
             (folder / name).mkdir(parents=True, exist_ok=True)
-        for old in (*(folder / name for name in PAGES), *(folder / PICTURES).glob("*.png")):
+        pictures = (one for one in (folder / PICTURES).iterdir() if PICTURE.fullmatch(one.name))
+        for old in (*(folder / name for name in PAGES), *pictures):
             old.unlink(missing_ok=True)
     return folder
 

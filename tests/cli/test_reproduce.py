@@ -98,3 +98,15 @@ def test_interrupted_with_what_is_done(number: signal.Signals, tmp_path: Path) -
     assert report.sections[0].missing
     assert "It was interrupted" in (tmp_path / "out" / PAGES[0]).read_text()
     assert not list(tmp_path.rglob("*.part"))
+
+
+def test_only_pictures_of_a_reproduction_are_taken_for_them() -> None:
+    """All images in its folder were deleted by force, whoever drew them."""
+    from physim.cli.reproduce import PICTURE
+
+    root = Path(__file__).parents[2]
+    drawn = [file.name for file in (root / "docs/reproduction").glob("*.png")]
+    assert drawn
+    assert all(PICTURE.fullmatch(name) for name in drawn)
+    for name in ("logo.png", "figure-1.png", "1-mine.jpg", "2024-tracks.png", "1-Mine.png"):
+        assert not PICTURE.fullmatch(name)

@@ -272,3 +272,14 @@ def test_a_controller_that_ends_its_process_is_told_in_a_line(
     assert "the world itself cannot be judged" in done.err
     assert told in done.err
     assert len(done.err.splitlines()) == 1
+
+
+def test_a_search_that_cannot_begin_keeps_the_earlier_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of one whose controller cannot be made the earlier worst world was gone."""
+    (tmp_path / "worst.yaml").write_text("mine")
+    arguments = ("three_robots", "--budget", "2", "--controller", "tests.says:Says", "--no-video")
+    done = physim("falsify", *arguments, "-o", tmp_path, "--force", capture=capsys)
+    assert done.code == 2
+    assert (tmp_path / "worst.yaml").read_text() == "mine"

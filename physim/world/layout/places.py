@@ -209,6 +209,8 @@ class Candidates:
         self.start, self.along, self.occupied, self.free = start, along, occupied, free
         self.drawn = 0
         """poses drawn so far"""
+        self.gap: tuple[float, float] | None = None
+        """[m] along the reference path, where a row has no place: cells are cut of one stretch"""
         self.cells: dict[int, tuple[float, float, float, float]] = {}
         if start.abreast is not None:
             self._cut(members, start.abreast, paths)
@@ -263,6 +265,10 @@ class Candidates:
             first = np.searchsorted(station, low - margin)
             end = np.searchsorted(station, high + margin, side="right")
             here = deviation[first:end]
+            if not len(here):
+                begin = self.along.station[1]
+                self.gap = (float(low - begin), float(high - begin))
+                return
             bands = np.linspace(here.min(), here.max(), len(row) + 1)
             middle = 0.5 * (low + high)
             lane = {i: self._lane(line_of(paths[i]), middle) for i in row}

@@ -108,6 +108,12 @@ class _Group:
             return self._fault("none of it lies in the accessible area; draw it inside")
         start = self.start
         candidates = Candidates(start, self.members, self.free, self.along, paths, self.occupied)
+        if candidates.gap is not None:
+            low, high = candidates.gap
+            return self._fault(
+                f"no part of it lies {low:.4g} to {high:.4g} m along the reference path, where "
+                f"{start.abreast} abreast are to stand; draw it over one stretch of that path"
+            )
         streams = {i: stream(self.seed, "start", i) for i in self.members}
         radius = {i: circumscribed_radius(self.occupied.footprints[i]) for i in self.members}
         order = sorted(self.members, key=lambda i: -radius[i])

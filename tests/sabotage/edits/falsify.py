@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "falsify",
+        "physim/cli/falsify.py",
+        "_folder",
+        "later=True",
+        "later=False",
+        "a search that cannot begin keeps the earlier one",
+        "tests/falsify/test_command.py::test_a_search_that_cannot_begin_keeps_the_earlier_one",
+    ),
+    Edit(
+        "falsify",
         "physim/campaigns/falsify/space.py",
         "LeastLimits._takes",
         "return not robot_faults(self._controller, {0: slower})",

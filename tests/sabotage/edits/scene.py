@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "scene",
+        "physim/world/layout/start_poses.py",
+        "_Group.place",
+        "if candidates.gap is not None:",
+        "if False:",
+        "a row that has no place in the region is told",
+        "tests/test_start_poses.py::test_a_row_that_has_no_place_in_the_region_is_told",
+    ),
+    Edit(
+        "scene",
         "physim/world/layout/places.py",
         "PathFrame.project",
         "if strays.any():",

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 COMPILING = 30
 """[s] about, for all that its jobs need"""
-PICTURE = re.compile(r"\d[a-z]?-[a-z_]+\.png")
+PICTURE = re.compile(r"(\d[a-z]?|study)-[a-z_]+\.png")
 """Name of a picture that a reproduction drew"""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -76,6 +77,11 @@ def _placed(position: Position, fault: Fault) -> str:
 def names_key(place: str, key: str) -> bool:
     """Whether a place is an option of the command line that says the key already."""
     return place.startswith("--") and (place.endswith(f" {key}") or place == "--controller")
+
+
+def plain_key(override: str) -> str:
+    """Key of ``KEY=VALUE`` as it is written with dots: ``robots[0].pose`` is ``robots.0.pose``."""
+    return re.sub(r"\[([0-9]+)\]", r".\1", override.partition("=")[0].strip())
 
 
 def dotted(location: Location) -> str:

@@ -20,8 +20,10 @@ from physim.world.file.reading import MOST_BYTES
 
 CAMPAIGN, RECORDS, WORLDS = "campaign.json", "records", "worlds"
 RESULTS, UNTIL, CLAIMS = "results.parquet", "until.json", ".claims"
-PARTS = (CAMPAIGN, RESULTS, UNTIL, CLAIMS, ROWS, RECORDS, WORLDS)
-"""Files and folders of a campaign; pages and pictures of reports stand beside them."""
+STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
+"""Pictures of runs, by their keys, for reports"""
+PARTS = (CAMPAIGN, RESULTS, UNTIL, CLAIMS, ROWS, RECORDS, WORLDS, STILLS, VIDEOS, PAGES)
+"""Files and folders of a campaign; the pages of reports stand beside them."""
 FORMAT, VERSION = "physim-campaign", 1
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple, overload
 from physim.campaigns import own_metrics
 from physim.campaigns.sources import Part, Source, own_parts, sources_of
 from physim.campaigns.spec import Label, RunSpec, key_of, spec_of
-from physim.errors import PhysimError, WorldError
+from physim.errors import PhysimError, WorldError, plain_key
 from physim.escaping import escaped
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
@@ -167,7 +167,9 @@ def make_grid(
     """
     names = _named(worlds)
     values = [settings_of(axis) for axis in axes]
-    keys = [axis.partition("=")[0].strip() for axis in axes]
+    keys = [plain_key(axis) for axis in axes]
+    if seeds is not None and "seed" in keys:
+        raise PhysimError("--set seed: --seeds says which seeds are run; give one of them")
     if twice := next((key for key in keys if keys.count(key) > 1), None):
         raise PhysimError(f"--set {twice}: given twice; write --set {twice}=V1,V2")
     chosen: list[str | None] = [*dict.fromkeys(controllers)] or [None]
@@ -204,7 +206,24 @@ def make_grid(
                 limit=limit,
             )
         )
+    _check_apart(cells)
     return Grid(tuple(cells), seeds, frozenset(fixed), shard, tuple(warnings))
+
+
+def _check_apart(cells: Sequence[RunSpec]) -> None:
+    """Raise PhysimError where two cells are one: their runs would be known by the same keys."""
+    known: dict[str, RunSpec] = {}
+    for cell in cells:
+        same = known.setdefault(cell.key, cell)
+        if same is not cell:
+            one, other = (
+                escaped(", ".join(filter(None, (each.world, each.settings, each.controller))))
+                for each in (same, cell)
+            )
+            raise PhysimError(
+                f"{one} and {other} are the same world and controller, so that their runs would be "
+                "the same; leave one of them out"
+            )
 
 
 def _check_count(cells: int, seeds: int, most: int | None) -> None:

@@ -60,7 +60,8 @@ def _check_on_save(options: Options) -> int:
     """Check now and after each save, until Ctrl-C."""
 
     def check() -> None:
-        print(f"-- {time.strftime('%H:%M:%S')}")
+        text = f"-- {time.strftime('%H:%M:%S')}"
+        print(text, file=sys.stderr if options.json else sys.stdout)
         _check_once(options)
         sys.stdout.flush()
 

@@ -80,6 +80,8 @@ def schema(options: Options) -> int:
     from physim.world.file.schema import schema_text
 
     if options.output is None:
+        if options.force:
+            raise PhysimError("--force: needs -o FILE; printed is nothing overwritten")
         print(schema_text(), end="")
         return 0
     new_file(options.output, options.force)

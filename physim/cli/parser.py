@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import click
 
 from physim.cli.values import LONGEST_QUOTE, WHOLE, quoted
-from physim.errors import PhysimError, nearest
+from physim.errors import PhysimError, nearest, plain_key
 
 GROUPS = {
     "run": {
@@ -118,10 +118,10 @@ class Command(click.Command):
             may_repeat = not isinstance(one, click.Option) or one.multiple or one.is_flag
             if not may_repeat and one in order[:k]:
                 raise click.UsageError(f"{one.opts[-1]}: is given twice; it takes one value", ctx)
-        keys = [text.partition("=")[0].strip() for text in values.get("overrides") or ()]
-        keys += ["seed"] * ("seed" in values)
+        by = [name for name in ("seed", "seeds") if name in values][:1]
+        keys = ["seed" for _ in by] + [plain_key(text) for text in values.get("overrides") or ()]
         if twice := next((key for key in keys if keys.count(key) > 1), None):
-            also = ", once by --seed" if twice == "seed" and "seed" in values else ""
+            also = f", once by --{by[0]}" if twice == "seed" and by else ""
             raise click.UsageError(f"--set {quoted(twice)}: is given twice{also}", ctx)
 
     def invoke(self, ctx: click.Context) -> Any:

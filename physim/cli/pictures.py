@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from physim.record import Record
 
 
+SNAPSHOTS = "trajectories"
+"""The figure with robots at several times"""
+
+
 @command("plot", "draw the figures of a record")
 @click.argument("record", metavar="RECORD", type=PATH, help="record.h5 of a run")
 @option(
@@ -86,6 +90,8 @@ def plot(options: Options) -> int:
     for name in only:
         if name not in known:
             raise PhysimError(f"--only {not_among(name, list(known))}")
+    if options.snapshots is not None and SNAPSHOTS not in only:
+        raise PhysimError(f"--snapshots: is of {SNAPSHOTS}, which --only leaves out")
     a_folder(folder)
     for name in only:
         new_file(folder / f"{name}.{options.format}", options.force, options.record,

@@ -24,6 +24,7 @@ from physim.cli.parser import Options, command, flag, option
 from physim.cli.progress import Bar, interrupts
 from physim.cli.signals import INTERRUPTED
 from physim.cli.values import PATH
+from physim.errors import PhysimError
 
 PAGE = "report.html"
 
@@ -75,6 +76,9 @@ def report(options: Options) -> int:
 
     folder: Path = options.folder
     page: Path = options.output or folder / PAGE
+    if options.no_pictures and (options.videos or options.pages):
+        made = "--videos" if options.videos else "--pages"
+        raise PhysimError(f"{made}: cannot be combined with --no-pictures")
     spare(options.json, folder, option="--json")
     spare(options.output, folder)
     new_json(options.json, options.force, *inputs(folder))

@@ -9,7 +9,7 @@ from pathlib import Path
 from physim.cli.parser import Options
 from physim.cli.progress import Bar, announce_compiling, interrupts
 from physim.cli.warming import second_process
-from physim.errors import PhysimError, WorldError
+from physim.errors import PhysimError, WorldError, plain_key
 from physim.parts.controller import Controller
 from physim.parts.declarations import Declared
 from physim.parts.registry import CONTROLLER, make_part
@@ -76,10 +76,17 @@ def _prepare(scene: Scene, controller: Controller, options: Options) -> None:
 
 def world_given(options: Options, given: str) -> tuple[World, Document]:
     """World of a file or a shipped one, with the changes of the command line."""
-    overrides = [*options.overrides, EVERY_STEP]
+    overrides = _every_step(options)
     world, document = read_world(given, overrides=overrides, controller=options.controller)
     tell_warnings(document)
     return world, document
+
+
+def _every_step(options: Options) -> list[str]:
+    """Changes of the command line, with a sample of every step. Raises PhysimError for another."""
+    if any(plain_key(one) == EVERY_STEP.partition("=")[0] for one in options.overrides):
+        raise PhysimError("--set time.record_every: a validation looks at every step")
+    return [*options.overrides, EVERY_STEP]
 
 
 def tell_warnings(document: Document) -> None:
@@ -111,7 +118,7 @@ def world_of_record(options: Options, record: Record) -> tuple[World, Document]:
                 f"{record.path}: its {kind} {name} came from Python, which --seeds cannot give"
             )
     check_controller_given(record, options.controller is not None)
-    overrides = [*options.overrides, EVERY_STEP]
+    overrides = _every_step(options)
     world, document = world_of(document, overrides=overrides, controller=options.controller)
     tell_warnings(document)
     return world, document

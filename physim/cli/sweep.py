@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
 from physim.cli.values import PATH, OneOf, Value, number_from, seed_range, whole_from
-from physim.errors import PhysimError
+from physim.errors import PhysimError, plural
 
 if TYPE_CHECKING:
     from physim.campaigns.grid import Grid
@@ -119,6 +120,11 @@ def sweep(options: Options) -> int:
         grid, folder, workers=options.workers, scheduler=options.scheduler, until=options.until,
         keep=options.keep, retry=options.retry, quiet=options.quiet,
     )  # fmt: skip
+    if options.keep != "none" and tally.before:
+        print(
+            f"{plural(tally.before, 'run')} had a row already: --keep is of runs that are done now "
+            "(physim replay makes any other again)", file=sys.stderr,
+        )  # fmt: skip
     if options.json or not options.quiet:
         _tell(grid, folder, tally, decisions, options)
     return INTERRUPTED if tally.interrupted else 0

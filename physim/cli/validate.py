@@ -87,6 +87,7 @@ def validate_command(options: Options) -> int:
     from physim.cli import simulating as rerun
     from physim.record import Record
 
+    _check(options)
     given = inputs(options.given, options.world)
     new_json(options.json, options.force, *given)
     alone(options.json, options.page)
@@ -103,6 +104,15 @@ def validate_command(options: Options) -> int:
         return _validate_world(world, document, options)
     with Record.load(Path(options.given)) as record:
         return _validate_record(record, options)
+
+
+def _check(options: Options) -> None:
+    """Raise PhysimError for options that do not go together."""
+    if options.seeds is not None and options.rerun:
+        raise PhysimError("--rerun: is of one run; not with --seeds")
+    for name, value in (("--workers", options.workers), ("--verbose", options.verbose)):
+        if options.seeds is None and value:
+            raise PhysimError(f"{name}: needs --seeds A:B, the seeds to run")
 
 
 def is_record(given: str) -> bool:

@@ -90,6 +90,13 @@ def test_two_files_of_one_name_are_told_apart(here: Path) -> None:
     assert {one.world for one in grid} == {"small.yaml", "other/small.yaml"}
 
 
+def test_a_world_with_another_comment_is_no_other_world(here: Path) -> None:
+    (here / "again.yaml").write_text("# the same\n" + (here / "small.yaml").read_text())
+    with pytest.raises(PhysimError, match=facts("small", "again", "same world")):
+        make_grid(["small.yaml", "again.yaml"], range(2))
+    assert len(make_grid(["small.yaml"], None, ["seed=1,2"])) == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
@@ -98,6 +105,17 @@ def test_two_files_of_one_name_are_told_apart(here: Path) -> None:
         ((["small.yaml"], range(2), ["time.duration"]), "KEY=VALUE"),
         ((["small.yaml"], range(2), ["time.step=0.02", "time.step=0.1"]), "given twice"),
         ((["small.yaml"], range(2), ["time.duration=-1"]), "time.duration"),
+        ((["small.yaml"], range(2), ["seed=7"]), "--set seed: --seeds"),
+        ((["small.yaml"], range(2), ["robots.0.name=a,b", "robots[0].name=c"]), "given twice"),
+        (
+            (["small.yaml"], range(2), ["time.step=0.02,0.020"]),
+            "step=0.02, .* and .*0.020, .* are the same",
+        ),
+        ((["small.yaml", "./small.yaml"], range(2)), "are the same world"),
+        (
+            (["small.yaml"], range(2), ["controller.type=mode_switching"], ["path_following"]),
+            "place of --controller",
+        ),
         ((["small.yaml"], range(0)), "nothing to run"),
         ((["small.yaml"], range(1_000_001)), "1,000,001 runs; --yes"),
         ((["smal"], range(2)), "smal"),

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from physim.world.checks.room import ALIGNED, ANY, NOT, verdict
+from physim.world.file import parse_world
+from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import (
     CORRIDOR,
     DRAWN,
@@ -506,3 +509,41 @@ def test_the_time_to_finish_is_counted_at_the_limit_of_the_robot(tmp_path):
     assert len(warnings) == 2
     figures = ("24 m", "48 s at 0.5 m/s", "40 s")
     check_finding(warnings[0], "2:30 time.duration", "short", '"b"', *figures)
+
+
+def beyond(end: float, formation: str) -> str:
+    """Two robots one behind the other, whose path goes on beyond the reference path of 30 m."""
+    path = f"path: [[0, 0], [{end}, 0]]"
+    return (
+        "name: beyond\ntime: {step: 0.02, duration: 60}\n"
+        "boundaries: [[[-2, -4], [60, -4], [60, 4], [-2, 4], [-2, -4]]]\n"
+        f"reference_path: [[0, 0], [30, 0]]\n{formation}robots:\n"
+        f"  - {{name: a, footprint: {{length: 1, width: 0.6}}, pose: [8, 0, 0], {path}}}\n"
+        f"  - {{name: b, footprint: {{length: 1, width: 0.6}}, pose: [4, 0, 0], {path}}}\n"
+        "controller: {type: path_following}\n"
+    )
+
+
+def test_a_stop_beyond_the_reference_path_is_told_once(tmp_path: Path) -> None:
+    formation = "formation: {spacing: initial}\n"
+    (line,) = lines(check(tmp_path, beyond(40.0, formation)))[1]
+    check_finding(line, "7:74 robots[0].path", '"a"', "10 m beyond the end", "extend")
+    assert lines(check(tmp_path, beyond(30.5, formation)))[1] == []
+    assert not [one for one in lines(check(tmp_path, beyond(40.0, "")))[1] if "beyond" in one]
+
+
+def test_an_offset_by_which_a_leg_vanishes_is_a_path_without_it(tmp_path: Path) -> None:
+    """The middle leg turns by 45 degrees at both ends: at 2 + sqrt 2 m its ends are one."""
+    text = (
+        "name: leg\ntime: {step: 0.02, duration: 60}\n"
+        "boundaries: [[[-2, -20], [60, -20], [60, 30], [-2, 30], [-2, -20]]]\n"
+        "reference_path: [[0, 0], [20, 0], [22, 2], [22, 22]]\nrobots:\n"
+        f"  - {{name: a, footprint: {{length: 1, width: 0.6}}, pose: [8, {2 + 2**0.5}, 0], "
+        f"path: {{offset: {2 + 2**0.5}}}}}\ncontroller: {{type: path_following}}\n"
+    )
+    assert lines(check(tmp_path, text)) == ([], [])
+    scene = build_scene(parse_world(text))
+    np.testing.assert_allclose(
+        scene.paths[0], [[0, 2 + 2**0.5], [20 - 2**0.5, 2 + 2**0.5], [20 - 2**0.5, 22]]
+    )
+    assert np.isfinite(scene.stop_station).all()

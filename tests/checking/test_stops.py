@@ -149,3 +149,30 @@ def test_no_shipped_world_is_told(name):
     from physim.world.checks import check_world
 
     assert not [w for w in check_world(name).warnings if "stops" in w.message]
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (-0.8, 0.0), (0.8, 0.0), (0.0, 0.45), (-0.7, -0.4)])
+def test_what_lies_ahead_is_ahead_of_the_footprint_wherever_the_reference_point_is(
+    tmp_path: Path, shift: tuple[float, float]
+) -> None:
+    """The footprint stands in the same place: only the point that follows the path is another."""
+    x, y = shift
+    corners = [(x + a, y + b) for a, b in ((-0.9, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.9, 0.5))]
+    outline = [[round(a, 3), round(b, 3)] for a, b in corners]
+
+    def world(margin: float) -> str:
+        return (
+            "name: shifted\ntime: {step: 0.01, duration: 30.0}\n"
+            f"boundaries: [[[-9, -4], [{20.9 + margin}, -4], [{20.9 + margin}, 4], [-9, 4], "
+            "[-9, -4]]]\n"
+            f"reference_path: [[{-x}, {-y}], [{20 - x}, {-y}]]\n"
+            f"robots:\n  - {{name: a, footprint: {outline}, pose: [{2 - x}, {-y}, 0], "
+            f"path: [[{-x}, {-y}], [{20 - x}, {-y}]]}}\ncontroller: {{type: mode_switching}}\n"
+        )
+
+    def near(margin: float) -> list[str]:
+        return [line for line in told(tmp_path, world(margin)) if "boundary_low" in line]
+
+    (line,) = near(0.1)
+    assert "0.1 m before" in line
+    assert near(0.16) == []

@@ -54,6 +54,9 @@ MISTAKES = {
     ("plot", "x", "--width", "colum"): ("--width colum", "column", "page", "from 2 to 20"),
     ("plot", "x", "--snapshots", "0"): ("--snapshots 0", "number greater than 0"),
     ("plot", "x", "--snapshots", "inf"): ("--snapshots inf", "number greater than 0"),
+    ("run", "x", "--set", "robots[0].name=a", "--set", "robots.0.name=b"): (
+        "--set robots.0.name", "given twice",
+    ),
     ("validate", "x", "--seeds", "3"): ("--seeds 3", "A:B", "whole numbers from 0 to 10^15"),
     ("validate", "x", "--seeds", "3:3"): ("--seeds 3:3", "A below B"),
     ("import", "x", "-o", "y", "--from", "1"): ("--from 1", "X,Y", "two numbers", "14.5,-3"),

@@ -126,3 +126,11 @@ def test_keys_within_very_many_keys_are_refused():
         for value in ("1", "null"):
             with pytest.raises(WorldError, match=r"3001 keys within each other.* 50"):
                 parse_world(STRAIGHT, overrides=[f"{key}={value}"])
+
+
+@pytest.mark.parametrize("key", ["controller.type=mode_switching", "controller={type: constant}"])
+def test_one_controller_is_given(key: str) -> None:
+    with pytest.raises(WorldError) as caught:
+        parse_world(STRAIGHT, "w.yaml", overrides=[key], controller="path_following")
+    place = f"--set {key.partition('=')[0]}"
+    check_error(f"{caught.value}\n", place, "--controller", "path_following", "one of them")

@@ -12,7 +12,7 @@ from typing import Any
 from urllib.parse import urlencode
 
 from physim.campaigns.columns import COLUMNS, Row
-from physim.campaigns.folder import Folder
+from physim.campaigns.folder import PAGES, STILLS, VIDEOS, Folder
 from physim.campaigns.one_run import simulation_of
 from physim.campaigns.outcomes import DONE
 from physim.campaigns.replay import spec_of_row
@@ -22,10 +22,8 @@ from physim.errors import PhysimError
 from physim.record import Record
 from physim.simulation.run import record_run
 
-STILLS, VIDEOS, PAGES = "stills", "videos", "pages"
 PNG = b"\x89PNG"
 """How every picture begins"""
-"""Folders in that of a campaign; files have the names of the runs, so they are made only once."""
 STILL_WIDTH = 800
 """[px]"""
 MOST_PAGE = 8_000_000

@@ -26,6 +26,7 @@ from physim.world.checks.paths import (
     check_room,
     check_width,
 )
+from physim.world.checks.rings import check_rings
 from physim.world.checks.roads import road_notes
 from physim.world.checks.room import ClearanceProfile, clearance_profiles
 from physim.world.checks.safe_stops import check_safe_stops
@@ -153,6 +154,7 @@ def _check_layout(
         check_safe_stops(laid, at, safe_distance, look_ahead, found)
     check_formation(laid, 1.0 if speed is None else speed, found)
     check_formation_speed(laid, found)
+    check_rings(laid, found)
     if checked.world is not None:
         check_shared_stops(laid, at, found)
     found.notes += _not_judged(laid, profiles)

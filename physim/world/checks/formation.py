@@ -17,11 +17,11 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import hypot
 from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from physim.errors import Location
 from physim.geometry.polygon import circumscribed_radius
@@ -165,12 +165,14 @@ def _check_length(
             "make it longer than the formation",
         )
         return
-    line_of = Shared(shapely.LineString)
+    line_of, points = Shared(shapely.LineString), shapely.get_coordinates(line)
+    has_formation, is_told = laid.world.formation is not None, False
     for k, path in laid.paths.items():
         where: Location = (*laid.world.entry_of(k), "pose")
         own, position = line_of(path), laid.start[k, :2]
         stop = max(own.length - float(leads.max() - leads[k]), 0.0)
         begin = float(own.project(shapely.Point(position)))
+        reach = circumscribed_radius(laid.footprints.get(k, [(0, 0)]))
         if begin >= stop:
             found.warn(
                 where,
@@ -178,14 +180,22 @@ def _check_length(
                 f"stop station, {stop:.2f} m: it has arrived before it moves",
             )
         elif (
-            laid.world.formation is not None
-            and stations[k] <= 0.0
-            and _is_before(line, position, circumscribed_radius(laid.footprints.get(k, [(0, 0)])))
+            has_formation and stations[k] <= 0.0 and _is_past(points[1], points[0], position, reach)
         ):
             found.warn(
                 where,
                 f"{_name(laid, k)} starts before the reference path begins, where the "
                 "formation cannot measure its distance; extend the reference path backwards",
+            )
+        end = own.interpolate(stop)
+        is_end = has_formation and line.project(end) >= line.length
+        if is_end and not is_told and _is_past(points[-2], points[-1], end.coords[0], reach):
+            is_told = True
+            found.warn(
+                laid.path_key(k),
+                f"{_name(laid, k)} stops {line.distance(end):.4g} m beyond the end of the "
+                "reference path, where the formation cannot measure its distance; extend the "
+                "reference path",
             )
         _check_duration(laid, k, stop - begin, speed, found)
 
@@ -210,11 +220,13 @@ def _check_duration(
         )
 
 
-def _is_before(line: shapely.LineString, position: FloatArray, reach: float) -> bool:
-    """Whether a place lies behind the first point of a path, by more than a robot's reach [m]."""
-    (ax, ay), (bx, by) = shapely.get_coordinates(line)[:2]
-    along = (position[0] - ax) * (bx - ax) + (position[1] - ay) * (by - ay)
-    return bool(along / hypot(bx - ax, by - ay) < -reach - CONTACT)
+def _is_past(inner: FloatArray, end: FloatArray, position: ArrayLike, reach: float) -> bool:
+    """Whether a place lies past the end of a path, by more than a robot's reach [m].
+
+    ``inner`` is the point next to the end.
+    """
+    along = np.subtract(position, end) @ np.subtract(end, inner)
+    return bool(along / np.hypot(*np.subtract(end, inner)) > reach + CONTACT)
 
 
 def _name(laid: PartialLayout, number: int) -> str:

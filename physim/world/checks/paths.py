@@ -6,12 +6,14 @@ import numpy as np
 import shapely
 
 from physim.errors import Location, plural
+from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.polygon import least_width
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world import Offset
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.rings import is_ring
 from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
@@ -34,7 +36,7 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
             _check_inside(laid, i, path, outside(path), found)
             _check_walls_in_the_way(laid, i, path, found)
         if isinstance(laid.world.robots[i].path, Offset):
-            _check_offset_folds(laid, i, path, found)
+            _check_offset_folds(laid, i, found)
         else:
             _check_sense(laid, i, path, found)
 
@@ -89,16 +91,20 @@ def _check_walls_in_the_way(
     )
 
 
-def _check_offset_folds(laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics) -> None:
+def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None:
     """Warn of a path beside the reference path that runs backwards in a tight bend."""
     if laid.reference is None:
         return
-    turned = (np.diff(path, axis=0) * np.diff(laid.reference, axis=0)).sum(axis=1) <= 0.0
+    offset = laid.world.robots[i].path.offset
+    beside = offset_polyline(laid.reference, np.full(len(laid.reference), offset))
+    legs = np.diff(laid.reference, axis=0)
+    along = (np.diff(beside, axis=0) * legs).sum(axis=1)
+    turned = along < -LENGTH * np.hypot(*legs.T)  # one that vanishes is no part of the path
     if turned.any():
-        x, y = path[int(np.argmax(turned))]
+        x, y = beside[int(np.argmax(turned))]
         found.warn(
             laid.path_key(i),
-            f"{laid.world.robots[i].path.offset:g} m to the side, the path of "
+            f"{offset:g} m to the side, the path of "
             f"{describe(laid.names[i])} runs backwards near ({x:.6g}, {y:.6g}), where the "
             "reference path bends more tightly than that; use a smaller offset, or waypoints of "
             "its own",
@@ -118,16 +124,12 @@ def _check_sense(laid: PartialLayout, i: int, path: FloatArray, found: Diagnosti
             "in metres",
         )
     first, last = (reference.project(shapely.Point(path[k])) for k in (0, -1))
-    if last < first - LENGTH and not _is_ring(path):
+    if last < first - LENGTH and not is_ring(path):
         found.warn(
             laid.path_key(i),
             f"the path of {describe(laid.names[i])} runs against the reference path, from station "
             f"{first:.2f} m back to {last:.2f} m; are the waypoints in order?",
         )
-
-
-def _is_ring(path: FloatArray) -> bool:
-    return float(np.hypot(*(path[0] - path[-1]))) < SHORTEST
 
 
 def check_reference(laid: PartialLayout, found: Diagnostics) -> None:

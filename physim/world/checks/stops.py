@@ -68,11 +68,19 @@ def check_stops(
 
 
 def _way_on(stop: Stop, outline: FloatArray, length: float) -> Any:
-    """The rectangle [m] ahead of a robot at its stop, as wide as the robot and ``length`` long."""
-    low, high = SLENDER * outline[:, 1].min(), SLENDER * outline[:, 1].max()
-    front = stop.reach
-    ahead = np.array([(0.0, low), (front + length, low), (front + length, high), (0.0, high)])
+    """The rectangle [m] ahead of a robot at its stop, as wide as the robot and ``length`` long.
+
+    It begins in the middle of the footprint, wherever that lies to the reference point.
+    """
+    (back, right), (front, left) = outline.min(axis=0), outline.max(axis=0)
+    x, y, half = 0.5 * (back + front), 0.5 * (right + left), 0.5 * SLENDER * (left - right)
+    far = front + length
+    ahead = np.array([(x, y - half), (far, y - half), (far, y + half), (x, y + half)])
     return placed_outline(stop.pose, ahead)
+
+
+def _half_length(outline: FloatArray) -> float:
+    return 0.5 * float(np.ptp(outline[:, 0]))
 
 
 def _ahead(stop: Stop, shape: Any) -> float:
@@ -136,7 +144,8 @@ def _check_robots(
             if at[k] is stop or looked_at > MOST_PAIRS:
                 continue
             gap = _ahead(stop, outlines[k].intersection(way))
-            if -stop.reach + LENGTH < gap < needed[stop.number] - LENGTH:
+            behind = LENGTH - _half_length(laid.footprints[stop.number])
+            if behind < gap < needed[stop.number] - LENGTH:
                 near.append((gap, stop, at[k]))
     if not near:
         return

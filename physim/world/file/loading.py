@@ -25,7 +25,13 @@ from physim.parts.world_checks import HOOKS, robot_faults, world_doubts, world_f
 from physim.world import ControllerChoice, Robot, RobotGroup, World
 from physim.world.faults import KeyFault, describe
 from physim.world.file.files import file_text, find_world
-from physim.world.file.nodes import Document, Member, Node, holds_unreadable
+from physim.world.file.nodes import (
+    Document,
+    Member,
+    Node,
+    OverridePosition,
+    holds_unreadable,
+)
 from physim.world.file.overrides import apply_overrides
 from physim.world.file.reading import read_document, refused
 from physim.world.group import is_group
@@ -217,6 +223,7 @@ def validate(
             "a world is a mapping of keys to values: name, time, corridor, robots, …",
         )
     if controller is not None:
+        _check_one_controller(overrides, controller, document.source)
         document = _with_controller(document, controller)
     document = apply_overrides(document, overrides)
     values = document.values()
@@ -279,6 +286,19 @@ def _capped(faults: list[Fault]) -> list[Fault]:
     if len(faults) <= MOST_FAULTS:
         return faults
     return [*faults[: MOST_FAULTS - 1], Fault((), "more faults follow; correct these first")]
+
+
+def _check_one_controller(overrides: Sequence[str], controller: str, source: str) -> None:
+    """Raise WorldError where an override would take the place of the controller given beside it."""
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key in ("controller", "controller.type"):
+            message = (
+                f"would take the place of --controller {describe(controller)}; give one of them, "
+                "and settings as --set controller.KEY=VALUE"
+            )
+            place = OverridePosition(source, 1, 1, key)
+            raise WorldError([Fault(tuple(key.split(".")), message)], [place])
 
 
 def _with_controller(document: Document, name: str) -> Document:

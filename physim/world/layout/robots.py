@@ -100,7 +100,8 @@ def _waypoints(path: Any, reference: FloatArray | None) -> _Waypoints:
         line = None
     else:
         try:
-            line = offset_polyline(reference, np.full(len(reference), path.offset))
+            beside = offset_polyline(reference, np.full(len(reference), path.offset))
+            line = distinct(beside)[0]  # on the centre of a bend its points are one
         except ValueError as error:
             return _Waypoints(bend=str(error))
     if line is not None and len(corners_of_line(line)) < 2:
@@ -108,12 +109,12 @@ def _waypoints(path: Any, reference: FloatArray | None) -> _Waypoints:
     return _Waypoints(None if line is None else read_only(line))
 
 
-def distinct(points: Sequence[Any] | None) -> tuple[FloatArray | None, list[int]]:
+def distinct(points: Sequence[Any] | FloatArray | None) -> tuple[FloatArray | None, list[int]]:
     """Points (n, 2) [m] of a polyline without repeated neighbours, and which of them these are.
 
     None where fewer than two are left.
     """
-    line = np.array(points or (), dtype=np.float64).reshape(-1, 2)
+    line = np.array(() if points is None else points, dtype=np.float64).reshape(-1, 2)
     kept = list(range(len(line)))
     if (np.hypot(*np.diff(line, axis=0).T) <= LENGTH).any():
         kept = [0]

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/grid.py",
+        "_check_apart",
+        "if same is not cell:",
+        "if False:",
+        "two cells that mean one world are refused",
+        "tests/campaigns/test_grid.py::test_a_world_with_another_comment_is_no_other_world",
+    ),
+    Edit(
+        "campaigns",
         "physim/world/layout/scene_builder.py",
         "_stages",
         "*world.disturbances",

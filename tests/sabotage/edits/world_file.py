@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world_file",
+        "physim/world/file/loading.py",
+        "_check_one_controller",
+        'in ("controller", "controller.type")',
+        'in ("controller",)',
+        "--set controller.type does not take the place of --controller",
+        "tests/world_file/test_overrides.py::test_one_controller_is_given",
+    ),
+    Edit(
+        "world_file",
         "physim/world/run.py",
         "_settings",
         "if value[key] is not None",

@@ -155,24 +155,31 @@ def test_no_shipped_world_is_told(name):
 def test_what_lies_ahead_is_ahead_of_the_footprint_wherever_the_reference_point_is(
     tmp_path: Path, shift: tuple[float, float]
 ) -> None:
-    """The footprint stands in the same place: only the point that follows the path is another."""
+    """The footprint stands in the same place: only the point that follows the path is another.
+
+    A post on the left and one on the right are ahead of its corners, and of nothing else.
+    """
     x, y = shift
     corners = [(x + a, y + b) for a, b in ((-0.9, -0.5), (0.9, -0.5), (0.9, 0.5), (-0.9, 0.5))]
     outline = [[round(a, 3), round(b, 3)] for a, b in corners]
 
-    def world(margin: float) -> str:
+    def world(margin: float, side: int) -> str:
+        near, far = 20.9 + margin, 21.2 + margin
+        low, high = sorted((0.42 * side, 0.47 * side))
         return (
             "name: shifted\ntime: {step: 0.01, duration: 30.0}\n"
-            f"boundaries: [[[-9, -4], [{20.9 + margin}, -4], [{20.9 + margin}, 4], [-9, 4], "
-            "[-9, -4]]]\n"
+            "boundaries: [[[-9, -4], [30, -4], [30, 4], [-9, 4], [-9, -4]]]\n"
+            f"obstacles: [[[{near}, {low}], [{far}, {low}], [{far}, {high}], [{near}, {high}]]]\n"
             f"reference_path: [[{-x}, {-y}], [{20 - x}, {-y}]]\n"
             f"robots:\n  - {{name: a, footprint: {outline}, pose: [{2 - x}, {-y}, 0], "
             f"path: [[{-x}, {-y}], [{20 - x}, {-y}]]}}\ncontroller: {{type: mode_switching}}\n"
         )
 
-    def near(margin: float) -> list[str]:
-        return [line for line in told(tmp_path, world(margin)) if "boundary_low" in line]
+    def near(margin: float, side: int) -> list[str]:
+        found = told(tmp_path, world(margin, side))
+        return [line for line in found if "boundary_low" in line]
 
-    (line,) = near(0.1)
-    assert "0.1 m before" in line
-    assert near(0.16) == []
+    for side in (-1, 1):
+        (line,) = near(0.1, side)
+        assert "0.1 m before obstacles[0]" in line
+        assert near(0.16, side) == []

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from physim.campaigns.grid import TOGETHER, Shard, make_grid, settings_of
+from physim.campaigns.one_run import simulation_of
 from physim.errors import PhysimError, WorldError
 from tests.facts import facts
 
@@ -174,3 +175,51 @@ def test_memory_is_that_of_the_cells(here: Path) -> None:
             tracemalloc.stop()
 
     assert taken(9_000_000) < taken(10_000) + 100_000
+
+
+DRAWING = '''
+import numpy as np
+from physim.parts.controller import Decisions
+from physim.randomness import stream
+
+class Drawing:
+    """Decides for all at once, by what the seed draws, as a controller that samples plans does."""
+
+    def decide(self, observation, memory):
+        raise NotImplementedError
+
+    def batch(self, scene):
+        self.speed = stream(scene.seed, "drawing", 0).uniform(0.1, 0.2)
+        return self
+
+    def memory(self):
+        return {}
+
+    def decide_due(self, sensed, due, memory):
+        count = len(due)
+        none, command = np.full(count, -1), np.tile([self.speed, 0.0], (count, 1))
+        return Decisions(
+            due, command, np.full(count, 0.1), none, none, np.zeros((count, 0)),
+            np.zeros(0, dtype=np.int64), np.zeros(count + 1, dtype=np.int64),
+        )
+'''
+
+
+def test_a_controller_that_is_given_the_scene_may_draw(here: Path) -> None:
+    (here / "drawing.py").write_text(DRAWING)
+    world = ["fixed.yaml"]
+    grid = make_grid(world, range(3), [], ["drawing:Drawing"])
+    assert [one.seed for one in grid] == [0, 1, 2]
+    assert any(facts_in(line, "drawing:Drawing", "may draw") for line in grid.warnings)
+    ends = []
+    for spec in grid:
+        simulation = simulation_of(spec)
+        for _ in range(20):
+            simulation.step()
+        ends.append(tuple(simulation.pose[0]))
+    assert len(set(ends)) == 3
+    assert len(make_grid(world, range(3), [], ["path_following"])) == 1
+
+
+def facts_in(line: str, *parts: str) -> bool:
+    return all(part in line for part in parts)

@@ -308,3 +308,21 @@ def test_mistakes(
         done = physim(*arguments, capture=capsys)
         assert (done.code, done.out) == (2, ""), arguments
         check_error(done.err, place, *said)
+
+
+def test_a_report_does_not_take_the_place_of_a_comparison(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "c"
+    shutil.copytree(made, folder)
+    page = folder / "report.html"
+    page.unlink(missing_ok=True)
+    assert physim("compare", folder, "--by", "controller", "-o", page, capture=capsys).code == 0
+    before = page.read_bytes()
+    done = physim("report", folder, "--no-pictures", capture=capsys)
+    assert done.code == 2
+    check_error(done.err, f"{page}:", "exists", "--force")
+    assert page.read_bytes() == before
+    page.unlink()
+    for _ in range(2):
+        assert physim("report", folder, "--no-pictures", capture=capsys).code == 0

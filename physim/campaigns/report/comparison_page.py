@@ -27,6 +27,7 @@ from physim.errors import plural
 MOST_POINTS = 400
 MOST_PLOTS = 40
 """What a page shows of large comparisons; the rest is told."""
+GENERATOR = "physim compare"
 SHIFT_WIDTH = 220.0
 """[px]"""
 
@@ -46,7 +47,7 @@ def comparison_page(
     if room < 0:
         parts.append(f'<p class="quiet">Points of pairs are shown of the first {MOST_PLOTS}.</p>')
     parts += ["<h2>How this was found</h2>", f"<p>{text(method(comparisons, test, looked))}</p>"]
-    return page(name, "\n".join(parts))
+    return page(name, "\n".join(parts), GENERATOR)
 
 
 def _comparison(one: Comparison, room: int) -> Iterator[str]:

@@ -10,7 +10,7 @@ from physim.drawing.page.colours import styles
 from physim.escaping import escaped
 
 GENERATOR = "physim report"
-"""By which a page is known to be one of these."""
+"""By which the page of a report is known: the next report takes its place."""
 
 
 def text(value: object) -> str:
@@ -19,7 +19,7 @@ def text(value: object) -> str:
 
 
 def is_ours(file: Path) -> bool:
-    """Whether a file is a page that was written here."""
+    """Whether a file is the page of a report."""
     try:
         with open(file, "rb") as stream:
             return f'<meta name="generator" content="{GENERATOR}">'.encode() in stream.read(1000)
@@ -32,14 +32,14 @@ def code(value: object) -> str:
     return f"<code>{text(value)}</code>"
 
 
-def page(title: str, body: str) -> str:
+def page(title: str, body: str, generator: str = GENERATOR) -> str:
     """A whole page, light or dark as the reader's machine is; it loads nothing and runs nothing."""
     css = styles("campaign.css")
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta name="generator" content="{GENERATOR}">
+<meta name="generator" content="{generator}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy" content="{still_policy(css)}">
 <title>{text(title)}</title>

@@ -19,11 +19,12 @@ from physim.geometry.shapes import (
     pack_polylines,
 )
 from physim.geometry.wall_grid import build_wall_grid
+from physim.parts.registry import CONTROLLER, find_part, shipped_parts
 from physim.world import RobotGroup, World
 from physim.world.kinds import MOST_SEED
 from physim.world.layout.layout import lay_out, placed_anew
 from physim.world.layout.shared import Shared
-from physim.world.run import DEFAULT_RANGE, Choice
+from physim.world.run import DEFAULT_RANGE
 from physim.world.scene import DENSITY, Body, FormationPlan, Scene
 
 GRID_CELL = 2.0
@@ -121,23 +122,30 @@ def is_random(world: World) -> bool:
 
 
 def may_vary(world: World) -> bool:
-    """Whether runs of another seed may be others: the scene is, or a stage may draw by the seed.
+    """Whether runs of another seed may be others: the scene is, or a part may draw by the seed.
 
-    Errs to the side of true: that a stage draws nothing cannot be known.
+    Errs to the side of true: that a part draws nothing cannot be known. Raises ControllerError
+    where the controller cannot be had.
     """
-    return is_random(world) or bool(_stages(world))
+    return is_random(world) or bool(_drawing(world))
 
 
 def seeds_note(world: World) -> str:
-    """What is to be noted of its runs with several seeds, where only stages may draw; else ""."""
-    names = ", ".join(dict.fromkeys(stage.type for stage in _stages(world)))
+    """What is to be noted of its runs with several seeds, where only parts may draw; else ""."""
+    names = ", ".join(dict.fromkeys(_drawing(world)))
     if not names or is_random(world):
         return ""
     return f"by the seed only {names} may draw: where they do not, every seed gives the same run"
 
 
-def _stages(world: World) -> tuple[Choice, ...]:
-    return (*world.sensing.stages, *world.filters, *world.disturbances)
+def _drawing(world: World) -> tuple[str, ...]:
+    """Parts that may draw: every stage, and a controller of one's own that is given the scene."""
+    stages = (*world.sensing.stages, *world.filters, *world.disturbances)
+    name = world.controller.type
+    is_own = name not in shipped_parts(CONTROLLER)
+    if is_own and hasattr(find_part(CONTROLLER, name, trusted=True), "batch"):
+        return (name, *(stage.type for stage in stages))
+    return tuple(stage.type for stage in stages)
 
 
 def _segments(line: FloatArray) -> list[FloatArray]:

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/world/layout/scene_builder.py",
+        "_drawing",
+        "if is_own and",
+        "if False and",
+        "a controller of one's own that is given the scene may draw by its seed",
+        "tests/campaigns/test_grid.py::test_a_controller_that_is_given_the_scene_may_draw",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/grid.py",
         "_check_apart",
         "if same is not cell:",
@@ -17,7 +26,7 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/world/layout/scene_builder.py",
-        "_stages",
+        "_drawing",
         "*world.disturbances",
         "",
         "runs of several seeds differ where a disturbance may draw",

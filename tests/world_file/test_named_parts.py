@@ -159,7 +159,7 @@ def test_many_stages_are_one_fault() -> None:
     ],
 )
 def test_a_world_cannot_name_a_class(text: str, advice: str) -> None:
-    (line,) = faults(text, controller="plain", overrides=["controller={type: plain}"])
+    (line,) = faults(text, controller="plain")
     assert re.search(facts('"os:system"', "class", "registered", advice), line)
 
 

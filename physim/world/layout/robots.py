@@ -102,6 +102,8 @@ def _waypoints(path: Any, reference: FloatArray | None) -> _Waypoints:
         try:
             beside = offset_polyline(reference, np.full(len(reference), path.offset))
             line = distinct(beside)[0]  # on the centre of a bend its points are one
+            if line is None:
+                return _Waypoints(is_point=True)
         except ValueError as error:
             return _Waypoints(bend=str(error))
     if line is not None and len(corners_of_line(line)) < 2:

@@ -208,7 +208,7 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
 
     worlds = _given(options)
     names = names_of(options.controller)
-    grid = make_grid(worlds, range(*options.seeds), options.axes, names)
+    grid = make_grid(worlds, range(*options.seeds), options.axes, names, paired=True)
     several = [
         name
         for name, values in zip(

@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/grid.py",
+        "make_grid",
+        "if paired and len(fixed) < len(cells):",
+        "if False:",
+        "what is compared with what draws is run with the same seeds",
+        "tests/campaigns/test_grid.py::"
+        "test_what_is_compared_with_what_draws_is_run_with_the_same_seeds",
+    ),
+    Edit(
+        "campaigns",
         "physim/world/layout/scene_builder.py",
         "_drawing",
         "if is_own and",

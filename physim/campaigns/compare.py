@@ -112,6 +112,8 @@ class Comparison:
     findings: tuple[Finding, ...]
     rows: tuple[NDArray[np.int64], NDArray[np.int64]]
     """rows of the common seeds, in A's and B's outcomes"""
+    unlike: tuple[str, ...] = ()
+    """in what else A and B differ, though they are called alike; a text each"""
 
     def values(self, name: str) -> tuple[FloatArray, FloatArray]:
         """A measure of both arms, pair by pair; nan where a run has none."""

@@ -129,9 +129,11 @@ def compare(options: Options) -> int:
     """
     from physim.campaigns.compare import USUAL, by
     from physim.campaigns.compare import compare as compared
+    from physim.campaigns.folder import Folder
     from physim.campaigns.own_metrics import PREFIX
     from physim.campaigns.report.comparison_page import comparison_page
     from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+    from physim.campaigns.unlike import with_unlike
 
     spare(options.json, *_folders(options), option="--json")
     spare(options.output, *_folders(options))
@@ -153,6 +155,8 @@ def compare(options: Options) -> int:
     chosen = options.only or measures(",".join(USUAL))
     own = {name: way for name, way in chosen.items() if name.startswith(PREFIX)}
     found = compared(pairs, [*chosen], options.test, own)
+    if options.seeds is None and options.b is not None:
+        found = with_unlike(found, Folder(options.a), Folder(options.b))
     looked = options.seeds is None and any(map(_looked_at, _folders(options)))
     if options.output is not None:
         page = comparison_page(found, options.test, name, looked)

@@ -18,7 +18,13 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
 
     Where a part of another name stands in a place, its settings are not counted.
     """
-    first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
+    first, second = (yaml.safe_load(world.to_yaml()) for world in (a, b))
+    return differing_values(first, second)
+
+
+def differing_values(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
+    """Return `differences` of worlds as they stand in files: mappings, lists, numbers, texts."""
+    first, second = dict(_values(a)), dict(_values(b))
     pairs = {key: (_told(first, key), _told(second, key)) for key in {**first, **second}}
     found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
     for part in [key.removesuffix("type") for key in found if key.endswith(".type")]:

@@ -23,7 +23,7 @@ from physim.analysis.metrics.progress import (
     last_decisions,
     ratio,
 )
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 
 WINDOW = 10.0
@@ -96,14 +96,15 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
     As the robots moved: the distance along the heading and the turn between the ends of the window,
-    over its length. Defined where the whole window lies before the robot is at its stop station.
+    over its length; where not every step has a sample, the distance is that of the commands that
+    were applied, which differs from it while a contact pushes the robot. Defined where the whole window lies before the robot is at its stop station.
     """
     none = np.zeros((0, record.robots))
     if record.samples < 2:
         return AveragedSpeeds(np.zeros(0), none, none)
     stride = max(1, record.samples * record.robots // MOST_POSES)
     pose, time = record.pose[::stride], record.time[::stride]
-    travelled = np.concatenate((np.zeros((1, record.robots)), np.cumsum(_forward(pose), axis=0)))
+    travelled = _travelled(record, record.steps[::stride])
     end = float(time[-1])
     count = max(0, int((end - window) / every + 1e-9) + 1)
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
@@ -130,11 +131,27 @@ def averaged_extreme(
     return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
 
 
-def _forward(pose: FloatArray) -> FloatArray:
-    """Distance along the heading between consecutive poses (K, N, 3): (K - 1, N) [m].
+def _travelled(record: Record, steps: IntArray) -> FloatArray:
+    """Distance along the heading from the start to each of some recorded steps (K, N) [m]."""
+    found = np.zeros((len(steps), record.robots))
+    total = np.zeros(record.robots)
+    for first, last in blocks(record):
+        forward = total + np.cumsum(_forward(record, first, last), axis=0)
+        total = forward[-1]
+        here = (steps > first) & (steps <= last)
+        found[here] = forward[steps[here] - first - 1]
+    return found
 
-    The chord of the arc, lengthened to the arc (1).
+
+def _forward(record: Record, first: int, last: int) -> FloatArray:
+    """Distance along the heading in each of the steps ``first`` to ``last - 1`` (K, N) [m].
+
+    With a sample of every step: the chord between its poses, lengthened to the arc (1). An interval
+    of several steps is no arc, as commands change within it: there it is what the commands say.
     """
+    if record.samples <= record.steps_run:
+        return record.commands_over("applied", first, last)[:, :, 0] * record.dt
+    pose = record.pose[first : last + 1]
     step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
     heading = pose[:-1, :, 2] + half
     chord = step[:, :, 0] * np.cos(heading) + step[:, :, 1] * np.sin(heading)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from physim.analysis.metrics.metric import Each, Series
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
-from physim.simulation.arrival import STILL_DISTANCE, STILL_TIME
+from physim.simulation.arrival import STILL_DISTANCE, STILL_TIME, still_steps
 
 Rows = NDArray[np.void]
 
@@ -123,7 +123,8 @@ def absent(record: Record) -> tuple[Absent, ...]:
     recent = record.time >= record.time[-1] - STILL_TIME - 1e-9
     place = record.pose[recent][:, :, :2]
     still = (np.hypot(*(place - place[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
-    still &= len(place) > 1
+    if len(place) == 1:
+        still = _stood(record)
     short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
     return tuple(
         Absent(
@@ -132,6 +133,20 @@ def absent(record: Record) -> tuple[Absent, ...]:
         )
         for i in np.flatnonzero(record.arrived < 0).tolist()
     )  # fmt: skip
+
+
+def _stood(record: Record) -> NDArray[np.bool_]:
+    """(N,) whether robots stood where the last `STILL_TIME` has a single sample.
+
+    That is where the sample before shows them in the same place, or no more was commanded.
+    """
+    if record.samples < 2:
+        return np.zeros(record.robots, np.bool_)
+    moved = np.hypot(*(record.pose[-1] - record.pose[-2])[:, :2].T)
+    last = record.steps_run
+    applied = record.commands_over("applied", max(0, last - still_steps(record.dt)), last)
+    commanded = np.abs(applied[:, :, 0]).sum(axis=0) * record.dt
+    return np.asarray(np.minimum(moved, commanded) <= STILL_DISTANCE)
 
 
 def _astray(record: Record, robot: int, station: float) -> tuple[float, float]:

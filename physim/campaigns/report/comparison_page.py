@@ -55,6 +55,8 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
     if one.common:
         yield f"<h3>{text(one.common)}</h3>"
     yield f'<p class="quiet">{text(told(one))}</p>'
+    for difference in one.unlike:
+        yield f"<p><b>Note:</b> {text(difference)}</p>"
     yield '<div class="wide"><table class="stack"><thead><tr><th></th><th class="number">A</th>'
     yield '<th class="number">B</th><th colspan="2">B − A</th><th>finding</th></tr></thead><tbody>'
     for f in one.findings:

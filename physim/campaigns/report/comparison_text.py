@@ -32,6 +32,8 @@ def comparison_text(comparisons: Sequence[Comparison], test: str, looked: bool =
 def _lines(one: Comparison) -> Iterator[str]:
     yield escaped(f"A {one.a.label}, B {one.b.label}{': ' if one.common else ''}{one.common}")
     yield f"  {told(one)}"
+    for difference in one.unlike:
+        yield escaped(f"  note: {difference}")
     for f in one.findings:
         unit = unit_of(f)
         a, b = (value_text(f, value, unit) for value in (f.a, f.b))
@@ -173,6 +175,7 @@ def comparison_values(
                 "seeds_only_b": list(one.only_b),
                 "failed_a": one.failed_a,
                 "failed_b": one.failed_b,
+                "unlike": list(one.unlike),
                 "findings": [
                     {
                         "name": f.name, "pairs": f.pairs, "a": plain(f.a), "b": plain(f.b),

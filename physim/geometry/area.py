@@ -16,6 +16,7 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.ops import unary_union
 
+from physim.geometry.joints import joined
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 
@@ -129,11 +130,11 @@ class Area:
 def accessible_area(
     boundaries: Sequence[FloatArray], obstacles: Sequence[FloatArray], reference: FloatArray
 ) -> Area:
-    """Find the face that contains the reference path.
+    """Find the face that contains the reference path; boundaries nearer than 1e-9 m touch.
 
     Raises ValueError when the boundaries close no face around it.
     """
-    noded = unary_union([LineString(line) for line in boundaries])
+    noded = unary_union([LineString(line) for line in joined(boundaries)])
     of_faces, cuts, dangles, _ = shapely.polygonize_full([noded])
     faces = list(shapely.get_parts(of_faces))
     if not faces:

@@ -547,3 +547,21 @@ def test_an_offset_by_which_a_leg_vanishes_is_a_path_without_it(tmp_path: Path) 
         scene.paths[0], [[0, 2 + 2**0.5], [20 - 2**0.5, 2 + 2**0.5], [20 - 2**0.5, 22]]
     )
     assert np.isfinite(scene.stop_station).all()
+
+
+SHORT_WAYS = """\
+name: short ways
+time: {step: 0.01, duration: 30.0}
+corridor: {centreline: [[0, 0], [100, 0]], width: 8.0}
+robots:
+  - {name: r1, footprint: {length: 1.0, width: 0.6}, pose: [40, 0, 0], path: [[37, 0], [43.9, 0]]}
+  - {name: r2, footprint: {length: 1.0, width: 0.6}, pose: [37.5, 0, 0], path: [[37, 0], [43.9, 0]]}
+formation: {spacing: [0, SPACING]}
+"""
+
+
+def test_a_formation_is_laid_out_where_the_paths_of_its_robots_are(tmp_path):
+    """A robot whose path is over stands at its end, where others come by: no formation there."""
+    assert lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-2.5"))) == ([], [])
+    (line,) = lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-0.8")))[0]
+    check_finding(line, "7:26 formation.spacing[1]", "r1", "r2", "overlap in formation")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+import physim
 from physim.analysis import metrics
 from physim.analysis.metrics.distances import MOST_PLACES, sides_of, width_extreme
 from physim.drawing.preview.contents import contents
@@ -21,6 +22,7 @@ from physim.world.layout.scene_builder import build_scene
 from physim.world.scene import Body
 from tests.metrics.histories import THERE, history
 from tests.records import CENTRELINE, WIDTH, make_record, make_scene
+from tests.validation.runs import LANE, Drivers
 
 
 def arcs(v: FloatArray, omega: FloatArray, samples: int, dt: float = 0.01) -> FloatArray:
@@ -37,6 +39,23 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
     assert found.time[[0, -1]] == pytest.approx([5.0, 15.0])
     assert np.allclose(found.forward, v, rtol=0, atol=1e-12)
     assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("every", [2, 41, 620, 680, 1000])
+def test_a_coarse_record_has_the_speeds_of_a_fine_one(every: int) -> None:
+    """More than a turn between two samples: the chord says nothing of the way."""
+    fine, coarse = (
+        physim.simulate(
+            physim.parse_world(LANE, overrides=["time.duration=20.0", f"time.record_every={n}"]),
+            controller=Drivers((1.0, 0.8), (0.5, -0.9)),
+        )
+        for n in (1, every)
+    )
+    full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
+    assert len(some.time) > 10
+    assert not fine.contacts.size
+    assert np.allclose(some.forward, full.forward, rtol=0, atol=1e-9)
+    assert np.allclose(full.forward, [1.0, 0.5], rtol=0, atol=1e-9)
 
 
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:

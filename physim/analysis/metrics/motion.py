@@ -96,8 +96,9 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
     As the robots moved: the distance along the heading and the turn between the ends of the window,
-    over its length; where not every step has a sample, the distance is that of the commands that
-    were applied, which differs from it while a contact pushes the robot. Defined where the whole window lies before the robot is at its stop station.
+    over its length. Where not every step has a sample, the distance is that of the applied
+    commands, which differs from it while a contact pushes the robot. Defined where the whole window
+    lies before the robot is at its stop station.
     """
     none = np.zeros((0, record.robots))
     if record.samples < 2:

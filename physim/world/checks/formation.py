@@ -16,8 +16,7 @@ S* [m] a sum that (7) should still answer within the limits, the larger of
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import shapely
@@ -28,13 +27,10 @@ from physim.geometry.polygon import circumscribed_radius
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import CONTACT
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.way import Way
+from physim.world.checks.spacing import check_spacing, listed_leads, name_of
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import Shared
-
-PLACES = 12
-"""Stations of the reference path at which the whole formation is laid out."""
 
 
 def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> None:
@@ -55,7 +51,7 @@ def check_formation(laid: PartialLayout, speed: float, found: Diagnostics) -> No
         if leads is None:
             return
         speed = 1.0 if plan.speed is None else plan.speed
-        _check_spacing(laid, laid.reference, leads, found)
+        check_spacing(laid, laid.reference, leads, found)
     if stations is not None and leads is not None:
         _check_length(laid, line, stations, leads, speed, found)
 
@@ -65,87 +61,6 @@ def start_stations(laid: PartialLayout, line: shapely.LineString) -> FloatArray 
     if np.isnan(laid.start).any():
         return None
     return np.asarray(line.project(shapely.points(laid.start[:, :2])))
-
-
-def listed_leads(laid: PartialLayout) -> FloatArray | None:
-    """(N,) [m] wanted lead of each robot over the first, where the world lists them."""
-    spacing = laid.world.formation.spacing
-    is_one_each = isinstance(spacing, tuple) and len(spacing) == len(laid.world.robots)
-    return np.array(spacing, dtype=np.float64) if is_one_each else None
-
-
-def _check_spacing(
-    laid: PartialLayout, reference: FloatArray, leads: FloatArray, found: Diagnostics
-) -> None:
-    """Lay the formation out along the reference path and see which footprints meet."""
-    shared = [i for i in laid.paths if i in laid.footprints]
-    if len(shared) < 2:
-        return
-    way = Way(reference)
-    room = way.station[-1] - (leads.max() - leads.min())
-    if room <= 0.0:
-        return  # reported as a reference path that is too short
-    met: dict[tuple[int, int], int] = {}
-    bases = np.linspace(-leads.min(), -leads.min() + room, PLACES)
-    for shapes in _laid_out(laid, shared, way.at((bases + leads[shared][:, None]).ravel())[0]).T:
-        tree = shapely.STRtree(shapes)
-        for i, j in np.transpose(tree.query(shapes, predicate="dwithin", distance=CONTACT)):
-            if i < j:
-                pair = (shared[i], shared[j])
-                met[pair] = met.get(pair, 0) + 1
-    is_listed = listed_leads(laid) is not None
-    where: Location = ("formation", "spacing") if is_listed else ("formation",)
-    everywhere = sorted(pair for pair, count in met.items() if count == PLACES)
-    for i, j in everywhere[:MOST_ALIKE]:
-        found.error(
-            (*where, j) if is_listed else where,
-            f"{abs(leads[j] - leads[i]):.4g} m between {_name(laid, i)} and {_name(laid, j)} "
-            "along the reference path is less than their footprints need on their paths: they "
-            f"would overlap in formation; {_remedy(laid, i, j)}",
-        )
-    somewhere = sorted(pair for pair, count in met.items() if count < PLACES)
-    for i, j in somewhere[:MOST_ALIKE]:
-        found.warn(
-            where,
-            f"in formation {_name(laid, i)} and {_name(laid, j)} would overlap at "
-            f"{met[i, j]} of {PLACES} places along the reference path, where their paths come "
-            "close; space them further apart there",
-        )
-
-
-def _remedy(laid: PartialLayout, i: int, j: int) -> str:
-    """What parts two robots that would overlap in formation: depends on where spacing is from."""
-    if listed_leads(laid) is not None:
-        return "space them further apart, or separate their paths"
-    if any(laid.world.robots[k].pose is None for k in (i, j)):
-        return (
-            "spacing is initial, and the seed places them this close along the road; try another "
-            "seed, a larger min_gap or another abreast in start, or list the leads in "
-            "formation.spacing"
-        )
-    return (
-        "spacing is initial, so they start this close along the road; move their poses apart, or "
-        "list the leads in formation.spacing, or separate their paths"
-    )
-
-
-def _laid_out(laid: PartialLayout, robots: Sequence[int], beside: FloatArray) -> Any:
-    """Footprints (R, K) of robots on their own paths, next to K places each, beside (R K, 2)."""
-    beside = beside.reshape(len(robots), -1, 2)
-    shapes = np.empty(beside.shape[:2], dtype=object)
-    sharing: dict[int, list[int]] = {}
-    for row, robot in enumerate(robots):
-        sharing.setdefault(id(laid.paths[robot]), []).append(row)
-    for rows in sharing.values():
-        way = Way(laid.paths[robots[rows[0]]])
-        places, ahead = way.at(way.nearest(beside[rows].reshape(-1, 2)))
-        by_robot = zip(rows, np.split(places, len(rows)), np.split(ahead, len(rows)), strict=True)
-        for row, place, direction in by_robot:
-            x, y = laid.footprints[robots[row]].T
-            c, s = direction.T
-            turned = [np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)]
-            shapes[row] = shapely.polygons(np.stack(turned, axis=2) + place[:, None])
-    return shapes
 
 
 def _check_length(
@@ -176,7 +91,7 @@ def _check_length(
         if begin >= stop:
             found.warn(
                 where,
-                f"{_name(laid, k)} starts at station {begin:.2f} m of its path, at or past its "
+                f"{name_of(laid, k)} starts at station {begin:.2f} m of its path, at or past its "
                 f"stop station, {stop:.2f} m: it has arrived before it moves",
             )
         elif (
@@ -184,7 +99,7 @@ def _check_length(
         ):
             found.warn(
                 where,
-                f"{_name(laid, k)} starts before the reference path begins, where the "
+                f"{name_of(laid, k)} starts before the reference path begins, where the "
                 "formation cannot measure its distance; extend the reference path backwards",
             )
         end = own.interpolate(stop)
@@ -193,7 +108,7 @@ def _check_length(
             is_told = True
             found.warn(
                 laid.path_key(k),
-                f"{_name(laid, k)} stops {line.distance(end):.4g} m beyond the end of the "
+                f"{name_of(laid, k)} stops {line.distance(end):.4g} m beyond the end of the "
                 "reference path, where the formation cannot measure its distance; extend the "
                 "reference path",
             )
@@ -214,7 +129,7 @@ def _check_duration(
     if needed > duration and not any(message in f.message for f in found.warnings):
         found.warn(
             ("time", "duration"),
-            f"{message}{_name(laid, k)} has {distance:.4g} m to go, {needed:.4g} s at "
+            f"{message}{name_of(laid, k)} has {distance:.4g} m to go, {needed:.4g} s at "
             f"{speed:.4g} m/s, and the run lasts {duration:.6g} s; "
             "make it longer, or remove expect.finished",
         )
@@ -227,10 +142,6 @@ def _is_past(inner: FloatArray, end: FloatArray, position: ArrayLike, reach: flo
     """
     along = np.subtract(position, end) @ np.subtract(end, inner)
     return bool(along / np.hypot(*np.subtract(end, inner)) > reach + CONTACT)
-
-
-def _name(laid: PartialLayout, number: int) -> str:
-    return describe(laid.names[number])
 
 
 LAST_SHARE = 0.1

@@ -1,20 +1,24 @@
-"""Closed paths: the last station lies where the first one does, and robots start on one side.
+"""Paths that come by the same place twice, closed ones and loops: which station does one start at?
 
 The station of a robot at the start is that of the nearest point of the whole path. Just before the
-joint this is near the end of the path, where the way is over, and not before its beginning.
+joint of a closed path this is near the end, where the way is over, and not before its beginning.
+Next to a crossing it may be that of the later leg, though the robot is in the earlier one.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from physim.errors import Location, plural
-from physim.geometry.shapes import FloatArray
+from physim.geometry.polygon import circumscribed_radius
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import LENGTH
-from physim.world.checks.findings import Diagnostics
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.formation import start_stations
 from physim.world.checks.standing import reached
+from physim.world.checks.way import Way
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 
@@ -23,6 +27,9 @@ JOINED = 1.0
 NEAR = 0.1
 """[-] of its length before and after the joint that count as next to it"""
 
+FACED = float(np.cos(np.pi / 4.0))
+"""[-] A robot faces along a leg when it is turned from it by less than 45 degrees."""
+
 
 def is_ring(path: FloatArray) -> bool:
     """Whether a path (n, 2) [m] ends where it begins."""
@@ -30,9 +37,49 @@ def is_ring(path: FloatArray) -> bool:
 
 
 def check_rings(laid: PartialLayout, found: Diagnostics) -> None:
-    """Warn of robots that start next to the joint of a closed path, where little way is left."""
+    """Warn of robots that start where little of their way is left, though they face more of it."""
+    _check_loops(laid, found)
     if not _is_order_told(laid, found):  # from which the ways follow
         _check_laps(laid, found)
+
+
+def _check_loops(laid: PartialLayout, found: Diagnostics) -> None:
+    """Robots that face an earlier leg of their path than the one they are taken to be on."""
+    sharing: dict[int, list[int]] = {}
+    for i, path in laid.paths.items():
+        is_placed = i < len(laid.start) and not np.isnan(laid.start[i]).any()
+        if is_placed and i in laid.footprints and not is_ring(path):
+            sharing.setdefault(id(path), []).append(i)
+    part_of = reached(laid)
+    for robots in sharing.values():
+        way = Way(laid.paths[robots[0]])
+        reach = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
+        begin = np.array([part_of[i][0] for i in robots])
+        pose = laid.start[robots]
+        row, leg, station, apart = way.within(pose[:, :2], reach)
+        direction = way.step / way.length[:, None]
+        ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
+        faces = (direction[leg] * ahead[row]).sum(axis=1) > FACED
+        faces_here = (way.at(begin)[1] * ahead).sum(axis=1) > FACED
+        skipped = begin[row] - station
+        is_loop = skipped > np.maximum(NEAR * way.station[-1], 4.0 * reach[row])
+        for k in _first_of_each(row, faces & ~faces_here[row] & is_loop, station):
+            i = robots[row[k]]
+            found.warn(
+                laid.path_key(i),
+                f"{describe(laid.names[i])} faces along its path at station {station[k]:.2f} m, "
+                f"{apart[k]:.2f} m away, but is nearest to station {begin[row[k]]:.2f} m, where "
+                f"it is taken to start: it skips {skipped[k]:.2f} m; place it nearer to the leg "
+                "that it is to begin with",
+            )
+
+
+def _first_of_each(row: IntArray, wanted: NDArray[np.bool_], station: FloatArray) -> list[int]:
+    """Of each robot the wanted place of the least station; of the first robots."""
+    first: dict[int, int] = {}
+    for k in np.flatnonzero(wanted)[np.argsort(station[wanted], kind="stable")].tolist():
+        first.setdefault(int(row[k]), k)
+    return [first[one] for one in sorted(first)[:MOST_ALIKE]]
 
 
 def _check_laps(laid: PartialLayout, found: Diagnostics) -> None:

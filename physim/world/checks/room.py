@@ -195,7 +195,7 @@ def _room_along(path: FloatArray, tree: shapely.STRtree, area: Area | None) -> _
     if area is not None:
         outside = ~shapely.covers(area.polygon, points)
         clearance[outside] *= -1.0
-    return _Room(line, stations, clearance, outside, _nearest_wall(line, line, tree))
+    return _Room(line, stations, clearance, outside, _nearest_wall(line, tree))
 
 
 def _narrowest(room: _Room, tree: shapely.STRtree, part: tuple[float, float]) -> Place:
@@ -205,7 +205,7 @@ def _narrowest(room: _Room, tree: shapely.STRtree, part: tuple[float, float]) ->
         return _at(room, int(np.argmin(np.where(within, room.clearance, np.inf))))
     least = room.narrowest
     if not part[0] <= least[0] <= part[1]:
-        least = _nearest_wall(substring(room.line, *part), room.line, tree)
+        least = _nearest_wall(substring(room.line, *part), tree, part[0])
     as_tight = np.flatnonzero(within & (room.clearance <= least[3] + CONTACT))
     return _at(room, int(as_tight[0])) if len(as_tight) else least  # the first along a wall
 
@@ -215,11 +215,12 @@ def _at(room: _Room, k: int) -> Place:
     return float(room.station[k]), point.x, point.y, float(room.clearance[k])
 
 
-def _nearest_wall(part: Any, line: Any, tree: shapely.STRtree) -> Place:
-    """The point of a part of a path that has least room: exact."""
+def _nearest_wall(part: Any, tree: shapely.STRtree, first: float = 0.0) -> Place:
+    """The point of a part of a path from station ``first`` [m] on that has least room: exact."""
     nearest = tree.geometries[int(tree.query_nearest(part, all_matches=False)[0])]
     place = shapely.get_point(shapely.shortest_line(part, nearest), 0)
-    return float(line.project(place)), place.x, place.y, float(nearest.distance(part))
+    station = first + (float(part.project(place)) if part.length > 0.0 else 0.0)
+    return station, place.x, place.y, float(nearest.distance(part))
 
 
 def _stations(path: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.geometry.shapes import FloatArray
+from physim.geometry.shapes import FloatArray, IntArray
 
 
 class Way:
@@ -38,3 +38,17 @@ class Way:
         np.minimum.at(k, place, segment)
         along = ((places - self.points[k]) * self.step[k]).sum(axis=1) / self.length[k]
         return np.asarray(self.station[k] + np.clip(along, 0.0, self.length[k]))
+
+    def within(
+        self, places: FloatArray, reach: FloatArray
+    ) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """All segments that come as near to places (K, 2) as ``reach`` (K,) [m].
+
+        Numbers of places and of segments, the station [m] of the nearest point, how far it is [m].
+        """
+        points = shapely.points(places)
+        place, k = self._tree.query(points, predicate="dwithin", distance=reach)
+        along = ((places[place] - self.points[k]) * self.step[k]).sum(axis=1) / self.length[k]
+        along = np.clip(along, 0.0, self.length[k])
+        foot = self.points[k] + (along / self.length[k])[:, None] * self.step[k]
+        return place, k, self.station[k] + along, np.hypot(*(places[place] - foot).T)

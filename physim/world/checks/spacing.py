@@ -1,0 +1,137 @@
+"""The formation laid out along the reference path: whether the robots stand apart in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from physim.errors import Location
+from physim.geometry.shapes import FloatArray
+from physim.tolerances import CONTACT, LENGTH
+from physim.world.checks.findings import MOST_ALIKE, Diagnostics
+from physim.world.checks.way import Way
+from physim.world.faults import describe
+from physim.world.layout.layout import PartialLayout
+
+PLACES = 12
+"""Stations of the reference path at which the whole formation is laid out."""
+
+
+def listed_leads(laid: PartialLayout) -> FloatArray | None:
+    """(N,) [m] wanted lead of each robot over the first, where the world lists them."""
+    spacing = laid.world.formation.spacing
+    is_one_each = isinstance(spacing, tuple) and len(spacing) == len(laid.world.robots)
+    return np.array(spacing, dtype=np.float64) if is_one_each else None
+
+
+def check_spacing(
+    laid: PartialLayout, reference: FloatArray, leads: FloatArray, found: Diagnostics
+) -> None:
+    """Lay the formation out along the reference path and see which footprints meet."""
+    shared = [i for i in laid.paths if i in laid.footprints]
+    if len(shared) < 2:
+        return
+    way = Way(reference)
+    room = way.station[-1] - (leads.max() - leads.min())
+    if room <= 0.0:
+        return  # reported as a reference path that is too short
+    bases = _bases(laid, shared, way, leads, room)
+    met: dict[tuple[int, int], int] = {}
+    both: dict[tuple[int, int], int] = {}
+    shapes, is_there = _laid_out(laid, shared, way.at((bases + leads[shared][:, None]).ravel())[0])
+    for column, there in zip(shapes.T, is_there.T, strict=True):
+        tree = shapely.STRtree(column)
+        for i, j in np.transpose(tree.query(column, predicate="dwithin", distance=CONTACT)):
+            if i < j and there[i] and there[j]:
+                pair = (shared[i], shared[j])
+                met[pair] = met.get(pair, 0) + 1
+    row = {robot: k for k, robot in enumerate(shared)}
+    for i, j in met:
+        both[i, j] = int((is_there[row[i]] & is_there[row[j]]).sum())
+    is_listed = listed_leads(laid) is not None
+    where: Location = ("formation", "spacing") if is_listed else ("formation",)
+    everywhere = sorted(pair for pair, count in met.items() if count == both[pair])
+    for i, j in everywhere[:MOST_ALIKE]:
+        found.error(
+            (*where, j) if is_listed else where,
+            f"{abs(leads[j] - leads[i]):.4g} m between {name_of(laid, i)} and {name_of(laid, j)} "
+            "along the reference path is less than their footprints need on their paths: they "
+            f"would overlap in formation; {_remedy(laid, i, j)}",
+        )
+    somewhere = sorted(pair for pair, count in met.items() if count < both[pair])
+    for i, j in somewhere[:MOST_ALIKE]:
+        found.warn(
+            where,
+            f"in formation {name_of(laid, i)} and {name_of(laid, j)} would overlap at "
+            f"{met[i, j]} of {both[i, j]} places along the reference path, where their paths come "
+            "close; space them further apart there",
+        )
+
+
+def _bases(
+    laid: PartialLayout, robots: Sequence[int], way: Way, leads: FloatArray, room: float
+) -> FloatArray:
+    """Places (K,) [m] of the first robot along s* at which the formation is laid out.
+
+    Within ``room``, all that lie between the ends of the robots' own paths.
+    """
+    ends = np.array([laid.paths[i][[0, -1]] for i in robots])
+    bases = way.nearest(ends.reshape(-1, 2)).reshape(-1, 2) - leads[list(robots)][:, None]
+    low, high = np.clip((bases.min(), bases.max()), -leads.min(), -leads.min() + room)
+    return np.linspace(low, high, PLACES)
+
+
+def _remedy(laid: PartialLayout, i: int, j: int) -> str:
+    """What parts two robots that would overlap in formation: depends on where spacing is from."""
+    if listed_leads(laid) is not None:
+        return "space them further apart, or separate their paths"
+    if any(laid.world.robots[k].pose is None for k in (i, j)):
+        return (
+            "spacing is initial, and the seed places them this close along the road; try another "
+            "seed, a larger min_gap or another abreast in start, or list the leads in "
+            "formation.spacing"
+        )
+    return (
+        "spacing is initial, so they start this close along the road; move their poses apart, or "
+        "list the leads in formation.spacing, or separate their paths"
+    )
+
+
+def _laid_out(
+    laid: PartialLayout, robots: Sequence[int], beside: FloatArray
+) -> tuple[Any, NDArray[np.bool_]]:
+    """Footprints (R, K) of robots on their own paths, next to K places each, beside (R K, 2).
+
+    And whether their paths come by there: a robot whose path has not begun, or is over, is not in
+    the formation, and stands at the end of its path here.
+    """
+    beside = beside.reshape(len(robots), -1, 2)
+    is_there = np.ones(beside.shape[:2], dtype=np.bool_)
+    shapes = np.empty(beside.shape[:2], dtype=object)
+    sharing: dict[int, list[int]] = {}
+    for row, robot in enumerate(robots):
+        sharing.setdefault(id(laid.paths[robot]), []).append(row)
+    for rows in sharing.values():
+        way = Way(laid.paths[robots[rows[0]]])
+        wanted = beside[rows].reshape(-1, 2)
+        stations = way.nearest(wanted)
+        places, ahead = way.at(stations)
+        apart = ((wanted - places) * ahead).sum(axis=1)  # along the path: beyond its ends alone
+        at_end = (stations <= LENGTH) | (stations >= way.station[-1] - LENGTH)
+        is_there[rows] = ~(at_end & (np.abs(apart) > LENGTH)).reshape(len(rows), -1)
+        by_robot = zip(rows, np.split(places, len(rows)), np.split(ahead, len(rows)), strict=True)
+        for row, place, direction in by_robot:
+            x, y = laid.footprints[robots[row]].T
+            c, s = direction.T
+            turned = [np.outer(c, x) - np.outer(s, y), np.outer(s, x) + np.outer(c, y)]
+            shapes[row] = shapely.polygons(np.stack(turned, axis=2) + place[:, None])
+    return shapes, is_there
+
+
+def name_of(laid: PartialLayout, number: int) -> str:
+    """Name of a robot, as messages have it."""
+    return describe(laid.names[number])

@@ -1,0 +1,77 @@
+"""Two campaigns are compared by names: what else differs between them is told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.campaigns.samples import WORLD, write
+from tests.cli.commands import physim
+
+Capture = pytest.CaptureFixture[str]
+
+
+def swept(folder: str, capsys: Capture, *arguments: str, text: str = WORLD) -> None:
+    Path("small.yaml").write_text(text)
+    done = physim(
+        "sweep", "small.yaml", "--seeds", "0:3", "--quiet", "-o", folder, *arguments, capture=capsys
+    )
+    assert done.code == 0, done.err
+
+
+def unlike(a: str, b: str, capsys: Capture) -> list[str]:
+    done = physim("compare", a, b, "--json", "-", capture=capsys)
+    assert done.code == 0, done.err
+    (one,) = json.loads(done.out)["comparisons"]
+    told: list[str] = one["unlike"]
+    said = physim("compare", a, b, "-o", "page.html", "--force", capture=capsys).out
+    assert said.count("note:") == len(told) == Path("page.html").read_text().count("Note:")
+    return told
+
+
+@pytest.fixture(autouse=True)
+def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path)
+
+
+def test_a_world_that_was_changed_between_two_campaigns_is_told(capsys: Capture) -> None:
+    longer = WORLD.replace("duration: 1.0", "duration: 1.4").replace("width: 8.0", "width: 7.0")
+    swept("a", capsys, "--controller", "mode_switching")
+    swept("b", capsys, "--controller", "path_following", text=longer)
+    swept("c", capsys, "--controller", "path_following")
+    (told,) = unlike("a", "b", capsys)
+    assert "time.duration 1.0 in A, 1.4 in B" in told
+    assert "corridor.width 8.0 in A, 7.0 in B" in told
+    assert "controller" not in told
+    assert unlike("a", "c", capsys) == []
+    assert unlike("b", "b", capsys) == []
+
+
+def test_what_the_settings_give_is_no_news(capsys: Capture) -> None:
+    swept("a", capsys, "--set", "time.duration=0.8", "--set", "robots[0].path.offset=0.9")
+    swept("b", capsys)
+    assert unlike("a", "b", capsys) == []
+
+
+def test_a_controller_that_was_changed_between_two_campaigns_is_told(capsys: Capture) -> None:
+    swept("a", capsys, "--controller", "awkward:Awkward")
+    Path("helper.py").write_text("SPEED = 0.6\n")
+    swept("b", capsys, "--controller", "awkward:Awkward")
+    (told,) = unlike("a", "b", capsys)
+    assert "source of awkward:Awkward" in told
+
+
+def test_another_version_is_told(capsys: Capture) -> None:
+    swept("a", capsys)
+    from physim.campaigns.folder import Folder
+    from physim.campaigns.unlike import _Side, _unlike
+
+    (cell,) = Folder("a").cells()
+    from physim.campaigns.outcomes import Cell
+
+    names = Cell(cell["world"], cell["settings"], cell["controller"], 0, 3)
+    one, other = (_Side(names, {**cell, "physim": version}, {}) for version in ("0.1.0", "0.2.0"))
+    assert list(_unlike(one, other)) == ["A was run by physim 0.1.0, B by physim 0.2.0"]

@@ -36,7 +36,8 @@ def find_row(folder: Folder, which: str) -> Row:
     if re.fullmatch("[0-9]+", which) and len(which) <= LONGEST_NUMBER:
         if int(which) < table.num_rows:
             return rows_of(table.slice(int(which), 1))[0]
-        raise PhysimError(f"{folder.path}: has no row {which}; there are 0 to {table.num_rows - 1}")
+        there = f"there are 0 to {table.num_rows - 1}" if table.num_rows else "it has no rows yet"
+        raise PhysimError(f"{folder.path}: has no row {which}; {there}")
     found = table.filter(compute.starts_with(table["run"], which))
     if found.num_rows == 1 and which:
         return rows_of(found)[0]

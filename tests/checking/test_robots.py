@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from physim import simulate
 from physim.world.checks.room import ALIGNED, ANY, NOT, verdict
 from physim.world.file import parse_world
 from physim.world.layout.scene_builder import build_scene
@@ -565,3 +566,29 @@ def test_a_formation_is_laid_out_where_the_paths_of_its_robots_are(tmp_path):
     assert lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-2.5"))) == ([], [])
     (line,) = lines(check(tmp_path, SHORT_WAYS.replace("SPACING", "-0.8")))[0]
     check_finding(line, "7:26 formation.spacing[1]", "r1", "r2", "overlap in formation")
+
+
+BEHIND = """\
+name: behind
+time: {step: 0.01, duration: DURATION}
+corridor: {centreline: [[0, 0], [60, 0]], width: 8.0}
+robots:
+  - {name: r1, footprint: {length: 1.0, width: 0.6}, pose: [35, 0, 0], path: {offset: 1.0}}
+  - {name: r2, footprint: {length: 1.0, width: 0.6}, pose: [18, 0, 0], path: {offset: -1.0}}
+formation: {spacing: [0, -4], gain: 0.1, limits: [0.9, 1.5], range: 30.0}
+expect: {finished: true}
+"""
+
+
+@pytest.mark.parametrize(
+    ("duration", "word"), [(16.0, "is too short"), (35.0, "may be too short"), (40.0, "")]
+)
+def test_a_run_that_is_long_enough_for_who_hurries_may_be_too_short(tmp_path, duration, word):
+    """25 m and 38 m to go: 16.7 s and 25.3 s at 1.5 m/s, the most that (7) asks for."""
+    found = lines(check(tmp_path, BEHIND.replace("DURATION", f"{duration}")))[1]
+    told = [line for line in found if "too short to finish" in line]
+    assert len(told) == bool(word)
+    assert all(word in line for line in told)
+    if duration == 35.0:
+        with simulate(parse_world(BEHIND.replace("DURATION", "35.0"))) as record:
+            assert record.ended == "finished"

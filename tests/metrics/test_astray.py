@@ -33,11 +33,19 @@ def test_of_a_robot_on_its_path_nothing_more_is_said():
     assert "turned 170°" in Absent(0, 21.3, 0.1, True, turned=170.0).sentence("r1")
 
 
-@pytest.mark.parametrize("time", ["record_every=60", "record_every=500"])
+@pytest.mark.parametrize(
+    "time",
+    [
+        "time.record_every=60",
+        "time.record_every=499",
+        "time.record_every=1000",
+        "time.record_every=1000 time.duration=0.02",
+    ],
+)
 @pytest.mark.parametrize(("v", "word"), [(0.0, "stands"), (0.4, "still moves")])
 def test_who_stands_is_told_from_few_samples_too(time: str, v: float, word: str) -> None:
-    """The last half second has one sample."""
-    world = physim.parse_world(LANE, overrides=["time.duration=5.0", f"time.{time}"])
+    """The last half second has one sample, or two that lie a step apart."""
+    world = physim.parse_world(LANE, overrides=["time.duration=5.0", *time.split()])
     record = physim.simulate(world, controller=Drivers((v, 0.0), (0.0, 0.0)))
     slow, fast = absent(record)
     assert word in slow.sentence("slow")

@@ -62,7 +62,11 @@ def deviation_peak(record: Record) -> Moment | None:
 
 
 def deviation_rms(record: Record) -> Each | None:
-    """Root of the mean square deviation over the active time [m], of all robots and of each."""
+    """Root of the mean square deviation over the active time [m], of all robots and of each.
+
+    That of a decision counts as long as it held: what lies between decisions is not seen, so that
+    it errs to either side, by 1 to 3 % where they are 0.2 s apart.
+    """
     rows, held = active_decisions(record)
     held = np.where(np.isfinite(rows["deviation"]), held, 0.0)
     square = held * np.square(np.nan_to_num(rows["deviation"]))

@@ -120,11 +120,7 @@ def absent(record: Record) -> tuple[Absent, ...]:
     """Robots that have not arrived at the end of the run, by index; none of a run without poses."""
     if not record.samples:
         return ()
-    recent = record.time >= record.time[-1] - STILL_TIME - 1e-9
-    place = record.pose[recent][:, :, :2]
-    still = (np.hypot(*(place - place[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
-    if len(place) == 1:
-        still = _stood(record)
+    still = _stood(record)
     short, tolerance = record.stop_station - last_stations(record), arrival_tolerance(record)
     return tuple(
         Absent(
@@ -136,17 +132,23 @@ def absent(record: Record) -> tuple[Absent, ...]:
 
 
 def _stood(record: Record) -> NDArray[np.bool_]:
-    """(N,) whether robots stood where the last `STILL_TIME` has a single sample.
+    """(N,) whether robots stood for the last `STILL_TIME`, by its samples.
 
-    That is where the sample before shows them in the same place, or no more was commanded.
+    Where none begins it, samples being far apart: no sample since the one before shows a robot
+    elsewhere, or no more was commanded; of a shorter run the share of it.
     """
-    if record.samples < 2:
-        return np.zeros(record.robots, np.bool_)
-    moved = np.hypot(*(record.pose[-1] - record.pose[-2])[:, :2].T)
-    last = record.steps_run
-    applied = record.commands_over("applied", max(0, last - still_steps(record.dt)), last)
+    begin = record.time[-1] - STILL_TIME
+    first = int(np.searchsorted(record.time, begin - 1e-9))
+    is_whole = record.time[first] <= begin + 1e-9
+    place = record.pose[first if is_whole else max(first - 1, 0) :, :, :2]
+    still = (np.hypot(*(place - place[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
+    if is_whole:
+        return np.asarray(still)
+    last, steps = record.steps_run, still_steps(record.dt)
+    applied = record.commands_over("applied", max(0, last - steps), last)
     commanded = np.abs(applied[:, :, 0]).sum(axis=0) * record.dt
-    return np.asarray(np.minimum(moved, commanded) <= STILL_DISTANCE)
+    idle = commanded <= STILL_DISTANCE * min(last, steps) / steps
+    return np.asarray(idle | (still & (first > 0)))
 
 
 def _astray(record: Record, robot: int, station: float) -> tuple[float, float]:

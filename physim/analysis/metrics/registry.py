@@ -207,7 +207,8 @@ _ALL = (
         "Figs. 1b, 2c, 7d", _of(deviation_peak),
     ),
     Definition(
-        "deviation_rms", "m", "root mean square deviation from the own path, over the active time",
+        "deviation_rms", "m",
+        "root mean square deviation from the own path at decisions, over the active time",
         "Figs. 1b, 2c, 7d", _of(deviation_rms),
     ),
     Definition(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, hypot, pi, sin
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -36,18 +36,15 @@ from physim.authoring.importing.lines import (
     station_of,
     stretch,
 )
+from physim.authoring.importing.outlines import Footprint, footprint_of, rectangle_of
 from physim.authoring.templates.text import ROW, lane_offsets
 from physim.geometry.area import shrunk
-from physim.geometry.polygon import counter_clockwise
 from physim.geometry.shapes import FloatArray
 
 WAITING = 0.8
 """[m] at size 1: robots that stop nearer than this keep each other in danger mode"""
 CLEAR = 0.9
 """[m] at size 1: the gap between robots at their stops that a group is given where it can be"""
-
-Footprint = tuple[float, float] | FloatArray
-"""Length and width [m], or an outline (n, 2) [m] in the robot's frame"""
 
 
 @dataclass(frozen=True)
@@ -290,23 +287,22 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
 
     A robot heads along its path: of the four directions of the smallest rectangle about its
     outline the one nearest to the direction of the path. Its reference point is the middle of
-    that rectangle.
+    that rectangle. Of rectangles as small (a triangle has one on each side) it is the one that
+    lies best along the path.
     """
     return [_as_drawn(robot, drawing, found) for robot in drawing.robots]
 
 
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
-    rectangle = shapely.Polygon(robot.outline).minimum_rotated_rectangle
-    centre = np.array(rectangle.centroid.coords[0]).round(3)
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
+    middle = np.array(shapely.Polygon(robot.outline).minimum_rotated_rectangle.centroid.coords[0])
+    ahead = directions_at(line, station_of(line, middle), found.size)
+    centre, heading = rectangle_of(robot.outline, ahead)
+    centre, heading = centre.round(3), round(heading, 4)
     station = station_of(line, centre)
     tx, ty = directions_at(line, station, found.size)
-    edge = np.diff(np.array(rectangle.exterior.coords)[:2], axis=0)[0]
-    turned = [atan2(edge[1], edge[0]) + k * pi / 2.0 for k in range(4)]
-    heading = max(turned, key=lambda angle: cos(angle) * tx + sin(angle) * ty)
-    heading = round((heading + pi) % (2.0 * pi) - pi, 4)
-    footprint = _footprint(robot.outline, centre, heading)
+    footprint = footprint_of(robot.outline, centre, heading)
     pose = (float(centre[0]), float(centre[1]), heading)
     if own is not None:
         return Placed(robot.name, footprint, pose, own, None)
@@ -319,13 +315,3 @@ def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
             f"path of {robot.name}, {offset:+.2f} m beside the reference path, {narrowing}"
         )
     return Placed(robot.name, footprint, pose, one.line, one.plain_offset)
-
-
-def _footprint(outline: FloatArray, centre: FloatArray, heading: float) -> Footprint:
-    """Outline in the robot's frame [m], counter-clockwise; a rectangle as (length, width)."""
-    c, s = cos(heading), sin(heading)
-    own = counter_clockwise(((outline - centre) @ np.array([[c, -s], [s, c]])).round(3))
-    half = np.abs(own).max(axis=0)
-    if len(own) == 4 and np.abs(np.abs(own) - half).max() <= 0.0015:
-        return round(2.0 * float(half[0]), 2), round(2.0 * float(half[1]), 2)
-    return own

@@ -122,15 +122,18 @@ def _check_duration(
     expect, duration = laid.world.expect, laid.world.time.duration
     if expect is None or not expect.finished or duration is None:
         return
-    own = laid.world.robots[k].limits.v
-    speed = speed if own is None else min(own, speed)
+    plan, own = laid.world.formation, laid.world.robots[k].limits.v
+    fastest = speed if plan is None or plan.limits is None else max(speed, plan.limits[1])
+    if own is not None:
+        speed, fastest = min(own, speed), min(own, fastest)
     needed = distance / speed
-    message = "the run is too short to finish: "
+    message = "too short to finish: "
     if needed > duration and not any(message in f.message for f in found.warnings):
+        sure = "is" if distance / fastest > duration else "may be"  # (7) hurries who is behind
         found.warn(
             ("time", "duration"),
-            f"{message}{name_of(laid, k)} has {distance:.4g} m to go, {needed:.4g} s at "
-            f"{speed:.4g} m/s, and the run lasts {duration:.6g} s; "
+            f"the run {sure} {message}{name_of(laid, k)} has {distance:.4g} m to go, "
+            f"{needed:.4g} s at {speed:.4g} m/s, and the run lasts {duration:.6g} s; "
             "make it longer, or remove expect.finished",
         )
 

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/unlike.py",
+        "_worlds",
+        "if not found:",
+        "if True:",
+        "worlds that differ beside their names are told",
+        "tests/campaigns/test_unlike.py::test_a_world_that_was_changed_between_two_campaigns_is_told",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/grid.py",
         "make_grid",
         "if paired and len(fixed) < len(cells):",

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/outlines.py",
+        "rectangle_of",
+        "area <= least * (1.0 + AS_SMALL)",
+        "area <= least",
+        "an arrow heads where it points, though its sides have rectangles as small",
+        "tests/importing/test_outlines.py::test_an_arrow_heads_where_it_points",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/work.py",
         "check_work",
         "if not np.isfinite(every).all():",

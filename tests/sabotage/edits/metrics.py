@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "metrics",
+        "physim/analysis/metrics/motion.py",
+        "_forward",
+        "record.samples <= record.steps_run",
+        "record.samples < 0",
+        "an interval of several steps is no arc",
+        "tests/metrics/test_courses.py::test_a_coarse_record_has_the_speeds_of_a_fine_one",
+    ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/progress.py",
+        "_stood",
+        "if is_whole:",
+        "if True:",
+        "who stands is judged over half a second, however few samples it has",
+        "tests/metrics/test_astray.py::test_who_stands_is_told_from_few_samples_too",
+    ),
+    Edit(
+        "metrics",
         "physim/analysis/metrics/contacts.py",
         "contact_episodes",
         'np.diff(rows["step"]) > 1',

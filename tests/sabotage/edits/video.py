@@ -165,7 +165,7 @@ EDITS = (
     Edit(
         "video",
         "physim/drawing/video/frames.py",
-        "differences",
+        "differing_values",
         "for key in {**first, **second}",
         "for key in {*first} & {*second}",
         "the titles name what only one of two worlds has",

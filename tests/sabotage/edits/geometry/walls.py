@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/joints.py",
+        "joined",
+        "if not len(place):",
+        "if True:",
+        "walls that end on slanted walls touch them",
+        "tests/geometry/test_joints.py::test_walls_that_end_on_slanted_walls_enclose_what_they_do_when_level",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/nearest_wall.py",
         "nearest_parts",
         "travel[i] += radius * abs(pose[i, 2] - before[i, 2])",

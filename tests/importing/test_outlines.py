@@ -1,0 +1,71 @@
+"""The way a drawn robot heads: along its path, as far as its outline says."""
+
+from __future__ import annotations
+
+from math import atan2, cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from physim.authoring.importing.outlines import footprint_of, rectangle_of
+from physim.geometry.shapes import FloatArray
+
+AHEAD = np.array([1.0, 0.0])
+
+
+def turned(points: FloatArray, angle: float) -> FloatArray:
+    c, s = cos(angle), sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+
+
+@given(
+    length=st.floats(0.3, 3.0).map(lambda x: round(x, 1)),
+    width=st.floats(0.3, 3.0).map(lambda x: round(x, 1)),
+    notch=st.floats(0.0, 0.2),
+    angle=st.floats(-pi, pi),
+)
+def test_an_arrow_heads_where_it_points(
+    length: float, width: float, notch: float, angle: float
+) -> None:
+    """All three rectangles about a triangle are as small; coordinates are to the millimetre."""
+    arrow = np.array([[length, 0], [0, width / 2], [notch * length, 0], [0, -width / 2]])
+    drawn = turned(arrow, angle).round(3)
+    middle, heading = rectangle_of(drawn, turned(AHEAD[None], angle)[0])
+    off = (heading - angle + pi) % (2 * pi) - pi
+    assert abs(off) <= 0.0015 / min(length, width) + 1e-9  # of the last digit of two points
+    wanted = turned(np.array([[length / 2, 0.0]]), angle)[0]
+    assert hypot(*(middle - wanted)) <= 0.003
+    own = np.asarray(footprint_of(drawn, middle, heading))
+    assert own[:, 0].max() == pytest.approx(length / 2, abs=0.01)
+
+
+@pytest.mark.parametrize("off", [-40.0, -10.0, 3.0, 44.0])
+def test_a_box_heads_as_it_is_drawn_however_its_path_leads(off: float) -> None:
+    box = np.array([[0.9, 0.4], [-0.9, 0.4], [-0.9, -0.4], [0.9, -0.4]])
+    angle = np.radians(off)
+    _, heading = rectangle_of(turned(box, angle), AHEAD)
+    assert heading == pytest.approx(angle)
+
+
+@given(st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=4, max_size=9))
+def test_the_rectangle_is_as_small_as_that_of_shapely(points: list[tuple[float, float]]) -> None:
+    hull = shapely.MultiPoint(points).convex_hull
+    if hull.geom_type != "Polygon" or hull.area < 0.01:
+        return
+    outline = np.array(hull.exterior.coords)[:-1]
+    middle, heading = rectangle_of(outline, AHEAD)
+    own = turned(outline - middle, -heading)
+    area = np.prod(np.ptp(own, axis=0))
+    assert area <= 1.0101 * hull.minimum_rotated_rectangle.area
+    assert own.min(axis=0) == pytest.approx(-own.max(axis=0), abs=1e-9)
+
+
+def test_a_rectangle_lies_on_a_side() -> None:
+    quad = np.array([[0.0, 0.0], [2.0, 0.3], [1.8, 1.1], [-0.1, 0.9]])
+    _, heading = rectangle_of(quad, AHEAD)
+    sides = np.diff(np.vstack([quad, quad[:1]]), axis=0)
+    angles = [atan2(y, x) - heading for x, y in sides]
+    assert min(abs((one + pi / 4) % (pi / 2) - pi / 4) for one in angles) < 1e-12

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.campaigns.samples import WORLD, write
+from tests.campaigns.samples import WORLD
 from tests.cli.commands import physim
 
 Capture = pytest.CaptureFixture[str]
@@ -31,10 +31,7 @@ def unlike(a: str, b: str, capsys: Capture) -> list[str]:
     return told
 
 
-@pytest.fixture(autouse=True)
-def _here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path)
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def test_a_world_that_was_changed_between_two_campaigns_is_told(capsys: Capture) -> None:

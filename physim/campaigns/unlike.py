@@ -6,8 +6,9 @@ so may the source of a controller: what is found is then no effect of what is co
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 from physim.campaigns.compare import Comparison
@@ -27,8 +28,8 @@ class _Side(NamedTuple):
 
     cell: Cell
     described: dict[str, str]
-    values: Any
-    """the effective world"""
+    world: Callable[[str], Any]
+    """an effective world of its campaign, by its hash"""
 
 
 def with_unlike(comparisons: list[Comparison], a: Folder, b: Folder) -> list[Comparison]:
@@ -36,24 +37,24 @@ def with_unlike(comparisons: list[Comparison], a: Folder, b: Folder) -> list[Com
 
     Raises PhysimError where a world's file cannot be read.
     """
-    cells_a, cells_b = ({label_of(one): one for one in folder.cells()} for folder in (a, b))
-    return [
-        replace(
-            one,
-            unlike=tuple(
-                _unlike(
-                    _side(a, cells_a[one.a.cell.names], one.a.cell),
-                    _side(b, cells_b[one.b.cell.names], one.b.cell),
-                )
-            ),
-        )
-        for one in comparisons
-    ]
+    read_a, read_b = _reader(a), _reader(b)
+    found = []
+    for one in comparisons:
+        sides = read_a(one.a.cell), read_b(one.b.cell)
+        found.append(replace(one, unlike=tuple(_unlike(*sides))))
+    return found
 
 
-def _side(folder: Folder, described: dict[str, str], cell: Cell) -> _Side:
-    file = folder.world_file(described["world_hash"])
-    return _Side(cell, described, read_document(file_text(file), str(file)).values())
+def _reader(folder: Folder) -> Callable[[Cell], _Side]:
+    """What a campaign says of its cells; each of its worlds is read once."""
+    described = {label_of(one): one for one in folder.cells()}
+
+    @cache
+    def world(world_hash: str) -> Any:
+        file = folder.world_file(world_hash)
+        return read_document(file_text(file), str(file)).values()
+
+    return lambda cell: _Side(cell, described[cell.names], world)
 
 
 def _unlike(a: _Side, b: _Side) -> Iterator[str]:
@@ -74,12 +75,15 @@ def _unlike(a: _Side, b: _Side) -> Iterator[str]:
 
 def _worlds(a: _Side, b: _Side) -> Iterator[str]:
     """In which values two worlds of one name differ, but those that the settings give."""
+    hashes = a.described["world_hash"], b.described["world_hash"]
+    if hashes[0] == hashes[1]:
+        return
     given = {plain_key(one) for side in (a, b) for one in side.cell.settings.split("; ") if one}
     if a.cell.controller != b.cell.controller:
         given.add("controller")
     found = {
         key: pair
-        for key, pair in differing_values(a.values, b.values).items()
+        for key, pair in differing_values(a.world(hashes[0]), b.world(hashes[1])).items()
         if not any(key == one or key.startswith(f"{one}.") for one in given)
     }
     if not found:

@@ -130,7 +130,7 @@ class Area:
 def accessible_area(
     boundaries: Sequence[FloatArray], obstacles: Sequence[FloatArray], reference: FloatArray
 ) -> Area:
-    """Find the face that contains the reference path; boundaries nearer than 1e-9 m touch.
+    """Find the face that contains the reference path; where boundaries touch, see `joined`.
 
     Raises ValueError when the boundaries close no face around it.
     """

@@ -117,6 +117,8 @@ class Watch:
     def __init__(self, goal: Goal, confidence: float = CONFIDENCE) -> None:
         self.goal, self.confidence = goal, confidence
         self.runs = self.successes = 0
+        self.is_empty = False
+        """whether the intervals have nothing in common any more; the last one that had stays"""
         self.low, self.high = 0.0, 1.0
         self.decided = False
 
@@ -128,7 +130,8 @@ class Watch:
         self.successes += good
         ends = at_each_look([self.successes], [self.runs - self.successes], self.confidence)
         low, high = max(self.low, float(ends[0][0])), min(self.high, float(ends[1][0]))
-        if low <= high:
+        self.is_empty |= low > high
+        if not self.is_empty:
             self.low, self.high = low, high
         self.decided = bool(self.goal.reached(self.low, self.high))
         return self.decided

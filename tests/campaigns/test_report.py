@@ -266,3 +266,20 @@ def test_ends_are_rounded_outward() -> None:
     assert interval(0.12349, 0.87651) == "[12.3 %, 87.7 %]"
     assert interval(0.963, 1.0) == "[96.3 %, 100.0 %]"
     assert amount(-0.0001, "m") == "0.000 m"
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.0304, "", "0.0304"),
+        (1.23456, "rad/s", "1.235 rad/s"),
+        (90.0, "", "90"),
+        (3.0, "rad", "3 rad"),
+        (1801.5, "", "1,801.5"),
+        (12345.0, "", "12,345"),
+    ],
+)
+def test_what_is_neither_metres_nor_seconds_keeps_its_digits(
+    value: float, unit: str, text: str
+) -> None:
+    assert amount(value, unit) == text

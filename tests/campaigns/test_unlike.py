@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
+from physim.campaigns import read
+from physim.campaigns.compare import between, compare
+from physim.campaigns.folder import Folder
+from physim.campaigns.outcomes import Outcomes
+from physim.campaigns.unlike import with_unlike
 from tests.campaigns.samples import WORLD
 from tests.cli.commands import physim
 
@@ -62,13 +68,14 @@ def test_a_controller_that_was_changed_between_two_campaigns_is_told(capsys: Cap
 
 
 def test_another_version_is_told(capsys: Capture) -> None:
+    """The rows of the older one are made up: runs of another version are refused otherwise."""
     swept("a", capsys)
-    from physim.campaigns.folder import Folder
-    from physim.campaigns.unlike import _Side, _unlike
-
-    (cell,) = Folder("a").cells()
-    from physim.campaigns.outcomes import Cell
-
-    names = Cell(cell["world"], cell["settings"], cell["controller"], 0, 3)
-    one, other = (_Side(names, {**cell, "physim": version}, {}) for version in ("0.1.0", "0.2.0"))
-    assert list(_unlike(one, other)) == ["A was run by physim 0.1.0, B by physim 0.2.0"]
+    folder = Folder("a")
+    (cell,) = folder.cells()
+    older = Mock(wraps=folder, cells=lambda: [{**cell, "physim": "0.0.9", "engine": "pymunk 6.0"}])
+    outcomes = Outcomes(read("a"))
+    (one,) = with_unlike(compare(between(outcomes, outcomes, ("a", "b"))), older, folder)
+    assert one.unlike == (
+        f"A was run by physim 0.0.9, B by physim {cell['physim']}",
+        f"A was run by pymunk 6.0, B by {cell['engine']}",
+    )

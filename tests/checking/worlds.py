@@ -89,3 +89,16 @@ def check_finding(line: str, place: str, *parts: str) -> None:
 def with_facts(found: list[str], *parts: str) -> list[str]:
     """Those of some findings in which every part stands."""
     return [line for line in found if re.search(facts(*parts), line)]
+
+
+def only_error(tmp_path: Path, text: str) -> str:
+    errors, _ = lines(check(tmp_path, text))
+    assert len(errors) == 1, errors
+    return errors[0]
+
+
+def only_warning(tmp_path: Path, text: str) -> str:
+    errors, warnings = lines(check(tmp_path, text))
+    assert errors == []
+    assert len(warnings) == 1, warnings
+    return warnings[0]

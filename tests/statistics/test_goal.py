@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from physim.statistics.goal import RATES, Goal, Watch, decide, read_goal
 from physim.statistics.sequence import running
@@ -140,3 +142,31 @@ def test_one_by_one_a_rate_that_changes() -> None:
         watch.add(one)
     looks = running(good)
     assert (watch.low, watch.high) == (looks.low[-1], looks.high[-1])
+
+
+def test_a_watch_stays_where_the_intervals_have_nothing_in_common_any_more() -> None:
+    """Runs that drift are no sample of one rate: what comes later decides nothing any more."""
+    goal = read_goal("rate > 0.56118")
+    outcomes = [True] * 8 + [False] * 28 + [True] * 1500
+    watch = Watch(goal)
+    for one in outcomes:
+        watch.add(one)
+    assert watch.is_empty
+    assert watch.decision == decide(goal, outcomes)
+
+
+@given(
+    st.lists(st.tuples(st.integers(1, 60), st.sampled_from([0.0, 0.1, 0.5, 0.9, 1.0])), max_size=5),
+    st.floats(0.02, 0.98),
+    st.integers(0, 2**32),
+)
+def test_a_watch_says_what_is_decided_of_all_of_runs_that_drift(
+    parts: list[tuple[int, float]], bound: float, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    outcomes = [bool(rng.random() < rate) for count, rate in parts for _ in range(count)]
+    goal = read_goal(f"rate > {bound:.4f}")
+    watch = Watch(goal)
+    for one in outcomes:
+        watch.add(one)
+    assert watch.decision == decide(goal, outcomes)

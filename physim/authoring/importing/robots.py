@@ -296,7 +296,7 @@ def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
 def _as_drawn(robot: DrawnRobot, drawing: Drawing, found: Fit) -> Placed:
     own = drawing.paths.get(robot.name)
     line = found.reference if own is None else own
-    middle = np.array(shapely.Polygon(robot.outline).minimum_rotated_rectangle.centroid.coords[0])
+    middle = np.array(shapely.Polygon(robot.outline).centroid.coords[0])
     ahead = directions_at(line, station_of(line, middle), found.size)
     centre, heading = rectangle_of(robot.outline, ahead)
     centre, heading = centre.round(3), round(heading, 4)

@@ -79,14 +79,17 @@ def number(count: int) -> str:
 
 
 def amount(value: float, unit: str) -> str:
-    """A measured value with its unit: three decimals of metres, two of seconds, whole counts."""
+    """A measured value with its unit: three decimals of metres, two of seconds, whole counts,
+    four digits of others."""
     if math.isnan(value):
         return "-"
     if math.isinf(value):
         return "unbounded"
     digits = {"m": 3, "s": 2}.get(unit)
     if digits is None:
-        return f"{value:,.0f}" if float(value).is_integer() else f"{value:,.1f}"
+        is_large = float(value).is_integer() or abs(value) >= 1000.0
+        text = f"{value:,.1f}".removesuffix(".0") if is_large else f"{value:.4g}"
+        return f"{text} {unit}".rstrip()
     text = f"{value:.{digits}f}"
     return f"{0.0:.{digits}f} {unit}" if float(text) == 0.0 else f"{text} {unit}"
 

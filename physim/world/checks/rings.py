@@ -21,6 +21,7 @@ from physim.world.checks.standing import reached
 from physim.world.checks.way import Way
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import sharing
 
 JOINED = 1.0
 """[m] A path whose ends are nearer than this is closed."""
@@ -45,13 +46,15 @@ def check_rings(laid: PartialLayout, found: Diagnostics) -> None:
 
 def _check_loops(laid: PartialLayout, found: Diagnostics) -> None:
     """Robots that face an earlier leg of their path than the one they are taken to be on."""
-    sharing: dict[int, list[int]] = {}
-    for i, path in laid.paths.items():
-        is_placed = i < len(laid.start) and not np.isnan(laid.start[i]).any()
-        if is_placed and i in laid.footprints and not is_ring(path):
-            sharing.setdefault(id(path), []).append(i)
+    placed = [
+        i
+        for i, path in laid.paths.items()
+        if i < len(laid.start) and not np.isnan(laid.start[i]).any()
+        if i in laid.footprints and not is_ring(path)
+    ]
     part_of = reached(laid)
-    for robots in sharing.values():
+    for group in sharing([laid.paths[i] for i in placed]):
+        robots = [placed[k] for k in group]
         way = Way(laid.paths[robots[0]])
         reach = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
         begin = np.array([part_of[i][0] for i in robots])

@@ -16,6 +16,7 @@ from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.way import Way
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
+from physim.world.layout.shared import sharing
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
@@ -41,7 +42,6 @@ def check_spacing(
         return  # reported as a reference path that is too short
     bases = _bases(laid, shared, way, leads, room)
     met: dict[tuple[int, int], int] = {}
-    both: dict[tuple[int, int], int] = {}
     shapes, is_there = _laid_out(laid, shared, way.at((bases + leads[shared][:, None]).ravel())[0])
     for column, there in zip(shapes.T, is_there.T, strict=True):
         tree = shapely.STRtree(column)
@@ -50,8 +50,7 @@ def check_spacing(
                 pair = (shared[i], shared[j])
                 met[pair] = met.get(pair, 0) + 1
     row = {robot: k for k, robot in enumerate(shared)}
-    for i, j in met:
-        both[i, j] = int((is_there[row[i]] & is_there[row[j]]).sum())
+    both = {(i, j): int((is_there[row[i]] & is_there[row[j]]).sum()) for i, j in met}
     is_listed = listed_leads(laid) is not None
     where: Location = ("formation", "spacing") if is_listed else ("formation",)
     everywhere = sorted(pair for pair, count in met.items() if count == both[pair])
@@ -112,10 +111,7 @@ def _laid_out(
     beside = beside.reshape(len(robots), -1, 2)
     is_there = np.ones(beside.shape[:2], dtype=np.bool_)
     shapes = np.empty(beside.shape[:2], dtype=object)
-    sharing: dict[int, list[int]] = {}
-    for row, robot in enumerate(robots):
-        sharing.setdefault(id(laid.paths[robot]), []).append(row)
-    for rows in sharing.values():
+    for rows in sharing([laid.paths[robot] for robot in robots]):
         way = Way(laid.paths[robots[rows[0]]])
         wanted = beside[rows].reshape(-1, 2)
         stations = way.nearest(wanted)

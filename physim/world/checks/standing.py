@@ -14,7 +14,7 @@ from physim.tolerances import LENGTH
 from physim.world.checks.way import Way
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shape_checks import placed_outline
-from physim.world.layout.shared import Shared
+from physim.world.layout.shared import Shared, sharing
 
 
 @dataclass(frozen=True)
@@ -70,11 +70,11 @@ def reached(laid: PartialLayout) -> dict[int, tuple[float, float]]:
     """
     way, stop = Shared(Way), stop_stations(laid)
     start = dict.fromkeys(laid.paths, 0.0)
-    together: dict[int, list[int]] = {}
-    for i, path in laid.paths.items():
-        if i < len(laid.start) and not np.isnan(laid.start[i, :2]).any():
-            together.setdefault(id(path), []).append(i)
-    for group in together.values():
+    placed = [
+        i for i in laid.paths if i < len(laid.start) and not np.isnan(laid.start[i, :2]).any()
+    ]
+    for numbers in sharing([laid.paths[i] for i in placed]):
+        group = [placed[k] for k in numbers]
         stations = way(laid.paths[group[0]]).nearest(laid.start[group, :2])
         start.update(zip(group, stations.tolist(), strict=True))
     ends = {i: stop.get(i, float(way(path).station[-1])) for i, path in laid.paths.items()}

@@ -21,7 +21,7 @@ EDITS = (
         "~(at_end & (np.abs(apart) > LENGTH))",
         "(at_end | True)",
         "robots are in formation where their own paths are",
-        "tests/checking/test_robots.py::test_a_formation_is_laid_out_where_the_paths_of_its_robots_are",
+        "tests/checking/test_formations.py::test_a_formation_is_laid_out_where_the_paths_of_its_robots_are",
     ),
     Edit(
         "checking",
@@ -39,7 +39,7 @@ EDITS = (
         "distance / fastest > duration",
         "distance / speed > duration",
         "who is behind hurries: a run may be long enough",
-        "tests/checking/test_robots.py::test_a_run_that_is_long_enough_for_who_hurries_may_be_too_short",
+        "tests/checking/test_formations.py::test_a_run_that_is_long_enough_for_who_hurries_may_be_too_short",
     ),
     Edit(
         "checking",
@@ -76,7 +76,7 @@ EDITS = (
         "is_end = has_formation and",
         "is_end = False and",
         "a stop beyond the reference path is told",
-        "tests/checking/test_robots.py::test_a_stop_beyond_the_reference_path_is_told_once",
+        "tests/checking/test_formations.py::test_a_stop_beyond_the_reference_path_is_told_once",
     ),
     Edit(
         "checking",
@@ -141,7 +141,7 @@ EDITS = (
         "if extent > line.length:",
         "if False:",
         "the reference path is longer than the formation",
-        "tests/checking/test_robots.py::test_the_reference_path_is_longer_than_the_formation",
+        "tests/checking/test_formations.py::test_the_reference_path_is_longer_than_the_formation",
     ),
     Edit(
         "checking",
@@ -150,7 +150,7 @@ EDITS = (
         "min(own, speed)",
         "speed",
         "a slow robot takes longer to finish",
-        "tests/checking/test_robots.py::test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
+        "tests/checking/test_formations.py::test_the_time_to_finish_is_counted_at_the_limit_of_the_robot",
     ),
     Edit(
         "checking",
@@ -159,7 +159,7 @@ EDITS = (
         "if not low <= speed <= high:",
         "if False:",
         "the steady speed lies within its limits",
-        "tests/checking/test_robots.py::test_a_steady_speed_outside_its_limits_is_a_warning",
+        "tests/checking/test_formations.py::test_a_steady_speed_outside_its_limits_is_a_warning",
     ),
     Edit(
         "checking",
@@ -168,7 +168,7 @@ EDITS = (
         "top < low",
         "top < 0.0",
         "a robot can keep up with its formation",
-        "tests/checking/test_robots.py::test_a_robot_slower_than_the_formation_cannot_keep_up",
+        "tests/checking/test_formations.py::test_a_robot_slower_than_the_formation_cannot_keep_up",
     ),
     Edit(
         "checking",
@@ -177,7 +177,7 @@ EDITS = (
         "gain * error <= margin",
         "gain * error <= 2.0 * margin",
         "a gain that holds all robots at the limit is told with its bound",
-        "tests/checking/test_robots.py::"
+        "tests/checking/test_formations.py::"
         "test_a_gain_that_saturates_the_cluster_is_a_warning_with_its_bound",
     ),
     Edit(

@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "statistics",
+        "physim/statistics/goal.py",
+        "Watch.add",
+        "self.is_empty |= low > high",
+        "self.is_empty = low > high",
+        "where intervals have nothing in common any more the last one that had stays",
+        "tests/statistics/test_goal.py::"
+        "test_a_watch_stays_where_the_intervals_have_nothing_in_common_any_more",
+    ),
+    Edit(
+        "statistics",
         "physim/statistics/proportion.py",
         "clopper_pearson_each",
         "tail = (1.0 - confidence) / 2.0",

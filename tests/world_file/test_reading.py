@@ -115,6 +115,11 @@ def test_aliases_cannot_nest_deeper_than_brackets_may():
     assert re.search(facts("nested", "50"), refusal(text))
 
 
+@pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000, "a: " + "{a: " * 5_000])
+def test_nesting_is_told_as_such_however_far_ahead_the_parser_looks(text):
+    check_error(f"{refusal(text)}\n", "w.yaml:1:", "nested", "50")
+
+
 def test_floods_of_keys_and_faults_end_early():
     flood = "\n".join(f"k{i}: 1" for i in range(5000))
     check_error(f"{refusal(flood)}\n", "w.yaml:1001:1:", "1000 keys")

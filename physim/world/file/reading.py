@@ -23,6 +23,7 @@ from physim.world.file.pitfalls import (
 
 MOST_BYTES = 5_000_000
 MOST_DEPTH = 50
+TOO_DEEP = f"nested deeper than {MOST_DEPTH} levels"
 MOST_VALUES = 500_000
 MOST_KEYS = 1_000
 """Keys of one mapping."""
@@ -55,6 +56,8 @@ def read_document(text: str, source: str = "<text>") -> Document:
             reader.read(yaml.parse(text, Loader=Loader))
     except yaml.YAMLError as error:
         line, column, message = syntax_hint(error, text)
+        if "nesting depth" in message:  # libyaml looks ahead, and has a limit of its own
+            raise refused(source, line, column, TOO_DEEP) from None
         raise refused(source, line, column, f"not valid YAML: {message}") from None
     if reader.root is None:
         raise refused(
@@ -285,12 +288,7 @@ class _Reader:
     def _open(self, event: Any, line: int, column: int) -> None:
         self._count(1, line, column)
         if len(self.stack) >= MOST_DEPTH:
-            raise refused(
-                self.source,
-                line,
-                column,
-                f"nested deeper than {MOST_DEPTH} levels",
-            )
+            raise refused(self.source, line, column, TOO_DEEP)
         if self._expects_key():
             raise refused(self.source, line, column, "a list or mapping cannot be a key")
         self._check_tag(event, line, column)
@@ -324,7 +322,7 @@ class _Reader:
             return
         self._count(node.size, line, column)
         if len(self.stack) + node.height > MOST_DEPTH + 1:
-            raise refused(self.source, line, column, f"nested deeper than {MOST_DEPTH} levels")
+            raise refused(self.source, line, column, TOO_DEEP)
         self._put(node)
 
     def _put(self, node: Node) -> None:

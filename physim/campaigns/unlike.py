@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from physim.campaigns.compare import Comparison
 from physim.campaigns.folder import Folder, label_of
 from physim.campaigns.outcomes import Cell
 from physim.errors import plain_key
-from physim.world.differences import differing_values
+from physim.world.differences import differences
 from physim.world.file.files import file_text
-from physim.world.file.reading import read_document
+from physim.world.file.loading import parse_world
+from physim.world.model import World
 
 MOST_NAMED = 3
 """values of worlds that are named; of the others there is a count"""
@@ -28,14 +29,14 @@ class _Side(NamedTuple):
 
     cell: Cell
     described: dict[str, str]
-    world: Callable[[str], Any]
+    world: Callable[[str], World]
     """an effective world of its campaign, by its hash"""
 
 
 def with_unlike(comparisons: list[Comparison], a: Folder, b: Folder) -> list[Comparison]:
     """Comparisons of two campaigns, each with all in which its cells differ beside their names.
 
-    Raises PhysimError where a world's file cannot be read.
+    Raises PhysimError where a world's file cannot be read or is no world.
     """
     read_a, read_b = _reader(a), _reader(b)
     found = []
@@ -50,9 +51,9 @@ def _reader(folder: Folder) -> Callable[[Cell], _Side]:
     described = {label_of(one): one for one in folder.cells()}
 
     @cache
-    def world(world_hash: str) -> Any:
+    def world(world_hash: str) -> World:
         file = folder.world_file(world_hash)
-        return read_document(file_text(file), str(file)).values()
+        return parse_world(file_text(file), str(file), check_controller=False)
 
     return lambda cell: _Side(cell, described[cell.names], world)
 
@@ -83,7 +84,7 @@ def _worlds(a: _Side, b: _Side) -> Iterator[str]:
         given.add("controller")
     found = {
         key: pair
-        for key, pair in differing_values(a.world(hashes[0]), b.world(hashes[1])).items()
+        for key, pair in differences(a.world(hashes[0]), b.world(hashes[1])).items()
         if not any(key == one or key.startswith(f"{one}.") for one in given)
     }
     if not found:

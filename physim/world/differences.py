@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from typing import Any
 
 import yaml
@@ -18,31 +18,37 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
 
     Where a part of another name stands in a place, its settings are not counted.
     """
-    first, second = (yaml.safe_load(world.to_yaml()) for world in (a, b))
-    return differing_values(first, second)
-
-
-def differing_values(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """Return `differences` of worlds as they stand in files: mappings, lists, numbers, texts."""
-    first, second = dict(_values(a)), dict(_values(b))
-    pairs = {key: (_told(first, key), _told(second, key)) for key in {**first, **second}}
+    first, second = (dict(_values(yaml.safe_load(world.to_yaml()))) for world in (a, b))
+    places = (
+        {place for key in first for place in _places(key)},
+        {place for key in second for place in _places(key)},
+    )
+    pairs = {
+        key: (_told(first, places[0], key), _told(second, places[1], key))
+        for key in {**first, **second}
+    }
     found = {key: pair for key, pair in pairs.items() if pair[0] != pair[1]}
-    for part in [key.removesuffix("type") for key in found if key.endswith(".type")]:
-        settings = [key for key in found if key.startswith(part) and key != f"{part}type"]
-        for key in settings:
-            del found[key]
-    return found
+    others = {key.removesuffix(".type") for key in found if key.endswith(".type")}
+    return {
+        key: pair
+        for key, pair in found.items()
+        if all(place not in others or key == f"{place}.type" for place in _places(key))
+    }
 
 
-def _told(values: Mapping[str, str], key: str) -> str:
+def _places(key: str) -> Iterator[str]:
+    """The key and every part of the world that it stands in, from the inside out."""
+    while key:
+        yield key
+        key = key.rpartition(".")[0]
+
+
+def _told(values: Mapping[str, str], places: Set[str], key: str) -> str:
     """A value as text, or why there is none: the entry of its list is missing, or it alone is."""
     if key in values:
         return values[key]
-    parts = key.split(".")
-    last = max((k for k, part in enumerate(parts) if part.isdigit()), default=-1)
-    entry = ".".join(parts[: last + 1])
-    is_there = any(other == entry or other.startswith(f"{entry}.") for other in values)
-    return ABSENT if last < 0 or is_there else NONE
+    entry = next((place for place in _places(key) if place.rpartition(".")[2].isdigit()), None)
+    return ABSENT if entry is None or entry in places else NONE
 
 
 def _values(value: Any, key: str = "") -> Iterator[tuple[str, str]]:

@@ -79,3 +79,14 @@ def test_another_version_is_told(capsys: Capture) -> None:
         f"A was run by physim 0.0.9, B by physim {cell['physim']}",
         f"A was run by pymunk 6.0, B by {cell['engine']}",
     )
+
+
+@pytest.mark.parametrize("text", ["5", "null", "- a", "{name: w, name: v}"])
+def test_what_is_no_world_is_refused(capsys: Capture, text: str) -> None:
+    """A campaign of a stranger: its world's file may hold anything, under the right name."""
+    swept("a", capsys)
+    swept("b", capsys, text=WORLD.replace("width: 8.0", "width: 7.0"))
+    (file,) = Path("b/worlds").iterdir()
+    file.write_text(text)
+    done = physim("compare", "a", "b", capture=capsys)
+    assert (done.code, str(file) in done.err) == (2, True), done.err

@@ -42,6 +42,38 @@ def test_an_arrow_heads_where_it_points(
     assert own[:, 0].max() == pytest.approx(length / 2, abs=0.01)
 
 
+TRIANGLE = [(0.6, 0.0), (-0.4, 0.3), (-0.4, -0.3)]
+SHAFTED = [(0.5, 0.0), (0.1, 0.4), (0.1, 0.15), (-0.5, 0.15), (-0.5, -0.15), (0.1, -0.15),
+           (0.1, -0.4)]  # fmt: skip
+ROUNDED = [(0.5 * cos(a) + 0.3, 0.4 * sin(a)) for a in np.linspace(-pi / 2, pi / 2, 400)] + [
+    (-0.7, 0.4),
+    (-0.7, -0.4),
+]
+
+
+@pytest.mark.parametrize("off", [-20.0, -10.0, 0.0, 3.0, 20.0])
+@pytest.mark.parametrize("outline", [TRIANGLE, SHAFTED, ROUNDED], ids=["triangle", "shaft", "nose"])
+def test_what_points_heads_where_it_points_not_as_its_path_leads(
+    outline: list[tuple[float, float]], off: float
+) -> None:
+    """A side of a triangle, or of an arrow's head, is nearer to some of these paths."""
+    angle = np.radians(off)
+    drawn = turned(np.array(outline), angle).round(3)
+    middle, heading = rectangle_of(drawn, AHEAD)
+    assert np.degrees(heading) == pytest.approx(off, abs=0.2)
+    own = turned(np.array(outline), 0.0)
+    half = (own.max(axis=0) + own.min(axis=0)) / 2.0
+    assert hypot(*(middle - turned(half[None], angle)[0])) <= 0.003
+
+
+@pytest.mark.parametrize("off", [-40.0, -10.0, 3.0, 20.0])
+def test_an_l_heads_along_its_longer_arm_though_it_has_no_line_of_symmetry(off: float) -> None:
+    arms = np.array([(0, 0), (1, 0), (1, 0.3), (0.3, 0.3), (0.3, 0.7), (0, 0.7)])
+    angle = np.radians(off)
+    _, heading = rectangle_of(turned(arms, angle).round(3), AHEAD)
+    assert np.degrees(heading) == pytest.approx(off, abs=0.2)
+
+
 @pytest.mark.parametrize("off", [-40.0, -10.0, 3.0, 44.0])
 def test_a_box_heads_as_it_is_drawn_however_its_path_leads(off: float) -> None:
     box = np.array([[0.9, 0.4], [-0.9, 0.4], [-0.9, -0.4], [0.9, -0.4]])

@@ -14,32 +14,67 @@ Footprint = tuple[float, float] | FloatArray
 """Length and width [m], or an outline (n, 2) [m] in the robot's frame"""
 AS_SMALL = 0.01
 """[-] by which drawn rectangles differ in area that are as small: coordinates are rounded"""
+ALIKE = 0.02
+"""[-] of the root of its area by which an outline may miss its mirror image"""
+MOST_CORNERS = 100
+"""of an outline whose mirror images are looked at; what has more is round"""
 
 
 def rectangle_of(outline: FloatArray, ahead: FloatArray) -> tuple[FloatArray, float]:
     """Middle (2,) [m] and heading [rad] of the rectangle about an outline that a robot takes.
 
     The smallest one lies on a side of the convex hull. Of all that are larger by `AS_SMALL` at
-    most, and their four directions, the one nearest to the direction ``ahead``.
+    most, and their four directions, those count in which the outline is its own mirror image, as
+    a triangle is on one of its sides. Where there is none (an arrow with a shaft lies smallest on
+    a side of its head), its lines of symmetry count as well. Of these directions the one nearest
+    to the direction ``ahead``.
     """
     hull = np.array(shapely.Polygon(outline).convex_hull.exterior.coords)
-    found = []
-    for x, y in np.diff(hull, axis=0):
-        angle = atan2(y, x)
-        turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
-        low, high = (hull @ turn).min(axis=0), (hull @ turn).max(axis=0)
-        found.append((float(np.prod(high - low)), turn @ (low + high) / 2.0, angle))
-    least = min(area for area, _, _ in found)
-    directions = [
-        (middle, angle + k * pi / 2.0)
-        for area, middle, angle in found
-        if area <= least * (1.0 + AS_SMALL)
-        for k in range(4)
+    sides = [atan2(y, x) for x, y in np.diff(hull, axis=0)]
+    areas = [float(np.prod(2.0 * _box(hull, angle)[1])) for angle in sides]
+    smallest = [
+        angle + quarter
+        for angle, area in zip(sides, areas, strict=True)
+        if area <= min(areas) * (1.0 + AS_SMALL)
+        for quarter in (0.0, pi / 2.0)
     ]
-    middle, heading = max(
-        directions, key=lambda one: cos(one[1]) * ahead[0] + sin(one[1]) * ahead[1]
-    )
-    return middle, (heading + pi) % (2.0 * pi) - pi
+    outline = _corners(outline)
+    axes = [angle for angle in smallest if _is_mirrored(outline, angle)]
+    axes = axes or smallest + [one for one in _lines(outline) if _is_mirrored(outline, one)]
+    directions = [angle + turn for angle in axes for turn in (0.0, pi)]
+    heading = max(directions, key=lambda angle: cos(angle) * ahead[0] + sin(angle) * ahead[1])
+    return _box(hull, heading)[0], (heading + pi) % (2.0 * pi) - pi
+
+
+def _box(points: FloatArray, angle: float) -> tuple[FloatArray, FloatArray]:
+    """Middle (2,) and half the extent (2,) [m] of the rectangle about points in a direction."""
+    turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+    low, high = (points @ turn).min(axis=0), (points @ turn).max(axis=0)
+    return turn @ (low + high) / 2.0, (high - low) / 2.0
+
+
+def _corners(outline: FloatArray) -> FloatArray:
+    """An outline about its centre of area, without points that do not show."""
+    polygon = shapely.Polygon(outline)
+    plain = polygon.simplify(0.2 * ALIKE * polygon.area**0.5)
+    return np.array(plain.exterior.coords)[:-1] - plain.centroid.coords[0]
+
+
+def _lines(outline: FloatArray) -> list[float]:
+    """Directions [rad] in which a polygon about its centre may be its own mirror image: every
+    line of symmetry goes through the centre and a corner, or the middle of a side."""
+    middles = (outline + np.roll(outline, -1, axis=0)) / 2.0
+    return [atan2(y, x) for x, y in np.vstack([outline, middles])]
+
+
+def _is_mirrored(outline: FloatArray, angle: float) -> bool:
+    """Whether an outline about its centre is alike on both sides of a direction."""
+    if len(outline) > MOST_CORNERS:
+        return False
+    c, s = cos(2.0 * angle), sin(2.0 * angle)
+    image = shapely.LinearRing(outline @ np.array([[c, s], [s, -c]]))
+    ring = shapely.LinearRing(outline)
+    return bool(ring.hausdorff_distance(image) <= ALIKE * shapely.Polygon(ring).area ** 0.5)
 
 
 def footprint_of(outline: FloatArray, centre: FloatArray, heading: float) -> Footprint:

@@ -285,10 +285,8 @@ def _pose(found: Fit, one: Lane, station: float) -> Pose:
 def as_drawn(drawing: Drawing, found: Fit) -> list[Placed]:
     """Robots where they are drawn, each on its own path or beside the reference path.
 
-    A robot heads along its path: of the four directions of the smallest rectangle about its
-    outline the one nearest to the direction of the path. Its reference point is the middle of
-    that rectangle. Of rectangles as small (a triangle has one on each side) it is the one that
-    lies best along the path.
+    A robot heads along its path, as far as the rectangle about its outline allows, whose middle
+    is its reference point: `rectangle_of`.
     """
     return [_as_drawn(robot, drawing, found) for robot in drawing.robots]
 

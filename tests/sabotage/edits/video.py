@@ -165,7 +165,7 @@ EDITS = (
     Edit(
         "video",
         "physim/drawing/video/frames.py",
-        "differing_values",
+        "differences",
         "for key in {**first, **second}",
         "for key in {*first} & {*second}",
         "the titles name what only one of two worlds has",

@@ -14,7 +14,10 @@ from typing import NamedTuple
 from physim.campaigns.compare import Comparison
 from physim.campaigns.folder import Folder, label_of
 from physim.campaigns.outcomes import Cell
+from physim.campaigns.sources import own_parts
+from physim.drawing.labels import shortened
 from physim.errors import plain_key
+from physim.parts.registry import CONTROLLER, STAGES, shipped_parts
 from physim.world.differences import differences
 from physim.world.file.files import file_text
 from physim.world.file.loading import parse_world
@@ -22,6 +25,11 @@ from physim.world.model import World
 
 MOST_NAMED = 3
 """values of worlds that are named; of the others there is a count"""
+
+MOST_SHOWN = 40
+"""characters of such a value"""
+WORDS = ("name", "description", "expect")
+"""Keys of a world by which no run moves otherwise."""
 
 
 class _Side(NamedTuple):
@@ -62,11 +70,8 @@ def _unlike(a: _Side, b: _Side) -> Iterator[str]:
     """What differs and is not in the names of the cells, a text each."""
     if a.cell.world == b.cell.world:
         yield from _worlds(a, b)
-    if (
-        a.cell.controller == b.cell.controller
-        and a.described["source_hash"] != b.described["source_hash"]
-    ):
-        yield f"the source of {a.cell.controller} or of a stage was changed between them"
+    if a.described["source_hash"] != b.described["source_hash"]:
+        yield from _sources(a, b)
     for what in ("physim", "engine"):
         one, other = a.described[what], b.described[what]
         if one != other:
@@ -74,12 +79,28 @@ def _unlike(a: _Side, b: _Side) -> Iterator[str]:
             yield f"A was run by {name}{one}, B by {name}{other}"
 
 
+def _sources(a: _Side, b: _Side) -> Iterator[str]:
+    """What of one's own was changed, where the hashes of all sources of a run differ."""
+    if a.cell.controller == b.cell.controller:
+        yield f"the source of {a.cell.controller} or of a stage was changed between them"
+        return
+    worlds = [side.world(side.described["world_hash"]) for side in (a, b)]
+    stages = [{name for kind, name in own_parts(one) if kind in STAGES} for one in worlds]
+    both = ", ".join(sorted(stages[0] & stages[1]))
+    own = {a.cell.controller, b.cell.controller} - set(shipped_parts(CONTROLLER))
+    if both and not own and stages[0] == stages[1]:
+        yield f"the source of {both} was changed between them"
+    elif both:
+        yield f"whether the source of {both} is the same in both is not known"
+
+
 def _worlds(a: _Side, b: _Side) -> Iterator[str]:
     """In which values two worlds of one name differ, but those that the settings give."""
     hashes = a.described["world_hash"], b.described["world_hash"]
     if hashes[0] == hashes[1]:
         return
-    given = {plain_key(one) for side in (a, b) for one in side.cell.settings.split("; ") if one}
+    settings = [one for side in (a, b) for one in side.cell.settings.split("; ") if one]
+    given = {*WORDS, *map(plain_key, settings)}
     if a.cell.controller != b.cell.controller:
         given.add("controller")
     found = {
@@ -89,7 +110,10 @@ def _worlds(a: _Side, b: _Side) -> Iterator[str]:
     }
     if not found:
         return
-    told = [f"{key} {one} in A, {other} in B" for key, (one, other) in found.items()]
+    told = [
+        f"{key} {shortened(one, MOST_SHOWN)} in A, {shortened(other, MOST_SHOWN)} in B"
+        for key, (one, other) in found.items()
+    ]
     rest = len(told) - MOST_NAMED
     more = f"; and {rest} more" if rest > 0 else ""
     yield f"their worlds are not the same: {'; '.join(told[:MOST_NAMED])}{more}"

@@ -11,8 +11,10 @@ import pytest
 from physim.campaigns import read
 from physim.campaigns.compare import between, compare
 from physim.campaigns.folder import Folder
-from physim.campaigns.outcomes import Outcomes
-from physim.campaigns.unlike import with_unlike
+from physim.campaigns.outcomes import Cell, Outcomes
+from physim.campaigns.unlike import _Side, _unlike, with_unlike
+from physim.world import World
+from physim.world.file import parse_world
 from tests.campaigns.samples import WORLD
 from tests.cli.commands import physim
 
@@ -90,3 +92,43 @@ def test_what_is_no_world_is_refused(capsys: Capture, text: str) -> None:
     file.write_text(text)
     done = physim("compare", "a", "b", capture=capsys)
     assert (done.code, str(file) in done.err) == (2, True), done.err
+
+
+def test_words_alone_are_no_news_and_long_values_are_cut(capsys: Capture) -> None:
+    robot = WORLD.replace("- name: a", f"- name: {'w' * 60}")
+    swept("a", capsys)
+    swept("b", capsys, text=f"{WORLD}description: second\n")
+    swept("c", capsys, text=robot)
+    assert unlike("a", "b", capsys) == []
+    (told,) = unlike("a", "c", capsys)
+    assert f"robots.0.name a in A, {'w' * 39}… in B" in told
+
+
+@pytest.mark.parametrize(
+    ("controllers", "told"),
+    [
+        (("mode_switching", "path_following"), ["the source of ramp was changed between them"]),
+        (
+            ("own:One", "path_following"),
+            ["whether the source of ramp is the same in both is not known"],
+        ),
+        (("own:One", "own:Two"), ["whether the source of ramp is the same in both is not known"]),
+    ],
+)
+def test_a_stage_that_was_changed_is_told_though_the_controllers_differ(
+    controllers: tuple[str, str], told: list[str]
+) -> None:
+    """Its effect would be taken for that of the controllers."""
+    ramp = parse_world(WORLD + "filters: [{type: ramp}]\n", check_controller=False)
+    plain = parse_world(WORLD, check_controller=False)
+
+    def side(controller: str, source: str, world: World) -> _Side:
+        cell = Cell("small", "", controller, 0, 1)
+        described = {"world_hash": "0", "source_hash": source, "physim": "1", "engine": "2"}
+        return _Side(cell, described, lambda _: world)
+
+    one, other = (side(c, s, ramp) for c, s in zip(controllers, "ab", strict=True))
+    assert list(_unlike(one, other)) == told
+    assert list(_unlike(one, side(controllers[1], "a", ramp))) == []
+    without = [side(c, s, plain) for c, s in zip(controllers, "ab", strict=True)]
+    assert list(_unlike(*without)) == []

@@ -9,6 +9,7 @@ import pytest
 
 import physim
 from physim.analysis.summary import summarise, table
+from physim.errors import WorldError
 from physim.world.layout.scene_builder import build_scene
 from tests.checking.worlds import CORRIDOR, DRAWN, changed, check, lines
 from tests.facts import facts
@@ -52,6 +53,20 @@ def test_a_fold_of_a_finely_written_corridor_is_still_reported(tmp_path):
     text = changed(CORRIDOR, ("[[0, 0], [30, 0]]", bend))
     _, warnings = lines(check(tmp_path, text))
     assert any(re.search(facts("corridor", "left wall"), one) for one in warnings)
+
+
+@pytest.mark.parametrize("spokes", [100, 2_000])
+def test_walls_that_meet_in_one_place_again_and_again_are_refused_before_the_work(spokes, tmp_path):
+    """All pairs of 2,000 spokes take minutes and gigabytes, in `check` as in a run."""
+    ends = [(15.0 + 0.8 * np.cos(k), 3.0 + 0.8 * np.sin(k)) for k in range(spokes)]
+    star = ", ".join(f"[{x:.6f}, {y:.6f}], [15, 3]" for x, y in ends)
+    text = changed(DRAWN, (SIDES, f"{SIDES}  - [{star}]\n"))
+    errors, _ = lines(check(tmp_path, text))
+    told = any("100000 places" in line for line in errors)
+    assert told == (spokes == 2_000)
+    if told:
+        with pytest.raises(WorldError, match=r"boundaries.*100000 places"):
+            build_scene(physim.parse_world(text))
 
 
 def test_a_run_without_a_safe_area_says_so(tmp_path):

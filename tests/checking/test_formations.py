@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from physim import simulate
+from physim.geometry.shapes import FloatArray
 from physim.world.file import parse_world
 from tests.checking.worlds import (
     CORRIDOR,
@@ -168,3 +170,53 @@ def test_a_run_that_is_long_enough_for_who_hurries_may_be_too_short(tmp_path, du
     if duration == 35.0:
         with simulate(parse_world(BEHIND.replace("DURATION", "35.0"))) as record:
             assert record.ended == "finished"
+
+
+def ring(*, base: float, bulge: float, side: float) -> str:
+    """Two robots abreast on closed paths, two lanes but ``base`` [m] where the bulge ends."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 73)
+
+    def circle(radius: FloatArray) -> list[list[float]]:
+        points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1).round(3)
+        points[-1] = points[0]
+        return [[float(x), float(y)] for x, y in points]
+
+    inner = circle(np.full(73, base))
+    outer = circle(base + bulge * np.clip(6.0 * (1.0 - np.cos(angle - side)), 0.0, 1.0))
+    heading = float(angle[9] + np.pi / 2.0)
+    robots = "".join(
+        f"  - {{name: {name}, footprint: {{length: 1, width: 0.6}}, "
+        f"pose: [{path[9][0]}, {path[9][1]}, {heading:.3f}], path: {path}}}\n"
+        for name, path in (("a", inner), ("b", outer))
+    )
+    return (
+        "name: ring\ntime: {step: 0.02, duration: 300}\n"
+        f"boundaries: [{circle(np.full(73, 28.0))}, {circle(np.full(73, 14.0))}]\n"
+        f"reference_path: {circle(np.full(73, 20.0))}\nrobots:\n{robots}"
+        "formation: {spacing: [0, 0]}\ncontroller: {type: path_following}\n"
+    )
+
+
+@pytest.mark.parametrize("side", [0.0, np.pi])
+@pytest.mark.parametrize("base", [19.5, 20.5])
+def test_the_formation_of_a_ring_is_laid_out_all_the_way_round(tmp_path, base, side):
+    """Both ends of a closed path lie at the joint: they say nothing of what is between."""
+    errors, warnings = lines(check(tmp_path, ring(base=base, bulge=2.0, side=side)))
+    assert errors == []
+    assert [line for line in warnings if "places along the reference path" in line]
+    errors, warnings = lines(check(tmp_path, ring(base=base, bulge=0.0, side=side)))
+    assert any("overlap in formation" in line for line in errors)
+
+
+def test_who_surely_cannot_finish_is_told_before_who_may_not(tmp_path):
+    """a has less to go than b, which the formation hurries, but not enough."""
+    places = ("[6.0, 1.0", "[12.0, 1.0"), ("[3.0, -1.0", "[0.0, -1.0")
+    plan = ("{spacing", "{limits: [0.8, 1.5], spacing")
+    for duration, word, name in (("17.5", "is", '"b"'), ("20.0", "may be", '"b"')):
+        text = changed(CORRIDOR, *places, plan, ("duration: 60.0", f"duration: {duration}"))
+        (warning,) = (
+            line
+            for line in lines(check(tmp_path, f"{text}expect: {{finished: true}}\n"))[1]
+            if "too short" in line
+        )
+        assert f"the run {word} too short to finish: {name}" in warning

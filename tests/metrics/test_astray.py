@@ -8,6 +8,7 @@ import pytest
 import physim
 from physim.analysis.metrics import absent
 from physim.analysis.metrics.progress import Absent
+from physim.simulation.arrival import STILL_DISTANCE
 from tests.validation.runs import LANE, Drivers
 
 
@@ -50,3 +51,18 @@ def test_who_stands_is_told_from_few_samples_too(time: str, v: float, word: str)
     slow, fast = absent(record)
     assert word in slow.sentence("slow")
     assert "stands" in fast.sentence("fast")
+
+
+@pytest.mark.parametrize("every", [1, 7, 33, 60])
+def test_who_is_pushed_does_not_stand_though_it_commands_nothing(every: int) -> None:
+    """7, 33: no sample begins the last half second, those within it show the robot elsewhere."""
+    place = ["robots.1.pose=[5.5, 0.0, 0.0]", "time.duration=3.0", f"time.record_every={every}"]
+    world = physim.parse_world(LANE, overrides=place)
+    record = physim.simulate(world, controller=Drivers((0.0, 0.0), (0.6, 0.0)))
+    assert record.pose[-1, 0, 0] > 8.2  # [m] it was pushed
+    within = record.pose[record.time >= record.time[-1] - 0.5 + 1e-9, 0, :2]
+    shows = np.hypot(*(within - within[-1]).T).max() > STILL_DISTANCE
+    assert shows == (every < 60)
+    slow, fast = absent(record)
+    assert "still moves" in fast.sentence("fast")
+    assert ("still moves" if shows else "stands") in slow.sentence("slow")

@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 import physim
+from physim import Decision
 from physim.analysis import metrics
 from physim.analysis.metrics.distances import MOST_PLACES, sides_of, width_extreme
 from physim.drawing.preview.contents import contents
@@ -41,21 +42,57 @@ def test_averaged_speeds_of_arcs_are_their_own() -> None:
     assert np.allclose(found.rotational, omega, rtol=0, atol=1e-12)
 
 
+class Swinging(Drivers):
+    """Speeds that change all the time, backwards too, within more than a turn."""
+
+    def decide(self, observation, memory):
+        v, omega = self.commands[observation.index]
+        swing = np.sin(0.7 * observation.time + observation.index)
+        return Decision(v=v * (0.1 + 0.5 * swing), omega=omega * (0.85 + 0.85 * swing), hold=0.1)
+
+
+@pytest.mark.parametrize("driver", [Drivers, Swinging])
 @pytest.mark.parametrize("every", [2, 41, 620, 680, 1000])
-def test_a_coarse_record_has_the_speeds_of_a_fine_one(every: int) -> None:
+def test_a_coarse_record_has_the_speeds_of_a_fine_one(driver: type[Drivers], every: int) -> None:
     """More than a turn between two samples: the chord says nothing of the way."""
     fine, coarse = (
         physim.simulate(
             physim.parse_world(LANE, overrides=["time.duration=20.0", f"time.record_every={n}"]),
-            controller=Drivers((1.0, 0.8), (0.5, -0.9)),
+            controller=driver((1.0, 0.8), (0.5, -0.9)),
         )
         for n in (1, every)
     )
     full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
-    assert len(some.time) > 10
+    assert len(some.time) == len(full.time) > 100
     assert not fine.contacts.size
     assert np.allclose(some.forward, full.forward, rtol=0, atol=1e-9)
-    assert np.allclose(full.forward, [1.0, 0.5], rtol=0, atol=1e-9)
+    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=1e-9)
+    if driver is Drivers:
+        assert np.allclose(full.forward, [1.0, 0.5], rtol=0, atol=1e-9)
+    else:
+        assert np.ptp(full.forward[:, 0]) > 0.05
+
+
+def test_a_turn_that_nobody_commanded_counts_in_a_coarse_record() -> None:
+    """Pushed round by another: the samples show it, the commands do not."""
+    fine, coarse = (
+        physim.simulate(
+            physim.parse_world(
+                LANE,
+                overrides=[
+                    "robots.1.footprint={length: 1.0, width: 0.5}",
+                    "robots.1.pose=[6.3, -0.45, 0.0]",
+                    "time.duration=12.0",
+                    f"time.record_every={n}",
+                ],
+            ),
+            controller=Drivers((0.0, 0.0), (0.3, 0.0)),
+        )
+        for n in (1, 50)
+    )
+    full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
+    assert np.abs(full.rotational[:, 0]).max() > 0.01
+    assert np.allclose(some.rotational, full.rotational, rtol=0, atol=1e-3)
 
 
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:

@@ -6,7 +6,8 @@ world has a formation and more than one robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -101,26 +102,25 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
 
     As the robots moved: the distance along the heading and the turn between the ends of the window,
     over its length. Where not every step has a sample, the distance is that of the applied
-    commands, which differs from it while a contact pushes the robot. Defined where the whole window
-    lies before the robot is at its stop station.
+    commands, and so is the turn between samples; both differ from the motion while a contact pushes
+    the robot. Defined where the whole window lies before the robot is at its stop station.
     """
     none = np.zeros((0, record.robots))
     if record.samples < 2:
         return AveragedSpeeds(np.zeros(0), none, none)
-    stride = max(1, record.samples * record.robots // MOST_POSES)
-    pose, time = record.pose[::stride], record.time[::stride]
-    travelled = _travelled(record, record.steps[::stride])
-    end = float(time[-1])
+    end = record.steps_run * record.dt
     count = max(0, int((end - window) / every + 1e-9) + 1)
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
+    ends = middle - window / 2.0, middle + window / 2.0
+    steps = _looked_at(record, ends)
+    courses = _travelled(record, steps), _turned(record, steps)
     forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
     arrival = active_steps(record) * record.dt
     for i in range(record.robots):
-        last = min(arrival[i], end)
-        whole = middle + window / 2.0 <= last + 1e-9
-        for out, values in ((forward, travelled[:, i]), (rotational, pose[:, i, 2])):
-            ends = (np.interp(middle[whole] + s * window / 2.0, time, values) for s in (1, -1))
-            out[whole, i] = (next(ends) - next(ends)) / window
+        whole = ends[1] <= min(arrival[i], end) + 1e-9
+        for out, course in zip((forward, rotational), courses, strict=True):
+            first, last = (np.interp(one[whole], steps * record.dt, course[:, i]) for one in ends)
+            out[whole, i] = (last - first) / window
     return AveragedSpeeds(middle, forward, rotational)
 
 
@@ -136,16 +136,58 @@ def averaged_extreme(
     return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
 
 
+def _looked_at(record: Record, ends: tuple[FloatArray, FloatArray]) -> IntArray:
+    """Steps (K,) between which courses are taken as linear: those with samples where all have one,
+    else those about the ends of windows [s]."""
+    if _is_fine(record):
+        every = max(1, record.samples * record.robots // MOST_POSES)
+        return np.append(record.steps[:-1:every], record.steps[-1])
+    at = np.unique(np.concatenate(ends)) / record.dt
+    steps = np.concatenate([np.floor(at + 1e-6), np.ceil(at - 1e-6)])
+    return np.unique(np.minimum(steps, record.steps_run)).astype(np.int64)
+
+
+def _is_fine(record: Record) -> bool:
+    """Whether every step has a sample."""
+    return record.samples > record.steps_run
+
+
 def _travelled(record: Record, steps: IntArray) -> FloatArray:
-    """Distance along the heading from the start to each of some recorded steps (K, N) [m]."""
+    """Distance along the heading from the start to each of some steps (K, N) [m]."""
+    return _summed(record, steps, partial(_forward, record))
+
+
+def _turned(record: Record, steps: IntArray) -> FloatArray:
+    """Heading at each of some steps (K, N) [rad], not wrapped: that of the samples, and between two
+    of them as the commands turn it."""
+    if _is_fine(record):
+        return record.pose[steps, :, 2]
+    commanded = partial(_commanded, record, 1)
+    turned = _summed(record, steps, commanded)
+    off = record.pose[:, :, 2] - _summed(record, record.steps, commanded)
+    for i in range(record.robots):
+        turned[:, i] += np.interp(steps, record.steps, off[:, i])
+    return turned
+
+
+def _summed(record: Record, steps: IntArray, moved: Callable[[int, int], FloatArray]) -> FloatArray:
+    """Sum from the start to each of some steps (K, N) of what each step adds.
+
+    ``moved`` gives that of the steps from a first one to the one before a last, (last - first, N).
+    """
     found = np.zeros((len(steps), record.robots))
     total = np.zeros(record.robots)
     for first, last in blocks(record):
-        forward = total + np.cumsum(_forward(record, first, last), axis=0)
-        total = forward[-1]
+        course = total + np.cumsum(moved(first, last), axis=0)
+        total = course[-1]
         here = (steps > first) & (steps <= last)
-        found[here] = forward[steps[here] - first - 1]
+        found[here] = course[steps[here] - first - 1]
     return found
+
+
+def _commanded(record: Record, which: int, first: int, last: int) -> FloatArray:
+    """What the applied speeds (0) or turning speeds (1) add in each step (K, N) [m] or [rad]."""
+    return np.asarray(record.commands_over("applied", first, last)[:, :, which] * record.dt)
 
 
 def _forward(record: Record, first: int, last: int) -> FloatArray:
@@ -154,8 +196,8 @@ def _forward(record: Record, first: int, last: int) -> FloatArray:
     With a sample of every step: the chord between its poses, lengthened to the arc (1). An interval
     of several steps is no arc, as commands change within it: there it is what the commands say.
     """
-    if record.samples <= record.steps_run:
-        return record.commands_over("applied", first, last)[:, :, 0] * record.dt
+    if not _is_fine(record):
+        return _commanded(record, 0, first, last)
     pose = record.pose[first : last + 1]
     step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
     heading = pose[:-1, :, 2] + half

@@ -135,20 +135,20 @@ def _stood(record: Record) -> NDArray[np.bool_]:
     """(N,) whether robots stood for the last `STILL_TIME`, by its samples.
 
     Where none begins it, samples being far apart: no sample since the one before shows a robot
-    elsewhere, or no more was commanded; of a shorter run the share of it.
+    elsewhere, or none within it does and no more was commanded; of a shorter run the share of it.
     """
     begin = record.time[-1] - STILL_TIME
     first = int(np.searchsorted(record.time, begin - 1e-9))
-    is_whole = record.time[first] <= begin + 1e-9
-    place = record.pose[first if is_whole else max(first - 1, 0) :, :, :2]
-    still = (np.hypot(*(place - place[-1]).transpose(2, 0, 1)) <= STILL_DISTANCE).all(axis=0)
-    if is_whole:
-        return np.asarray(still)
+    off = record.pose[max(first - 1, 0) :, :, :2] - record.pose[-1, :, :2]
+    near = np.hypot(*off.transpose(2, 0, 1)) <= STILL_DISTANCE
+    within = near[min(first, 1) :].all(axis=0)
+    if record.time[first] <= begin + 1e-9:
+        return np.asarray(within)
     last, steps = record.steps_run, still_steps(record.dt)
     applied = record.commands_over("applied", max(0, last - steps), last)
     commanded = np.abs(applied[:, :, 0]).sum(axis=0) * record.dt
     idle = commanded <= STILL_DISTANCE * min(last, steps) / steps
-    return np.asarray(idle | (still & (first > 0)))
+    return np.asarray((within & idle) | (near.all(axis=0) & (first > 0)))
 
 
 def _astray(record: Record, robot: int, station: float) -> tuple[float, float]:

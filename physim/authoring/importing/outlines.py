@@ -57,7 +57,7 @@ def _corners(outline: FloatArray) -> FloatArray:
     """An outline about its centre of area, without points that do not show."""
     polygon = shapely.Polygon(outline)
     plain = polygon.simplify(0.2 * ALIKE * polygon.area**0.5)
-    return np.array(plain.exterior.coords)[:-1] - plain.centroid.coords[0]
+    return np.asarray(np.array(plain.exterior.coords)[:-1] - plain.centroid.coords[0])
 
 
 def _lines(outline: FloatArray) -> list[float]:

@@ -15,6 +15,7 @@ import shapely
 
 from physim.authoring.importing.drawing import refused
 from physim.geometry.shapes import FloatArray
+from physim.geometry.tangles import meet_more_often, segments_of
 
 MOST_POINTS = 50_000
 """Points of all lines together."""
@@ -25,7 +26,6 @@ MOST_ACROSS = 2_000
 outside."""
 FARTHEST = 50_000.0
 """[m] extent of a place"""
-BLOCK = 500
 MANY = 2_000
 """Points from which on an outline is taken coarsely, where that is enough."""
 GRAIN = 1e-3
@@ -55,13 +55,13 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
             f"the place is {extent[0]:.3g} x {extent[1]:.3g} m, more than {FARTHEST:g} m; check "
             "--scale",
         )
-    pairs = [np.hstack([line[:-1], line[1:]]) for line in lines if len(line) > 1]
-    if pairs and _tangled(np.vstack(pairs)):
+    segments = segments_of(lines)
+    if meet_more_often(segments, MOST_MEETINGS, by_boxes=True):
         raise refused(
             path,
             f"the lines lie over each other in more than {MOST_MEETINGS} places; draw each once",
         )
-    if pairs and _dense(np.vstack(pairs), extent):
+    if _dense(segments, extent):
         raise refused(
             path,
             f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
@@ -99,21 +99,6 @@ def depth_of(text: str) -> int:
 
 
 def _dense(segments: FloatArray, extent: FloatArray) -> bool:
-    """Whether lines across the place meet more segments (n, 4) than allowed."""
-    covered = np.abs(segments[:, 2:] - segments[:, :2]).sum(axis=0)
+    """Whether lines across the place meet more segments (n, 2, 2) than allowed."""
+    covered = np.abs(segments[:, 1] - segments[:, 0]).sum(axis=0)
     return bool((covered > MOST_ACROSS * np.maximum(extent, 1e-9)).any())
-
-
-def _tangled(segments: FloatArray) -> bool:
-    """Whether more pairs of segments (n, 4) than allowed have boxes that overlap."""
-    low = np.minimum(segments[:, :2], segments[:, 2:])
-    high = np.maximum(segments[:, :2], segments[:, 2:])
-    boxes = shapely.box(*low.T, *high.T)
-    tree = shapely.STRtree(boxes)
-    met = 0
-    for first in range(0, len(boxes), BLOCK):
-        block = boxes[first : first + BLOCK]
-        met += tree.query(block).shape[1] - len(block)
-        if met > 2 * MOST_MEETINGS:
-            return True
-    return False

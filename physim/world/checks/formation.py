@@ -82,6 +82,7 @@ def _check_length(
         return
     line_of, points = Shared(shapely.LineString), shapely.get_coordinates(line)
     has_formation, is_told = laid.world.formation is not None, False
+    ways: dict[int, float] = {}
     for k, path in laid.paths.items():
         where: Location = (*laid.world.entry_of(k), "pose")
         own, position = line_of(path), laid.start[k, :2]
@@ -112,29 +113,35 @@ def _check_length(
                 "reference path, where the formation cannot measure its distance; extend the "
                 "reference path",
             )
-        _check_duration(laid, k, stop - begin, speed, found)
+        ways[k] = stop - begin
+    _check_duration(laid, ways, speed, found)
 
 
 def _check_duration(
-    laid: PartialLayout, k: int, distance: float, speed: float, found: Diagnostics
+    laid: PartialLayout, ways: dict[int, float], speed: float, found: Diagnostics
 ) -> None:
-    """Warn once where the run is too short to arrive although it is expected to."""
+    """Warn where the run is too short for the ways [m] of its robots, but is expected to finish."""
     expect, duration = laid.world.expect, laid.world.time.duration
-    if expect is None or not expect.finished or duration is None:
+    if expect is None or not expect.finished or duration is None or not ways:
         return
-    plan, own = laid.world.formation, laid.world.robots[k].limits.v
-    fastest = speed if plan is None or plan.limits is None else max(speed, plan.limits[1])
-    if own is not None:
-        speed, fastest = min(own, speed), min(own, fastest)
-    needed = distance / speed
-    message = "too short to finish: "
-    if needed > duration and not any(message in f.message for f in found.warnings):
-        sure = "is" if distance / fastest > duration else "may be"  # (7) hurries who is behind
+    plan = laid.world.formation
+    hurried = speed if plan is None or plan.limits is None else max(speed, plan.limits[1])
+
+    def times(k: int) -> tuple[float, float]:
+        """[s] that a robot needs at least, as (7) hurries who is behind, and at its own pace."""
+        own = laid.world.robots[k].limits.v
+        own = np.inf if own is None else own
+        return ways[k] / min(own, hurried), ways[k] / min(own, speed)
+
+    slowest = max(ways, key=lambda k: (times(k)[0] > duration, times(k)[1]))
+    least, needed = times(slowest)
+    if needed > duration:
+        sure = "is" if least > duration else "may be"
         found.warn(
             ("time", "duration"),
-            f"the run {sure} {message}{name_of(laid, k)} has {distance:.4g} m to go, "
-            f"{needed:.4g} s at {speed:.4g} m/s, and the run lasts {duration:.6g} s; "
-            "make it longer, or remove expect.finished",
+            f"the run {sure} too short to finish: {name_of(laid, slowest)} has "
+            f"{ways[slowest]:.4g} m to go, {needed:.4g} s at {ways[slowest] / needed:.4g} m/s, "
+            f"and the run lasts {duration:.6g} s; make it longer, or remove expect.finished",
         )
 
 

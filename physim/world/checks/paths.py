@@ -13,8 +13,8 @@ from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world import Offset
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.rings import is_ring
 from physim.world.checks.room import NOT, ClearanceProfile, inscribed_radius
+from physim.world.checks.way import is_ring
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout, corridor_line
 from physim.world.layout.shared import Shared

@@ -18,23 +18,18 @@ from physim.tolerances import LENGTH
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
 from physim.world.checks.formation import start_stations
 from physim.world.checks.standing import reached
-from physim.world.checks.way import Way
+from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import sharing
 
-JOINED = 1.0
-"""[m] A path whose ends are nearer than this is closed."""
 NEAR = 0.1
 """[-] of its length before and after the joint that count as next to it"""
+MOST_PAIRS = 2_000_000
+"""Robots times segments of their path that are looked at together, which bounds memory."""
 
 FACED = float(np.cos(np.pi / 4.0))
 """[-] A robot faces along a leg when it is turned from it by less than 45 degrees."""
-
-
-def is_ring(path: FloatArray) -> bool:
-    """Whether a path (n, 2) [m] ends where it begins."""
-    return float(np.hypot(*(path[0] - path[-1]))) < JOINED
 
 
 def check_rings(laid: PartialLayout, found: Diagnostics) -> None:
@@ -54,35 +49,48 @@ def _check_loops(laid: PartialLayout, found: Diagnostics) -> None:
     ]
     part_of = reached(laid)
     for group in sharing([laid.paths[i] for i in placed]):
-        robots = [placed[k] for k in group]
-        way = Way(laid.paths[robots[0]])
-        reach = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
-        begin = np.array([part_of[i][0] for i in robots])
-        pose = laid.start[robots]
-        row, leg, station, apart = way.within(pose[:, :2], reach)
-        direction = way.step / way.length[:, None]
-        ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
-        faces = (direction[leg] * ahead[row]).sum(axis=1) > FACED
-        faces_here = (way.at(begin)[1] * ahead).sum(axis=1) > FACED
-        skipped = begin[row] - station
-        is_loop = skipped > np.maximum(NEAR * way.station[-1], 4.0 * reach[row])
-        for k in _first_of_each(row, faces & ~faces_here[row] & is_loop, station):
-            i = robots[row[k]]
-            found.warn(
-                laid.path_key(i),
-                f"{describe(laid.names[i])} faces along its path at station {station[k]:.2f} m, "
-                f"{apart[k]:.2f} m away, but is nearest to station {begin[row[k]]:.2f} m, where "
-                f"it is taken to start: it skips {skipped[k]:.2f} m; place it nearer to the leg "
-                "that it is to begin with",
-            )
+        way = Way(laid.paths[placed[group[0]]])
+        at_once = max(1, MOST_PAIRS // len(way.step))
+        told: list[tuple[int, str]] = []
+        for k in range(0, len(group), at_once):
+            if len(told) < MOST_ALIKE:
+                some = [placed[number] for number in group[k : k + at_once]]
+                told += _loops(laid, some, way, np.array([part_of[i][0] for i in some]))
+        for i, message in told[:MOST_ALIKE]:
+            found.warn(laid.path_key(i), message)
+
+
+def _loops(
+    laid: PartialLayout, robots: list[int], way: Way, begin: FloatArray
+) -> list[tuple[int, str]]:
+    """Who of robots that share a path faces an earlier leg of it than that of ``begin`` [m]."""
+    reach = np.array([circumscribed_radius(laid.footprints[i]) for i in robots])
+    pose = laid.start[robots]
+    row, leg, station, apart = way.within(pose[:, :2], reach)
+    direction = way.step / way.length[:, None]
+    ahead = np.stack((np.cos(pose[:, 2]), np.sin(pose[:, 2])), axis=1)
+    faces = (direction[leg] * ahead[row]).sum(axis=1) > FACED
+    faces_here = (way.at(begin)[1] * ahead).sum(axis=1) > FACED
+    skipped = begin[row] - station
+    is_loop = skipped > np.maximum(NEAR * way.station[-1], 4.0 * reach[row])
+    return [
+        (
+            robots[row[k]],
+            f"{describe(laid.names[robots[row[k]]])} faces along its path at station "
+            f"{station[k]:.2f} m, {apart[k]:.2f} m away, but is nearest to station "
+            f"{begin[row[k]]:.2f} m, where it is taken to start: it skips {skipped[k]:.2f} m; "
+            "place it nearer to the leg that it is to begin with",
+        )
+        for k in _first_of_each(row, faces & ~faces_here[row] & is_loop, station)
+    ]
 
 
 def _first_of_each(row: IntArray, wanted: NDArray[np.bool_], station: FloatArray) -> list[int]:
-    """Of each robot the wanted place of the least station; of the first robots."""
+    """Of each robot the wanted place of the least station."""
     first: dict[int, int] = {}
     for k in np.flatnonzero(wanted)[np.argsort(station[wanted], kind="stable")].tolist():
         first.setdefault(int(row[k]), k)
-    return [first[one] for one in sorted(first)[:MOST_ALIKE]]
+    return [first[one] for one in sorted(first)]
 
 
 def _check_laps(laid: PartialLayout, found: Diagnostics) -> None:

@@ -13,13 +13,15 @@ from physim.errors import Location
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import CONTACT, LENGTH
 from physim.world.checks.findings import MOST_ALIKE, Diagnostics
-from physim.world.checks.way import Way
+from physim.world.checks.way import Way, is_ring
 from physim.world.faults import describe
 from physim.world.layout.layout import PartialLayout
 from physim.world.layout.shared import sharing
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
+MOST_OF = PLACES // 2
+"""of them at which two robots meet at least, for whom it is sure that they do wherever both are"""
 
 
 def listed_leads(laid: PartialLayout) -> FloatArray | None:
@@ -53,7 +55,7 @@ def check_spacing(
     both = {(i, j): int((is_there[row[i]] & is_there[row[j]]).sum()) for i, j in met}
     is_listed = listed_leads(laid) is not None
     where: Location = ("formation", "spacing") if is_listed else ("formation",)
-    everywhere = sorted(pair for pair, count in met.items() if count == both[pair])
+    everywhere = sorted(pair for pair, count in met.items() if MOST_OF <= count == both[pair])
     for i, j in everywhere[:MOST_ALIKE]:
         found.error(
             (*where, j) if is_listed else where,
@@ -61,7 +63,7 @@ def check_spacing(
             "along the reference path is less than their footprints need on their paths: they "
             f"would overlap in formation; {_remedy(laid, i, j)}",
         )
-    somewhere = sorted(pair for pair, count in met.items() if count < both[pair])
+    somewhere = sorted(met.keys() - {*everywhere})
     for i, j in somewhere[:MOST_ALIKE]:
         found.warn(
             where,
@@ -76,11 +78,15 @@ def _bases(
 ) -> FloatArray:
     """Places (K,) [m] of the first robot along s* at which the formation is laid out.
 
-    Within ``room``, all that lie between the ends of the robots' own paths.
+    Within ``room``, all that lie between the ends of the robots' own paths; all of it where a path
+    is closed, or leads over the joint of a closed s*, and its ends say nothing of what it passes.
     """
+    low, high = -leads.min(), -leads.min() + room
     ends = np.array([laid.paths[i][[0, -1]] for i in robots])
-    bases = way.nearest(ends.reshape(-1, 2)).reshape(-1, 2) - leads[list(robots)][:, None]
-    low, high = np.clip((bases.min(), bases.max()), -leads.min(), -leads.min() + room)
+    at = way.nearest(ends.reshape(-1, 2)).reshape(-1, 2)
+    if (at[:, 0] < at[:, 1]).all() and not any(is_ring(laid.paths[i]) for i in robots):
+        bases = at - leads[list(robots)][:, None]
+        low, high = np.clip((bases.min(), bases.max()), low, high)
     return np.linspace(low, high, PLACES)
 
 
@@ -118,7 +124,8 @@ def _laid_out(
         places, ahead = way.at(stations)
         apart = ((wanted - places) * ahead).sum(axis=1)  # along the path: beyond its ends alone
         at_end = (stations <= LENGTH) | (stations >= way.station[-1] - LENGTH)
-        is_there[rows] = ~(at_end & (np.abs(apart) > LENGTH)).reshape(len(rows), -1)
+        is_beyond = at_end & (np.abs(apart) > LENGTH) & (not is_ring(way.points))
+        is_there[rows] = ~is_beyond.reshape(len(rows), -1)
         by_robot = zip(rows, np.split(places, len(rows)), np.split(ahead, len(rows)), strict=True)
         for row, place, direction in by_robot:
             x, y = laid.footprints[robots[row]].T

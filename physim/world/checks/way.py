@@ -7,6 +7,14 @@ import shapely
 
 from physim.geometry.shapes import FloatArray, IntArray
 
+JOINED = 1.0
+"""[m] A path whose ends are nearer than this is closed."""
+
+
+def is_ring(path: FloatArray) -> bool:
+    """Whether a path (n, 2) [m] ends where it begins."""
+    return float(np.hypot(*(path[0] - path[-1]))) < JOINED
+
 
 class Way:
     """Places on a path (n, 2) [m] by station, and stations by place; numpy and a tree."""

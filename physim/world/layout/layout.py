@@ -19,6 +19,7 @@ from physim.errors import Fault, Location, WorldError
 from physim.geometry.area import Area, accessible_area
 from physim.geometry.corridor import corridor_boundaries
 from physim.geometry.shapes import FloatArray
+from physim.geometry.tangles import meet_more_often, segments_of
 from physim.geometry.thinning import thinned
 from physim.world import Offset, World
 from physim.world.layout.road import with_drawn_road
@@ -36,6 +37,9 @@ from physim.world.layout.shape_checks import (
 )
 from physim.world.layout.start_poses import start_poses, written_poses
 from physim.world.scene import Layout
+
+MOST_MEETINGS = 100_000
+"""Pairs of segments of boundaries that share a point, beside those that follow each other"""
 
 Named = tuple[str, Any]
 """A shapely line or polygon, and before it what messages call it"""
@@ -210,6 +214,14 @@ def _boundaries(world: Any, faults: list[Fault]) -> tuple[dict[str, FloatArray],
     if world.boundaries is not None:
         lines = [distinct(line)[0] for line in world.boundaries]
         found = {f"boundary {k + 1}": line for k, line in enumerate(lines) if line is not None}
+        segments = segments_of(list(found.values()))
+        if meet_more_often(segments, len(segments) + MOST_MEETINGS):
+            message = (
+                f"the lines meet each other or themselves in more than {MOST_MEETINGS} places; "
+                "draw each wall once"
+            )
+            faults.append(Fault(("boundaries",), message))
+            return {}, False
         return found, len(found) == len(lines)
     centreline, width = corridor_line(world)
     if centreline is None or width is None or world.corridor.end_margin is None:

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "geometry",
+        "physim/geometry/tangles.py",
+        "meet_more_often",
+        "if met > 2 * most:",
+        "if met > most:",
+        "each pair of segments that meets counts once",
+        "tests/geometry/test_tangles.py::test_pairs_that_meet_are_counted_as_by_looking_at_each",
+    ),
+    Edit(
+        "geometry",
         "physim/geometry/joints.py",
         "joined",
         "if not len(place):",

@@ -7,9 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 import shapely
 
 import physim
+from physim import Column, Decision
 from physim.analysis.validation.analytic_contacts import analytic_contacts
 from physim.analysis.validation.contact_report import contact_reports
 from physim.analysis.validation.contact_text import paragraph
@@ -17,11 +19,11 @@ from physim.analysis.validation.decisions import DecisionTable
 from physim.analysis.validation.near_misses import NearMiss
 from physim.analysis.validation.prediction import Predictor
 from physim.drawing.labels import decimal, metres
-from physim.drawing.page import write_page
+from physim.drawing.page import curves, write_page
 from physim.drawing.scene_model import outline, placed
 from physim.record import Record
 from tests.browser.driver import Seen
-from tests.validation.runs import REAR_END, lane
+from tests.validation.runs import LANE, REAR_END, Drivers, lane
 
 Opened = Callable[..., Seen]
 
@@ -110,6 +112,45 @@ def test_an_address_leads_to_a_moment_and_follows_the_reader(opened: Opened) -> 
     assert seen.ask("physim.robot") == 0
     seen.page.keyboard.press("ArrowRight")
     assert seen.ask("location.hash") == "#t=4.1&robot=r1"
+
+
+class Sentinel(Drivers):
+    """Writes 1e9 m for none, as many do; decides once for all from 2 s on."""
+
+    columns = (Column("gap", "m"),)
+
+    def __init__(self) -> None:
+        super().__init__((0.5, 0.0), (1.4, 0.2))
+
+    def decide(self, observation, memory):
+        v, omega = self.commands[observation.index]
+        early = observation.time < 1.0
+        hold = 0.1 if observation.time < 2.0 else 1e12
+        return Decision(v=v, omega=omega, hold=hold, report={"gap": 1e9 if early else 1.25})
+
+
+def test_figures_are_those_of_the_moment(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However long the run is, and whatever a column held at other times."""
+    monkeypatch.setattr(curves, "BINS", 3)
+    record = physim.simulate(physim.parse_world(LANE), controller=Sentinel())
+    seen = opened(write_page([record], tmp_path / "r.html"))
+    for time in (0.0, 0.43, 1.0, 2.6):
+        seen.drawn_at(time)
+        k = round(time / record.dt)
+        for label, values in (
+            ("closest now", record.clearance),
+            ("wall, closest now", record.boundary_clearance),
+        ):
+            row = seen.page.locator(".figures tr", has=seen.page.get_by_text(label, exact=True))
+            assert metres(float(values[k].min())) in row.inner_text(), (time, label)
+    seen.ask("location.hash = '#t=1.5&robot=slow'")
+    seen.until("physim.robot === 0")
+    assert "1.25 m" in seen.text("#why")
+    seen.ask("location.hash = '#t=0.5&robot=slow'")
+    seen.until("physim.player.time === 0.5")
+    assert "1.25 m" not in seen.text("#why")
 
 
 def test_moments_are_found_by_clicks_alone(opened: Opened, record: Record) -> None:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import physim
 from physim.analysis.summary import summarise
+from physim.drawing.page import curves
 from physim.drawing.page.data import run_data
 from physim.drawing.page.knots import between, find_knots
 from physim.drawing.page.packing import LARGEST, Pack
@@ -99,6 +100,40 @@ def test_decisions_and_contacts_come_back(tmp_path: Path) -> None:
         )
         assert [moment["label"] for moment in header["moments"]].count("first contact") == 1
         check_considered(record, rows, arrays)
+
+
+def test_distances_of_now_are_not_those_of_a_stretch(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Plots keep the least of each bin; what is told beside the picture is of that moment."""
+    monkeypatch.setattr(curves, "BINS", 7)
+    with make_record(tmp_path / "r.h5", 4, 5.0) as record:
+        _, arrays = unpack(run_data(record, summarise(record)))
+        assert len(arrays["pair"]) == 7
+        assert arrays["now"].tolist() == record.steps.tolist()
+        least = record.clearance.min(axis=1)
+        assert np.allclose(arrays["now_pair"], least, rtol=0, atol=5.1e-5)
+        walls = record.boundary_clearance.min(axis=1)
+        assert np.allclose(arrays["now_wall"], walls, rtol=0, atol=5.1e-5)
+        for name in ("now_a", "now_b"):
+            mine = record.clearance[np.arange(len(least)), arrays[name].astype(int)]
+            assert np.allclose(mine, least, rtol=0, atol=1e-9)
+        assert (arrays["now_a"] < arrays["now_b"]).all()
+        monkeypatch.setattr(curves, "MOST_NOW", 11)
+        few = unpack(run_data(record, summarise(record)))[1]
+        assert len(few["now"]) == 11
+        assert few["now"][[0, -1]].tolist() == record.steps[[0, -1]].tolist()
+
+
+def test_one_large_number_takes_no_digit_from_the_others() -> None:
+    """Such as 1e9 for none, or a barrier next to a contact."""
+    given = np.array([1e9, 1.845, np.nan, -np.inf, 1e300, 0.0, -2.5])
+    pack = Pack()
+    pack.real("a", given, 1e-3)
+    pack.real("b", given[1:2], 1e-3)
+    arrays = unpack(pack.to_base64({}))[1]
+    assert np.array_equal(arrays["a"], given, equal_nan=True)
+    assert arrays["b"] == pytest.approx([1.845], abs=5.1e-4)
 
 
 def check_considered(

@@ -19,6 +19,11 @@ def unpack(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def _array(planes: bytes, index: dict[str, Any], name: str) -> Any:
+    if index[name]["quantum"] == 0.0:
+        at, n = index[name]["at"], index[name]["n"]
+        return np.array(
+            [np.frombuffer(planes[at + k : at + 8 * n : n])[0] for k in range(n)], dtype=float
+        )
     numbers = _whole(planes, **{key: index[name][key] for key in ("at", "n", "planes", "order")})
     values = (np.array(numbers, dtype=float) + index[name].get("base", 0)) * index[name]["quantum"]
     if f"{name}?" in index:

@@ -105,11 +105,10 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     commands, and so is the turn between samples; both differ from the motion while a contact pushes
     the robot. Defined where the whole window lies before the robot is at its stop station.
     """
-    none = np.zeros((0, record.robots))
-    if record.samples < 2:
-        return AveragedSpeeds(np.zeros(0), none, none)
     end = record.steps_run * record.dt
-    count = max(0, int((end - window) / every + 1e-9) + 1)
+    count = int((end - window) / every + 1e-9) + 1 if end >= window - 1e-9 else 0
+    if record.samples < 2 or not count:
+        return AveragedSpeeds(np.zeros(0), *np.zeros((2, 0, record.robots)))
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
     ends = middle - window / 2.0, middle + window / 2.0
     steps = _looked_at(record, ends)

@@ -15,6 +15,9 @@ BINS = 3000
 """Least values at most; of longer runs each is that of a stretch of time"""
 MOMENTS = 400
 """at which bands of a crowd and its modes are taken"""
+MOST_NOW, MOST_LOOKED_AT = 40_000, 4_000_000
+"""Samples, and samples of robots, of which the distances of that very moment are kept; of more,
+those of samples spread evenly"""
 LENGTH, SECONDS = 1e-4, 1e-3
 """[m], [s] to which they are rounded"""
 
@@ -28,13 +31,9 @@ def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
     pair, wall = _least(clearance, first), _least(walls, first)
     if timeline.robots > 1:
         pack.real("pair", clearance[pair].min(axis=1), LENGTH)
-        nearest = np.sort(np.argsort(clearance[pair], axis=1, kind="stable")[:, :2], axis=1)
-        pack.whole("pair_a", nearest[:, 0])
-        pack.whole("pair_b", nearest[:, 1])
-        pack.whole("pair_step", record.steps[pair])
     if np.isfinite(walls).any():
         pack.real("wall", walls[wall].min(axis=1), LENGTH)
-        pack.whole("wall_robot", walls[wall].argmin(axis=1))
+    _pack_now(timeline, pack)
     return {
         "pair": timeline.robots > 1,
         "wall": bool(np.isfinite(walls).any()),
@@ -42,6 +41,22 @@ def pack_curves(timeline: Timeline, pack: Pack) -> dict[str, Any]:
         "error": _pack_errors(timeline, pack),
         "modes": _pack_modes(timeline, pack),
     }
+
+
+def _pack_now(timeline: Timeline, pack: Pack) -> None:
+    """Add the least distances at single moments, and of which robots: no bins, as they are told
+    beside a picture of that moment."""
+    record = timeline.record
+    count = min(len(record.steps), MOST_NOW, max(BINS, MOST_LOOKED_AT // timeline.robots))
+    at = np.unique(np.linspace(0, len(record.steps) - 1, count).astype(np.int64))
+    pack.whole("now", record.steps[at])
+    if timeline.robots > 1:
+        clearance = record.clearance[at]
+        nearest = np.sort(np.argsort(clearance, axis=1, kind="stable")[:, :2], axis=1)
+        pack.real("now_pair", clearance.min(axis=1), LENGTH)
+        pack.whole("now_a", nearest[:, 0])
+        pack.whole("now_b", nearest[:, 1])
+    pack.real("now_wall", record.boundary_clearance[at].min(axis=1), LENGTH)
 
 
 def _bins(timeline: Timeline) -> IntArray:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.drawing.page.packing import Pack
+from physim.drawing.page.packing import LARGEST, Pack
 from physim.geometry.shapes import IntArray
 from physim.record import Record
 
@@ -36,7 +36,8 @@ def pack_decisions(record: Record, pack: Pack) -> dict[str, Any]:
     quantum = FINE if few else COARSE
     pack.whole("decisions", np.bincount(rows["robot"], minlength=record.robots))
     pack.whole("step", rows["step"])
-    pack.whole("hold", rows["next_step"] - rows["step"])
+    hold = rows["next_step"] - rows["step"]
+    pack.whole("hold", np.minimum(hold, LARGEST - 1))  # one decision for all time may be more
     for name in ("mode", "rule", "considered"):
         pack.whole(name, rows[name])
     for name in ("nominal_v", "nominal_omega", "applied_v", "applied_omega"):

@@ -32,7 +32,8 @@ class Pack:
     def __init__(self) -> None:
         self.index: dict[str, dict[str, Any]] = {}
         """of each array: where its bytes begin, how many values, planes, order of differences, the
-        quantum of one, and what is to be added to the numbers where they are large"""
+        quantum of one, and what is to be added to the numbers where they are large; a quantum of 0
+        means floats of 8 bytes"""
         self._blobs: list[bytes] = []
         self._size = 0
 
@@ -49,16 +50,18 @@ class Pack:
         if len(numbers) and int(np.abs(numbers).max()) >= LARGEST:
             raise ValueError(f"{name}: a number does not fit")
         order, planes = _smallest(numbers)
-        self.index[name] = {
-            "at": self._size, "n": len(numbers), "planes": len(planes), "order": order,
-            "quantum": quantum, **({"base": base} if base else {}),
-        }  # fmt: skip
+        self._add(name, planes, order=order, quantum=quantum, **({"base": base} if base else {}))
+
+    def _add(self, name: str, planes: NDArray[np.uint8], **about: float) -> None:
+        """Add byte planes (b, n), and what the index says of them."""
+        count, values = planes.shape
+        self.index[name] = {"at": self._size, "n": values, "planes": count, **about}
         blob = planes.tobytes()
         self._blobs.append(blob)
         self._size += len(blob)
 
     def real(self, name: str, values: ArrayLike, quantum: float) -> None:
-        """Add real numbers (n,), rounded to ``quantum``, or coarser where they are too large.
+        """Add real numbers (n,), rounded to ``quantum``; as they are where they lie too far apart.
 
         Infinite ones and NaN stay what they are.
         """
@@ -66,8 +69,9 @@ class Pack:
         finite = np.isfinite(given)
         known = given[finite] if finite.any() else np.zeros(1)
         least, most = float(known.min()), float(known.max())
-        while most / quantum - least / quantum >= LARGEST or max(-least, most) / quantum >= EXACT:
-            quantum *= 10.0
+        if most / quantum - least / quantum >= LARGEST or max(-least, most) / quantum >= EXACT:
+            self._add(name, given.astype("<f8").view(np.uint8).reshape(-1, 8).T, quantum=0.0)
+            return
         if not finite.all():
             kinds = np.select([finite, np.isnan(given), given > 0.0], [FINITE, NAN, INF], MINUS_INF)
             self.whole(f"{name}?", kinds)

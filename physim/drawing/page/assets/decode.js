@@ -32,8 +32,19 @@ function whole(bytes, about) {
 
 const SPECIAL = [0, NaN, Infinity, -Infinity];
 
+/** Floats whose bytes stand in planes, lowest first. */
+function floats(bytes, { at, n }) {
+  if (at + 8 * n > bytes.length) throw new RangeError("the data of this page break off");
+  const view = new DataView(new ArrayBuffer(8));
+  return Float64Array.from({ length: n }, (_, k) => {
+    for (let plane = 0; plane < 8; plane++) view.setUint8(plane, bytes[at + plane * n + k]);
+    return view.getFloat64(0, true);
+  });
+}
+
 /** Real numbers: so many times the quantum, and those that are not finite. */
 function real(bytes, index, name) {
+  if (!index[name].quantum) return floats(bytes, index[name]);
   const numbers = Float64Array.from(whole(bytes, index[name]));
   const { quantum, base = 0 } = index[name];
   for (let k = 0; k < numbers.length; k++) numbers[k] = (numbers[k] + base) * quantum;

@@ -2,7 +2,7 @@
 
 import { button, el, say } from "./dom.js";
 import { drawContact } from "./marks.js";
-import { binAt, Fleet } from "./robots.js";
+import { Fleet, nowAt } from "./robots.js";
 import { decimal, metres } from "./words.js";
 
 /** The table of figures, one column a run; `update` shows another time. */
@@ -34,8 +34,8 @@ function momentOf(view, time) {
   const touching = now.length ? both(now.at(-1).k) + (now.length > 1 ? ` + ${now.length - 1}` : "") : "none";
   const pair = view.closest(time);
   const closest = pair ? `${run.names[pair.a]} – ${run.names[pair.b]} ${metres(pair.distance)}` : "–";
-  const walls = run.header.curves.wall ? (view.walls ??= run.array("wall")) : null;
-  const wall = walls ? walls[binAt(run, time)] : Infinity;
+  const walls = run.header.curves.wall ? (view.walls ??= run.array("now_wall")) : null;
+  const wall = walls ? walls[nowAt(run, time)] : Infinity;
   const arrived = run.arrived(time);
   const isKnown = run.header.contacts.recorded;
   return [

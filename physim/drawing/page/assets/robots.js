@@ -199,6 +199,10 @@ function nearestOn(x, y, ax, ay, bx, by) {
   return [ax + share * dx, ay + share * dy];
 }
 
-/** Bin of a time in the courses of a run. */
-export const binAt = (run, time) =>
-  Math.max(0, lastAtMost((run.bins ??= run.array.whole("bin")), (time + 1e-9) / run.dt));
+/** The moment nearest to a time at which the least distances are known. */
+export function nowAt(run, time) {
+  run.now ??= run.array.whole("now");
+  const step = (time + 1e-9) / run.dt;
+  const k = Math.max(0, lastAtMost(run.now, step));
+  return k + 1 < run.now.length && run.now[k + 1] - step < step - run.now[k] ? k + 1 : k;
+}

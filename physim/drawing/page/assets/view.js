@@ -7,7 +7,7 @@ import { Ground } from "./ground.js";
 import {
   drawClosest, drawContacts, drawScale, drawSight, drawTargets, writeLabels,
 } from "./marks.js";
-import { Fleet, binAt, drawTrails } from "./robots.js";
+import { Fleet, nowAt, drawTrails } from "./robots.js";
 import { roundBelow } from "./words.js";
 
 const CONTACT_LASTS = 1; // [s] least simulated time that the mark of a contact stays
@@ -33,9 +33,9 @@ export class View {
   closest(time) {
     const { run } = this;
     if (!run.header.curves.pair) return null;
-    this.pairs ??= ["pair", "pair_a", "pair_b"].map((name) => run.array(name));
-    const bin = binAt(run, time);
-    const [distance, a, b] = this.pairs.map((values) => values[bin]);
+    this.pairs ??= ["now_pair", "now_a", "now_b"].map((name) => run.array(name));
+    const now = nowAt(run, time);
+    const [distance, a, b] = this.pairs.map((values) => values[now]);
     return { a, b, distance };
   }
 

@@ -20,6 +20,8 @@ from physim.world.layout.shared import sharing
 
 PLACES = 12
 """Stations of the reference path at which the whole formation is laid out."""
+MOST_PAIRS = 100_000
+"""Pairs of robots that meet at one of these stations which are looked at, about"""
 MOST_OF = PLACES // 2
 """of them at which two robots meet at least, for whom it is sure that they do wherever both are"""
 
@@ -43,14 +45,8 @@ def check_spacing(
     if room <= 0.0:
         return  # reported as a reference path that is too short
     bases = _bases(laid, shared, way, leads, room)
-    met: dict[tuple[int, int], int] = {}
     shapes, is_there = _laid_out(laid, shared, way.at((bases + leads[shared][:, None]).ravel())[0])
-    for column, there in zip(shapes.T, is_there.T, strict=True):
-        tree = shapely.STRtree(column)
-        for i, j in np.transpose(tree.query(column, predicate="dwithin", distance=CONTACT)):
-            if i < j and there[i] and there[j]:
-                pair = (shared[i], shared[j])
-                met[pair] = met.get(pair, 0) + 1
+    met = {(shared[i], shared[j]): count for i, j, count in _meetings(shapes, is_there)}
     row = {robot: k for k, robot in enumerate(shared)}
     both = {(i, j): int((is_there[row[i]] & is_there[row[j]]).sum()) for i, j in met}
     is_listed = listed_leads(laid) is not None
@@ -88,6 +84,34 @@ def _bases(
         bases = at - leads[list(robots)][:, None]
         low, high = np.clip((bases.min(), bases.max()), low, high)
     return np.linspace(low, high, PLACES)
+
+
+def _meetings(shapes: Any, is_there: NDArray[np.bool_]) -> list[tuple[int, int, int]]:
+    """Which two rows of shapes (R, K) meet, and at how many of K places where both are there.
+
+    Of a crowd that stands in one place the first rows alone are looked at, with all others.
+    """
+    rows = count = len(shapes)
+    block = max(1, MOST_PAIRS // count)
+    found = []
+    for column, there in zip(shapes.T, is_there.T, strict=True):
+        tree, seen = shapely.STRtree(column), 0
+        for first in range(0, rows, block):
+            last = min(first + block, rows)
+            i, j = tree.query(column[first:last], predicate="dwithin", distance=CONTACT)
+            i += first
+            both = (i < j) & there[i] & there[j]
+            found.append(i[both] * count + j[both])
+            seen += int(both.sum())
+            if seen > MOST_PAIRS:
+                rows = last
+                break
+    pairs, places = np.unique(np.concatenate(found), return_counts=True)
+    known = pairs < rows * count
+    return [
+        (*divmod(pair, count), at)
+        for pair, at in zip(pairs[known].tolist(), places[known].tolist(), strict=True)
+    ]
 
 
 def _remedy(laid: PartialLayout, i: int, j: int) -> str:

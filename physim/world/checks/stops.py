@@ -138,6 +138,8 @@ def _check_robots(
     near: list[tuple[float, Stop, Stop]] = []
     looked_at = 0
     for stop in at:
+        if looked_at > MOST_PAIRS:
+            break
         way = _way_on(stop, laid.footprints[stop.number], needed[stop.number])
         for k in tree.query(way, predicate="intersects").tolist():
             looked_at += 1

@@ -10,7 +10,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from physim.authoring.importing.outlines import footprint_of, rectangle_of
+from physim.authoring.importing.outlines import (
+    DENT,
+    footprint_of,
+    rectangle_of,
+    without_dents,
+)
+from physim.geometry.polygon import convex_parts
 from physim.geometry.shapes import FloatArray
 
 AHEAD = np.array([1.0, 0.0])
@@ -101,3 +107,40 @@ def test_a_rectangle_lies_on_a_side() -> None:
     sides = np.diff(np.vstack([quad, quad[:1]]), axis=0)
     angles = [atan2(y, x) - heading for x, y in sides]
     assert min(abs((one + pi / 4) % (pi / 2) - pi / 4) for one in angles) < 1e-12
+
+
+@pytest.mark.parametrize("radius", [0.2, 0.5, 1.0])
+@pytest.mark.parametrize("count", [16, 64, 128, 500])
+def test_a_round_robot_of_many_points_is_one_convex_part(radius: float, count: int) -> None:
+    """To the millimetre its outline is dented, and would be slivers of a millimetre."""
+    angle = np.linspace(0.0, 2.0 * pi, count, endpoint=False)
+    drawn = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    own = np.asarray(footprint_of(drawn + 3.0, np.array([3.0, 3.0]), 0.3))
+    assert len(convex_parts(own)) == 1
+    off = shapely.Polygon(own).hausdorff_distance(shapely.Polygon(turned(drawn, -0.3)))
+    assert off <= 0.001 + DENT
+
+
+OUTLINES = st.lists(st.floats(0.3, 1.0), min_size=4, max_size=40)
+
+
+@given(OUTLINES, st.sampled_from([1.0, 0.004]))
+def test_dents_are_filled_as_far_as_stated_and_no_further(radii: list[float], share: float) -> None:
+    """Any star, and one that is round but for 4 mm."""
+    angle = np.linspace(0.0, 2.0 * pi, len(radii), endpoint=False)
+    radius = 1.0 - share * (1.0 - np.array(radii))
+    star = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    found = without_dents(star)
+    given, kept = shapely.Polygon(star), shapely.Polygon(found)
+    assert {*map(tuple, found.tolist())} <= {*map(tuple, star.tolist())}
+    if kept.is_valid:
+        assert kept.buffer(1e-9).covers(given)
+    gaps = shapely.distance(shapely.points(star), kept.exterior)
+    assert gaps.max() <= DENT + 1e-9
+
+
+def test_a_notch_that_is_drawn_stays() -> None:
+    notched = np.array([(0, 0), (1, 0), (1, 0.6), (0.5, 0.597), (0, 0.6)])
+    assert len(without_dents(notched)) == 5
+    notched[3, 1] = 0.5985
+    assert len(without_dents(notched)) == 4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import numpy as np
 import pytest
 
 from physim.errors import Fault
@@ -120,6 +121,22 @@ def test_a_step_that_would_tunnel_is_refused_and_the_largest_told(world):
     assert float(named) <= largest
     assert float(named) == pytest.approx(largest, rel=0.01)
     assert re.search(facts("0.25 m"), faults[0].message)
+
+
+def test_a_dent_that_makes_slivers_of_a_robot_is_told_as_such(world):
+    """A circle of a metre across with 128 corners, exactly and to the millimetre."""
+    angles = np.linspace(0.0, 2.0 * np.pi, 129)[:-1]
+    exact = 0.5 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+    def said(outline):
+        robots = (world.robots[0].model_copy(update={"footprint": tuple(map(tuple, outline))}),)
+        step = {"step": 0.05, "duration": 1.0}
+        return [f.message for f in found(world.changed(robots=robots, formation=None, time=step))]
+
+    assert said(exact.tolist()) == []
+    (message,) = said(exact.round(3).tolist())
+    assert "dented" in message
+    assert "convex parts" in message
 
 
 def test_a_motion_a_little_too_long_is_told_apart_from_what_is_allowed(world):

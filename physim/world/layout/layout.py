@@ -25,17 +25,16 @@ from physim.world import Offset, World
 from physim.world.layout.road import with_drawn_road
 from physim.world.layout.robots import distinct, footprints_of, path_of, paths_of
 from physim.world.layout.shape_checks import (
-    Moving,
     Placed,
     gaps,
     outline_fault,
     placed_outline,
     robot_faults,
     self_overlap,
-    tunnelling,
     wall_faults,
 )
 from physim.world.layout.start_poses import start_poses, written_poses
+from physim.world.layout.tunnelling import Moving, tunnelling
 from physim.world.scene import Layout
 
 MOST_MEETINGS = 100_000

@@ -34,7 +34,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world/layout/shape_checks.py",
+        "physim/world/layout/tunnelling.py",
         "tunnelling",
         "TUNNEL_FRACTION * min(widths)",
         "4 * TUNNEL_FRACTION * min(widths)",
@@ -44,7 +44,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world/layout/shape_checks.py",
+        "physim/world/layout/tunnelling.py",
         "tunnelling",
         "robot.v + circumscribed_radius(robot.outline) * robot.omega",
         "robot.v",
@@ -54,7 +54,7 @@ EDITS = (
     ),
     Edit(
         "world_file",
-        "physim/world/layout/shape_checks.py",
+        "physim/world/layout/tunnelling.py",
         "tunnelling",
         "smallest_width(convex_parts(outline))",
         "least_width(outline)",

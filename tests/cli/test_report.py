@@ -131,6 +131,24 @@ def test_a_still_is_of_the_run_of_its_row(made: Path, tmp_path: Path, monkeypatc
     assert drawn[0] < 1e-9
 
 
+def test_a_file_that_is_no_still_is_not_read_into_the_page(
+    made: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It begins as a picture and claims a gigabyte, a few bytes of which are on the disk."""
+    assert physim("report", made, "--quiet", capture=capsys).code == 0
+    still = next((made / "stills").iterdir())
+    drawn = still.read_bytes()
+    try:
+        with still.open("r+b") as file:
+            file.truncate(1_000_000_000)
+        assert physim("report", made, "--quiet", capture=capsys).code == 0
+        page = (made / "report.html").read_text(encoding="utf-8")
+        assert f"{still.name} is no picture; delete it" in Elements(page).said
+        assert len(page) < 8_000_000
+    finally:
+        still.write_bytes(drawn)
+
+
 def _made(folder: Path, row: dict[str, Any]) -> Record:
     from physim.campaigns.report.pictures import remake
 

@@ -26,6 +26,8 @@ PNG = b"\x89PNG"
 """How every picture begins"""
 STILL_WIDTH = 800
 """[px]"""
+MOST_STILL = 3_000_000
+"""[bytes] of a picture of so many pixels; a file that is larger is none"""
 MOST_PAGE = 8_000_000
 """[bytes] of the page of a run; a larger one is not kept, and that is told"""
 KEY = re.compile(r"[0-9a-f]{20}")
@@ -114,8 +116,9 @@ def _shown(
     ]
     if links[1]:
         links[1] += _moment(row)
-    picture = still.read_bytes()
-    if not picture.startswith(PNG):
+    with still.open("rb") as file:
+        picture = file.read(MOST_STILL + 1)
+    if not picture.startswith(PNG) or len(picture) > MOST_STILL:
         return Shown(again, fault=f"{still.name} is no picture; delete it to have it drawn again")
     return Shown(again, picture, links[0], page=links[1], left_out=left_out)
 

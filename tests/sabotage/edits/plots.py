@@ -61,6 +61,15 @@ EDITS = (
     ),
     Edit(
         "plots",
+        "physim/drawing/plots/frame.py",
+        "_mixed_up",
+        "+ astray.sum()",
+        "",
+        "words stand nearer their own mark than another",
+        "tests/plots/test_figures.py::test_words_of_marks_stand_nearer_their_own_mark_than_another_and_off_the_curves",
+    ),
+    Edit(
+        "plots",
         "physim/drawing/plots/distances.py",
         "_least",
         "(record.clearance, INK,",

@@ -168,10 +168,13 @@ def _texts(words: str, pattern: str, needed: bool = False) -> Allowed:
     return Allowed("str", words, f"^(?:{pattern})$", needed=needed)
 
 
+MOST = 1e12
+"""[m], [s] that a length or a time may be: far beyond any run"""
 _ENDED = _texts(f"one of {', '.join(ENDS)}", "|".join(ENDS), True)
 _NUMBERS = {
     "seed": Allowed("int", "a whole number from 0", least=0, needed=True),
-    "shortest_distance": Allowed("float", "a finite number"),
+    "shortest_distance": Allowed("float", "a number from -1e12 to 1e12", least=-MOST, most=MOST),
+    "shortest_collision_time": Allowed("float", "a finite number from 0, or null", least=0.0),
     "danger_share": Allowed("float", "a number from 0 to 1", least=0.0, most=1.0),
 }
 _TEXTS = {
@@ -188,7 +191,7 @@ _TEXTS = {
 _USUAL = {
     "str": Allowed("str", "a text"),
     "int": Allowed("int", "a whole number from 0, or null", least=0),
-    "float": Allowed("float", "a finite number from 0, or null", least=0.0),
+    "float": Allowed("float", "a number from 0 to 1e12, or null", least=0.0, most=MOST),
 }
 ALLOWED = {
     one.name: (_TEXTS | _NUMBERS).get(one.name, _USUAL[str(one.type).partition(" ")[0]])

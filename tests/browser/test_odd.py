@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import physim
+from physim import Column, Decision
 from physim.drawing.page import write_page
 from tests.browser.__main__ import look
 from tests.browser.driver import Seen
@@ -80,3 +81,26 @@ def test_a_filter_is_seen_at_work(opened: Opened, tmp_path: Path) -> None:
         line = seen.page.locator("#why .facts tr", has_text=stage).inner_text()
         assert f"{row[f'{stage}_v']:.2f} m/s" in line
     assert row["filtered_v"] == 0.5 * row["nominal_v"] > 0.0
+
+
+class Far:
+    """Drives on, and reports a large number where no collision lies ahead."""
+
+    columns = (Column("collision_time", "s"),)
+
+    def decide(self, observation: object, memory: object) -> Decision:
+        return Decision(v=0.2, omega=0.0, hold=0.1, report={"collision_time": 1e9})
+
+
+def test_no_number_beside_a_plot_is_cut(opened: Opened, tmp_path: Path) -> None:
+    script = """
+        const write = CanvasRenderingContext2D.prototype.fillText;
+        window.begins = {};
+        CanvasRenderingContext2D.prototype.fillText = function (words, x, y, ...more) {
+          if (this.textAlign === "right") window.begins[words] = x - this.measureText(words).width;
+          write.call(this, words, x, y, ...more);
+        };"""
+    seen = opened(write_page([run(controller=Far())], tmp_path / "r.html"), script=script)
+    begins = seen.ask("window.begins")
+    assert {"0", "1e9"} <= begins.keys()
+    assert min(begins.values()) >= 0.0

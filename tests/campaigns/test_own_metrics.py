@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 
+from physim.analysis.metrics.registered import Registered
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import FINISHED
 from physim.campaigns.compare import by, compare
@@ -19,6 +23,7 @@ from physim.campaigns.one_run import row_without_run, run_one
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.own_metrics import MOST, with_columns
 from physim.campaigns.reading import read
+from physim.campaigns.report.comparison_page import comparison_page
 from physim.campaigns.report.contents import report_of
 from physim.campaigns.report.page import report_page
 from physim.campaigns.report.pictures import Shown
@@ -141,6 +146,27 @@ def test_reports_sum_them_up() -> None:
     assert report.cells[0].spread("metric_way").median == 6.0
     assert "\n  way  " in report_text(report, [""] * len(report.worst))
     assert 'data-name="way"' in report_page(report, [Shown("")] * len(report.worst))
+
+
+def test_a_unit_is_only_a_unit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In pages of reports and comparisons; its hyphens are none of the numbers'."""
+    odd: Any = SimpleNamespace(unit="<s>m-1")
+    monkeypatch.setattr(own_metrics, "installed", lambda: Registered({"gap": odd}, ()))
+    rows = [
+        row(k, controller=name, metrics=f"gap={-1.5 - k + by}")
+        for name, by in (("one", 0.0), ("two", 0.25))
+        for k in range(8)
+    ]
+    outcomes = Outcomes(with_columns(table(rows)))
+    report = report_of(outcomes, "yard")
+    page = report_page(report, [Shown("")] * len(report.worst))
+    found = compare(by(outcomes, "controller"), ["metric_gap"], own={"metric_gap": 1})
+    compared = comparison_page(found, "sign", "t")
+    for shown in (page, compared):
+        assert "<s>" not in shown
+        assert "&lt;s&gt;m-1" in shown
+        assert "m\u22121" not in shown
+        assert re.search("\u2212[0-9.]+ &lt;s&gt;m-1", shown)
 
 
 FORGED = ["a=1; a", "A=1", "a=nan", "a=1;b=2", "<b>=1", "a=1\n", "a=1; ", "=1", "a=0x10"]

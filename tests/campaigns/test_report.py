@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -16,6 +18,7 @@ from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.contents import Report, report_of
 from physim.campaigns.report.page import Shown, report_page
 from physim.campaigns.report.pictures import _draw_view
+from physim.campaigns.report.plots import distribution, paired_plot, shift_plot, spread_axis
 from physim.campaigns.report.text import report_text, report_values
 from physim.campaigns.report.wording import amount, interval, percent
 from physim.drawing.video import frame_at
@@ -277,9 +280,33 @@ def test_ends_are_rounded_outward() -> None:
         (3.0, "rad", "3 rad"),
         (1801.5, "", "1,801.5"),
         (12345.0, "", "12,345"),
+        (1e20, "", "1e20"),
+        (-1.7e308, "kg", "-1.7e308 kg"),
+        (1.23456e9, "m", "1.235e9 m"),
+        (999999999.0, "", "999,999,999"),
     ],
 )
 def test_what_is_neither_metres_nor_seconds_keeps_its_digits(
     value: float, unit: str, text: str
 ) -> None:
     assert amount(value, unit) == text
+
+
+EXTREMES = (0.0, -0.0, 5e-324, 1e-300, -1e-7, 0.5, 1e6, -1e15, 1e300, -1e300, 1.7e308, -1.7e308)
+
+
+def test_plots_are_drawn_of_any_numbers() -> None:
+    """As metrics of one's own may give them: the largest, their negatives, and next to none."""
+    drawn = []
+    for pair in itertools.product(EXTREMES, repeat=2):
+        values = np.array(pair)
+        drawn.append(distribution(values, spread_axis(values, 320.0), "kg", "w"))
+        drawn.append(shift_plot(pair[0], min(pair), max(pair), "kg", 220.0, "w"))
+        drawn.append(shift_plot(pair[0], -math.inf, max(pair), "kg", 220.0, "w"))
+        drawn += [
+            paired_plot(values, values[::-1], "l", "w"),
+            paired_plot(values, values, "l", "w"),
+        ]
+    for svg in drawn:
+        assert not re.search("nan|inf|[0-9]{25}", svg)
+        assert len(svg) < 30_000

@@ -176,6 +176,7 @@ FAULTS: list[tuple[str, object]] = [
     ("ended", "won"), ("ended", None), ("contacts", -1), ("grazes", "1"), ("robots", 2.5),
     ("shortest_distance", float("nan")), ("shortest_distance", float("-inf")),
     ("deviation", float("inf")), ("finish_time", -0.5), ("danger_share", 1.5), ("seconds", "1"),
+    ("shortest_distance", 1e13), ("shortest_distance", -1.7e308), ("finish_time", 1e300),
     ("reason", 5), ("reason", ["x"]), ("record", "../record.h5"), ("world_hash", "../world"),
     ("digest", "no"), ("settings", {"a": 1}),
 ]  # fmt: skip

@@ -429,3 +429,29 @@ def test_an_offset_by_which_a_leg_vanishes_is_a_path_without_it(tmp_path: Path) 
         scene.paths[0], [[0, 2 + 2**0.5], [20 - 2**0.5, 2 + 2**0.5], [20 - 2**0.5, 22]]
     )
     assert np.isfinite(scene.stop_station).all()
+
+
+@pytest.mark.parametrize("thin", [False, True])
+def test_the_room_of_a_path_through_an_obstacle_is_its_depth(tmp_path, thin):
+    """The distance to the outline; of two that overlap, to that of both together."""
+    first, last = (14.05, 14.15) if thin else (14.0, 16.0)
+    middle = (first + last) / 2.0
+    halves = [
+        f"[[{a}, 0], [{b}, 0], [{b}, 2], [{a}, 2]]" for a, b in ((first, middle), (middle, last))
+    ]
+    whole = f"[[{first}, 0], [{last}, 0], [{last}, 2], [{first}, 2]]"
+    one = check(tmp_path, DRAWN + f"obstacles: [{whole}]\n").clearance[0]
+    two = check(tmp_path, DRAWN + f"obstacles: [{', '.join((whole, *halves))}]\n").clearance[0]
+    for found in (one, two):
+        depth = min(1.0, (last - first) / 2.0)
+        assert found.narrowest == pytest.approx((middle, middle, 1.0, -depth), abs=1e-3)
+        assert found.narrowest[3] <= found.clearance.min()
+        inside = (found.station > first) & (found.station < last)
+        own = np.minimum(found.station - first, last - found.station)
+        assert found.clearance[inside] == pytest.approx(-own[inside])
+        assert inside.any() != thin
+        assert found.verdict == NOT
+        assert not np.signbit(found.clearance[found.clearance == 0.0]).any()
+    told = json.loads(json.dumps(one.as_json()))
+    assert told["narrowest"]["clearance"] == pytest.approx(-depth, abs=1e-3)
+    assert min(told["clearance"]) >= told["narrowest"]["clearance"] - 1e-6

@@ -495,3 +495,26 @@ def test_words_of_two_marks_do_not_cover_each_other() -> None:
     clear_marks(figure)
     one, other = (text.get_window_extent() for text in axis.texts)
     assert not one.overlaps(other)
+
+
+def test_words_of_marks_stand_nearer_their_own_mark_than_another_and_off_the_curves() -> None:
+    """Two minima side by side at the right end of the axis, as of a run that ends in contact."""
+    figure = Figure(figsize=(3.4, 2.4))
+    axis = figure.subplots()
+    curves = (
+        [[0.0, 1.6], [30.0, 0.33], [35.0, 0.7], [36.5, 0.6], [37.2, 0.0], [42.0, -0.02]],
+        [[0.0, 3.0], [30.0, 2.8], [35.0, 2.5], [35.6, 2.05], [37.0, 2.0], [41.9, 0.222]],
+    )
+    for curve in curves:
+        axis.plot(*np.array(curve).T)
+    axis.set(xlim=(0.0, 41.95), ylim=(-1.2, 3.6))
+    mark(axis, 40.7, -0.0243, "-0.0243 m", below=True)
+    mark(axis, 41.9, 0.222, "0.222 m", below=True, row=2)
+    clear_marks(figure)
+    points = axis.transData.transform([text.xy for text in axis.texts])
+    lines = [shapely.LineString(axis.transData.transform(curve)) for curve in curves]
+    for k, text in enumerate(axis.texts):
+        words = shapely.box(*text.get_window_extent().extents)
+        away = [words.distance(shapely.Point(point)) for point in points]
+        assert away[k] == min(away)
+        assert not any(line.intersects(words) for line in lines)

@@ -229,9 +229,26 @@ def test_a_run_that_has_ended_first_keeps_its_last_picture_pale_and_marked(
     just_before, ended, later = (painter.frame(time)[below] for time in (1.38, 1.4, 1.8))
     assert np.array_equal(ended, later)
     assert not np.array_equal(ended, painter.frame(2.0)[below])  # both whole
-    banner = (ended[:30] == palette.INK).all(axis=2).mean()
-    assert banner > 0.6 > (just_before[:30] == palette.INK).all(axis=2).mean()
-    still = ended[40:].astype(float) - 0.55 * just_before[40:]
+    still = ended.astype(float) - 0.55 * just_before
     assert np.median(np.abs(still - 0.45 * 255.0)) < 2.0  # the same view, of paler colours
+    assert ended.min() >= 0.4 * 255.0  # all over: nothing covers it
+    dark = [(painter.frame(time)[RIGHT] == palette.INK).all(axis=2).mean() for time in (1.3, 1.4)]
+    assert dark[1] > dark[0] + 0.1  # and its header marked
+    dark = [(painter.frame(time)[LEFT] == palette.INK).all(axis=2).mean() for time in (1.3, 1.4)]
+    assert dark[1] < dark[0] + 0.01
     left = slice(HEADER, layout.HEIGHT - FOOTER), slice(0, layout.WIDTH // 2 - 2)
     assert not np.array_equal(painter.frame(1.5)[left], painter.frame(1.8)[left])
+
+
+@pytest.mark.parametrize("half", [LEFT, RIGHT])
+def test_what_marks_a_run_that_is_over_covers_no_words_of_its_header(
+    free: Record, half: tuple[slice, slice]
+) -> None:
+    name = "a name of a world that is about as long as names of worlds may be"
+    short = parse_world(SMALL).changed(name=name, time={"step": 0.02, "duration": 1.4})
+    pair = [Timeline(physim.simulate(short)), Timeline(free)]
+    painter = Beside(*(pair if half == LEFT else pair[::-1]), 1.0, 25.0)
+    before, after = (painter.frame(time)[half].astype(int) for time in (1.3, 1.5))
+    changed = np.flatnonzero((before != after).any(axis=(0, 2)))
+    written = np.flatnonzero((before[34:57] < 200).any(axis=(0, 2)))
+    assert written[written < layout.WIDTH // 3].max() < changed.min()

@@ -20,7 +20,7 @@ from physim.campaigns.report.comparison_text import (
     value_text,
 )
 from physim.campaigns.report.contents import title_of
-from physim.campaigns.report.markup import page, text
+from physim.campaigns.report.markup import figures, page, text
 from physim.campaigns.report.plots import paired_plot, shift_plot
 from physim.errors import plural
 
@@ -61,8 +61,8 @@ def _comparison(one: Comparison, room: int) -> Iterator[str]:
     yield '<th class="number">B</th><th colspan="2">B − A</th><th>finding</th></tr></thead><tbody>'
     for f in one.findings:
         unit = unit_of(f)
-        a, b = (value_text(f, x, unit).replace("-", "−") for x in (f.a, f.b))
-        words, shift = _verdict(one, f), text(interval_text(f).replace("-", "−"))
+        a, b = (figures(value_text(f, x, unit), unit) for x in (f.a, f.b))
+        words, shift = _verdict(one, f), figures(interval_text(f), difference_unit(f))
         scale = 100.0 if is_share(f) else 1.0
         value, low, high = (scale * x for x in (f.difference, f.low, f.high))
         plot = shift_plot(value, low, high, difference_unit(f), SHIFT_WIDTH, f"{title(f)}: {words}")

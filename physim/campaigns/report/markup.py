@@ -18,6 +18,12 @@ def text(value: object) -> str:
     return html.escape(escaped(str(value)), quote=True)
 
 
+def figures(words: str, unit: str) -> str:
+    """Numbers with true minus signs, behind them maybe their unit as it is; text of a page."""
+    numbers = words.removesuffix(f" {unit}") if unit else words
+    return text(numbers.replace("-", "−") + words[len(numbers) :])
+
+
 def is_ours(file: Path) -> bool:
     """Whether a file is the page of a report."""
     try:

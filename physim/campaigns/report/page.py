@@ -17,7 +17,7 @@ from physim.campaigns.report.contents import (
     Spread,
     title_of,
 )
-from physim.campaigns.report.markup import code, page, text
+from physim.campaigns.report.markup import code, figures, page, text
 from physim.campaigns.report.plots import distribution, rate_axis, rate_plot, spread_axis
 from physim.campaigns.report.text import seeds_text, where
 from physim.campaigns.report.wording import (
@@ -249,14 +249,15 @@ def _measures(report: Report) -> Iterator[str]:
                 measured(name, x, unit).removesuffix(f" {unit}")
                 for x in (spread.quarter, spread.three_quarters)
             )
+            few = spread.count < one.cell.count
             inside = (
-                f"{measured(name, spread.median, unit)}<br><small>[{half}]"
-                f"{f'<br>of {number(spread.count)} runs' if spread.count < one.cell.count else ''}"
-                "</small>"
+                f"{figures(measured(name, spread.median, unit), unit)}"
+                f"<br><small>[{figures(half, unit)}]"
+                f"{f'<br>of {number(spread.count)} runs' if few else ''}</small>"
             )
             yield (
                 f'<td class="number" data-name="{text(what)}">'
-                f"{inside.replace('-', '−') if spread.count else 'no run has one'}</td>"
+                f"{inside if spread.count else 'no run has one'}</td>"
             )
         yield "</tr>"
     yield "</tbody></table></div>"

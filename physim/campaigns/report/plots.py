@@ -13,6 +13,8 @@ from physim.campaigns.report.markup import text
 
 STEPS = (1.0, 2.0, 5.0)
 BINS = 36
+LARGEST, LEAST = 1e300, 1e-300
+"""what a plot tells from infinity, and from 0: metrics of one's own may be any number"""
 LEFT, BOTTOM, TOP = 42.0, 38.0, 8.0
 """[px] around a plot"""
 
@@ -36,6 +38,11 @@ class Axis:
         step = step_of((self.high - self.low) / count)
         first, last = math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9)
         return [k * step for k in range(first, last + 1)]
+
+
+def drawable(values: FloatArray) -> FloatArray:
+    """Values of which differences do not overflow: larger ones are put at `LARGEST`."""
+    return np.clip(values, -LARGEST, LARGEST)
 
 
 def step_of(least: float) -> float:
@@ -81,7 +88,7 @@ def rate_plot(share: float, low: float, high: float, axis: Axis, what: str) -> s
 
 def spread_axis(values: FloatArray, width: float) -> Axis:
     """Axis that holds all values but the outermost in 1000, 0 included, with round ends."""
-    known = values[~np.isnan(values)]
+    known = drawable(values[~np.isnan(values)])
     low, high = (float(q) for q in np.quantile(known, [0.0, 0.999])) if len(known) else (0.0, 1.0)
     low, high = min(low, 0.0), max(high, 0.0)
     step = step_of(max(high - low, 1e-6) / 5.0)
@@ -152,7 +159,7 @@ def _lower_axis(axis: Axis, floor: float, unit_text: str) -> str:
     ticks = axis.ticks(5)
     step = ticks[1] - ticks[0] if len(ticks) > 1 else 1.0
     labels = "".join(
-        f'<text x="{axis.at(t)}" y="{floor + 16}" text-anchor="middle">{written(t, step)}</text>'
+        f'<text x="{axis.at(t)}" y="{floor + 16}" text-anchor="middle">{_short(t, step)}</text>'
         for t in ticks
     )
     return (
@@ -164,7 +171,7 @@ def _lower_axis(axis: Axis, floor: float, unit_text: str) -> str:
 
 def shift_plot(value: float, low: float, high: float, unit: str, width: float, what: str) -> str:
     """A difference with its interval on an axis with 0 in the middle; an end beyond it is open."""
-    finite = [abs(x) for x in (value, low, high) if math.isfinite(x)]
+    finite = [min(abs(x), LARGEST) for x in (value, low, high) if math.isfinite(x)]
     most = max([0.0, *finite])
     most = (most if most >= 1e-6 else 1.0) * (1.0 if math.isfinite(low + high) else 1.5)
     step = step_of(most / 2.0)
@@ -174,7 +181,7 @@ def shift_plot(value: float, low: float, high: float, unit: str, width: float, w
     zero = axis.at(0.0)
     labels = "".join(
         f'<text x="{axis.at(t)}" y="31" text-anchor="{anchor}">'
-        f"{'+' if t > 0 else ''}{written(t, step)} {text(unit)}</text>"
+        f"{'+' if t > 0 else ''}{_short(t, step)} {text(unit)}</text>"
         for t, anchor in ((-most, "start"), (most, "end"))
     )
     return (
@@ -196,8 +203,10 @@ DIGIT = 6.5
 
 def paired_plot(a: FloatArray, b: FloatArray, label: str, what: str, side: float = 270.0) -> str:
     """Pairs (K,) as points on equal axes, with the line on which both are the same."""
+    a, b = drawable(a), drawable(b)
     low, high = float(min(a.min(), b.min())), float(max(a.max(), b.max()))
-    spread = max(high - low, LEAST_SPREAD * max(abs(low), abs(high))) or 1.0
+    spread = max(high - low, LEAST_SPREAD * max(abs(low), abs(high)))
+    spread = spread if spread > LEAST else 1.0
     step = step_of(spread / 4.0)
     first = math.floor(low / step)
     last = max(math.ceil(high / step), first + 1)

@@ -16,6 +16,8 @@ RATE_NAMES = {
 SHARES = ("danger_share",)
 """Measures that are written as shares."""
 FEWEST_DIGITS, MOST_DIGITS = 1, 4
+LARGE = 1e9
+"""from which on values have an exponent"""
 
 
 def digits_for(*shares: float) -> int:
@@ -80,11 +82,14 @@ def number(count: int) -> str:
 
 def amount(value: float, unit: str) -> str:
     """A measured value with its unit: three decimals of metres, two of seconds, whole counts,
-    four digits of others."""
+    four digits of others and of what is very large."""
     if math.isnan(value):
         return "-"
     if math.isinf(value):
         return "unbounded"
+    if abs(value) >= LARGE:
+        large = f"{value:.4g}".replace("e+0", "e").replace("e+", "e")
+        return f"{large} {unit}".rstrip()
     digits = {"m": 3, "s": 2}.get(unit)
     if digits is None:
         is_large = float(value).is_integer() or abs(value) >= 1000.0

@@ -28,6 +28,7 @@ from physim.drawing.plots.frame import (
     time_axis,
 )
 from physim.drawing.plots.style import BAND, INK, NARROW, QUIET, robot_mark
+from physim.drawing.plots.ticks import log_ticks
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 
@@ -114,6 +115,8 @@ def _words(shade: int) -> str:
 
 FLOOR = 0.01
 """[s] Least collision time on the axis; smaller ones, and contact, lie on it."""
+LARGEST = 1e300
+"""[s] Greatest on the axis; larger ones, a controller's word for none, lie beyond."""
 MOST_SINGLE = 4
 """Robots whose decisions are drawn one by one; those of more would cover each other."""
 STRETCHES = 240
@@ -159,12 +162,14 @@ def collision_times(record: Record) -> Any:
 
 def _seconds(axis: Any, shortest: Moment, longest: float) -> None:
     """Logarithmic axis from below the shortest collision time to above the longest."""
-    from matplotlib.ticker import LogLocator, NullFormatter
+    from matplotlib.ticker import NullFormatter
 
+    low = min(0.5 * max(shortest.value, FLOOR), 0.5)
+    high = min(1.25 * longest, LARGEST)
+    axis.set_ylim(low, high)  # first: the scale would look for limits of its own
     axis.set_yscale("log")
-    axis.set_ylim(min(0.5 * max(shortest.value, FLOOR), 0.5), 1.25 * longest)
-    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axis.yaxis.set_major_formatter("{x:g}")
+    ticks = log_ticks(low, high)
+    axis.set_yticks(ticks, [f"{tick:g}".replace("e+0", "e").replace("e+", "e") for tick in ticks])
     axis.yaxis.set_minor_formatter(NullFormatter())
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.drawing.labels import covered, shortened
 from physim.drawing.plots.style import DPI, INK, NARROW, QUIET
@@ -182,50 +183,92 @@ def thinned(
 def clear_marks(figure: Any) -> None:
     """Move the words of marks into their axes and, where another side is freer, off the curves.
 
-    To be called when all is drawn. Words that are inside and cover no curve stay.
+    To be called when all is drawn. Words that are inside, cover no curve and stand nearer their
+    own mark than another stay.
     """
-    found = [
-        (axis, text) for axis in figure.axes for text in axis.texts if text.get_gid() == "mark"
-    ]
+    found = {
+        axis: marks
+        for axis in figure.axes
+        if (marks := [text for text in axis.texts if text.get_gid() == "mark"])
+    }
     if not found:
         return
     figure.draw_without_rendering()
-    for axis, text in found:
+    for axis, marks in found.items():
         lines = [line.get_xydata() for line in axis.lines if len(line.get_xydata()) > 2]
         curves = [axis.transData.transform(line) for line in lines if len(lines) <= FEW_CURVES]
-        _off_curves(axis, text, pieces_of(curves))
-        box, room = text.get_window_extent(), axis.get_window_extent()
-        over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
-        if over:
-            x, y = text.xyann
-            text.xyann = (x - over * 72.0 / figure.dpi, y)
+        _settle(axis, marks, pieces_of(curves))
+        for text in marks:
+            box, room = text.get_window_extent(), axis.get_window_extent()
+            over = max(box.x1 - room.x1, 0.0) - max(room.x0 - box.x0, 0.0)
+            if over:
+                x, y = text.xyann
+                text.xyann = (x - over * 72.0 / figure.dpi, y)
 
 
-def _off_curves(axis: Any, text: Any, curves: FloatArray) -> None:
-    """Put the words of a mark on the side of it where they cover the least of the curves."""
-
-    def stand(x: float, y: float, ha: str, va: str) -> float:
-        text.xyann = (x, y)
-        text.set(ha=ha, va=va)
-        return _covered(axis, text, curves)
-
-    now = (*text.xyann, text.get_ha(), text.get_va())
-    sides = product((7.0, 17.5), ((7.0, "left"), (-7.0, "right")), ((1.0, "bottom"), (-1.0, "top")))
-    others = [(x, up * away, ha, va) for away, (x, ha), (up, va) in sides]
-    if stand(*now):
-        stand(*min((now, *others), key=lambda side: stand(*side)))
+AWAY = (7.0, 17.5, 26.0)
+"""[pt] from a mark to its words, across and up"""
+MOST_SIDES = 12
+"""Sides of a mark that are tried together with those of others."""
+WORSE = 1000.0
+"""[px] of a curve that words would rather cover than leave their axis or be taken for others"""
+_Side = tuple[float, float, str, str]
+"""Where words stand from their mark (x, y) [pt], and which of their corners does"""
 
 
-def _covered(axis: Any, text: Any, curves: FloatArray) -> float:
-    """Length [px] of pieces of curves (s, 2, 2) [px] behind a text; a thousand for what is worse.
+def _settle(axis: Any, marks: Sequence[Any], curves: FloatArray) -> None:
+    """Put the words of all marks of an axis on the sides that are best together, rather as now.
 
-    That is a side of its axis, and the words of another mark.
+    They cover the least of the pieces of curves (s, 2, 2) [px] there.
     """
-    box, room = text.get_window_extent(), axis.get_window_extent()
-    outside = box.x0 < room.x0 or box.x1 > room.x1 or box.y0 < room.y0 or box.y1 > room.y1
-    others = (one for one in axis.texts if one.get_gid() == "mark" and one is not text)
-    worse = outside + sum(box.overlaps(one.get_window_extent()) for one in others)
-    return float(covered(box.extents[None], curves)[0] + 1000.0 * worse)
+    points = axis.transData.transform([text.xy for text in marks])
+    room = axis.get_window_extent().extents
+    tried: list[list[tuple[_Side, FloatArray, float]]] = []
+    for text in marks:
+        sides = _sides(text)
+        boxes = np.array([_stand(text, side) for side in sides])
+        prices = covered(boxes, curves) + WORSE * _leaves(boxes, room)
+        prices += [0.0, *(0.01 * np.hypot(x, y) for x, y, *_ in sides[1:])]
+        best = np.argsort(prices, kind="stable")[:MOST_SIDES].tolist()
+        tried.append([(sides[k], boxes[k], float(prices[k])) for k in best])
+
+    def price(chosen: Iterable[tuple[_Side, FloatArray, float]]) -> float:
+        boxes = np.array([box for _, box, _ in chosen])
+        return sum(own for *_, own in chosen) + WORSE * _mixed_up(boxes, points)
+
+    for text, (side, *_) in zip(marks, min(product(*tried), key=price), strict=True):
+        _stand(text, side)
+
+
+def _sides(text: Any) -> list[_Side]:
+    """Where the words of a mark stand, and where else they may."""
+    ways = product(AWAY, AWAY, ((1.0, "left"), (-1.0, "right")), ((1.0, "bottom"), (-1.0, "top")))
+    others = [(right * x, up * y, ha, va) for x, y, (right, ha), (up, va) in ways]
+    return [(*text.xyann, text.get_ha(), text.get_va()), *others]
+
+
+def _stand(text: Any, side: _Side) -> FloatArray:
+    """Put words on a side of their mark; returns the box (4,) [px] that they then take."""
+    x, y, ha, va = side
+    text.xyann = (x, y)
+    text.set(ha=ha, va=va)
+    return np.asarray(text.get_window_extent().extents)
+
+
+def _leaves(boxes: FloatArray, room: FloatArray) -> NDArray[np.bool_]:
+    """(n,) Whether boxes (n, 4) reach out of another (4,)."""
+    low, high = boxes[:, :2] < room[:2], boxes[:, 2:] > room[2:]
+    return np.asarray((low | high).any(axis=1))
+
+
+def _mixed_up(boxes: FloatArray, points: FloatArray) -> int:
+    """How many of the words in boxes (n, 4) cover others, or stand nearer another point (n, 2)."""
+    low, high = boxes[:, None, :2], boxes[:, None, 2:]
+    covering = ((low < boxes[:, 2:]) & (high > boxes[:, :2])).all(axis=2)
+    beside = np.maximum(np.maximum(low - points, points - high), 0.0)
+    away = np.hypot(beside[..., 0], beside[..., 1])
+    astray = away < away.diagonal()[:, None] - 1.0
+    return int((covering.sum() - len(boxes)) + astray.sum())
 
 
 def mark(

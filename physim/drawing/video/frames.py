@@ -85,8 +85,10 @@ BAR_END = WIDTH - 140
 """[px] where the bar of the time ends; then comes the sign of a contact"""
 LEAST_WORDS = 24
 """[px] of a mode's words, however many there are"""
-BANNER = 34
-"""[px] height of the line over a run that has ended before the other"""
+OUTCOME, ENDED = 200, 340
+"""[px] at the right end of a header for what came of a run, and of one that ends first"""
+BANNER = (33, 57)
+"""[px] from top to bottom of what marks the header of such a run"""
 PALE = 0.45
 """Share of white in its picture"""
 MOST_NAMED = 2
@@ -130,36 +132,45 @@ class Beside:
             held = view.timeline.over(time) and time < self.duration - 1e-9
             view.paint(image, view.timeline.at(then), held)
             if held:
-                draw_ended(view.box.of(image), f"this run ended at {end:.1f} s")
-            self._outcome(image, view, then)
+                shown = view.box.of(image)
+                shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
+            self._outcome(image, view, then, held)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
-    def _outcome(self, image: Image, view: View, time: float) -> None:
-        """What came of a run so far, at the right end of its title."""
+    def _outcome(self, image: Image, view: View, time: float, held: bool) -> None:
+        """What came of a run so far, at the right end of its title; of one ``held`` that it is."""
         timeline, right = view.timeline, view.box.left + view.box.width - PAD
         count, arrived = timeline.contacts.count(time), timeline.arrived(time)
         colour = palette.CONTACT if count else palette.INK
         words = f"{count} contacts so far" if count != 1 else "1 contact so far"
         write(image, words, (right, 26), TITLE, colour=colour, weight=BOLD, anchor="right")
-        ended = timeline.over(time) and timeline.duration < self.duration
-        words = f"ended at {timeline.duration:.1f} s, " if ended else ""
-        words += f"{arrived} of {timeline.robots} arrived"
+        words, end = f"{arrived} of {timeline.robots} arrived", timeline.duration
+        if held:
+            draw_ended(image, right, f"ended at {end:.1f} s, its last picture: {words}")
+            return
+        if timeline.over(time) and self._ends_first(timeline):
+            words = f"ended at {end:.1f} s, {words}"
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
+
+    def _ends_first(self, timeline: Timeline) -> bool:
+        """Whether a run is over before the other."""
+        return timeline.duration < self.duration
 
     def _draw_still(self) -> Image:
         image = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
         for view, title, name in zip(self._views, self._titles, self._names, strict=True):
             record, left = view.timeline.record, view.box.left + PAD
-            room = view.box.width - 2 * PAD - 200
+            room = view.box.width - 2 * PAD - OUTCOME
             words = f"{record.name}, seed {record.seed}"
             if title and name:
                 words = f"{name}: {words}"
             write(image, shorten(title or name, TITLE, room, BOLD), (left, 26), TITLE,
                   weight=BOLD)  # fmt: skip
-            words = shorten(words, TEXT, room)
+            beside = ENDED if self._ends_first(view.timeline) else OUTCOME
+            words = shorten(words, TEXT, view.box.width - 2 * PAD - beside)
             write(image, words, (left, 48), TEXT, colour=palette.QUIET)
         middle = WIDTH // 2
         cv2.line(image, (middle, 0), (middle, HEIGHT - FOOTER), palette.RULE, GAP)
@@ -208,13 +219,14 @@ def _draw_row(image: Image, modes: Sequence[Mode], left: int, right: int, top: i
         left += SIGN + min(length, most) + 2 * PAD
 
 
-def draw_ended(view: Image, words: str) -> None:
-    """Make a view pale and write across its top that it is the last of its run."""
-    view[:] = (PALE * 255.0 + (1.0 - PALE) * view).astype(np.uint8)
-    view[:BANNER] = palette.INK
-    at = (view.shape[1] // 2, BANNER - 11)
+def draw_ended(image: Image, right: int, words: str) -> None:
+    """Write in a header, up to ``right`` [px], light on dark, that a run is over."""
+    top, bottom = BANNER
+    words = shorten(words, TEXT, ENDED - PAD, BOLD)
+    left = right - round(width(words, TEXT, BOLD)) - PAD // 2
+    image[top:bottom, left : right + PAD // 2] = palette.INK
     white = (255, 255, 255)
-    write(view, f"{words}: its last picture", at, TITLE, colour=white, weight=BOLD, anchor="middle")
+    write(image, words, (right, 50), TEXT, colour=white, weight=BOLD, anchor="right")
 
 
 def titles(left: World, right: World) -> tuple[str, str]:

@@ -29,6 +29,8 @@ SPACING = 0.25
 """[m] from one station of a profile to the next; waypoints are stations too"""
 MOST_STATIONS = 2_000
 """Stations of one profile; longer paths have them further apart."""
+CLOSER, ROUNDS = 32, 4
+"""Places looked at about a station outside the area, and how often again about the deepest."""
 
 Place = tuple[float, float, float, float]
 """Station, x, y and clearance [m] of a point of a path"""
@@ -66,7 +68,7 @@ class ClearanceProfile:
     reached: tuple[float, float]
     """[m] first and last station at which the robot is to be, which alone are judged"""
     narrowest: Place
-    """where this part of the path has least room: the exact minimum"""
+    """where this part of the path has least room: the exact minimum, outside the deepest place"""
     stretches: tuple[Stretch, ...]
     """of this part"""
     safe_distance: float | None
@@ -139,8 +141,8 @@ def clearance_profiles(
     """
     if not laid.walls and not laid.solids:
         return ()
-    tree = shapely.STRtree(_pieces([shape for _, shape in (*laid.walls, *laid.solids)]))
-    room_along = Shared(lambda path: _room_along(path, tree, laid.area))
+    around = _Surroundings.of(laid)
+    room_along = Shared(lambda path: _room_along(path, around))
     radii = Shared(lambda outline: (inscribed_radius(outline), circumscribed_radius(outline)))
     part_of, profiles = reached(laid), []
     narrowest: dict[tuple[int, float, float], Place] = {}
@@ -151,7 +153,7 @@ def clearance_profiles(
         room, part = room_along(path), part_of[i]
         r, R = radii(laid.footprints[i])
         if (id(path), *part) not in narrowest:
-            narrowest[id(path), *part] = _narrowest(room, tree, part)
+            narrowest[id(path), *part] = _narrowest(room, around, part)
         if (id(path), *part, r, R) not in stretches:
             stretches[id(path), *part, r, R] = _stretches(room, part, r, R)
         profiles.append(
@@ -172,42 +174,84 @@ def _within(station: FloatArray, part: tuple[float, float]) -> NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
+class _Surroundings:
+    """What has a distance to a path: walls, and outlines of all that is solid."""
+
+    tree: shapely.STRtree
+    area: Area | None
+
+    @classmethod
+    def of(cls, laid: PartialLayout) -> _Surroundings:
+        """Those of a world; of obstacles that overlap the outline is that of all together."""
+        solid = shapely.boundary(shapely.union_all([shape for _, shape in laid.solids]))
+        lines = [*(shape for _, shape in laid.walls), *shapely.get_parts(solid)]
+        return cls(shapely.STRtree(_pieces(lines)), laid.area)
+
+    def clearance(self, points: Any) -> FloatArray:
+        """(K,) [m] of points (K,) to the nearest line; negative outside the accessible area."""
+        found = self.tree.query_nearest(points, return_distance=True, all_matches=False)
+        clearance = np.full(len(points), np.inf)
+        clearance[found[0][0]] = found[1]
+        if self.area is not None:
+            clearance[~shapely.covers(self.area.polygon, points)] *= -1.0
+        return clearance + 0.0  # no -0.0
+
+
+@dataclass(frozen=True)
 class _Room:
     """Room along a path, whoever takes it; K stations."""
 
     line: Any
     station: FloatArray
     clearance: FloatArray
-    outside: NDArray[np.bool_]
-    """(K,) outside the accessible area"""
+    """(K,) negative outside the accessible area"""
     narrowest: Place
+    """of what does not lie outside"""
 
 
-def _room_along(path: FloatArray, tree: shapely.STRtree, area: Area | None) -> _Room:
+def _room_along(path: FloatArray, around: _Surroundings) -> _Room:
     """Room along all of a path (n, 2) [m]; what lies outside the area is not its narrowest."""
     line = shapely.LineString(path)
     stations = _stations(path)
-    points = line.interpolate(stations)
-    found = tree.query_nearest(points, return_distance=True, all_matches=False)
-    clearance = np.full(len(points), np.inf)
-    clearance[found[0][0]] = found[1]
-    outside = np.zeros(len(points), dtype=np.bool_)
-    if area is not None:
-        outside = ~shapely.covers(area.polygon, points)
-        clearance[outside] *= -1.0
-    return _Room(line, stations, clearance, outside, _nearest_wall(line, tree))
+    clearance = around.clearance(line.interpolate(stations))
+    return _Room(line, stations, clearance, _nearest_wall(line, around.tree))
 
 
-def _narrowest(room: _Room, tree: shapely.STRtree, part: tuple[float, float]) -> Place:
+def _narrowest(room: _Room, around: _Surroundings, part: tuple[float, float]) -> Place:
     """The place of a part of a path that has least room, or lies farthest outside the area."""
     within = _within(room.station, part)
-    if (room.outside & within).any():
-        return _at(room, int(np.argmin(np.where(within, room.clearance, np.inf))))
+    inside = np.where(within, room.clearance, np.inf)
+    if inside.min() < 0.0:
+        return _deepest(room, around, part, float(room.station[int(np.argmin(inside))]))
     least = room.narrowest
     if not part[0] <= least[0] <= part[1]:
-        least = _nearest_wall(substring(room.line, *part), tree, part[0])
+        least = _nearest_wall(substring(room.line, *part), around.tree, part[0])
+    if least[3] <= CONTACT:  # what is crossed may lie between two stations
+        deepest = _deepest(room, around, part, least[0])
+        least = min(least, deepest, key=lambda place: place[3])
     as_tight = np.flatnonzero(within & (room.clearance <= least[3] + CONTACT))
     return _at(room, int(as_tight[0])) if len(as_tight) else least  # the first along a wall
+
+
+def _deepest(
+    room: _Room, around: _Surroundings, part: tuple[float, float], station: float
+) -> Place:
+    """The place about a station of a part of a path that is farthest outside, the first of equal.
+
+    Between the station before and the one after, to less than a millimetre.
+    """
+    at = int(np.searchsorted(room.station, station))
+    ends = room.station[max(at - 1, 0)], room.station[min(at + 1, len(room.station) - 1)]
+    low, high = (float(np.clip(end, *part)) for end in ends)
+    for _ in range(ROUNDS):
+        stations = np.append(np.linspace(low, high, CLOSER + 1), station)
+        stations.sort()
+        points = room.line.interpolate(stations)
+        clearance = around.clearance(points)
+        k = int(np.flatnonzero(clearance <= clearance.min() + CONTACT)[0])
+        station = float(stations[k])
+        low, high = stations[max(k - 1, 0)], stations[min(k + 1, CLOSER + 1)]
+    return station, points[k].x, points[k].y, float(clearance[k])
 
 
 def _at(room: _Room, k: int) -> Place:
@@ -232,14 +276,11 @@ def _stations(path: FloatArray) -> FloatArray:
     return np.asarray(stations[np.diff(stations, prepend=-1.0) > CONTACT])
 
 
-def _pieces(shapes: list[Any]) -> list[Any]:
-    """Long polylines cut into segments, which a tree finds faster; solids as they are."""
+def _pieces(lines: list[Any]) -> list[Any]:
+    """Polylines cut into segments, which a tree finds faster."""
     pieces: list[Any] = []
-    for shape in shapes:
-        if shape.geom_type != "LineString":
-            pieces.append(shape)
-            continue
-        points = shapely.get_coordinates(shape)
+    for line in lines:
+        points = shapely.get_coordinates(line)
         pieces += list(shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1)))
     return pieces
 

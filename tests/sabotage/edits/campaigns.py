@@ -348,4 +348,13 @@ EDITS = (
         "rows of two codes of a stage are not mixed",
         "tests/campaigns/test_drawing_stages.py::test_rows_of_two_codes_of_a_stage_are_not_mixed",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/report/markup.py",
+        "figures",
+        'numbers.replace("-", "−") + words[len(numbers) :]',
+        'words.replace("-", "−")',
+        "a hyphen in a unit is no minus sign",
+        "tests/campaigns/test_own_metrics.py::test_a_unit_is_only_a_unit",
+    ),
 )

@@ -52,6 +52,15 @@ EDITS = (
     ),
     Edit(
         "reports",
+        "physim/campaigns/report/plots.py",
+        "drawable",
+        "np.clip(values, -LARGEST, LARGEST)",
+        "values",
+        "plots are drawn of any numbers",
+        "tests/campaigns/test_report.py::test_plots_are_drawn_of_any_numbers",
+    ),
+    Edit(
+        "reports",
         "physim/campaigns/report/wording.py",
         "percent",
         "math.floor(scaled + slack) if side < 0",

@@ -156,6 +156,15 @@ EDITS = (
     Edit(
         "video",
         "physim/drawing/video/frames.py",
+        "Beside._draw_still",
+        "ENDED if self._ends_first(view.timeline) else OUTCOME",
+        "OUTCOME",
+        "what marks a run that is over covers no words",
+        "tests/video/test_beside.py::test_what_marks_a_run_that_is_over_covers_no_words_of_its_header",
+    ),
+    Edit(
+        "video",
+        "physim/drawing/video/frames.py",
         "Beside._outcome",
         "timeline, right = view.timeline,",
         "timeline, right = self._views[0].timeline,",

@@ -2,7 +2,7 @@
 
 import { fitted } from "./dom.js";
 import { courses } from "./courses.js";
-import { decimal, roundAbove, roundBelow } from "./words.js";
+import { roundAbove, roundBelow, tick } from "./words.js";
 
 const LEFT = 52; // [px] for numbers
 const RIGHT = 12;
@@ -138,7 +138,7 @@ export class Plots {
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9; k++) {
       const y = frame.y(k * step);
       context.fillStyle = colours.quiet;
-      context.fillText(decimal(k * step, Math.max(0, -Math.floor(Math.log10(step) + 1e-9))), LEFT - 5, y);
+      context.fillText(tick(k * step, step), LEFT - 5, y);
       context.fillStyle = colours.rule;
       context.fillRect(frame.left, y - 0.5, frame.width, 1);
     }
@@ -151,7 +151,7 @@ export class Plots {
     for (let k = 0; k * step <= this.duration + 1e-9; k++) {
       const x = this.x(k * step);
       context.textAlign = k === 0 ? "left" : x > this.width - RIGHT - 14 ? "right" : "center";
-      const words = decimal(k * step, Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+      const words = tick(k * step, step);
       context.fillText(k === 0 ? `${words} s` : words, x, this.height - 4);
     }
   }

@@ -32,7 +32,7 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     return {
         key: pair
         for key, pair in found.items()
-        if all(place not in others or key == f"{place}.type" for place in _places(key))
+        if key.endswith(".type") or others.isdisjoint(_places(key.rpartition(".")[0]))
     }
 
 

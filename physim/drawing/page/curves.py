@@ -8,7 +8,6 @@ import numpy as np
 
 from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
 from physim.drawing.page.packing import Pack
-from physim.drawing.page.rounding import for_unit
 from physim.drawing.timeline import Timeline
 from physim.geometry.shapes import FloatArray, IntArray
 
@@ -54,11 +53,10 @@ def _pack_now(timeline: Timeline, pack: Pack) -> None:
     if timeline.robots > 1:
         clearance = record.clearance[at]
         nearest = np.sort(np.argsort(clearance, axis=1, kind="stable")[:, :2], axis=1)
-        pack.real("now_pair", for_unit(clearance.min(axis=1), LENGTH, "m"), LENGTH)
+        pack.real("now_pair", clearance.min(axis=1), LENGTH)
         pack.whole("now_a", nearest[:, 0])
         pack.whole("now_b", nearest[:, 1])
-    walls = record.boundary_clearance[at].min(axis=1)
-    pack.real("now_wall", for_unit(walls, LENGTH, "m"), LENGTH)
+    pack.real("now_wall", record.boundary_clearance[at].min(axis=1), LENGTH)
 
 
 def _bins(timeline: Timeline) -> IntArray:

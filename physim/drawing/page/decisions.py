@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.drawing.page.packing import LARGEST, Pack
-from physim.drawing.page.rounding import for_decimals, for_unit
 from physim.geometry.shapes import IntArray
 from physim.record import Record
 
@@ -20,8 +19,6 @@ SPEEDS = 1e-3
 """[m/s], [rad/s]"""
 OWN = ("station", "reference_station", "formation_error", "deviation")
 """Columns that every record has and the page shows; the first two of few decisions only."""
-STATIONS = OWN[:2]
-"""Columns of which it shows one decimal."""
 MOST_OTHERS = 400_000
 """Considered robots, counted where they change; of more, the page shows only how many they are."""
 MOST_COMMANDS = 60_000
@@ -45,15 +42,12 @@ def pack_decisions(record: Record, pack: Pack) -> dict[str, Any]:
         pack.whole(name, rows[name])
     for name in ("nominal_v", "nominal_omega", "applied_v", "applied_omega"):
         if name.startswith("nominal") or len(record.commands):
-            pack.real(name, for_decimals(rows[name], SPEEDS, 2), SPEEDS)
+            pack.real(name, rows[name], SPEEDS)
     shown = list(OWN if few else OWN[2:])
     for name in shown:
-        decimals = for_decimals(rows[name], quantum, 1)
-        lengths = for_unit(rows[name], quantum, "m")
-        pack.real(name, decimals if name in STATIONS else lengths, quantum)
+        pack.real(name, rows[name], quantum)
     for column in record.declared.columns:
-        own, fine = rows[column.name], _quantum(rows[column.name], quantum)
-        pack.real(f"own:{column.name}", for_unit(own, fine, column.unit), fine)
+        pack.real(f"own:{column.name}", rows[column.name], _quantum(rows[column.name], quantum))
     return {
         "count": len(rows),
         "quantum": quantum,
@@ -121,5 +115,5 @@ def _pack_commands(record: Record, pack: Pack) -> float:
     pack.whole("command_step", rows["step"])
     for name in rows.dtype.names or ():
         if name not in ("robot", "step"):
-            pack.real(f"command:{name}", for_decimals(rows[name], SPEEDS, 2), SPEEDS)
+            pack.real(f"command:{name}", rows[name], SPEEDS)
     return apart

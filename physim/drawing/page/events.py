@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from physim.drawing.page.packing import Pack
-from physim.drawing.page.rounding import for_unit
 from physim.geometry.shapes import IntArray
 from physim.record import Record
 
@@ -20,7 +19,7 @@ def pack_events(record: Record, pack: Pack) -> None:
     found = record.extremes
     for name, column in (("near", "clearance"), ("near_wall", "boundary_clearance")):
         prefix = "clearance" if name == "near" else "boundary"
-        pack.real(name, for_unit(found[column], 1e-3, "m"), 1e-3)
+        pack.real(name, found[column], 1e-3)
         pack.whole(f"{name}_step", found[f"{prefix}_step"])
         pack.whole(f"{name}_body", found[f"{prefix}_other"])
     stood = stands(record)

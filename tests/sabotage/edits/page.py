@@ -71,18 +71,6 @@ EDITS = (
         "between knots robots are on an arc", f"{DATA}::test_one_command_needs_two_knots",
     ),
     Edit(
-        "page", f"{ROOM}/rounding.py", "for_decimals",
-        "middle & (side != 0.0)", "False",
-        "what is rounded twice is shown as if rounded once",
-        "tests/page/test_rounding.py::test_lengths_are_shown_as_if_rounded_once",
-    ),
-    Edit(
-        "page", f"{ROOM}/decisions.py", "pack_decisions",
-        "for_unit(own, fine, column.unit)", "own",
-        "distances of a decision are those of the record as shown",
-        "tests/page/test_rounding.py::test_distances_of_a_decision_are_those_of_the_record",
-    ),
-    Edit(
         "page", f"{ROOM}/decisions.py", "_pack_others",
         "changed.append(now != before)", "changed.append(before is None)",
         "considered robots are those of each decision",

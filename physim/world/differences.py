@@ -32,7 +32,7 @@ def differences(a: World, b: World) -> dict[str, tuple[str, str]]:
     return {
         key: pair
         for key, pair in found.items()
-        if key.endswith(".type") or others.isdisjoint(_places(key.rpartition(".")[0]))
+        if others.isdisjoint(_places(key.removesuffix(".type").rpartition(".")[0]))
     }
 
 

@@ -348,4 +348,13 @@ EDITS = (
         "rows of two codes of a stage are not mixed",
         "tests/campaigns/test_drawing_stages.py::test_rows_of_two_codes_of_a_stage_are_not_mixed",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/replay.py",
+        "_record",
+        "isinstance(error, RecordError)",
+        "False",
+        "a record that cannot be written says nothing of the run",
+        "tests/campaigns/test_replay.py::test_a_disk_that_fills_says_nothing_of_the_run",
+    ),
 )

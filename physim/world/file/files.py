@@ -56,6 +56,15 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     raise WorldError([Fault((), message + more)])
 
 
+def stem_of(file: str | os.PathLike[str]) -> str:
+    """What is named after a world file: its name without ending, in one line.
+
+    ``world`` where that is dots alone, which name no file or folder of their own.
+    """
+    stem = escaped(Path(file).stem)
+    return stem if stem.strip(".") else "world"
+
+
 def _near(folder: Path, given: str) -> list[str]:
     """World files of a folder whose names without ending are the one given, or much like it."""
     try:

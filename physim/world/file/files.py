@@ -147,4 +147,5 @@ def _listed(folder: Path, name: str) -> str:
     near = [n for one in dict.fromkeys(alike) for n in worlds if Path(n).stem == one][:3]
     if near:
         return f"; did you mean {' or '.join(near)}?"
-    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}" if worlds else ""
+    more = f" and {len(worlds) - MOST_LISTED} more" if len(worlds) > MOST_LISTED else ""
+    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}{more}" if worlds else ""

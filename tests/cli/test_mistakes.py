@@ -65,6 +65,7 @@ MISTAKES = {
     ("import", "x", "-o", "y", "--robot", "1,0"): ("--robot 1,0", "LENGTH,WIDTH", "1.8,1.0"),
     ("page", "x.h5", "-o", "a\nb.html"): (r"-o/--output a\u000ab.html", "in one line"),
     ("video", "no\nsuch.h5"): (r"RECORD no\u000asuch.h5", "in one line"),
+    ("compare", "x", "--by", "controller", "--only", "finish"): ("--only", "given: finish; did"),
     ("none.yaml",): ("physim none.yaml", THERE_ARE),
     ("valdate", "x"): ("physim valdate", THERE_ARE, '"validate"'),
 }  # fmt: skip

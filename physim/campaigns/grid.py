@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
-from pathlib import Path
 from typing import NamedTuple, overload
 
 from physim.campaigns import own_metrics
@@ -18,6 +17,7 @@ from physim.errors import PhysimError, WorldError, plain_key
 from physim.escaping import escaped
 from physim.world import World
 from physim.world.file import Document, located, read_world, warning_lines
+from physim.world.file.files import stem_of
 from physim.world.layout.scene_builder import build_scene, may_vary, seeds_note
 
 MOST_RUNS = 1_000_000
@@ -275,15 +275,18 @@ def settings_of(axis: str) -> list[str]:
 def _named(worlds: Sequence[str]) -> dict[str, str]:
     """What is given of each world by what it is called: the stem of its file, where one has it.
 
-    Bytes of a name that are not UTF-8 are written out, as no text on disk could hold them.
+    What no line of text can hold is written out: line ends, bytes that are not UTF-8. Raises
+    PhysimError for two that are then called alike.
     """
     given = list(dict.fromkeys(worlds))
-    stems = [Path(one).stem for one in given]
-    names = [
-        stem if stems.count(stem) == 1 else one for stem, one in zip(stems, given, strict=True)
-    ]
-    texts = (name.encode(errors="backslashreplace").decode() for name in names)
-    return dict(zip(texts, given, strict=True))
+    stems = [stem_of(one) for one in given]
+    found: dict[str, str] = {}
+    for stem, one in zip(stems, given, strict=True):
+        name = stem if stems.count(stem) == 1 else escaped(one)
+        if name in found:
+            raise PhysimError(f"{name}: two worlds are called so; rename one of their files")
+        found[name] = one
+    return found
 
 
 def _of_cell(error: WorldError, world: str, controller: str | None) -> WorldError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 from physim._version import __version__
 from physim.campaigns.columns import ERROR, Row, rows_of
@@ -15,7 +16,7 @@ from physim.campaigns.reading import read
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
-from physim.errors import PhysimError
+from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.simulation.run import record_run
 from physim.world.file.files import file_text
@@ -88,7 +89,8 @@ def spec_of_row(folder: Folder, row: Row, controller: str | None = None) -> RunS
 def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
     """Run a spec again with its record at ``path``; says why it broke off, "" where it did not.
 
-    It is done by another process, since it may be a run that kills its own.
+    It is done by another process, since it may be a run that kills its own. Raises PhysimError
+    where its record cannot be written, which says nothing of the run.
     """
     executor = Processes(1)
     job = Job(spec.note, _record, (spec, path), spec.limit, ready)
@@ -96,7 +98,10 @@ def replay(spec: RunSpec, path: Path, stop: Stop) -> str:
         for outcome in outcomes(iter([(spec, job)]), executor, stop):
             if outcome.error is not None:
                 return one_line(outcome.error)
-            return str(outcome.result or "")
+            broke: Broke = outcome.result or NOT_BROKEN
+            if broke.unwritten:
+                raise PhysimError(broke.why)
+            return broke.why
     finally:
         executor.shutdown(cancel_futures=True)
     return ""
@@ -116,15 +121,27 @@ def check(record: Record, row: Row) -> list[str]:
     ]
 
 
-def _record(spec: RunSpec, path: Path, stop: Stop) -> str:
+class Broke(NamedTuple):
+    """What ended a run early."""
+
+    why: str
+    """"" where nothing did"""
+    unwritten: bool = False
+    """whether it is only that the record cannot be written"""
+
+
+NOT_BROKEN = Broke("")
+
+
+def _record(spec: RunSpec, path: Path, stop: Stop) -> Broke:
     """In the other process: the run, and the error that ended it."""
     try:
         record_run(simulation_of(spec), path=path, overwrite=True, stop=stop).close()
     except KeyboardInterrupt:
         raise
     except BaseException as error:
-        return one_line(error)
-    return ""
+        return Broke(one_line(error), isinstance(error, RecordError))
+    return NOT_BROKEN
 
 
 __all__ = ["check", "find_row", "replay", "spec_of_row"]

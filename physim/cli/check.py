@@ -194,9 +194,9 @@ def preview(options: Options) -> int:
 def _picture(options: Options) -> Path:
     """Where to draw. Raises PhysimError for another ending and an existing file."""
     from physim.drawing.preview import FORMATS
-    from physim.world.file.files import find_world
+    from physim.world.file.files import find_world, stem_of
 
-    path: Path = options.output or Path(f"{find_world(options.world).stem}.png")
+    path: Path = options.output or Path(f"{stem_of(find_world(options.world))}.png")
     if not path.is_dir() and path.suffix.lower()[1:] not in FORMATS:
         raise PhysimError(f"{path}: a picture ends in .png or .svg")
     new_file(path, options.force, *inputs(options.world))

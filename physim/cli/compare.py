@@ -55,7 +55,7 @@ def measures(text: str) -> dict[str, int]:
             close = nearest(name[:LONGEST_QUOTE], list(DIRECTIONS))
             raise ValueError(
                 f"some of {','.join(DIRECTIONS)}, or NAME:more, NAME:less of a metric of your own "
-                f"by what is better, with commas between; {quoted(name)}{close}"
+                f"by what is better, with commas between; given: {quoted(name)}{close}"
             )
     return found
 

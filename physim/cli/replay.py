@@ -15,6 +15,7 @@ from physim.cli.progress import interrupts
 from physim.cli.signals import INTERRUPTED
 from physim.cli.values import PATH
 from physim.errors import PhysimError
+from physim.escaping import escaped
 
 DISAGREE = 3
 
@@ -52,8 +53,8 @@ def replay(options: Options) -> int:
     from physim.record import Record
 
     place, colon, which = options.run.rpartition(":")
-    if not colon or not place:
-        raise PhysimError(f"{options.run}: is not DIR:ROW, as sweeps/ten_robots:0")
+    if not colon or not place or "\n" in place:
+        raise PhysimError(f"{escaped(options.run)}: is not DIR:ROW, as sweeps/ten_robots:0")
     campaign = Folder(place)
     row = find_row(campaign, which)
     spec = spec_of_row(campaign, row, options.controller)

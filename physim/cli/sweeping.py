@@ -81,7 +81,9 @@ def names_of(text: str | None) -> list[str]:
 
 def usual_folder(worlds: tuple[str, ...]) -> Path:
     """``sweeps/`` and the names of the worlds."""
-    stems = list(dict.fromkeys(Path(one).stem for one in worlds))
+    from physim.world.file.files import stem_of
+
+    stems = list(dict.fromkeys(map(stem_of, worlds)))
     name = "+".join(stems) if len(stems) <= 3 else f"{stems[0]}+{len(stems) - 1}"
     return Path("sweeps") / name
 

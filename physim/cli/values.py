@@ -153,6 +153,8 @@ def _number(text: str) -> float:
 def _path(text: str) -> Path:
     if not text:  # Python's would be the working folder; mostly it is a variable that is not set
         raise ValueError("the name of a file or folder")
+    if "\n" in text:  # it would end the lines that tell of it, and begin some of its own
+        raise ValueError("the name of a file or folder in one line")
     return Path(text)
 
 

@@ -7,6 +7,7 @@ one that was killed the empty file is left, which the next writer takes over and
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 from contextlib import suppress
@@ -19,13 +20,15 @@ class WriteLock:
     """Holds the right to write a file; `release` it in the end."""
 
     def __init__(self, path: Path) -> None:
-        """Take it, or raise RecordError where another writer has it; OSError as for any file.
+        """Take it; OSError as for any file.
+
+        Raises RecordError where another writer has it, and where its name is that of a link.
 
         Where the file system knows no locks nothing is held, and nobody refused.
         """
         self._path = _beside(path)
         while True:
-            self._fd = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+            self._fd = _opened(self._path, os.O_CREAT)
             try:
                 _take(self._fd, path)
                 if self._is_there():
@@ -53,13 +56,26 @@ class WriteLock:
 def check_unwritten(path: Path) -> None:
     """Raise RecordError where somebody is writing a file now."""
     try:
-        fd = os.open(_beside(path), os.O_RDWR | os.O_CLOEXEC)
+        fd = _opened(_beside(path))
     except OSError:
         return
     try:
         _take(fd, path)
     finally:
         os.close(fd)
+
+
+def _opened(lock: Path, how: int = 0) -> int:
+    """Descriptor of the file of a lock, for more by ``how``.
+
+    Raises RecordError for a link, which may lead anywhere; OSError as for any file.
+    """
+    try:
+        return os.open(lock, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW | how, 0o666)
+    except OSError as error:
+        if error.errno != errno.ELOOP:
+            raise
+    raise RecordError(f"{lock}: is a symbolic link, where a lock is to be; remove it")
 
 
 def is_at(fd: int, path: Path) -> bool:

@@ -240,3 +240,31 @@ def test_names_of_files_that_are_not_utf_8(here: Path, capsys: pytest.CaptureFix
     assert [(row["world"], row["seed"]) for row in rows] == [(r"w\udcff", 1), (r"w\udcff", 2)]
     assert (here / folder / "results.parquet").stat().st_size
     assert physim("replay", f"{folder}:0", "-o", "again", capture=capsys).code == 0
+
+
+@pytest.mark.parametrize(
+    ("world", "name"), [("...yaml", "world"), ("..yaml", "world"), ("a\nb.yaml", r"a\u000ab")]
+)
+def test_names_that_name_no_folder_or_are_no_line(
+    here: Path, capsys: pytest.CaptureFixture[str], world: str, name: str
+) -> None:
+    for other in here.iterdir():
+        other.unlink()
+    (here / world).write_text(WORLD)
+    done = physim("sweep", world, "--seeds", "1:2", "--workers", "1", capture=capsys)
+    assert done.code == 0, done.err
+    assert sorted(one.name for one in here.iterdir()) == sorted((world, "sweeps"))
+    assert [one.name for one in (here / "sweeps").iterdir()] == [name]
+    assert f"rows in sweeps/{name}/results.parquet\n" in done.out
+    assert [row["world"] for row in read(here / "sweeps" / name).to_pylist()] == [name]
+    assert not [line for line in done.err.splitlines() if line.startswith("b")]
+
+
+def test_two_worlds_called_alike_once_written_out(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for world in ("a\nb.yaml", r"a\u000ab.yaml"):
+        (here / world).write_text(WORLD)
+    done = physim("sweep", "a\nb.yaml", r"a\u000ab.yaml", "--seeds", "1:2", capture=capsys)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert done.err.startswith(r"a\u000ab.yaml: two worlds")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import resource
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,9 @@ SWEEP = (
     "sweep", "small.yaml", "--seeds", "0:2", "--controller", "awkward:Awkward", "--workers", "1",
     "--set", "controller.how=fine,raise", "--keep", "all", "-o", "out",
 )  # fmt: skip
+
+ROOM = 40_000
+"""[bytes] for a file: the start of a record has room, the whole has not"""
 
 
 @pytest.fixture
@@ -128,14 +132,28 @@ def test_no_row_says_where_outside_its_folder_a_record_goes() -> None:
 def test_a_run_that_breaks_off_here_is_told_so_and_no_figures(
     swept: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(spec: RunSpec, path: Path, stop: object) -> str:
+    def killed(spec: RunSpec, path: Path, stop: object) -> str:
         record_run(simulation_of(spec), path=path, stop=lambda: True).close()
-        return "the disk is full"
+        return "its process was killed"
 
-    monkeypatch.setattr("physim.campaigns.replay.replay", full)
+    monkeypatch.setattr("physim.campaigns.replay.replay", killed)
     done = again("out:1", "-o", "again", "--no-video", capture=capsys)
     assert (done.code, done.err.count("\n")) == (3, 1), done.err
-    assert "the disk is full" in done.err
+    assert "its process was killed" in done.err
+
+
+@pytest.mark.parametrize("row", [0, 2])
+def test_a_disk_that_fills_says_nothing_of_the_run(
+    swept: Path, capsys: pytest.CaptureFixture[str], row: int
+) -> None:
+    """Neither of one that ended well nor of one that failed there."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, limits[1]))
+    try:
+        done = again(f"out:{row}", "-o", "again", "--no-video", capture=capsys)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (done.code, done.err) == (2, "again/record.h5: cannot be written: File too large\n")
 
 
 def test_a_report_says_how_runs_of_a_controller_of_ones_own_are_drawn(

@@ -63,6 +63,9 @@ MISTAKES = {
     ("import", "x", "-o", "y", "--start", "-1"): ("--start -1", "number of 0 or more"),
     ("import", "x", "-o", "y", "--lanes", "0"): ("--lanes 0", "whole number from 1 to 10000"),
     ("import", "x", "-o", "y", "--robot", "1,0"): ("--robot 1,0", "LENGTH,WIDTH", "1.8,1.0"),
+    ("page", "x.h5", "-o", "a\nb.html"): (r"-o/--output a\u000ab.html", "in one line"),
+    ("video", "no\nsuch.h5"): (r"RECORD no\u000asuch.h5", "in one line"),
+    ("compare", "x", "--by", "controller", "--only", "finish"): ("--only", "given: finish; did"),
     ("none.yaml",): ("physim none.yaml", THERE_ARE),
     ("valdate", "x"): ("physim valdate", THERE_ARE, '"validate"'),
 }  # fmt: skip
@@ -80,6 +83,7 @@ FOUND_LATER = {
     ("video", "x", "y", "--beside", "z"): ("--beside z", "y"),
     ("summary",): ("physim summary", "RECORD is missing", "--definitions"),
     ("new",): ("physim new", "NAME is missing"),
+    ("replay", "a\nb:0"): (r"a\u000ab:0", "DIR:ROW"),
     ("run", "a\nb\x1b[0m"): (r"a\u000ab\u001b[0m", "no such file"),
 }
 """The same where the command itself finds it."""

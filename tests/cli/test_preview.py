@@ -33,6 +33,19 @@ def test_a_picture_is_named_after_the_file(here: Path, capsys: pytest.CaptureFix
     assert sorted(file.name for file in here.iterdir()) == ["small.png", "small.yaml"]
 
 
+@pytest.mark.parametrize(
+    ("world", "picture"),
+    [("...yaml", "world.png"), ("..yaml", "world.png"), ("a\nb.yaml", r"a\u000ab.png")],
+)
+def test_a_picture_has_a_name_in_one_line(
+    here: Path, capsys: pytest.CaptureFixture[str], world: str, picture: str
+) -> None:
+    (here / "small.yaml").rename(here / world)
+    done = physim("preview", world, capture=capsys)
+    assert (done.code, done.out, done.err) == (0, f"{picture}\n", "")
+    assert sorted(file.name for file in here.iterdir()) == sorted((world, picture))
+
+
 def test_svg_seed_and_overrides(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     done = physim(
         "preview", "three_robots", "-o", "deep/a.svg", "--seed", 5, "--set", "name=other",

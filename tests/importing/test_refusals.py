@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from physim.authoring.importing import ImportSourceError, Options, import_world
 from physim.errors import PhysimError
+from physim.world.file.files import shipped_folder
 from tests.importing.plans import SAMPLES, check_says, map_yaml, pgm, svg
 
 HEADER = "# x_m,y_m,w_tr_right_m,w_tr_left_m\n"
@@ -382,6 +383,12 @@ def test_files(tmp_path: Path, name: str) -> None:
     if content is not None:
         (tmp_path / name).write_bytes(content)
     check_says(refusal(tmp_path / name), message)
+
+
+def test_a_world_is_no_map(tmp_path: Path) -> None:
+    path = tmp_path / "world.yaml"
+    path.write_bytes((shipped_folder() / "straight.yaml").read_bytes())
+    check_says(refusal(path), ": is … a world of physim already")
 
 
 def test_folder_and_pipe(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from physim.errors import RecordError
 from physim.record import Record, RecordWriter
-from physim.record.lock import WriteLock
+from physim.record.lock import WriteLock, check_unwritten
 from tests.facts import facts
 from tests.record.test_crash_safe import SCRIPT, append, check
 from tests.records import DECLARED, make_record, make_scene
@@ -129,3 +129,17 @@ def test_a_lock_that_is_taken_over_from_who_just_removed_it(
         WriteLock(path)
     mine.release()
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_link_in_the_place_of_the_lock_is_not_followed(tmp_path: Path, there: bool) -> None:
+    outside, path = tmp_path / "outside", tmp_path / "out/r.h5"
+    path.parent.mkdir()
+    if there:
+        outside.write_text("mine")
+    (path.parent / ".r.h5.lock").symlink_to(outside)
+    for refused in (lambda: writer(path), lambda: check_unwritten(path)):
+        with pytest.raises(RecordError, match=r"^[^\n]*/\.r\.h5\.lock: is a symbolic link[^\n]*$"):
+            refused()
+    assert outside.exists() == there
+    assert [file.name for file in path.parent.iterdir()] == [".r.h5.lock"]

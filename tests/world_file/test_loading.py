@@ -42,6 +42,13 @@ def test_a_world_by_hand_loads(tmp_path):
     assert parse_world(world.to_yaml()) == world
 
 
+@pytest.mark.parametrize(("there", "last"), [(5, "w4.yaml"), (8, "w4.yaml and 3 more")])
+def test_of_many_worlds_in_a_folder_it_is_said_how_many_more_there_are(tmp_path, there, last):
+    for k in range(there):
+        (tmp_path / f"w{k}.yaml").write_text(STRAIGHT)
+    assert refusal(tmp_path / "nothing_like_it.yaml").endswith(f", w3.yaml, {last}")
+
+
 def test_files_that_cannot_be_read_say_why(tmp_path):
     (tmp_path / "straight.yaml").write_text(STRAIGHT)
     os.mkfifo(tmp_path / "pipe.yaml")

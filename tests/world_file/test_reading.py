@@ -229,6 +229,21 @@ def test_a_quoted_key_with_a_colon_is_a_key() -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "advice"),
+    [
+        ("formation: {gain 0.05, speed: 1.0}", 'write "gain: 0.05"'),
+        ("formation: {speed: 1.0, gain 0.05}", 'write "gain: 0.05"'),
+        ("formation: {gain: }", None),
+    ],
+)
+def test_a_forgotten_colon_is_said(text: str, advice: str | None) -> None:
+    document = read_document(text, "w.yaml")
+    (message,) = [fault.message for fault, _ in document.faults]
+    assert ("colon is missing" in message) == (advice is not None)
+    assert (advice or "") in message
+
+
+@pytest.mark.parametrize(
     ("text", "line", "column"),
     [
         ("robots:\n  -name: r1\n    pose: [1.0, 2.0, 0.0]\n", 2, 4),

@@ -50,6 +50,9 @@ class _Yaml:
 
     def read(self) -> RosMap:
         values = self._values()
+        if {"name", "robots"} <= set(values) and not set(values) & set(KEYS):
+            message = "is a world of physim already, and no map; physim run takes it as it is"
+            raise refused(self.path, message)
         unknown = [key for key in values if key not in KEYS]
         for key in ("image", "resolution", "origin"):
             if key not in values:

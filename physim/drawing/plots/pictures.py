@@ -27,6 +27,7 @@ from physim.drawing.plots.collision_times import collision_times, prediction
 from physim.drawing.plots.curves import deviation, formation, speeds
 from physim.drawing.plots.distances import distances
 from physim.drawing.plots.frame import nothing_in
+from physim.drawing.plots.loading import load_matplotlib
 from physim.drawing.plots.maps import trajectories, width
 from physim.drawing.plots.modes import modes
 from physim.drawing.plots.paper import LEAST, MOST, fitted
@@ -99,7 +100,7 @@ def draw(
         if name not in known:
             close = nearest(name[:100], list(known))
             raise PhysimError(f'no picture is called "{name}"; there are {", ".join(known)}{close}')
-    own = {name: own_part(_plot(), name, NAMES) for name in only if name not in PICTURES}
+    own = {name: _own_part(name) for name in only if name not in PICTURES}
     if width is not None and not LEAST <= width <= MOST:
         raise PhysimError(f"width {width:g} given; allowed: {LEAST:g} to {MOST:g} inches")
     if format not in FORMATS:
@@ -148,6 +149,12 @@ def _plot() -> Any:
     from physim.parts.registry import PLOT  # only here: it brings the models of worlds along
 
     return PLOT
+
+
+def _own_part(name: str) -> Any:
+    """The picture that a package registered; its module may import matplotlib first."""
+    load_matplotlib()
+    return own_part(_plot(), name, NAMES)
 
 
 def _own_figure(name: str, part: Any, record: Record) -> Any:

@@ -15,6 +15,7 @@ from typing import Any
 from physim.drafts import discard, draft_of
 from physim.drawing import palette
 from physim.drawing.palette import hexed
+from physim.drawing.plots.loading import load_matplotlib
 
 INK = hexed(palette.INK)
 QUIET = hexed(palette.QUIET)
@@ -40,8 +41,6 @@ DPI = 200
 @contextmanager
 def styled() -> Iterator[None]:
     """Settings of matplotlib for one picture; restored afterwards."""
-    import matplotlib
-
     settings: Any = {
         "font.family": "DejaVu Sans",
         "font.size": 9.0,
@@ -72,7 +71,7 @@ def styled() -> Iterator[None]:
         "pdf.fonttype": 42,
         "path.simplify_threshold": 0.2,
     }
-    with matplotlib.rc_context(settings):
+    with load_matplotlib().rc_context(settings):
         yield
 
 

@@ -56,6 +56,15 @@ def find_world(given: str | os.PathLike[str]) -> Path:
     raise WorldError([Fault((), message + more)])
 
 
+def stem_of(file: str | os.PathLike[str]) -> str:
+    """What is named after a world file: its name without ending, in one line.
+
+    ``world`` where that is dots alone, which name no file or folder of their own.
+    """
+    stem = escaped(Path(file).stem)
+    return stem if stem.strip(".") else "world"
+
+
 def _near(folder: Path, given: str) -> list[str]:
     """World files of a folder whose names without ending are the one given, or much like it."""
     try:
@@ -138,4 +147,5 @@ def _listed(folder: Path, name: str) -> str:
     near = [n for one in dict.fromkeys(alike) for n in worlds if Path(n).stem == one][:3]
     if near:
         return f"; did you mean {' or '.join(near)}?"
-    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}" if worlds else ""
+    more = f" and {len(worlds) - MOST_LISTED} more" if len(worlds) > MOST_LISTED else ""
+    return f"; world files there: {', '.join(worlds[:MOST_LISTED])}{more}" if worlds else ""

@@ -158,6 +158,14 @@ def missing_space(text: str) -> str:
     return found["key"] if found else ""
 
 
+def missing_colon(key: str) -> str:
+    """What to write for a key like ``gain 0.05``, which stands in braces; "" for all others."""
+    word, _, value = key.partition(" ")
+    if not word.isidentifier() or not value.strip():
+        return ""
+    return f'a colon is missing after the key; write "{word[:40]}: {value.strip()[:40]}"'
+
+
 def missing_space_after_dash(text: str) -> str:
     """What to write for a key like ``-name``, a word of its own to YAML; "" for all others."""
     found = _NO_SPACE_AFTER_DASH.match(text)

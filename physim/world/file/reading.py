@@ -15,6 +15,7 @@ from physim.world.file.nodes import UNREADABLE, Document, Member, Node, collecto
 from physim.world.file.pitfalls import (
     EMPTY,
     RefusedScalarError,
+    missing_colon,
     missing_space,
     missing_space_after_dash,
     scalar,
@@ -221,6 +222,8 @@ class _Reader:
         field = field_at(World, self._here())
         if field is not None and field.is_required():
             return f"empty value; needed: {field.description}"
+        if meant := missing_colon((self.stack[-1].key if self.stack else None) or ""):
+            return meant
         return f"empty value; give one, or leave the key out{self._comma_hint()}"
 
     def _comma_hint(self) -> str:

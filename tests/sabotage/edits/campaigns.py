@@ -357,4 +357,22 @@ EDITS = (
         "a hyphen in a unit is no minus sign",
         "tests/campaigns/test_own_metrics.py::test_a_unit_is_only_a_unit",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/replay.py",
+        "_record",
+        "isinstance(error, RecordError)",
+        "False",
+        "a record that cannot be written says nothing of the run",
+        "tests/campaigns/test_replay.py::test_a_disk_that_fills_says_nothing_of_the_run",
+    ),
+    Edit(
+        "campaigns",
+        "physim/world/file/files.py",
+        "stem_of",
+        'stem if stem.strip(".") else "world"',
+        "stem",
+        "what is named after a world is in a folder of its own",
+        "tests/campaigns/test_command.py::test_names_that_name_no_folder_or_are_no_line",
+    ),
 )

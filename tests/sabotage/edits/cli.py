@@ -293,4 +293,13 @@ EDITS = (
         "an empty name is not the working folder",
         "tests/cli/test_mistakes.py::test_a_mistake_is_told_in_one_line",
     ),
+    Edit(
+        "cli",
+        "physim/cli/values.py",
+        "_path",
+        '"\\n" in text',
+        "False",
+        "no name of a file makes a line of its own",
+        "tests/cli/test_mistakes.py::test_a_mistake_is_told_in_one_line",
+    ),
 )

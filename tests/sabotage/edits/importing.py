@@ -502,4 +502,13 @@ EDITS = (
         "sizes in a style sheet are told",
         "tests/importing/test_as_meant.py::test_sizes_in_a_style_sheet_are_told",
     ),
+    Edit(
+        "importing",
+        "physim/authoring/importing/ros_map_file.py",
+        "_Yaml.read",
+        '{"name", "robots"} <= set(values)',
+        "False",
+        "a world is no map",
+        "tests/importing/test_refusals.py::test_a_world_is_no_map",
+    ),
 )

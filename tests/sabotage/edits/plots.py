@@ -195,4 +195,13 @@ EDITS = (
         "of a record that is refused no picture stays",
         "tests/plots/test_plots.py::test_of_a_record_whose_world_is_no_yaml_nothing_is_drawn",
     ),
+    Edit(
+        "plots",
+        "physim/drawing/plots/loading.py",
+        "load_matplotlib",
+        "os.environ.pop(VARIABLE, None)",
+        "None",
+        "a backend that cannot be loaded is not needed",
+        "tests/plots/test_loading.py::test_a_backend_that_cannot_be_loaded_is_not_needed",
+    ),
 )

@@ -266,4 +266,13 @@ EDITS = (
         "a world inside whose aliases name one another is refused",
         "tests/record/test_values.py::test_a_world_inside_of_aliases",
     ),
+    Edit(
+        "record",
+        "physim/record/lock.py",
+        "_opened",
+        " | os.O_NOFOLLOW",
+        "",
+        "a link in the place of a lock is not followed",
+        "tests/record/test_two_writers.py::test_a_link_in_the_place_of_the_lock_is_not_followed",
+    ),
 )

@@ -268,4 +268,22 @@ EDITS = (
         "the order of settings is no part of a world",
         "tests/world_file/test_loading.py::test_the_order_of_settings_is_no_part_of_a_world",
     ),
+    Edit(
+        "world_file",
+        "physim/world/file/files.py",
+        "_listed",
+        "{len(worlds) - MOST_LISTED} more",
+        "{len(worlds)} more",
+        "how many more worlds there are is said",
+        "tests/world_file/test_loading.py::test_of_many_worlds_in_a_folder_it_is_said_how_many_more_there_are",
+    ),
+    Edit(
+        "world_file",
+        "physim/world/file/pitfalls.py",
+        "missing_colon",
+        "or not value.strip()",
+        "or True",
+        "a forgotten colon is said",
+        "tests/world_file/test_reading.py::test_a_forgotten_colon_is_said",
+    ),
 )

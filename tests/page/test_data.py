@@ -14,6 +14,7 @@ import physim
 from physim.analysis.summary import summarise
 from physim.drawing.page import curves
 from physim.drawing.page.data import run_data
+from physim.drawing.page.decisions import _quantum
 from physim.drawing.page.knots import between, find_knots
 from physim.drawing.page.packing import LARGEST, Pack
 from physim.drawing.timeline import Timeline
@@ -134,6 +135,16 @@ def test_one_large_number_takes_no_digit_from_the_others() -> None:
     arrays = unpack(pack.to_base64({}))[1]
     assert np.array_equal(arrays["a"], given, equal_nan=True)
     assert arrays["b"] == pytest.approx([1.845], abs=5.1e-4)
+
+
+@pytest.mark.parametrize("largest", [5e-324, 1e-322, 1e-310, 1e-290, 1e-9])
+def test_columns_of_tiny_numbers_are_packed(largest: float) -> None:
+    """Such as probabilities that have underflowed."""
+    given = largest * np.linspace(0.0, 1.0, 5)
+    pack = Pack()
+    pack.real("a", given, _quantum(given, 1e-3))
+    kept = unpack(pack.to_base64({}))[1]["a"]
+    assert np.abs(kept - given).max() <= max(1e-3 * largest, 3e-308)
 
 
 def check_considered(

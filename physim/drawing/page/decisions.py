@@ -61,7 +61,9 @@ def _quantum(values: NDArray[Any], usual: float) -> float:
     """What a column is rounded to: as usual, finer where all of it is small."""
     size = np.abs(values[np.isfinite(values)])
     largest = float(size.max()) if len(size) else 0.0
-    return usual if largest == 0.0 or largest >= 10.0 * usual else largest * 1e-3
+    if largest == 0.0 or largest >= 10.0 * usual:
+        return usual
+    return max(largest * 1e-3, float(np.finfo(np.float64).tiny))
 
 
 def _pack_others(record: Record, rows: NDArray[np.void], pack: Pack) -> bool:

@@ -137,6 +137,17 @@ def test_one_large_number_takes_no_digit_from_the_others() -> None:
     assert arrays["b"] == pytest.approx([1.845], abs=5.1e-4)
 
 
+def test_a_column_that_begins_later_keeps_its_digits_far_from_0() -> None:
+    """Such as a northing or a time of day that the first decisions leave out."""
+    given = np.array([np.nan, np.inf, 5.33e6, np.nan, 5.33e6 + 1.845])
+    pack = Pack()
+    pack.real("a", given, 1e-3)
+    pack.real("none", [np.nan, np.nan], 1e-3)
+    arrays = unpack(pack.to_base64({}))[1]
+    assert np.allclose(arrays["a"], given, rtol=0, atol=5.1e-4, equal_nan=True)
+    assert np.isnan(arrays["none"]).all()
+
+
 @pytest.mark.parametrize("largest", [5e-324, 1e-322, 1e-310, 1e-290, 1e-9])
 def test_columns_of_tiny_numbers_are_packed(largest: float) -> None:
     """Such as probabilities that have underflowed."""

@@ -89,9 +89,11 @@ class Pack:
 
 
 def _filled(values: NDArray[np.float64], finite: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Values with each that is not finite replaced by the last before it that is; 0 without."""
-    last = np.maximum.accumulate(np.where(finite, np.arange(len(values)), -1))
-    return np.where(last >= 0, np.where(finite, values, 0.0)[last], 0.0)
+    """Values with each that is not finite replaced by the last before it that is, or else by the
+    first; 0 without any."""
+    first = int(np.argmax(finite))
+    last = np.maximum.accumulate(np.where(finite, np.arange(len(values)), first))
+    return np.where(finite, values, 0.0)[last]
 
 
 def _smallest(numbers: NDArray[np.int64]) -> tuple[int, NDArray[np.uint8]]:

@@ -148,6 +148,7 @@ def test_figures_are_those_of_the_moment(
     seen.ask("location.hash = '#t=1.5&robot=slow'")
     seen.until("physim.robot === 0")
     assert "1.25 m" in seen.text("#why")
+    assert "formation error" not in seen.text("#why")  # the world has no formation
     seen.ask("location.hash = '#t=0.5&robot=slow'")
     seen.until("physim.player.time === 0.5")
     assert "1.25 m" not in seen.text("#why")

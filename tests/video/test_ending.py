@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+import physim
 from physim.contacts import Phase
 from physim.drawing import palette
 from physim.drawing.timeline import Timeline
@@ -22,6 +23,7 @@ from physim.drawing.video.panel import DEEP, NO_MODES, PAD, signs
 from physim.drawing.video.text import BOLD, width
 from physim.parts.declarations import NO_NUMBER
 from physim.tolerances import DEEP as DEPTH
+from tests.validation.runs import Drivers
 from tests.video.test_frames import pixels
 
 
@@ -54,6 +56,37 @@ def test_figures_say_what_is_of_now_and_what_so_far(made: Callable[..., Any]) ->
         assert all(" now" in words for words in list(found)[1:])
     alone = Painter(Timeline(made(1)), 1.0, 25.0)
     assert "off its path now" in words_of(alone, 1.0)[-1][0]
+
+
+QUEUE = """\
+name: queue
+time: {step: 0.01, duration: 3.0}
+corridor: {centreline: [[0, 0], [30, 0]], width: 8.0}
+robots:
+  - {name: a, footprint: {length: 1.8, width: 1.0}, pose: [8.0, 0.0, 0.0], path: {offset: 0.0}}
+  - {name: b, footprint: {length: 1.8, width: 1.0}, pose: [6.0, 0.1, 0.0], path: {offset: 0.0}}
+  - {name: c, footprint: {length: 1.8, width: 1.0}, pose: [3.5, 0.0, 0.0], path: {offset: 0.0}}
+"""
+
+
+def test_of_several_that_touch_the_deepest_two_are_named() -> None:
+    record = physim.simulate(
+        physim.parse_world(QUEUE), controller=Drivers((0.0, 0.0), (0.5, 0.0), (1.4, 0.0))
+    )
+    painter = Painter(Timeline(record), 1.0, 25.0)
+    named, shallower = set(), 0
+    for step in range(0, record.steps_run, 5):
+        rows = record.contacts[(record.contacts["step"] == step) & (record.contacts["phase"] < 2)]
+        if len(rows) < 2:
+            continue
+        deepest = rows[np.argmax(rows["depth"])]
+        names = [record.bodies[deepest[side]].name for side in "ab"]
+        found = dict(words_of(painter, step * record.dt + 1e-4))
+        (told,) = [(words, value) for words, value in found.items() if "closest now: " in words]
+        assert told[0] == f"closest now: {names[0]} – {names[1]}"
+        named.add(told[0])
+        shallower += names == ["b", "c"]
+    assert shallower  # of equal ones the first would be a and b
 
 
 def test_names_fit_beside_their_values(

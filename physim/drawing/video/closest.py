@@ -25,6 +25,17 @@ class Pair(NamedTuple):
     points: FloatArray
 
 
+def as_recorded(pair: Pair, clearance: FloatArray) -> tuple[int, int, float]:
+    """The two robots and their distance [m]; of those that touch the two with the greatest depth.
+
+    ``clearance`` (N,) [m] is that of each robot to its nearest in the record, negative = depth.
+    """
+    if pair.distance > 0.0:
+        return pair.a, pair.b, pair.distance
+    a, b = sorted(np.argsort(clearance, kind="stable")[:2].tolist())
+    return a, b, min(float(clearance.min()), 0.0)
+
+
 class Closest:
     """Finds the closest pair of N robots at their poses."""
 

@@ -14,7 +14,7 @@ from physim.drawing.crowd import NAMED
 from physim.drawing.labels import metres, number, round_step
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.timeline import Moment, Timeline
-from physim.drawing.video.closest import Pair
+from physim.drawing.video.closest import Pair, as_recorded
 from physim.drawing.video.ground import PATH_TINT, Ground
 from physim.drawing.video.layout import SHORT_TRAIL, SMALL, TEXT, TITLE, TRAIL, Box, Image, Lens
 from physim.drawing.video.marks import (
@@ -312,9 +312,8 @@ class Panel:
         if len(contacts.began):
             yield NOW, *self._touching(now.time)
         if pair is not None:
-            depth = min(float(np.min(record.clearance[now.sample])), 0.0)
-            gap = pair.distance if pair.distance > 0.0 else depth
-            names = self._both(pair.a, pair.b, CLOSEST_NOW, metres(gap))
+            a, b, gap = as_recorded(pair, record.clearance[now.sample])
+            names = self._both(a, b, CLOSEST_NOW, metres(gap))
             colour = palette.INK if gap > 0.0 else palette.CONTACT
             yield f"{CLOSEST_NOW}{names}", metres(gap), colour
         wall = float(np.min(record.boundary_clearance[now.sample]))

@@ -9,6 +9,15 @@ RATTLES = "tests/video/test_frames.py::test_a_pair_that_rattles_has_one_mark_and
 EDITS = (
     Edit(
         "video",
+        "physim/drawing/video/closest.py",
+        "as_recorded",
+        'sorted(np.argsort(clearance, kind="stable")[:2].tolist())',
+        "(pair.a, pair.b)",
+        "of several that touch the two with the greatest depth are named",
+        "tests/video/test_ending.py::test_of_several_that_touch_the_deepest_two_are_named",
+    ),
+    Edit(
+        "video",
         "physim/drawing/video/view.py",
         "View._mark_contacts",
         "recent[contacts.apart[recent] > lasts]",

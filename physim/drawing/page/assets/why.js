@@ -175,7 +175,8 @@ function factTable(run, robot, row, go, time) {
   if (Number.isFinite(off)) rest.push(`${metres(Math.abs(off))} ${off < 0 ? "right" : "left"} of it`);
   if (rest.length) add("place", rest.join(", "));
   const error = run.column("formation_error")[row];
-  if (Number.isFinite(error) && run.robots > 1) add("formation error", metres(error));
+  const formed = run.header.curves.error?.column === "formation_error";
+  if (Number.isFinite(error) && formed) add("formation error", metres(error));
   const isTold = (name) => limits(run, row).some((one) => one.column === name);
   for (const { name, unit, words: meaning } of run.header.columns) {
     if (PLACES.includes(name) || isTold(name)) continue;

@@ -191,9 +191,9 @@ EDITS = (
     ),
     Edit(
         "video",
-        "physim/drawing/video/panel.py",
-        "Panel._figures",
-        "pair.distance if pair.distance > 0.0 else depth",
+        "physim/drawing/video/closest.py",
+        "as_recorded",
+        "min(float(clearance.min()), 0.0)",
         "pair.distance",
         "an overlap shows as a negative distance",
         "tests/video/test_frames.py::test_an_overlap_is_told_as_one_in_the_panel",

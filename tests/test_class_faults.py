@@ -12,6 +12,7 @@ from physim.parts.declarations import Mode
 from physim.parts.registry import CONTROLLER, find_part
 from physim.simulation.loop import Simulation
 from physim.world.file import load_world
+from tests.cli.commands import physim
 
 
 class NoModel:
@@ -63,3 +64,40 @@ def test_a_fault_of_a_class_names_the_line_at_which_its_author_wrote_it(given, n
 def test_a_class_that_is_not_in_its_module_names_the_file():
     with pytest.raises(ControllerError, match=re.escape(f" ({__file__})") + "$"):
         find_part(CONTROLLER, "tests.test_class_faults:Lost", trusted=True)
+
+
+AWAY = """\
+import os
+{at_import}
+
+class Away:
+    def __init__(self):
+        {in_init}
+
+    def decide(self, observation, memory):
+        from physim import Decision
+        return Decision(v=0.0, omega=0.0, hold=0.1)
+"""
+
+
+@pytest.mark.parametrize("place", ["at_import", "in_init"])
+def test_code_that_goes_to_another_folder_takes_no_output_along(
+    tmp_path, monkeypatch, capsys, place
+):
+    """Such as to its weights: record and summary are written where the command was given."""
+    (tmp_path / "model").mkdir()
+    (tmp_path / "work").mkdir()
+    where = {"at_import": "", "in_init": "pass", place: f"os.chdir({str(tmp_path / 'model')!r})"}
+    (tmp_path / "model" / f"away_{place}.py").write_text(AWAY.format(**where))
+    monkeypatch.chdir(tmp_path / "work")
+    monkeypatch.syspath_prepend(tmp_path / "model")
+    done = physim(
+        "run", "straight", "--controller", f"away_{place}:Away", "-o", "out", "--no-video",
+        "--quiet", "--set", "time.duration=0.2", "--set", "expect=null", capture=capsys,
+    )  # fmt: skip
+    assert done.code == 0, done.err
+    assert (tmp_path / "work" / "out" / "record.h5").is_file()
+    assert [one.name for one in (tmp_path / "model").iterdir() if one.suffix != ".py"] in (
+        [],
+        ["__pycache__"],
+    )

@@ -19,6 +19,7 @@ from physim.errors import ControllerError, Fault, Location, WorldError, dotted, 
 from physim.parts.user_code import (
     attribute,
     broken_by,
+    folder_kept,
     kind_of,
     load_class,
     make_folder_importable,
@@ -198,7 +199,8 @@ def made_part(kind: Kind, part: type[Any], settings: BaseModel | None, name: str
     """
     given = () if settings is None else (settings,)
     try:
-        made = part(*given)
+        with folder_kept():
+            made = part(*given)
     except KeyboardInterrupt:
         raise
     except BaseException as error:

@@ -10,7 +10,8 @@ import inspect
 import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
@@ -132,6 +133,23 @@ def kind_of(value: object) -> str:
     return word
 
 
+@contextmanager
+def folder_kept() -> Iterator[None]:
+    """Be in the same working folder afterwards: code that is loaded may go to its weights, but the
+    files of a command are meant where it was given."""
+    try:
+        before = os.getcwd()
+    except OSError:  # deleted
+        yield
+        return
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            if os.getcwd() != before:
+                os.chdir(before)
+
+
 def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     """Import ``module:Class``; every failure is a `ControllerError` on one line."""
     module_name, _, class_name = target.partition(":")
@@ -142,7 +160,8 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
             "and run in its folder, or put that on PYTHONPATH"
         )
     try:
-        module = importlib.import_module(module_name)
+        with folder_kept():
+            module = importlib.import_module(module_name)
     except ModuleNotFoundError as error:
         if error.name != module_name:
             raise ControllerError(

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "loop",
+        "physim/parts/user_code.py",
+        "folder_kept",
+        "if os.getcwd() != before:",
+        "if False:",
+        "code that goes to another folder takes no output along",
+        "tests/test_class_faults.py::test_code_that_goes_to_another_folder_takes_no_output_along",
+    ),
+    Edit(
+        "loop",
         "physim/simulation/loop.py",
         "Simulation._decide",
         "self.next_decision <= sensed.step",

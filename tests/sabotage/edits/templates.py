@@ -7,15 +7,6 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "templates",
-        "physim/parts/user_code.py",
-        "folder_kept",
-        "if os.getcwd() != before:",
-        "if False:",
-        "code that goes to another folder takes no output along",
-        "tests/test_class_faults.py::test_code_that_goes_to_another_folder_takes_no_output_along",
-    ),
-    Edit(
-        "templates",
         "physim/authoring/templates/text.py",
         "lanes_of",
         "(width - 2.0 * EDGE) / LANE",

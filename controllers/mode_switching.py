@@ -54,7 +54,7 @@ ARRIVED = 3
 """Number of the mode in `PAPER_MODES`"""
 
 RULES = (
-    Rule("path_following", "path following by (5), speed by (7)"),
+    Rule("path_following", "path following by (5); speed by (7) in a formation"),
     Rule("plan", "next speed pair of the plan of (5)"),
     Rule("distance", "avoidance by distance, (12)"),
     Rule("time", "avoidance by collision time, (13)"),

@@ -54,7 +54,8 @@ CONTACT_ROW = np.dtype(
     ]
 )
 """Contact row: sample, body ids a < b, `Phase`, `Kind`, deepest point x, y [m], unit normal nx, ny
-from a to b (world frame), depth [m] (0 when just touching), impulse [N s]. In a row of phase
+from a to b (world frame), depth [m] (0 when just touching), impulse [N s], along the normal and by
+friction together. In a row of phase
 *ended* the bodies are apart: depth is minus their distance, point and normal are those of the
 gap, impulse is what they exchanged before they parted. In a row of kind *swept* step is the sample
 at the end of the step in which they touch, phase is *began*; point, normal and depth are those of

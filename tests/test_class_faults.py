@@ -76,18 +76,19 @@ class Away:
 
     def decide(self, observation, memory):
         from physim import Decision
+        {in_decide}
         return Decision(v=0.0, omega=0.0, hold=0.1)
 """
 
 
-@pytest.mark.parametrize("place", ["at_import", "in_init"])
+@pytest.mark.parametrize("place", ["at_import", "in_init", "in_decide"])
 def test_code_that_goes_to_another_folder_takes_no_output_along(
     tmp_path, monkeypatch, capsys, place
 ):
     """Such as to its weights: record and summary are written where the command was given."""
     (tmp_path / "model").mkdir()
     (tmp_path / "work").mkdir()
-    where = {"at_import": "", "in_init": "pass", place: f"os.chdir({str(tmp_path / 'model')!r})"}
+    where = {"at_import": "", "in_init": "pass", "in_decide": "", place: f"os.chdir({str(tmp_path / 'model')!r})"}
     (tmp_path / "model" / f"away_{place}.py").write_text(AWAY.format(**where))
     monkeypatch.chdir(tmp_path / "work")
     monkeypatch.syspath_prepend(tmp_path / "model")

@@ -114,6 +114,11 @@ def test_commands_from_outside_are_checked_alike(value: float) -> None:
         assert bool(said[0]) == (not abs(value) <= SCENE.limits[1, column] * (1 + 1e-9))
 
 
+def test_complex_commands_from_outside_are_no_numbers() -> None:
+    """numpy would drop the imaginary part, such as that of a root of a quadratic."""
+    assert "(N, 2)" in refusal(outside, SCENE, 0, np.zeros((3, 2), complex))
+
+
 def refusal(check, *arguments) -> str:
     try:
         check(*arguments)

@@ -52,8 +52,8 @@ class CrashSafeFile(io.RawIOBase):
         super().__init__()
         self.holding = False
         self._failure: OSError | None = None
-        self._path = path
-        self._draft: Path | None = draft_of(path)
+        self._path = path.absolute()  # the run may go to another folder
+        self._draft: Path | None = draft_of(self._path)
         self._lock = WriteLock(path)
         try:
             self._fd = os.open(self._draft, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o666)

@@ -26,9 +26,10 @@ class WriteLock:
 
         Where the file system knows no locks nothing is held, and nobody refused.
         """
-        self._path = _beside(path)
+        beside = _beside(path)
+        self._path = beside.absolute()  # the run may go to another folder
         while True:
-            self._fd = _opened(self._path, os.O_CREAT)
+            self._fd = _opened(beside, os.O_CREAT)
             try:
                 _take(self._fd, path)
                 if self._is_there():

@@ -86,6 +86,8 @@ def fits(
 def outside(scene: Scene, step: int, given: ArrayLike) -> FloatArray:
     """Commands (N, 2) from outside, a copy; ControllerError where robots cannot take them."""
     try:
+        if np.iscomplexobj(given):
+            raise TypeError
         nominal = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise ControllerError(

@@ -22,6 +22,7 @@ from physim.parts.controller import Controller
 from physim.parts.declarations import kept_distance
 from physim.parts.registry import OBSERVER, check_part
 from physim.parts.stages import Disturbance, Filter, Observer, SensingStage, Step
+from physim.parts.user_code import folder_kept
 from physim.parts.world_checks import call, listed, naming
 from physim.record import Record, RecordWriter
 from physim.simulation.engine import Physics
@@ -104,8 +105,9 @@ def record_run(
         for observer in [*others, *([] if progress is None else [Progress(progress)])]:
             simulation.look_on(observer)
             looking_on.append(observer)  # one whose start failed is not closed
-        ended = _loop(simulation, stop)
-        late = _close(looking_on, ended)
+        with folder_kept():
+            ended = _loop(simulation, stop)
+            late = _close(looking_on, ended)
     finally:
         simulation.observers = []
         elapsed = time.perf_counter() - started
@@ -267,7 +269,7 @@ def warm_up(
     from physim.frontend import without_collector
 
     started = time.perf_counter()
-    with without_collector():
+    with folder_kept(), without_collector():
         warm_up_decisions(scene, controller)
         wait()
         warm_up_motion(scene, controller)

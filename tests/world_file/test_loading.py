@@ -145,6 +145,10 @@ def test_the_command_line_may_name_another_controller():
     assert "--controller: no controller" in message(STRAIGHT, controller="no")
 
 
+def test_one_change_may_stand_alone():
+    assert parse_world(STRAIGHT, overrides="seed=7").seed == 7
+
+
 def test_settings_are_not_carried_to_another_controller_in_silence(tmp_path):
     path = tmp_path / "w.yaml"
     path.write_text(STRAIGHT)

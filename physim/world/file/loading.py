@@ -120,7 +120,7 @@ def load_world(
 ) -> World:
     """Read a world file, or a shipped world by its name (`straight`).
 
-    ``overrides`` (``["time.step=0.02"]``) and ``controller`` are as the command line gives them.
+    ``overrides`` (``["time.step=0.02"]``, or one alone as a text) and ``controller`` are as the command line gives them.
 
     Raises `WorldError` with every fault found, each with its line and column. What is to be noted
     about the text, such as settings that ``controller`` leaves out, is a Python warning.
@@ -222,6 +222,7 @@ def validate(
             document.root.column,
             "a world is a mapping of keys to values: name, time, corridor, robots, …",
         )
+    overrides = (overrides,) if isinstance(overrides, str) else overrides
     if controller is not None:
         _check_one_controller(overrides, controller, document.source)
         document = _with_controller(document, controller)

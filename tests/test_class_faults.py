@@ -88,7 +88,8 @@ def test_code_that_goes_to_another_folder_takes_no_output_along(
     """Such as to its weights: record and summary are written where the command was given."""
     (tmp_path / "model").mkdir()
     (tmp_path / "work").mkdir()
-    where = {"at_import": "", "in_init": "pass", "in_decide": "", place: f"os.chdir({str(tmp_path / 'model')!r})"}
+    away = f"os.chdir({str(tmp_path / 'model')!r})"
+    where = {"at_import": "", "in_init": "pass", "in_decide": "", place: away}
     (tmp_path / "model" / f"away_{place}.py").write_text(AWAY.format(**where))
     monkeypatch.chdir(tmp_path / "work")
     monkeypatch.syspath_prepend(tmp_path / "model")

@@ -120,7 +120,8 @@ def load_world(
 ) -> World:
     """Read a world file, or a shipped world by its name (`straight`).
 
-    ``overrides`` (``["time.step=0.02"]``, or one alone as a text) and ``controller`` are as the command line gives them.
+    ``overrides`` (``["time.step=0.02"]``, or one alone as a text) and ``controller`` are as the
+    command line gives them.
 
     Raises `WorldError` with every fault found, each with its line and column. What is to be noted
     about the text, such as settings that ``controller`` leaves out, is a Python warning.

@@ -100,6 +100,17 @@ def plural(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
+def place_text(x: float, y: float, digits: int = 6) -> str:
+    """``(1.5, 4)``: a point [m] with so many digits, and to the centimetre however far it is."""
+
+    def one(value: float) -> str:
+        if abs(value) < 10.0 ** (digits - 2):
+            return f"{value:.{digits}g}"
+        return f"{value:.2f}".rstrip("0").rstrip(".")
+
+    return f"({one(x)}, {one(y)})"
+
+
 FEWEST_LETTERS = 3
 """Of the beginning of a name by which it is known"""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from physim.errors import plural
+from physim.errors import place_text, plural
 
 
 @pytest.mark.parametrize(
@@ -19,3 +19,17 @@ from physim.errors import plural
 )
 def test_plural(given, told) -> None:
     assert plural(*given) == told
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ((1.5, -4.0), "(1.5, -4)"),
+        ((0.12345678, 4321.0987), "(0.123457, 4321.1)"),
+        ((0.12345678, 4321.0987, 4), "(0.1235, 4321.1)"),
+        ((432100.5, 5812345.257), "(432100.5, 5812345.26)"),
+        ((-432070.0, 812398.996, 4), "(-432070, 812399)"),
+    ],
+)
+def test_places_are_told_to_the_centimetre_far_from_the_origin(given, told) -> None:
+    assert place_text(*given) == told

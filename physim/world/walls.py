@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from physim.errors import place_text
 from physim.tolerances import CONTACT
 
 
@@ -32,7 +33,7 @@ def stretch_text(boundaries: Sequence[Any] | None, name: str, point: ArrayLike) 
     """
     x, y = (float(value) for value in np.asarray(point, dtype=np.float64))
     number = _number(name)
-    said = f"at ({x:.4g}, {y:.4g})"
+    said = f"at {place_text(x, y, 4)}"
     if number is None or not boundaries or not 0 <= number < len(boundaries):
         return said
     line = boundaries[number]

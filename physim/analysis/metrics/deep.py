@@ -9,6 +9,7 @@ import numpy as np
 
 from physim.analysis.metrics.walls import along_wall
 from physim.contacts import allowed_depth, touching
+from physim.errors import place_text
 from physim.record import Record
 
 
@@ -35,7 +36,7 @@ class Deep:
     def sentence(self, names: Sequence[str]) -> str:
         """Who, where, when, how deep, and what it means; ``names`` by body id."""
         x, y = self.place
-        where = self.along.removeprefix("at ") or f"({x:.4g}, {y:.4g})"
+        where = self.along.removeprefix("at ") or place_text(x, y, 4)
         return (
             f"NOT PHYSICAL from {self.time:.2f} s on: {names[self.a]} and {names[self.b]} sink "
             f"into each other by up to {1e3 * self.depth:.1f} mm (at {self.depth_time:.2f} s, "

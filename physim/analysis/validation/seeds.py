@@ -12,7 +12,7 @@ from typing import Any
 
 from physim.analysis.validation.contact_report import ContactReport, SweptContactReport
 from physim.analysis.validation.validation import CONTACTS, DISAGREE, FREE, Validation
-from physim.errors import plural
+from physim.errors import place_text, plural
 from physim.parts.declarations import Mode, Rule
 from physim.record.setup import Setup
 from physim.statistics.proportion import clopper_pearson
@@ -58,7 +58,7 @@ class SeedResult:
             x, y = one.place
             first = (
                 f"{names[one.a]} and {names[one.b]} at {one.time:.2f} s, "
-                f"{one.along or f'at ({x:.4g}, {y:.4g})'}, responsible {who}"
+                f"{one.along or f'at {place_text(x, y, 4)}'}, responsible {who}"
             )
         near = found.near_misses.distances
         return cls(

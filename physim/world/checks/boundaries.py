@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import Location, plural
+from physim.errors import Location, place_text, plural
 from physim.geometry.corridor import SIDES, corridor_boundaries
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
@@ -34,7 +34,7 @@ def check_boundaries(laid: PartialLayout, found: Diagnostics) -> None:
     for x, y in self_crossings(centreline)[:MOST_CROSSINGS]:
         found.error(
             ("corridor", "centreline"),
-            f"the centreline crosses itself at ({x:.6g}, {y:.6g}); walls would cut through the "
+            f"the centreline crosses itself at {place_text(x, y)}; walls would cut through the "
             "road there; lead it round, or draw boundaries instead",
         )
     is_drawable = laid.boundaries and (laid.area is not None or laid.reference is None)
@@ -57,7 +57,7 @@ def _check_drawn(laid: PartialLayout, found: Diagnostics) -> None:
 def _add_crossing(
     where: Location, other: str, place: tuple[float, float], ends: FloatArray, found: Diagnostics
 ) -> None:
-    crossing = f"crosses {other} at ({place[0]:.6g}, {place[1]:.6g})"
+    crossing = f"crosses {other} at {place_text(*place)}"
     if len(ends) and np.hypot(*(ends - place).T).min() <= LENGTH:
         found.warn(where, f"{crossing} and ends beyond it; let it end there")
     else:
@@ -84,7 +84,7 @@ def _check_folds(centreline: FloatArray, walls: list[FloatArray], found: Diagnos
         if places:
             x, y = places[0]
             more = f" and at {plural(len(places) - 1, 'more place')}" if len(places) > 1 else ""
-            what = f"the {name} crosses itself at ({x:.6g}, {y:.6g}){more}"
+            what = f"the {name} crosses itself at {place_text(x, y)}{more}"
         else:
             what = _folded(name, wall[1:-1], centreline)
         if what:
@@ -111,7 +111,7 @@ def _folded(name: str, wall: FloatArray, centreline: FloatArray) -> str:
         return ""
     x, y = wall[ends[k]]
     return (
-        f"the {name} folds over at ({x:.6g}, {y:.6g}), {room[k]:.4g} m from the centreline instead "
+        f"the {name} folds over at {place_text(x, y)}, {room[k]:.4g} m from the centreline instead "
         f"of {wanted[k]:.4g} m"
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from physim.errors import Location, plural
+from physim.errors import Location, place_text, plural
 from physim.geometry.corridor import offset_polyline
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.polygon import least_width
@@ -105,7 +105,7 @@ def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None
         found.warn(
             laid.path_key(i),
             f"{offset:g} m to the side, the path of "
-            f"{describe(laid.names[i])} runs backwards near ({x:.6g}, {y:.6g}), where the "
+            f"{describe(laid.names[i])} runs backwards near {place_text(x, y)}, where the "
             "reference path bends more tightly than that; use a smaller offset, or waypoints of "
             "its own",
         )
@@ -147,7 +147,7 @@ def check_reference(laid: PartialLayout, found: Diagnostics) -> None:
             found.warn(
                 laid.reference_key,
                 f"the reference path turns back by {np.degrees(turn[k]):.0f} degrees at "
-                f"({x:.6g}, {y:.6g}); are the waypoints in order?",
+                f"{place_text(x, y)}; are the waypoints in order?",
             )
         if not shapely.LineString(line).is_simple:
             found.warn(
@@ -184,7 +184,7 @@ def check_width(laid: PartialLayout, found: Diagnostics) -> set[int]:
         is_listed = isinstance(laid.world.corridor.width, tuple)
         found.error(
             ("corridor", "width", k) if is_listed else ("corridor", "width"),
-            f"{width:.4g} m at ({x:.6g}, {y:.6g}) is too narrow: {describe(laid.names[worst])}"
+            f"{width:.4g} m at {place_text(x, y)} is too narrow: {describe(laid.names[worst])}"
             f" needs more than {needed[worst]:.4g} m however it is turned{more}; widen the "
             "corridor, or make the robots smaller",
         )
@@ -222,7 +222,7 @@ def check_room(
         others = f", shared with {len(group) - 1} more," if len(group) > 1 else ","
         message = (
             f"{describe(first.robot)} does not fit at station {station:.2f} m of "
-            f"its path{others} at ({x:.6g}, {y:.6g}): {clearance:.4g} m to {name} {at}, while the "
+            f"its path{others} at {place_text(x, y)}: {clearance:.4g} m to {name} {at}, while the "
             f"footprint reaches {first.inscribed:.4g} m from the reference point even at its "
             "narrowest"
         )

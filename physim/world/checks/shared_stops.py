@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from shapely.affinity import translate
 
-from physim.errors import plural
+from physim.errors import place_text, plural
 from physim.geometry.shapes import FloatArray
 from physim.tolerances import LENGTH
 from physim.world.checks.findings import Diagnostics
@@ -43,7 +43,7 @@ def check_shared_stops(laid: PartialLayout, at: list[Stop], found: Diagnostics) 
     found.warn(
         laid.path_key(stop.number),
         f"{describe(laid.names[stop.number])} stops at station {stop.station:.2f} m of its path, "
-        f"({x:.4g}, {y:.4g}), where {describe(laid.names[other.number])} stops too{more}: both "
+        f"{place_text(x, y, 4)}, where {describe(laid.names[other.number])} stops too{more}: both "
         f"cannot stand there, and one will not arrive; their stops are {now:.4g} m apart: end one "
         f"path more than {back:.4g} m earlier ({needed:.4g} m apart), or keep them apart by "
         "formation.spacing",

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from physim.errors import Fault, Location
+from physim.errors import Fault, Location, place_text
 from physim.geometry.polygon import (
     corners,
     is_simple,
@@ -69,7 +69,7 @@ def outline_fault(outline: ArrayLike) -> str:
         return "encloses no area; a polygon with area is needed"
     reason = shapely.is_valid_reason(ring)
     place = reason[reason.find("[") + 1 : -1].split() if "[" in reason else []
-    near = f" at ({float(place[0]):.6g}, {float(place[1]):.6g})" if len(place) == 2 else ""
+    near = f" at {place_text(float(place[0]), float(place[1]))}" if len(place) == 2 else ""
     return f"crosses or touches itself{near}; the corners must go once round the outline"
 
 
@@ -235,7 +235,7 @@ def self_overlap(centreline: FloatArray, walls: list[FloatArray]) -> str:
     other = int(np.argmin(np.where(apart, away, np.inf)))
     first, second = sorted((one, other))
     return (
-        f"the corridor runs into itself at ({place.x:.6g}, {place.y:.6g}): the leg from [{first}] "
+        f"the corridor runs into itself at {place_text(place.x, place.y)}: the leg from [{first}] "
         f"to [{first + 1}] and the leg from [{second}] to [{second + 1}] have less than the width "
         "between them; separate them, or draw boundaries instead, which may close on themselves"
     )
@@ -261,7 +261,7 @@ def gaps(labels: list[str], lines: list[FloatArray]) -> str:
         return "boundaries must enclose an area around the reference path"
     found.sort(key=lambda gap: gap[0])
     ends = [
-        f"{name} ends at ({point.x:.6g}, {point.y:.6g}), {size:.4g} m from {other}"
+        f"{name} ends at {place_text(point.x, point.y)}, {size:.4g} m from {other}"
         for size, name, point, other in found[:MOST_GAPS]
     ]
     return "join the ends: " + ", ".join(ends)

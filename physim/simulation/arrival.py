@@ -1,9 +1,10 @@
 """Arrival, judged from the motion alone: at the stop station, and standing.
 
 A robot has arrived at a sample when its station along its own path is at least the stop station
-less the world's tolerance, and no sample of the last `STILL_TIME` shows it farther than
-`STILL_DISTANCE` from where it is. Before that much time has passed nobody has arrived. What a
-controller says of itself does not matter. A run is finished when all have arrived.
+less the world's tolerance, and no sample of the last `STILL_TIME` shows it farther from where it is
+than `still_distances`: 1 cm, less where the robot itself is small. Before that much time has passed
+nobody has arrived. What a controller says of itself does not matter. A run is finished when all
+have arrived.
 """
 
 from __future__ import annotations
@@ -18,7 +19,14 @@ from physim.geometry.tracking import Tracking, track_all
 STILL_TIME = 0.5
 """[s]"""
 STILL_DISTANCE = 0.01
-"""[m]"""
+"""[m] that a robot which stands may have moved, at most"""
+STILL_SHARE = 0.05
+"""of its radius, where that is less: a robot of 3 cm drives at 1 cm/s"""
+
+
+def still_distances(radius: FloatArray) -> FloatArray:
+    """(N,) [m] that robots which stand may have moved; ``radius`` (N,) [m] of the footprints."""
+    return np.minimum(STILL_DISTANCE, STILL_SHARE * radius)
 
 
 def still_steps(dt: float) -> int:
@@ -30,11 +38,12 @@ class Arrivals:
     """Judges the robots at every sample of a run, from sample 0 on.
 
     ``least`` (N,) [m] are the stations from which on they may have arrived, ``pose`` (N, 3) where
-    they stand at sample 0. Values handed out never change.
+    they stand at sample 0, and ``near`` (N,) [m] their `still_distances`. Values handed out never
+    change.
     """
 
-    def __init__(self, least: FloatArray, dt: float, pose: FloatArray) -> None:
-        self.least = least
+    def __init__(self, least: FloatArray, near: FloatArray, dt: float, pose: FloatArray) -> None:
+        self.least, self.near = least, near
         self.trail = np.zeros((still_steps(dt) + 1, len(least), 2))
         """(W + 1, N, 2) places of the last samples, sample k in row k % (W + 1)"""
         self.trail[0] = pose[:, :2]
@@ -49,7 +58,7 @@ class Arrivals:
         stations, arrived = np.empty((3, len(pose))), np.empty(len(pose), np.bool_)
         self.all = self._follow_and_judge(
             *tracking.legs, tracking.last, pose, tracking.windows, tracking.stations, stations,
-            step, self.least, self.trail, arrived,
+            step, self.least, self.near, self.trail, arrived,
         )  # fmt: skip
         tracking.stations, self.arrived = read_only(stations), read_only(arrived)
 
@@ -70,6 +79,7 @@ def follow_and_judge(
     after: FloatArray,
     step: int,
     least: FloatArray,
+    near: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
 ) -> bool:
@@ -79,7 +89,7 @@ def follow_and_judge(
     time.
     """
     track_all(start, row, last, pose, windows, before, after)
-    return note_arrivals(step, pose, after[0], least, trail, arrived)
+    return note_arrivals(step, pose, after[0], least, near, trail, arrived)
 
 
 @compiled
@@ -88,13 +98,15 @@ def note_arrivals(
     pose: FloatArray,
     station: FloatArray,
     least: FloatArray,
+    near: FloatArray,
     trail: FloatArray,
     arrived: NDArray[np.bool_],
 ) -> bool:
     """Judge the robots at ``pose`` (N, 3), sample ``step``, into ``arrived`` (N,): are all there?
 
-    ``least`` (N,) [m] are the stations from which on they may have arrived. ``trail`` (W + 1, N, 2)
-    holds the places of the last W + 1 samples, sample k in row k % (W + 1); this one is added.
+    ``least`` (N,) [m] are the stations from which on they may have arrived, ``near`` (N,) [m] how
+    far they may have moved. ``trail`` (W + 1, N, 2) holds the places of the last W + 1 samples,
+    sample k in row k % (W + 1); this one is added.
     """
     length = len(trail)
     row = step % length
@@ -106,7 +118,7 @@ def note_arrivals(
         k = 1  # the oldest first: of a robot that moves it is the farthest
         while still and k < length:
             dx, dy = trail[(row + k) % length, i, 0] - x, trail[(row + k) % length, i, 1] - y
-            still = dx * dx + dy * dy <= STILL_DISTANCE * STILL_DISTANCE
+            still = dx * dx + dy * dy <= near[i] * near[i]
             k += 1
         arrived[i] = still
         everybody = everybody and still
@@ -114,7 +126,7 @@ def note_arrivals(
 
 
 def arrivals(
-    pose: FloatArray, station: FloatArray, least: FloatArray, dt: float
+    pose: FloatArray, station: FloatArray, least: FloatArray, near: FloatArray, dt: float
 ) -> NDArray[np.bool_]:
     """(K, N) who has arrived at each of K consecutive samples from 0 on: `note_arrivals` in numpy.
 
@@ -126,7 +138,7 @@ def arrivals(
     found[:window] = False
     for k in range(1, window + 1):
         apart = np.square(place[k:] - place[:-k]).sum(axis=2)
-        found[k:] &= apart <= STILL_DISTANCE * STILL_DISTANCE
+        found[k:] &= apart <= near * near
     return np.asarray(found)
 
 

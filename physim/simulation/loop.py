@@ -34,7 +34,7 @@ from physim.parts.stages import (
     shared,
 )
 from physim.parts.world_checks import listed
-from physim.simulation.arrival import Arrivals
+from physim.simulation.arrival import Arrivals, still_distances
 from physim.simulation.decision_checks import outside
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
@@ -323,7 +323,8 @@ class Simulation:
             scene.paths, scene.reference, scene.shapes.radius[:robots], read_only(scene.start)
         )
         least, pose = scene.stop_station - scene.arrival_tolerance, read_only(self.physics.pose)
-        self._arrivals = Arrivals(least, scene.dt, pose)
+        near = still_distances(scene.shapes.radius[:robots])
+        self._arrivals = Arrivals(least, near, scene.dt, pose)
         self.mode = read_only(np.full(robots, NO_NUMBER, dtype=np.int64))
         self.next_decision = read_only(np.zeros(robots, dtype=np.int64))
         self._next_due, self._told = 0, None

@@ -127,7 +127,10 @@ class Time(Model):
 
 
 class Arrival(Model):
-    """When a robot counts as arrived: at its stop station, and standing for 0.5 s."""
+    """When a robot counts as arrived: at its stop station, and standing for 0.5 s.
+
+    It stands where it moves by no more than 1 cm, or a twentieth of its radius if that is less.
+    """
 
     tolerance: Distance = Field(
         default=0.1,
@@ -143,7 +146,10 @@ class Physics(Model):
         default=0.0, description="[-] Coulomb friction coefficient"
     )
     elasticity: Annotated[Number, Field(ge=0.0, le=1.0)] = Field(
-        default=0.0, description="[-] 0: no bounce, 1: elastic"
+        default=0.0,
+        description="[-] share of the closing speed that an impact gives back, 0 to 1: it adds to "
+        "the impulse and leaves more of the energy; robots take up their commands again at once, "
+        "so that none is seen to bounce",
     )
 
 

@@ -7,10 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from physim.drawing.page.events import LEAST, STILL, stands
+from physim.drawing.page.events import LEAST, stands
+
+STILL = 0.02
+"""[m/s] at which robots of a metre stand: 1 cm in half a second"""
 
 
-def record(speeds: list[tuple[float, float]], arrived: int = -1, every: int = 1) -> SimpleNamespace:
+def record(
+    speeds: list[tuple[float, float]], arrived: int = -1, every: int = 1, radius: float = 1.0
+) -> SimpleNamespace:
     """One robot on a line: (seconds, speed [m/s]) one behind the other, in samples of 0.1 s."""
     moved = np.concatenate([np.full(round(10 * s), 0.1 * v) for s, v in speeds])
     x = np.concatenate(([0.0], np.cumsum(moved)))
@@ -18,7 +23,7 @@ def record(speeds: list[tuple[float, float]], arrived: int = -1, every: int = 1)
     pose[:, 0, 0] = x
     return SimpleNamespace(
         steps=np.arange(len(x)) * every, dt=0.1 / every, pose=pose, robots=1,
-        arrived=np.array([arrived]),
+        arrived=np.array([arrived]), shapes=SimpleNamespace(radius=np.array([radius])),
     )  # fmt: skip
 
 
@@ -53,3 +58,9 @@ def test_what_counts_as_standing(
 def test_who_arrived_between_two_samples_stood_until_the_next() -> None:
     made = record([(1.0, 1.0), (5.0, 0.0)], 3 * 30 - 1, every=3)
     assert stands(made).tolist() == [[0, 30, 90]]  # type: ignore[arg-type]
+
+
+def test_a_small_robot_at_its_full_speed_does_not_stand() -> None:
+    """A Kilobot: 16.5 mm of radius, 1 cm/s."""
+    for radius, spans in ((0.0165, 0), (1.0, 1)):
+        assert len(stands(record([(5.0, 0.01)], radius=radius))) == spans  # type: ignore[arg-type]

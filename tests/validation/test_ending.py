@@ -10,7 +10,7 @@ from physim.analysis.validation import validate
 from physim.analysis.validation.consistency import ArrivalCheck
 from physim.analysis.validation.decisions import sample_blocks
 from physim.analysis.validation.origin import world_inside
-from physim.simulation.arrival import arrivals, since
+from physim.simulation.arrival import arrivals, since, still_distances
 from tests.facts import facts
 from tests.forgeries.runs import LANE, killed
 from tests.forgeries.tools import attribute, cells, cut
@@ -37,7 +37,8 @@ def test_arrivals_block_by_block(finished, monkeypatch, size):
         found.take(block)
         station.append(block.station[block.overlap :])
     least = scene.stop_station - scene.arrival_tolerance
-    whole = arrivals(finished.pose, np.concatenate(station), least, finished.dt)
+    near = still_distances(scene.shapes.radius)
+    whole = arrivals(finished.pose, np.concatenate(station), least, near, finished.dt)
     assert found.all_since == finished.steps_run == int(np.argmax(whole.all(axis=1)))
     assert found.since(finished.samples).tolist() == since(whole).tolist()
     assert finished.arrived.tolist() == since(whole).tolist()

@@ -17,6 +17,9 @@ contact.
   world; exact for two bodies that touch at a point without friction. What friction takes is
   not in it, so it errs low where the world has friction.
 
+Both are of the impact alone: robots take up their commands again at the next step, so that the
+motion shows no bounce.
+
 References: impulse and energy of an impact with restitution, e.g. Stronge, Impact Mechanics
 (2000), chapter 3; change of speed ("delta-v") is what crash research reports for severity.
 """

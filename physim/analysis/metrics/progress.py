@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from physim.analysis.metrics.metric import Each, Series
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
-from physim.simulation.arrival import STILL_DISTANCE, STILL_TIME, still_steps
+from physim.simulation.arrival import STILL_TIME, still_distances, still_steps
 
 Rows = NDArray[np.void]
 
@@ -78,7 +78,7 @@ class Absent:
     tolerance: float
     """[m] by which it may be short"""
     stands: bool
-    """it moved no more than 1 cm in the last 0.5 s"""
+    """it moved no more in the last 0.5 s than one that stands may"""
     beside: float = 0.0
     """[m] how far it is from the nearest point of that part of its path"""
     turned: float = 0.0
@@ -140,14 +140,15 @@ def _stood(record: Record) -> NDArray[np.bool_]:
     begin = record.time[-1] - STILL_TIME
     first = int(np.searchsorted(record.time, begin - 1e-9))
     off = record.pose[max(first - 1, 0) :, :, :2] - record.pose[-1, :, :2]
-    near = np.hypot(*off.transpose(2, 0, 1)) <= STILL_DISTANCE
+    most = still_distances(record.shapes.radius[: record.robots])
+    near = np.hypot(*off.transpose(2, 0, 1)) <= most
     within = near[min(first, 1) :].all(axis=0)
     if record.time[first] <= begin + 1e-9:
         return np.asarray(within)
     last, steps = record.steps_run, still_steps(record.dt)
     applied = record.commands_over("applied", max(0, last - steps), last)
     commanded = np.abs(applied[:, :, 0]).sum(axis=0) * record.dt
-    idle = commanded <= STILL_DISTANCE * min(last, steps) / steps
+    idle = commanded <= most * min(last, steps) / steps
     return np.asarray((within & idle) | (near.all(axis=0) & (first > 0)))
 
 

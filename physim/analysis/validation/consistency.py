@@ -17,7 +17,7 @@ from physim.analysis.validation.mismatch import Mismatches
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.record.layout import ARRIVED, OPTIONAL
-from physim.simulation.arrival import arrivals, still_steps
+from physim.simulation.arrival import arrivals, still_distances, still_steps
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
 
@@ -168,6 +168,7 @@ class ArrivalCheck:
     def __init__(self, record: Record, scene: Scene) -> None:
         self.dt = record.dt
         self.least = scene.stop_station - scene.arrival_tolerance
+        self.near = still_distances(scene.shapes.radius[: record.robots])
         self.window = still_steps(record.dt)
         self.pose = np.zeros((0, record.robots, 3))
         self.station = np.zeros((0, record.robots))
@@ -184,7 +185,9 @@ class ArrivalCheck:
         found = np.zeros((len(pose) - known, pose.shape[1]), dtype=np.bool_)
         near = (station[known:] >= self.least).any(axis=0)
         if near.any():
-            arrived = arrivals(pose[:, near], station[:, near], self.least[near], self.dt)
+            arrived = arrivals(
+                pose[:, near], station[:, near], self.least[near], self.near[near], self.dt
+            )
             found[:, near] = arrived[known:]
         first = block.first + block.overlap
         samples = first + np.arange(len(found))[:, None]

@@ -7,9 +7,8 @@ import numpy as np
 from physim.drawing.page.packing import Pack
 from physim.geometry.shapes import IntArray
 from physim.record import Record
+from physim.simulation.arrival import STILL_TIME, still_distances
 
-STILL = 0.02
-"""[m/s] A robot that moves slower from sample to sample stands."""
 LEAST = 1.0
 """[s] for which it stands at least"""
 
@@ -34,11 +33,13 @@ def stands(record: Record) -> IntArray:
     """
     steps = np.asarray(record.steps, dtype=np.int64)
     spans: list[tuple[int, int, int]] = []
+    still = still_distances(record.shapes.radius[: record.robots]) / STILL_TIME
+    """[m/s] A robot that moves slower from sample to sample stands."""
     if len(steps) > 1:
         took = np.diff(steps) * record.dt
         for robot in range(record.robots):
             moved = np.hypot(*np.diff(record.pose[:, robot, :2], axis=0).T)
-            edges = np.diff(np.concatenate(([0], moved < STILL * took, [0])).astype(np.int8))
+            edges = np.diff(np.concatenate(([0], moved < still[robot] * took, [0])).astype(np.int8))
             arrived = int(np.searchsorted(steps, record.arrived[robot]))  # the sample
             for first, end in zip(
                 np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True

@@ -16,6 +16,15 @@ EDITS = (
     ),
     Edit(
         "loop",
+        "physim/simulation/arrival.py",
+        "still_distances",
+        "np.minimum(STILL_DISTANCE, STILL_SHARE * radius)",
+        "np.minimum(STILL_DISTANCE, radius)",
+        "a small robot that creeps at its full speed does not stand",
+        "tests/test_arrival.py::test_a_small_robot_that_creeps_at_its_full_speed_does_not_stand",
+    ),
+    Edit(
+        "loop",
         "physim/errors.py",
         "place_text",
         "if abs(value) < 10.0 ** (digits - 2):",

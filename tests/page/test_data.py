@@ -126,6 +126,23 @@ def test_distances_of_now_are_not_those_of_a_stretch(
         assert few["now"][[0, -1]].tolist() == record.steps[[0, -1]].tolist()
 
 
+def test_distances_of_now_of_few_samples_are_those_of_the_poses() -> None:
+    """In the record they are the least since the sample before."""
+    change = ["time.duration=3.0", "expect=null"]
+    fine = physim.simulate(physim.load_world("crossing", overrides=change))
+    coarse = physim.simulate(
+        physim.load_world("crossing", overrides=[*change, "time.record_every=30"])
+    )
+    arrays = unpack(run_data(coarse, summarise(coarse)))[1]
+    rows = np.searchsorted(fine.steps, arrays["now"])
+    for name, exact, kept in (
+        ("now_pair", fine.clearance, coarse.clearance),
+        ("now_wall", fine.boundary_clearance, coarse.boundary_clearance),
+    ):
+        assert np.allclose(arrays[name], exact[rows].min(axis=1), rtol=0, atol=5.1e-5), name
+        assert not np.allclose(kept.min(axis=1), exact[rows].min(axis=1), rtol=0, atol=5.1e-3)
+
+
 def test_one_large_number_takes_no_digit_from_the_others() -> None:
     """Such as 1e9 for none, or a barrier next to a contact."""
     given = np.array([1e9, 1.845, np.nan, -np.inf, 1e300, 0.0, -2.5])

@@ -95,6 +95,31 @@ def test_a_turn_that_nobody_commanded_counts_in_a_coarse_record() -> None:
     assert np.allclose(some.rotational, full.rotational, rtol=0, atol=1e-3)
 
 
+@pytest.mark.parametrize("every", [2, 41, 500])
+def test_who_is_held_or_pushed_has_the_speed_of_its_motion(every: int) -> None:
+    """The one behind drives at 1.0 m/s into one that stands, whom it pushes at less."""
+    fine, coarse = (
+        physim.simulate(
+            physim.parse_world(
+                LANE,
+                overrides=[
+                    "robots.1.pose=[5.5, 0.0, 0.0]",
+                    "time.duration=20.0",
+                    f"time.record_every={n}",
+                ],
+            ),
+            controller=Drivers((0.0, 0.0), (0.6, 0.0)),
+        )
+        for n in (1, every)
+    )
+    full, some = metrics.averaged_speeds(fine), metrics.averaged_speeds(coarse)
+    pushed, pushing = full.forward[-1]
+    assert 0.1 < pushed < 0.5  # [m/s] for commands of 0 and 0.6
+    assert 0.1 < pushing < 0.5
+    # which of the steps at the first touch is cut short is not known: 0.6 m/s for two of them
+    assert np.allclose(some.forward, full.forward, rtol=0, atol=0.6 * 2 * 0.01 / 10.0 + 1e-9)
+
+
 def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     pose = np.zeros((1501, 2, 3))
     pose[:, :, 0] = np.minimum(0.01 * np.arange(1501), 12.0)[:, None] * [1.0, 0.5]

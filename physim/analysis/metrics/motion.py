@@ -6,8 +6,7 @@ world has a formation and more than one robot.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -24,13 +23,12 @@ from physim.analysis.metrics.progress import (
     last_decisions,
     ratio,
 )
-from physim.geometry.shapes import FloatArray, IntArray
+from physim.analysis.metrics.travelled import looked_at, travelled
+from physim.geometry.shapes import FloatArray
 from physim.record import Record
 
 WINDOW = 10.0
 """[s] window of averaged speeds (paper)"""
-MOST_POSES = 2_000_000
-"""Poses that averaged speeds look at; of more, every second, third … sample."""
 
 
 class AveragedSpeeds(NamedTuple):
@@ -100,10 +98,9 @@ def mean_speed(record: Record) -> float | None:
 def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID) -> AveragedSpeeds:
     """Speeds averaged over ``window`` [s] about each moment (Figs. 1c, 7b, 7c).
 
-    As the robots moved: the distance along the heading and the turn between the ends of the window,
-    over its length. Where not every step has a sample, the distance is that of the applied
-    commands, and so is the turn between samples; both differ from the motion while a contact pushes
-    the robot. Defined where the whole window lies before the robot is at its stop station.
+    As the robots moved (`physim.analysis.metrics.travelled`): the distance along the heading and
+    the turn between the ends of the window, over its length. Defined where the whole window lies
+    before the robot is at its stop station.
     """
     end = record.steps_run * record.dt
     count = int((end - window) / every + 1e-9) + 1 if end >= window - 1e-9 else 0
@@ -111,8 +108,8 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
         return AveragedSpeeds(np.zeros(0), *np.zeros((2, 0, record.robots)))
     middle: FloatArray = window / 2.0 + every * np.arange(float(count))
     ends = middle - window / 2.0, middle + window / 2.0
-    steps = _looked_at(record, ends)
-    courses = _travelled(record, steps), _turned(record, steps)
+    steps = looked_at(record, ends)
+    courses = travelled(record, steps)
     forward, rotational = (np.full((len(middle), record.robots), np.nan) for _ in range(2))
     arrival = active_steps(record) * record.dt
     for i in range(record.robots):
@@ -133,75 +130,6 @@ def averaged_extreme(
     k, robot = np.unravel_index(place, values.shape)
     at = float(time[k])
     return Moment(float(values[k, robot]), round(at / dt), at, int(robot))
-
-
-def _looked_at(record: Record, ends: tuple[FloatArray, FloatArray]) -> IntArray:
-    """Steps (K,) between which courses are taken as linear: those with samples where all have one,
-    else those about the ends of windows [s]."""
-    if _is_fine(record):
-        every = max(1, record.samples * record.robots // MOST_POSES)
-        return np.append(record.steps[:-1:every], record.steps[-1])
-    at = np.unique(np.concatenate(ends)) / record.dt
-    steps = np.concatenate([np.floor(at + 1e-6), np.ceil(at - 1e-6)])
-    return np.unique(np.minimum(steps, record.steps_run)).astype(np.int64)
-
-
-def _is_fine(record: Record) -> bool:
-    """Whether every step has a sample."""
-    return record.samples > record.steps_run
-
-
-def _travelled(record: Record, steps: IntArray) -> FloatArray:
-    """Distance along the heading from the start to each of some steps (K, N) [m]."""
-    return _summed(record, steps, partial(_forward, record))
-
-
-def _turned(record: Record, steps: IntArray) -> FloatArray:
-    """Heading at each of some steps (K, N) [rad], not wrapped: that of the samples, and between two
-    of them as the commands turn it."""
-    if _is_fine(record):
-        return record.pose[steps, :, 2]
-    commanded = partial(_commanded, record, 1)
-    turned = _summed(record, steps, commanded)
-    off = record.pose[:, :, 2] - _summed(record, record.steps, commanded)
-    for i in range(record.robots):
-        turned[:, i] += np.interp(steps, record.steps, off[:, i])
-    return turned
-
-
-def _summed(record: Record, steps: IntArray, moved: Callable[[int, int], FloatArray]) -> FloatArray:
-    """Sum from the start to each of some steps (K, N) of what each step adds.
-
-    ``moved`` gives that of the steps from a first one to the one before a last, (last - first, N).
-    """
-    found = np.zeros((len(steps), record.robots))
-    total = np.zeros(record.robots)
-    for first, last in blocks(record):
-        course = total + np.cumsum(moved(first, last), axis=0)
-        total = course[-1]
-        here = (steps > first) & (steps <= last)
-        found[here] = course[steps[here] - first - 1]
-    return found
-
-
-def _commanded(record: Record, which: int, first: int, last: int) -> FloatArray:
-    """What the applied speeds (0) or turning speeds (1) add in each step (K, N) [m] or [rad]."""
-    return np.asarray(record.commands_over("applied", first, last)[:, :, which] * record.dt)
-
-
-def _forward(record: Record, first: int, last: int) -> FloatArray:
-    """Distance along the heading in each of the steps ``first`` to ``last - 1`` (K, N) [m].
-
-    With a sample of every step: the chord between its poses, lengthened to the arc (1). An interval
-    of several steps is no arc, as commands change within it: there it is what the commands say.
-    """
-    if not _is_fine(record):
-        return _commanded(record, 0, first, last)
-    pose = record.pose[first : last + 1]
-    step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
-    heading = pose[:-1, :, 2] + half
-    chord = step[:, :, 0] * np.cos(heading) + step[:, :, 1] * np.sin(heading)
-    return np.asarray(chord / np.sinc(half / np.pi))
 
 
 MOST_PAIRS = 30_000_000

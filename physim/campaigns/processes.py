@@ -24,7 +24,13 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from physim.campaigns.kinship import children_allowed, end_with_parent
+from physim.campaigns.kinship import (
+    ENDING,
+    begun_deaf,
+    children_allowed,
+    end_with_parent,
+    hear_again,
+)
 from physim.errors import PhysimError
 from physim.streams import gates
 
@@ -227,7 +233,7 @@ class _Worker:
         """A new process that waits for jobs."""
         ours, theirs = context.Pipe()
         process = context.Process(target=_work, args=(theirs, halt), daemon=True)
-        with children_allowed():
+        with children_allowed(), begun_deaf():
             process.start()
         theirs.close()
         return cls(process, ours)
@@ -286,8 +292,9 @@ def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
 
 def _work(pipe: Connection, halt: Any) -> None:
     """Do jobs until the other end of the pipe is closed or gone."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)  # Ctrl-C reaches all; the parent says what follows
+    for number in ENDING:
+        signal.signal(number, signal.SIG_IGN)  # it reaches all; the parent says what follows
+    hear_again()  # for what a job begins in turn
     threading.Thread(target=end_with_parent, daemon=True).start()
     with gates():
         with suppress(OSError):

@@ -55,6 +55,20 @@ def test_whatever_a_job_does_to_its_process_the_next_is_done(
     assert [future.result(timeout=LONGEST) for future in good] == [0, 1, 2]
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_what_ends_a_command_does_not_end_its_workers(
+    executor: Processes, number: signal.Signals, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A terminal sends it to all, also to those that are still importing what they need."""
+    futures = [executor.begin(Job("good", sample.echo, (k,))) for k in range(2)]
+    while not all(future.done() for future in futures):
+        for worker in executor.ids:
+            os.kill(worker, number)
+        wait(futures, timeout=0.005)
+    assert [future.result() for future in futures] == [0, 1]
+    assert capfd.readouterr().err == ""
+
+
 @pytest.mark.parametrize("most", [0, 1])
 def test_no_more_processes_than_the_system_allows(
     executor: Processes, monkeypatch: pytest.MonkeyPatch, most: int

@@ -105,9 +105,8 @@ def _along_commands(record: Record, steps: IntArray, off: FloatArray) -> FloatAr
 
 
 def _touching(record: Record, first: int, last: int) -> FloatArray:
-    """(K, N) 1 for steps ``first`` to ``last - 1`` at an end of which a robot touches, else `FREE`."""
-    rows = record.contacts
-    rows = rows[slice(*np.searchsorted(rows["step"], (first, last + 1)))]
+    """(K, N) 1 for steps ``first`` to ``last - 1`` at an end of which robots touch, else `FREE`."""
+    rows = record.contacts_over(first, last + 1)
     found = np.full((last - first, record.robots), FREE)
     for body in (rows["a"], rows["b"]):
         for step in (rows["step"] - 1, rows["step"]):

@@ -123,12 +123,13 @@ def _check_layout(
     safe_distance, low, speed = (
         setting(laid, checked.controller, key) for key in ("safe_distance", "boundary_low", "speed")
     )
+    written = tuple(found.errors)
     check_footprints(laid, found)
     check_boundaries(laid, found)
     found.errors += laid.faults
     mistaken = check_scale(laid, found)
     if own := [fault for fault in found.errors if fault.location in mistaken]:
-        found.errors = own  # the others follow from it
+        found.errors = [*written, *own]  # the others follow from it
         return ()
     check_start_used(checked.world, found)
     check_reference(laid, found)

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/processes.py",
+        "_Worker.begun",
+        "with children_allowed(), begun_deaf():",
+        "with children_allowed():",
+        "what ends a command does not end its workers as they start",
+        "tests/campaigns/test_processes.py::test_what_ends_a_command_does_not_end_its_workers",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/unlike.py",
         "_worlds",
         "if not found:",

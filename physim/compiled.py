@@ -29,6 +29,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from physim.errors import PhysimError
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 ROOMS_WITHOUT_KERNELS = (
@@ -169,6 +171,11 @@ class Callback:
 def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
     import numba
 
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        raise PhysimError(
+            "NUMBA_DISABLE_JIT is set: physim runs as compiled code alone; unset it (to step "
+            "through a controller of your own, leave its own functions uncompiled)"
+        )
     options = {"error_model": "numpy", "no_cfunc_wrapper": True, **options}
     return numba.njit(**options)(function)
 

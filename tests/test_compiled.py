@@ -22,6 +22,7 @@ from numba.core.caching import CacheImpl, IndexDataCacheFile, UserProvidedCacheL
 import physim
 from physim import compiled as compiled_module
 from physim.compiled import compiled, is_cached
+from physim.errors import PhysimError
 from physim.geometry.shapes import FloatArray, IntArray
 
 
@@ -259,6 +260,13 @@ def test_a_damaged_cache_is_compiled_anew(
     read = fresh()
     assert read(VALUES, 2.0) == expected  # type: ignore[operator]
     assert sum(read.whole.stats.cache_hits.values()) == 1  # type: ignore[attr-defined]
+
+
+def test_a_numba_that_compiles_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As to debug a controller of one's own; kernels cannot run so."""
+    monkeypatch.setattr("numba.config.DISABLE_JIT", 1)
+    with pytest.raises(PhysimError, match="NUMBA_DISABLE_JIT"):
+        compiled(lambda x: x + 1)(1)
 
 
 def test_errors_come_out_of_inner_kernels() -> None:

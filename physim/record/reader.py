@@ -90,7 +90,7 @@ class Record(RecordedHistory):
         bounds = Bounds(
             int(file["/robots/stop_station"].size), int(file["/bodies/id"].size),
             NO_END if killed else self.steps_run,
-            len(self.declared.modes), len(self.declared.rules),
+            len(self.declared.modes), len(self.declared.rules), self.record_every,
         )  # fmt: skip
         super().__init__(file, where, bounds, min(len(file[path]) for path in layout.STEPS))
         if killed:

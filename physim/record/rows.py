@@ -35,6 +35,10 @@ FARTHEST_POINT = 1.0e8
 """[m] no point of a scene lies beyond; a world's coordinates end at 10^6"""
 FARTHEST_POSE = (FARTHEST_POINT, FARTHEST_POINT, float(np.finfo(np.float64).max))
 """[m, m, rad] no robot is beyond; headings are finite"""
+FARTHEST_APART = 3.0e8
+"""[m] no two points of a scene are farther apart"""
+MOST_TURN = float(np.pi)
+"""[rad] no robot turns more in a step; the time step of a world allows far less"""
 STATIONS = ("/robots/stop_station", "/robots/lead")
 """[m] Lengths along paths, one for each robot."""
 ONCE = {
@@ -60,6 +64,8 @@ class Bounds(NamedTuple):
     modes: int
     rules: int
     """how many the controller declares"""
+    every: int
+    """steps from sample to sample, at most"""
 
 
 class Source(NamedTuple):
@@ -132,8 +138,9 @@ def _check_once(source: Source, rows: NDArray[np.void]) -> None:
     source.refuse(repeated([rows["step"], *(rows[name] for name in names)]), fault)
 
 
-def check_steps(source: Source, rows: NDArray[Any]) -> None:
-    """Check rows of one of `layout.STEPS`: steps that increase from 0, poses near enough, no NaN.
+def check_steps(source: Source, rows: NDArray[Any], every: int) -> None:
+    """Check rows of one of `layout.STEPS`: steps that increase from 0, poses and distances near
+    enough, no NaN, turns that a robot can make in ``every`` steps.
 
     Raises RecordError for the first sample that is not so.
     """
@@ -146,21 +153,45 @@ def check_steps(source: Source, rows: NDArray[Any]) -> None:
             source.refuse(rows[:1] != 0, lambda _: f"the first step is {rows[0]}; it must be 0")
         return
     is_pose = source.path == "/steps/pose"
-    wrong = ~(np.abs(rows) <= FARTHEST_POSE) if is_pose else np.isnan(rows)
+    wrong: NDArray[np.bool_] = ~(np.abs(rows) <= FARTHEST_POSE) if is_pose else ~_is_distance(rows)
 
     def fault(k: int) -> str:
         robot, *column = (int(index) for index in np.argwhere(wrong[k])[0])
         what = ("x", "y", "heading")[column[0]] if is_pose else "distance"
-        must = f"finite, x and y at most {FARTHEST_POINT:g}" if is_pose else "a number"
+        must = f"finite, x and y at most {FARTHEST_POINT:g}" if is_pose else DISTANCE
         return f"{what} of robot {robot} is {rows[(k, robot, *column)]}; it must be {must}"
 
-    source.refuse(wrong.any(axis=tuple(range(1, wrong.ndim))), fault)
+    source.refuse(np.asarray(wrong.any(axis=tuple(range(1, wrong.ndim)))), fault)
+    if is_pose:
+        _check_turns(source, rows, MOST_TURN * every)
+
+
+def _check_turns(source: Source, pose: FloatArray, most: float) -> None:
+    turn = np.abs(np.diff(pose[:, :, 2], axis=0, prepend=pose[:1, :, 2]))
+
+    def fault(k: int) -> str:
+        robot = int(np.argmax(turn[k]))
+        return (
+            f"robot {robot} turns by {turn[k, robot]:.4g} rad from the sample before; "
+            f"allowed: {most:.4g}"
+        )
+
+    source.refuse(np.asarray((turn > most).any(axis=1)), fault)
+
+
+DISTANCE = f"a number, finite at most {FARTHEST_APART:g}"
+"""What a distance must be."""
+
+
+def _is_distance(values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Whether distances [m] are such as a scene has, or there is none (infinite)."""
+    return np.asarray((np.abs(values) <= FARTHEST_APART) | np.isinf(values))
 
 
 def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
     """Check who and when of `layout.EXTREMES` or `layout.EXTREMES_FARTHEST`; -1 is nobody, never.
 
-    Raises RecordError for the first value that is out of its range, and for a distance of NaN.
+    Raises RecordError for the first value that is out of its range, distances too.
     """
     rows = np.atleast_1d(rows)
     last, robots, bodies = bounds.last_step, bounds.robots, bounds.bodies
@@ -177,7 +208,9 @@ def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> No
 
 
 def _check_number(source: Source, column: str, values: NDArray[Any]) -> None:
-    source.refuse(np.isnan(values), lambda _: f"{column} is nan; it must be a number")
+    source.refuse(
+        ~_is_distance(values), lambda k: f"{column} is {values[k]:.6g}; it must be {DISTANCE}"
+    )
 
 
 def check_starts(
@@ -225,7 +258,7 @@ def check_points(source: Source, points: NDArray[Any]) -> None:
 
 
 def _ranges(path: str, rows: NDArray[np.void], bounds: Bounds) -> list[Range]:
-    robots, bodies, last, modes, rules = bounds
+    robots, bodies, last, modes, rules, _ = bounds
     step: Range = ("step", 0, last)
     robot: Range = ("robot", 0, robots - 1)
     if path == "/updates":
@@ -305,7 +338,7 @@ class RecordFile:
     def _check(self, source: Source, rows: NDArray[Any]) -> None:
         """Check that rows have values such as a run writes."""
         if source.path in layout.STEPS:
-            check_steps(source, rows)
+            check_steps(source, rows, self._bounds.every)
         elif source.path in layout.TABLES:
             check_table(source, rows, self._bounds)
         elif source.path in (layout.EXTREMES, layout.EXTREMES_FARTHEST):

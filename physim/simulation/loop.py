@@ -278,7 +278,7 @@ class Simulation:
         what is no state.
         """
         if not isinstance(state, SimulationState):
-            raise TypeError(f"a state is needed, as state() gives it, not {type(state).__name__}")
+            raise TypeError(f"a state is needed, such as `state` is, not {type(state).__name__}")
         if state.parts != self.parts.names:
             raise PhysimError(
                 f"the state is of a run with {', '.join(state.parts)}; this one has "

@@ -31,7 +31,7 @@ def tampered(made: Path, folder: Path, path: str, row: Any, value: Any, column: 
     target = folder / "tampered.h5"
     shutil.copyfile(made, target)
     with h5py.File(target, "r+") as file:
-        rows = file[path][()]
+        rows = np.array(file[path][()])
         (rows[column] if column else rows)[row] = value
         file[path][...] = rows
     return target
@@ -186,6 +186,36 @@ def test_poses_where_no_robot_is(made: Path, tmp_path: Path, column: int, value:
     with Record.load(changed) as record, pytest.raises(RecordError) as raised:
         record.pose  # noqa: B018
     in_order(str(raised.value), "/steps/pose", "row 5", f"{name} of robot 1", str(value), "1e+08")
+
+
+@pytest.mark.parametrize("turn", [3.2, -1e7])
+def test_turns_that_no_robot_makes_in_a_step(made: Path, tmp_path: Path, turn: float) -> None:
+    """What looks between samples would go round and round for hours."""
+    with Record.load(made) as record:
+        before = record.pose[4, 1, 2]
+    changed = tampered(made, tmp_path, "/steps/pose", (5, 1, 2), before + turn)
+    with Record.load(changed) as record, pytest.raises(RecordError) as raised:
+        record.pose  # noqa: B018
+    in_order(str(raised.value), "/steps/pose", "row 5", "robot 1", "rad", "allowed", "3.142")
+
+
+@pytest.mark.parametrize("value", [np.nan, 1.7e308, -1e9])
+@pytest.mark.parametrize("path", ["/steps/clearance", "/steps/boundary_clearance"])
+def test_distances_that_no_scene_has(made: Path, tmp_path: Path, path: str, value: float) -> None:
+    changed = tampered(made, tmp_path, path, (5, 1), value)
+    with Record.load(changed) as record, pytest.raises(RecordError) as raised:
+        record.read(path)
+    in_order(str(raised.value), path, "row 5", "robot 1", f"{value}", "3e+08")
+
+
+@pytest.mark.parametrize(
+    ("path", "column"),
+    [("/extremes", "clearance"), ("/extremes", "boundary_clearance"),
+     ("/extremes_farthest", "farthest")],
+)  # fmt: skip
+def test_extremes_that_no_scene_has(made: Path, tmp_path: Path, path: str, column: str) -> None:
+    row = () if path == "/extremes_farthest" else 1
+    refused(tampered(made, tmp_path, path, row, -1.7e308, column), path, column, "-1.7e+308")
 
 
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:

@@ -114,6 +114,16 @@ def test_commands_from_outside_are_checked_alike(value: float) -> None:
         assert bool(said[0]) == (not abs(value) <= SCENE.limits[1, column] * (1 + 1e-9))
 
 
+def test_a_command_that_single_precision_rounds_up_is_told_in_full() -> None:
+    """The limit itself, by a network in single precision, is 1.60000002."""
+    given = np.zeros((3, 2))
+    given[1, 1] = np.float32(SCENE.limits[1, 1])
+    assert given[1, 1] > SCENE.limits[1, 1]
+    said = refusal(outside, SCENE, 0, given)
+    assert "1.60000002 rad/s" in said
+    assert "within 1.6 rad/s" in said
+
+
 def test_complex_commands_from_outside_are_no_numbers() -> None:
     """numpy would drop the imaginary part, such as that of a root of a quadratic."""
     assert "(N, 2)" in refusal(outside, SCENE, 0, np.zeros((3, 2), complex))

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from physim.geometry.path import SHARPEST_TURN
 from physim.geometry.shapes import FloatArray
 
+EVERY, LEAST_PLACES, MOST_PLACES = 0.1, 60, 100_000
+"""[m] between places at which the width is taken; less on paths of fewer, more on paths of more"""
 SIDES = ("left wall", "right wall")
 """Boundaries of a corridor; the caps that close its ends lie on neither side of a path."""
 
@@ -280,6 +282,11 @@ def widths_at(
     feet = [np.where(np.isfinite(foot), foot, np.nan) for foot in found]
     gaps = [np.nan_to_num(np.hypot(*(foot - point).T), nan=np.inf) for foot in feet]
     return Widths(stations, point, gaps[0], gaps[1], feet[0], feet[1], between)
+
+
+def width_spacing(length: float) -> float:
+    """[m] between places at which the width along a path of that length [m] is taken."""
+    return max(min(EVERY, length / LEAST_PLACES), length / MOST_PLACES)
 
 
 def sampled_widths(

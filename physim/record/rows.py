@@ -183,9 +183,9 @@ DISTANCE = f"a number, finite at most {FARTHEST_APART:g}"
 """What a distance must be."""
 
 
-def _is_distance(values: NDArray[Any]) -> NDArray[np.bool_]:
-    """Whether distances [m] are such as a scene has, or there is none (infinite)."""
-    return np.asarray((np.abs(values) <= FARTHEST_APART) | np.isinf(values))
+def _is_distance(values: NDArray[Any], none: float = np.inf) -> NDArray[np.bool_]:
+    """Whether distances [m] are such as a scene has, or ``none``, which stands for no other."""
+    return np.asarray((np.abs(values) <= FARTHEST_APART) | (values == none))
 
 
 def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
@@ -204,12 +204,13 @@ def check_extremes(source: Source, rows: NDArray[np.void], bounds: Bounds) -> No
     for column, high in highest.items():
         source.within(column, rows[column], -1, high)
     for column in distances:
-        _check_number(source, column, rows[column])
+        none = -np.inf if column == "farthest" else np.inf
+        _check_number(source, column, rows[column], none)
 
 
-def _check_number(source: Source, column: str, values: NDArray[Any]) -> None:
+def _check_number(source: Source, column: str, values: NDArray[Any], none: float) -> None:
     source.refuse(
-        ~_is_distance(values), lambda k: f"{column} is {values[k]:.6g}; it must be {DISTANCE}"
+        ~_is_distance(values, none), lambda k: f"{column} is {values[k]:.6g}; it must be {DISTANCE}"
     )
 
 

@@ -120,11 +120,18 @@ def check_commands(scene: Scene, time: float, robots: IntArray | None, command: 
         return
     row, column = np.argwhere(~fine)[0]
     quantity, unit = COMMAND[column]
+    value, most = command[row, column], limits[row, column]
     raise ControllerError(
         f"{scene.names[row if robots is None else robots[row]]} at {time:g} s: command {quantity} "
-        f"= {command[row, column]:g} {unit}; it must be finite and within "
-        f"{limits[row, column]:g} {unit} in either direction"
+        f"= {_beside(value, most)} {unit}; it must be finite and within "
+        f"{most:g} {unit} in either direction"
     )
+
+
+def _beside(value: float, most: float) -> str:
+    """A value with as many digits as tell it from what is allowed: single precision rounds up."""
+    texts = (f"{value:.{digits}g}" for digits in range(6, 18))
+    return next(text for text in texts if abs(float(text)) != most or abs(value) == most)
 
 
 def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:

@@ -292,6 +292,14 @@ def test_a_wrong_unit_is_told_once_and_not_what_follows_from_it(tmp_path):
     assert with_facts(warnings, "6:16 robots[0].footprint", "write 1.8")
 
 
+def test_a_wrong_unit_hides_no_other_fault_of_the_file(tmp_path):
+    box = "{length: 180, width: 100}\n    pose: [6.0"
+    text = changed(CORRIDOR, ("{length: 1.8, width: 1.0}\n    pose: [6.0", box))
+    errors, _ = lines(check(tmp_path, text + "controler: {type: mode_switching}\n"))
+    assert len(errors) == 2, errors
+    assert with_facts(errors, "controler", "controller")
+
+
 def test_a_width_in_centimetres_is_suspected(tmp_path):
     errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("width: 8.0", "width: 160"))))
     assert errors == []

@@ -11,10 +11,10 @@ import shapely
 import physim
 from physim import Decision
 from physim.analysis import metrics
-from physim.analysis.metrics.distances import MOST_PLACES, sides_of, width_extreme
+from physim.analysis.metrics.distances import sides_of, width_extreme
 from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
-from physim.geometry.corridor import offset_polyline, sampled_widths
+from physim.geometry.corridor import MOST_PLACES, offset_polyline, sampled_widths
 from physim.geometry.shapes import FloatArray, pack_parts, pack_polylines
 from physim.record import Record, RecordWriter
 from physim.world.file import load_world

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 
 import physim
+from physim.contacts import Phase
 from physim.drawing.page import MOST_RUNS, page, write_page
 from physim.drawing.page.bundle import ASSETS, order, script
 from physim.drawing.page.moments import moments
 from physim.drawing.timeline import Timeline
 from physim.errors import PhysimError
 from physim.record import Record
+from tests.metrics.histories import history
 from tests.records import make_record
 
 LONGEST_FILE = 350
@@ -129,3 +131,22 @@ def test_of_two_robots_the_one_behind_is_asked_why(record: Record) -> None:
     assert nearest["robot"] == max(pair)
     assert nearest["time"] == pytest.approx(least["clearance_step"] * record.dt)
     assert found["first contact"]["contact"] == 0
+
+
+def test_the_deepest_contact_is_looked_at_where_it_is_deepest() -> None:
+    """Not where it began."""
+    rows = [{"robot": 0}, {"robot": 1}]
+    contacts = [
+        (20, 0, 1, Phase.BEGAN, 0.001),
+        (21, 0, 1, Phase.ENDED, -0.1),
+        (40, 0, 1, Phase.BEGAN, 0.002),
+        (41, 0, 1, Phase.STAYS, 0.005),
+        (42, 0, 1, Phase.STAYS, 0.003),
+        (43, 0, 1, Phase.ENDED, -0.1),
+    ]
+    record = history(rows, contacts, pose=np.zeros((101, 2, 3)))
+    found = {one["label"]: one for one in moments(Timeline(record), physim.summarise(record))}
+    deepest = found["deepest contact"]
+    assert deepest["time"] == pytest.approx(41 * record.dt)
+    assert deepest["contact"] == 1
+    assert "5 mm" in deepest["words"] or "0.005 m" in deepest["words"]

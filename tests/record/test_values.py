@@ -199,7 +199,7 @@ def test_turns_that_no_robot_makes_in_a_step(made: Path, tmp_path: Path, turn: f
     in_order(str(raised.value), "/steps/pose", "row 5", "robot 1", "rad", "allowed", "3.142")
 
 
-@pytest.mark.parametrize("value", [np.nan, 1.7e308, -1e9])
+@pytest.mark.parametrize("value", [np.nan, 1.7e308, -1e9, -np.inf])
 @pytest.mark.parametrize("path", ["/steps/clearance", "/steps/boundary_clearance"])
 def test_distances_that_no_scene_has(made: Path, tmp_path: Path, path: str, value: float) -> None:
     changed = tampered(made, tmp_path, path, (5, 1), value)

@@ -61,6 +61,8 @@ class Episode:
     """number of samples"""
     depth: float
     """[m] greatest depth"""
+    depth_step: int
+    """the first sample that has it"""
     impact: float
     """[N s] impulse of the first sample: the hit itself"""
     impulse: float
@@ -114,9 +116,11 @@ def grazes(record: Record) -> tuple[Graze, ...]:
 
 def _episode(record: Record, run: NDArray[np.void]) -> Episode:
     a, b, step = int(run["a"][0]), int(run["b"][0]), int(run["step"][0])
+    deepest = run[int(np.argmax(run["depth"]))]
     return Episode(
         a, b, b < record.robots, step, step * record.dt, len(run),
-        float(run["depth"].max()), float(run["impulse"][0]), float(run["impulse"].sum()),
+        float(deepest["depth"]), int(deepest["step"]),
+        float(run["impulse"][0]), float(run["impulse"].sum()),
     )  # fmt: skip
 
 

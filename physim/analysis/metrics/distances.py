@@ -18,7 +18,7 @@ import shapely
 from physim.analysis.metrics.metric import Moment, Place, Series
 from physim.analysis.metrics.progress import blocks
 from physim.errors import PhysimError
-from physim.geometry.corridor import SIDES, widths_at
+from physim.geometry.corridor import SIDES, width_spacing, widths_at
 from physim.geometry.queries import collision_times as times_of_pair
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -175,12 +175,6 @@ def _reach(record: Record, twist: FloatArray, horizon: float) -> FloatArray:
     return np.asarray(np.abs(twist[:, :, 0]) * horizon + radius)
 
 
-EVERY = 0.1
-"""[m] between two places at which the width is taken"""
-MOST_PLACES = 100_000
-"""Places at which it is taken: on paths longer than 10 km they are farther apart."""
-
-
 class Width(NamedTuple):
     """Free width at places along a path: shortest distance to the left plus to the right [m]."""
 
@@ -197,8 +191,8 @@ class Width(NamedTuple):
     sides (`physim.geometry.corridor.side_feet`): there is no width there"""
 
 
-def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Width:
-    """Width along a robot's path, every 0.1 m, at no more than `MOST_PLACES` (Fig. 4).
+def corridor_width(record: Record, robot: int = 0) -> Width:
+    """Width along a robot's path, every 0.1 m, at 60 to 100,000 places (Fig. 4).
 
     In a world with a corridor: to its left and to its right wall. Obstacles, and boundaries of
     other worlds, are left where they lie in the half-plane left of the path's direction, and so
@@ -212,7 +206,7 @@ def corridor_width(record: Record, robot: int = 0, every: float = EVERY) -> Widt
     lines = record.paths
     run = slice(lines.start[robot], lines.start[robot + 1])
     length = float(lines.station[run][-1])
-    every = max(every, length / MOST_PLACES)
+    every = width_spacing(length)
     at: FloatArray = every * np.arange(float(int(length / every + 1e-9) + 1))
     walls, obstacles = sides_of(record)
     found = widths_at(lines.points[run], at, obstacles, walls)

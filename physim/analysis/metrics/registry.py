@@ -104,7 +104,8 @@ def _deepest_contact(run: Courses) -> Moment | None:
     deepest = max(run.episodes, key=lambda episode: episode.depth, default=None)
     if deepest is None:
         return None
-    return Moment(deepest.depth, deepest.step, deepest.time, deepest.a, deepest.b)
+    time = deepest.depth_step * run.record.dt
+    return Moment(deepest.depth, deepest.depth_step, time, deepest.a, deepest.b)
 
 
 def _energy(run: Courses, last: bool) -> float | None:

@@ -41,10 +41,10 @@ def moments(timeline: Timeline, summary: Summary) -> list[dict[str, Any]]:
 
 
 def _contact(timeline: Timeline, metric: Metric) -> int | None:
-    """Number of the contact of these bodies that began at that time."""
-    contacts = timeline.contacts
+    """Number of the contact of these bodies that lasts at that time."""
+    contacts, time = timeline.contacts, metric.time or 0.0
     same = (contacts.bodies == metric.bodies).all(axis=1) & ~contacts.swept
-    same &= np.abs(contacts.began - (metric.time or 0.0)) < 1e-6
+    same &= (contacts.began <= time + 1e-6) & (time < contacts.ended - 1e-6)
     rows = np.flatnonzero(same)
     return int(rows[0]) if len(rows) else None
 

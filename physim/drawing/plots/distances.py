@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from physim import tolerances
 from physim.analysis.metrics import (
     contact_episodes,
     farthest_pair,
@@ -157,7 +158,7 @@ def _least(axis: Any, record: Record) -> list[Any]:
             if shortest is not None:
                 who = names_of(record, [shortest.a, shortest.b])
                 who = who if len(who) <= LONGEST_NAME else who.replace(" and ", "\nand ")
-                least_of = true_minus(f"{shortest.value:.3g} m")
+                least_of = _metres(shortest.value)
                 handles[-1].set_label(f"{label},\nleast {least_of}\n({who})")
                 marked.append((shortest, colour))
     if not handles:
@@ -171,7 +172,12 @@ def _least(axis: Any, record: Record) -> list[Any]:
     axis.set_ylim(min(bottom, low - 0.32 * (top - low)), top)  # room for the words
     level = len(marked) == 2 and abs(marked[0][0].value - marked[1][0].value) < 0.1 * (top - low)
     for row, (shortest, colour) in enumerate(sorted(marked, key=lambda pair: pair[0].value)):
-        text, below = true_minus(f"{shortest.value:.3g} m"), level or not close or row == 0
+        text, below = _metres(shortest.value), level or not close or row == 0
         place = row * (level and close)
         mark(axis, shortest.time, shortest.value, text, below=below, colour=colour, row=place)
     return handles
+
+
+def _metres(value: float) -> str:
+    """A distance as labels have it; of bodies that touch within the tolerance 0."""
+    return true_minus(f"{value if abs(value) > tolerances.CONTACT else 0.0:.3g} m")

@@ -14,7 +14,7 @@ import shapely
 from physim.drawing.labels import shortened, significant
 from physim.drawing.scene_model import SceneModel, closed, pieces_of
 from physim.errors import plural
-from physim.geometry.corridor import SIDES, Widths, sampled_widths
+from physim.geometry.corridor import SIDES, Widths, sampled_widths, width_spacing
 from physim.geometry.shapes import FloatArray
 from physim.parts.declarations import Mode
 from physim.world.layout.scene_builder import is_random
@@ -22,7 +22,8 @@ from physim.world.layout.shape_checks import corners_of_line
 from physim.world.scene import Layout
 
 PLACES = 600
-"""Stations at which the width is worked out, besides every waypoint."""
+"""Stations at which the width is worked out at least, besides every waypoint: as close as in a
+record."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,10 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
     others, walls = _sides(layout)
     rings = _segments(map(closed, scene.obstacles))
     course = corners_of_line(scene.paths[0])
-    widths = sampled_widths(course, np.concatenate((others, rings)), PLACES, walls)
-    alone = sampled_widths(course, others, PLACES, walls) if len(rings) else None
+    length = float(shapely.LineString(course).length)
+    places = max(PLACES, int(length / width_spacing(length)) + 2)
+    widths = sampled_widths(course, np.concatenate((others, rings)), places, walls)
+    alone = sampled_widths(course, others, places, walls) if len(rings) else None
     return Contents(
         scene=scene,
         description=layout.world.description,
@@ -79,7 +82,7 @@ def contents(layout: Layout, modes: Sequence[Mode] = (), safe_distance: float = 
         reference=reference,
         length=float(shapely.LineString(reference).length),
         course=course,
-        course_length=float(shapely.LineString(course).length),
+        course_length=length,
         routes=_routes(scene),
         widths=widths,
         boundary_widths=alone,

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/check.py",
+        "_check_layout",
+        "[*written, *own]",
+        "own",
+        "a robot in the wrong unit hides no other fault of the file",
+        "tests/checking/test_robots.py::test_a_wrong_unit_hides_no_other_fault_of_the_file",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/spacing.py",
         "_bases",
         "if (at[:, 0] < at[:, 1]).all() and not any(is_ring(laid.paths[i]) for i in robots):",

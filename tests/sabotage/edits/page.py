@@ -10,6 +10,15 @@ ROOM = "physim/drawing/page"
 EDITS = (
     Edit(
         "page",
+        "physim/analysis/metrics/registry.py",
+        "_deepest_contact",
+        "deepest.depth_step * run.record.dt",
+        "deepest.time",
+        "the deepest contact is looked at where it is deepest",
+        "tests/page/test_page.py::test_the_deepest_contact_is_looked_at_where_it_is_deepest",
+    ),
+    Edit(
+        "page",
         "physim/drawing/page/curves.py",
         "_distances",
         "if record.record_every == 1:",

@@ -192,6 +192,9 @@ def _largest_size(
     most = int(MOST_TRIMMED * len(at))
     inner = slice(min(most, roomy.min()), max(len(at) - most, roomy.max() + 1))
     k = inner.start + int(np.argmin(gaps[inner]))
+    leaves = np.flatnonzero((gaps[:-1] >= 0.0) & (gaps[1:] < 0.0)) + 1
+    leaves = leaves[(leaves >= inner.start) & (leaves < inner.stop)]
+    k = int(leaves[0]) if leaves.size else k  # not where it ends outside
     where = points_at(reference, at[k])
     wall = drawing.named(where, "boundary", "obstacle")
     beyond = "leaves the area" if gaps[k] < 0.0 else f"comes within {gaps[k]:.3g} m of a boundary"

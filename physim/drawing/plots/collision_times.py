@@ -277,7 +277,7 @@ def prediction(record: Record) -> Any:
                       alpha=0.25, linewidth=0.0, label="within one step")  # fmt: skip
     axis.set(xlim=(0.0, most), ylim=(0.0, 1.25 * most))
     axis.set_aspect("auto")
-    axis.legend(loc="upper left")
+    axis.legend(loc="best")
     beyond = int((known.predicted > 1.25 * most).sum())
     if beyond:
         axis.set_title(f"{beyond} predictions lie above", loc="right", fontsize=8.5, color=QUIET)

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "importing",
+        "physim/authoring/importing/fit.py",
+        "_largest_size",
+        "int(leaves[0]) if leaves.size else k",
+        "k",
+        "a path that leaves the area is told where it leaves",
+        "tests/importing/test_repairs.py::test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized",
+    ),
+    Edit(
+        "importing",
         "physim/authoring/importing/outlines.py",
         "without_dents",
         "np.abs(right).max() <= DENT * np.hypot(*side)",

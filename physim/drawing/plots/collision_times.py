@@ -255,7 +255,7 @@ def predictions(record: Record) -> Predictions:
 def prediction(record: Record) -> Any:
     """Figure: predicted against actual time to contact of every decision before a contact."""
     known = predictions(record)
-    figure = framed(record, "Predicted and actual contact", width=4.4, height=4.3)
+    figure = framed(record, "Predicted and actual contact", width=6.4, height=4.3)
     axis = figure.subplots()
     axis.set_xlabel("actual time to the next contact [s]")
     axis.set_ylabel("predicted: collision time at the decision [s]")
@@ -277,7 +277,7 @@ def prediction(record: Record) -> Any:
                       alpha=0.25, linewidth=0.0, label="within one step")  # fmt: skip
     axis.set(xlim=(0.0, most), ylim=(0.0, 1.25 * most))
     axis.set_aspect("auto")
-    axis.legend(loc="best")
+    legend_beside(figure, axis.get_legend_handles_labels()[0])
     beyond = int((known.predicted > 1.25 * most).sum())
     if beyond:
         axis.set_title(f"{beyond} predictions lie above", loc="right", fontsize=8.5, color=QUIET)

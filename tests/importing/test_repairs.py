@@ -336,7 +336,9 @@ def test_a_path_that_leaves_the_area_is_cut_before_robots_are_sized(
     footprint: Any = imported.world.robots[0].footprint
     assert (footprint.length, footprint.width) == (1.8, 1.0)
     path.write_text("POLYGON ((0 0, 30 0, 30 10, 0 10, 0 0))\nLINESTRING (2 5, 60 5)\n")
-    with pytest.raises(ImportSourceError, match=r"the path leaves the area at \(30\.[01]\d, 5\.00\)"):
+    with pytest.raises(
+        ImportSourceError, match=r"the path leaves the area at \(30\.[01]\d, 5\.00\)"
+    ):
         import_world(path)
 
 

@@ -167,11 +167,12 @@ def test_predictions_of_many_robots_are_marked_alike(robots: int) -> None:
         {"step": 10, "robot": i, "collision_time": 0.3, "next_step": 60 - i} for i in range(robots)
     ]
     contacts = [(50, i, robots, Phase.BEGAN, 1e-3) for i in range(robots)]
-    axis = prediction(history(decisions, contacts, robots=robots)).axes[0]
+    figure = prediction(history(decisions, contacts, robots=robots))
+    axis = figure.axes[0]
     marks = [line for line in axis.lines if line.get_marker() not in ("None", "", None)]
     drawn = [line for line in marks if len(line.get_xdata())]
     assert sum(len(line.get_xdata()) for line in drawn) == robots
-    words = [text.get_text() for text in axis.get_legend().get_texts()]
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
     assert len({(line.get_color(), line.get_marker()) for line in drawn}) == (
         robots if robots <= MOST_NAMED else 1
     )

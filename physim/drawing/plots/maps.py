@@ -195,8 +195,10 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
         left = np.array([-1.0, 1.0]) * (ends[1] - ends[0])[::-1] / ahead if ahead > 0.0 else UP
         near = np.hypot(*(places - middle).T) < 0.1 * wide
         beside = float(((places[near] - middle) @ left).max()) if near.any() else 0.0
+        time = float(record.time[row])
+        said = f"{time:.3g} s" if time < 999.5 else f"{time:.0f} s"
         axis.annotate(
-            f"{record.time[row]:.3g} s", middle + beside * left, xytext=tuple(15.0 * left),
+            said, middle + beside * left, xytext=tuple(15.0 * left),
             textcoords="offset points", ha="center", va="center", fontsize=7.5, color=INK,
             zorder=6, gid="time",
             bbox={"boxstyle": "square,pad=0.1", "fc": "white", "alpha": 0.75, "linewidth": 0},

@@ -16,4 +16,7 @@ is quick.
 
 import lazy_loader
 
+from physim.stray_settings import hide_settings
+
+hide_settings()
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from physim.errors import PhysimError
+from physim.stray_settings import load_numba
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -169,9 +170,8 @@ class Callback:
 
 
 def _dispatcher(function: Callable[..., Any], **options: Any) -> Any:
-    import numba
-
-    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    numba = load_numba()
+    if numba.config.DISABLE_JIT:
         raise PhysimError(
             "NUMBA_DISABLE_JIT is set: physim runs as compiled code alone; unset it (to step "
             "through a controller of your own, leave its own functions uncompiled)"

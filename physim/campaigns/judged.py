@@ -9,9 +9,9 @@ from typing import NamedTuple
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.seeds import SeedResult
 from physim.campaigns.one_run import simulation_of
-from physim.campaigns.processes import Job, Stop
 from physim.campaigns.runner import outcomes
 from physim.campaigns.spec import RunSpec
+from physim.campaigns.worker import Job, Stop
 from physim.errors import PhysimError
 from physim.simulation.run import record_run
 

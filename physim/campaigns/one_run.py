@@ -13,9 +13,9 @@ from physim._version import __version__
 from physim.analysis.metrics import Metric, measure
 from physim.campaigns import own_metrics
 from physim.campaigns.columns import ERROR, Row
-from physim.campaigns.processes import Stop
 from physim.campaigns.sources import provide
 from physim.campaigns.spec import RunSpec, engine
+from physim.campaigns.worker import Stop
 from physim.errors import PhysimError, WorldError
 from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part

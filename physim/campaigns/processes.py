@@ -1,8 +1,7 @@
 """Worker processes on this machine, as an `Executor` that outlives its workers.
 
 A job that kills its process, or that goes on beyond its limit, ends with an error of its own;
-another process takes the next job. The system's own timer ends a process at its limit, also one
-that is in native code, or whose parent is gone.
+another process takes the next job.
 
 A `ProcessPoolExecutor` is broken by the first worker that is killed, and knows no limits."""
 
@@ -14,66 +13,33 @@ import os
 import signal
 import threading
 import time
-import traceback
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor, Future
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from physim.campaigns.kinship import (
-    ENDING,
-    begun_deaf,
-    children_allowed,
-    end_with_parent,
-    hear_again,
+from physim.campaigns.kinship import begun_deaf, children_allowed
+from physim.campaigns.worker import (
+    BEGINS,
+    READY,
+    Job,
+    LostError,
+    OverdueError,
+    StartError,
+    Stop,
+    do_jobs,
 )
 from physim.errors import PhysimError
-from physim.streams import gates
 
-Stop = Callable[[], bool]
-"""Whether to end early."""
 LAST_SECONDS = 10.0
 """[s] A worker has to end once it is asked to; then it is killed."""
 GRACE_SECONDS = 5.0
 """[s] beyond its limit a worker is killed from outside, where its own timer did not end it."""
 MOST_WORKERS = 8
-READY, BEGINS = "ready", "begins"
-"""What a worker says first, and when the time of a job begins to count"""
-
-
-class LostError(PhysimError):
-    """The process that did a job ended before the job did."""
-
-
-class StartError(PhysimError):
-    """No process can be begun: no job will be done."""
-
-
-class OverdueError(PhysimError):
-    """A job took longer than its limit."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """A piece of work for a worker process."""
-
-    note: str
-    """a few words for a progress bar"""
-    work: Callable[..., Any]
-    """module-level function of what is given and of a `Stop`; its result is None when stopped"""
-    given: tuple[Any, ...] = ()
-    limit: float | None = None
-    """[s] after which it is given up; it may take as long as it likes where that is None"""
-    first: Callable[[], Any] | None = None
-    """module-level function that readies a process for such work; its time is not limited"""
-
-    def do(self, stop: Stop) -> Any:
-        """Result of the work."""
-        return self.work(*self.given, stop)
 
 
 def worker_count() -> int:
@@ -116,6 +82,8 @@ class Processes(Executor):
     def halt(self) -> None:
         """Tell all jobs to end early."""
         self._halt.value = 1
+        with suppress(OSError):
+            self._wake.send_bytes(b"2")
 
     @property
     def ids(self) -> list[int]:
@@ -154,7 +122,7 @@ class Processes(Executor):
                 if self._halt.value:
                     given_up = given_up or time.monotonic() + LAST_SECONDS
                 for one in self._ready(busy, given_up):
-                    one.end()
+                    one.end(bool(self._halt.value))
                     if one.gone:
                         self._team.remove(one)
         finally:
@@ -208,7 +176,12 @@ class Processes(Executor):
         if self._woken in ready:
             self._woken.recv_bytes()
         now = time.monotonic()
-        late = [one for one in busy if min(one.due or math.inf, given_up or math.inf) <= now]
+        late = [
+            one
+            for one in busy
+            if min(one.due or math.inf, given_up or math.inf) <= now
+            or (given_up is not None and not one.ready)  # it still starts: nothing is lost
+        ]
         for one in late:
             one.process.kill()
         return [one for one in busy if one.pipe in ready or one in late]
@@ -232,7 +205,7 @@ class _Worker:
     def begun(cls, context: Any, halt: Any) -> _Worker:
         """A new process that waits for jobs."""
         ours, theirs = context.Pipe()
-        process = context.Process(target=_work, args=(theirs, halt), daemon=True)
+        process = context.Process(target=do_jobs, args=(theirs, halt), daemon=True)
         with children_allowed(), begun_deaf():
             process.start()
         theirs.close()
@@ -244,8 +217,8 @@ class _Worker:
         with suppress(OSError):
             self.pipe.send_bytes(packed)
 
-    def end(self) -> None:
-        """Take what came of its job."""
+    def end(self, halted: bool) -> None:
+        """Take what came of its job: of one that was lost after a halt, that it was stopped."""
         future, job = self.future, self.job
         assert future is not None
         assert job is not None
@@ -261,7 +234,8 @@ class _Worker:
             done, found = answer
         except Exception:  # it is gone, or what it does wrote into the pipe
             self.gone = True
-            done, found = False, self._lost(job)
+            self.process.join(LAST_SECONDS)
+            done, found = (True, None) if halted else (False, self._lost(job))
         self.job = self.future = self.due = None
         if done:
             future.set_result(found)
@@ -270,7 +244,6 @@ class _Worker:
 
     def _lost(self, job: Job) -> PhysimError:
         """Why a process that did a job is no more."""
-        self.process.join(LAST_SECONDS)
         code = self.process.exitcode
         if not self.ready and code is not None and code > 0:
             return StartError(
@@ -290,61 +263,4 @@ def _plainly(fn: Callable[..., Any], args: Any, kwargs: Any, _: Stop) -> Any:
     return fn(*args, **kwargs)
 
 
-def _work(pipe: Connection, halt: Any) -> None:
-    """Do jobs until the other end of the pipe is closed or gone."""
-    for number in ENDING:
-        signal.signal(number, signal.SIG_IGN)  # it reaches all; the parent says what follows
-    hear_again()  # for what a job begins in turn
-    threading.Thread(target=end_with_parent, daemon=True).start()
-    with gates():
-        with suppress(OSError):
-            pipe.send(READY)
-        while True:
-            try:
-                job: Job = pipe.recv()
-            except (EOFError, OSError):
-                return
-            except Exception as error:  # a function that is not there
-                answer: tuple[bool, Any] = False, RuntimeError(f"{type(error).__name__}: {error}")
-            else:
-                if job.first is not None:
-                    with suppress(Exception):  # the job itself will say what is wrong
-                        job.first()
-                if job.limit is not None:
-                    with suppress(OSError):
-                        pipe.send(BEGINS)
-                with _limited(job.limit):
-                    answer = _answer(job, lambda: bool(halt.value))
-            with suppress(OSError):
-                pipe.send(answer)
-
-
-def _answer(job: Job, stop: Stop) -> tuple[bool, Any]:
-    """Whether a job was done, and its result or error."""
-    try:
-        return True, job.do(stop)
-    except PhysimError as error:
-        return False, PhysimError(str(error))
-    except OSError as error:  # disk full, folder gone
-        return False, PhysimError(f"{job.note}: {error.strerror or error}")
-    except KeyboardInterrupt:  # its own: that of the terminal does not reach a worker
-        return False, LostError(f"{job.note}: it raised KeyboardInterrupt")
-    except Exception:
-        return False, RuntimeError(f"{job.note}:\n{traceback.format_exc()}")
-
-
-@contextmanager
-def _limited(seconds: float | None) -> Iterator[None]:
-    """Let the system end this process when a block takes longer."""
-    if seconds is None or not hasattr(signal, "setitimer"):
-        yield
-        return
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-
-
-__all__ = ["Job", "LostError", "OverdueError", "Processes", "StartError", "Stop", "worker_count"]
+__all__ = ["Processes", "worker_count"]

@@ -11,11 +11,12 @@ from physim.campaigns.columns import ERROR, Row, rows_of
 from physim.campaigns.folder import Folder, label_of
 from physim.campaigns.one_run import figures, one_line, ready, simulation_of
 from physim.campaigns.own_metrics import TEXT
-from physim.campaigns.processes import Job, Processes, Stop
+from physim.campaigns.processes import Processes
 from physim.campaigns.reading import read
 from physim.campaigns.runner import outcomes
 from physim.campaigns.sources import own_parts, source_hash, sources_of
 from physim.campaigns.spec import RunSpec, engine, usual_limit
+from physim.campaigns.worker import Job, Stop
 from physim.errors import PhysimError, RecordError
 from physim.record import Record
 from physim.simulation.run import record_run

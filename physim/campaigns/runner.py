@@ -15,7 +15,8 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from typing import Any, NamedTuple
 
-from physim.campaigns.processes import Job, Processes, Stop, worker_count
+from physim.campaigns.processes import Processes, worker_count
+from physim.campaigns.worker import Job, Stop
 from physim.errors import PhysimError
 
 POLL_SECONDS = 0.1

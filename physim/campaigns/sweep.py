@@ -15,11 +15,12 @@ from physim.campaigns.columns import ERROR, KILLED, TIMEOUT, Brief, Row, briefs
 from physim.campaigns.folder import Claims, Folder
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import Taken, never, one_line, ready, row_without_run, take
-from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError, Stop
+from physim.campaigns.processes import Processes
 from physim.campaigns.reading import write_results
 from physim.campaigns.rows import write_whole
 from physim.campaigns.runner import POLL_SECONDS, Outcome, outcomes
 from physim.campaigns.spec import RunSpec
+from physim.campaigns.worker import Job, LostError, OverdueError, StartError, Stop
 
 FLUSH_SECONDS = 0.2
 """[s] after which a row is on disk at the latest"""

@@ -14,10 +14,10 @@ from physim.campaigns.columns import FINISHED, Brief, Row
 from physim.campaigns.folder import UNTIL, Folder, check_version
 from physim.campaigns.grid import Grid
 from physim.campaigns.one_run import never
-from physim.campaigns.processes import Stop
 from physim.campaigns.rows import write_whole
 from physim.campaigns.spec import Label
 from physim.campaigns.sweep import Tally, sweep
+from physim.campaigns.worker import Stop
 from physim.errors import PhysimError
 from physim.json_text import file_json
 from physim.statistics.goal import Goal, Watch, read_goal

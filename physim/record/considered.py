@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from physim.errors import RecordError
 from physim.record import layout
 from physim.record.repeats import repeated
-from physim.record.rows import Source
+from physim.record.row_checks import Source
 
 
 def considered_rows(

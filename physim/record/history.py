@@ -14,7 +14,8 @@ from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import layout
 from physim.record.considered import considered_rows
-from physim.record.rows import Source, frozen
+from physim.record.row_checks import Source
+from physim.record.rows import frozen
 from physim.record.scene import RecordedScene
 
 POSE_BLOCK = 1 << 14

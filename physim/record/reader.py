@@ -23,7 +23,8 @@ from physim.record.checks import check_layout, open_record, unreadable_world
 from physim.record.history import RecordedHistory
 from physim.record.layout import digest
 from physim.record.lock import WriteLock
-from physim.record.rows import NO_END, Bounds
+from physim.record.row_checks import Bounds
+from physim.record.rows import NO_END
 from physim.record.scene import read_declared
 from physim.record.setup import Setup, setup_of
 

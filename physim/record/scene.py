@@ -30,7 +30,8 @@ from physim.parts.given import GivenSettings
 from physim.record import layout
 from physim.record.checks import damaged
 from physim.record.datasets import put, put_texts
-from physim.record.rows import RecordFile, Source, frozen
+from physim.record.row_checks import Source
+from physim.record.rows import RecordFile, frozen
 from physim.world.scene import Body, Scene
 
 FEWEST_CORNERS = 3

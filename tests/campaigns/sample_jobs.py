@@ -11,7 +11,7 @@ import sys
 import time
 from contextlib import suppress
 
-from physim.campaigns.processes import Stop, _limited
+from physim.campaigns.worker import Stop, limited
 from physim.errors import PhysimError
 
 
@@ -94,5 +94,5 @@ def takes_two_seconds() -> None:
 
 def limited_native_code() -> None:
     """Beyond its limit, where the interpreter cannot be asked."""
-    with _limited(1.0):
+    with limited(1.0):
         hangs_in_native_code(lambda: False)

@@ -12,7 +12,8 @@ from concurrent.futures import Executor, wait
 import pytest
 
 from physim.campaigns import processes
-from physim.campaigns.processes import Job, LostError, OverdueError, Processes, StartError
+from physim.campaigns.processes import Processes
+from physim.campaigns.worker import Job, LostError, OverdueError, StartError
 from tests.campaigns import sample_jobs as sample
 
 LONGEST = 120.0
@@ -119,6 +120,21 @@ def test_jobs_end_early_when_told_to(executor: Processes) -> None:
     futures = [executor.begin(Job("long", sample.endless)) for _ in range(2)]
     executor.halt()
     assert not wait(futures, timeout=300).not_done
+    assert [future.result() for future in futures] == [None, None]
+
+
+def test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost(
+    executor: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Such as a controller that is slow to decide: what is lost counts as a failure."""
+    monkeypatch.setattr(processes, "LAST_SECONDS", 0.5)
+    executor.submit(abs, -4).result()
+    futures = [
+        executor.begin(Job("deaf", sample.hangs)),
+        executor.begin(Job("starts", sample.hangs)),
+    ]
+    executor.halt()
+    assert not wait(futures, timeout=LONGEST).not_done
     assert [future.result() for future in futures] == [None, None]
 
 

@@ -21,7 +21,7 @@ from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import swept_pair, swept_walls
 from physim.record import Record
-from physim.record.rows import Source
+from physim.record.row_checks import Source
 from physim.tolerances import CONTACT
 
 FULL = -1

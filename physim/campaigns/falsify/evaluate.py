@@ -9,10 +9,10 @@ from pathlib import Path
 
 from physim.campaigns.falsify.robustness import Judged, judged
 from physim.campaigns.one_run import one_line, ready
-from physim.campaigns.processes import Job, LostError, OverdueError
 from physim.campaigns.runner import POLL_SECONDS, begin
 from physim.campaigns.sources import Source, own_parts, provide, sources_of
 from physim.campaigns.spec import usual_limit
+from physim.campaigns.worker import Job, LostError, OverdueError
 from physim.errors import WorldError
 from physim.parts.controller import Controller
 from physim.parts.registry import CONTROLLER, make_part

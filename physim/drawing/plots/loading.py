@@ -12,6 +12,8 @@ import sys
 from contextlib import suppress
 from typing import Any
 
+from physim.stray_settings import MATPLOTLIB, unseen
+
 VARIABLE = "MPLBACKEND"
 
 
@@ -21,7 +23,8 @@ def load_matplotlib() -> Any:
         return sys.modules["matplotlib"]
     wanted = os.environ.pop(VARIABLE, None)
     try:
-        import matplotlib
+        with unseen(MATPLOTLIB):
+            import matplotlib
     finally:
         if wanted is not None:
             os.environ[VARIABLE] = wanted

@@ -36,11 +36,13 @@ WIDTH = 6.9
 NARROW = 5.0
 """[in] curves: their writing can still be read when set to one column of 3.4 in"""
 DPI = 200
+OF_THE_PROCESS = ("backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch")
+"""Settings that are no matter of one picture"""
 
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Settings of matplotlib for one picture; restored afterwards."""
+    """Settings of matplotlib for one picture, whatever the user's are; restored afterwards."""
     settings: Any = {
         "font.family": "DejaVu Sans",
         "font.size": 9.0,
@@ -71,7 +73,12 @@ def styled() -> Iterator[None]:
         "pdf.fonttype": 42,
         "path.simplify_threshold": 0.2,
     }
-    with load_matplotlib().rc_context(settings):
+    matplotlib = load_matplotlib()
+    usual = {k: v for k, v in matplotlib.rcParamsDefault.items() if k not in OF_THE_PROCESS}
+    with matplotlib.rc_context():
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # some defaults are on their way out
+            matplotlib.rcParams.update(usual | settings)
         yield
 
 

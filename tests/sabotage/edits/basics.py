@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "basics",
+        "physim/stray_settings.py",
+        "load_numba",
+        "numba.core.config._config_fname = os.devnull",
+        "pass",
+        "numba reads no settings of the working folder as it compiles",
+        "tests/test_stray_settings.py::test_no_file_of_the_working_folder_sets_anything",
+    ),
+    Edit(
+        "basics",
+        "physim/drawing/plots/loading.py",
+        "load_matplotlib",
+        "with unseen(MATPLOTLIB):",
+        "if True:",
+        "matplotlib reads no settings of the working folder",
+        "tests/test_stray_settings.py::test_no_file_of_the_working_folder_sets_anything",
+    ),
+    Edit(
+        "basics",
         "physim/randomness.py",
         "stream",
         "[seed, purpose_key(purpose), robot]",

@@ -8,6 +8,15 @@ EDITS = (
     Edit(
         "campaigns",
         "physim/campaigns/processes.py",
+        "_Worker.end",
+        "(True, None) if halted else (False, self._lost(job))",
+        "(False, self._lost(job))",
+        "runs that do not end when told to are not done, and no failures",
+        "tests/campaigns/test_processes.py::test_jobs_that_do_not_end_when_told_to_are_stopped_not_lost",
+    ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/processes.py",
         "_Worker.begun",
         "with children_allowed(), begun_deaf():",
         "with children_allowed():",
@@ -80,8 +89,8 @@ EDITS = (
     ),
     Edit(
         "campaigns",
-        "physim/campaigns/processes.py",
-        "_work",
+        "physim/campaigns/worker.py",
+        "do_jobs",
         "with gates():",
         "if True:",
         "what a job prints does not act on the terminal",
@@ -107,7 +116,7 @@ EDITS = (
     ),
     Edit(
         "campaigns",
-        "physim/campaigns/processes.py",
+        "physim/campaigns/worker.py",
         "_answer",
         "except KeyboardInterrupt:",
         "except ZeroDivisionError:",
@@ -116,8 +125,8 @@ EDITS = (
     ),
     Edit(
         "campaigns",
-        "physim/campaigns/processes.py",
-        "_limited",
+        "physim/campaigns/worker.py",
+        "limited",
         "signal.setitimer(signal.ITIMER_REAL, seconds)",
         "pass",
         "a process that holds the interpreter ends at its limit",

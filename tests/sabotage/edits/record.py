@@ -43,7 +43,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/rows.py",
+        "physim/record/row_checks.py",
         "check_steps",
         "_check_turns(source, rows, MOST_TURN * every)",
         "pass",
@@ -52,7 +52,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/rows.py",
+        "physim/record/row_checks.py",
         "_is_distance",
         "(np.abs(values) <= FARTHEST_APART)",
         "(np.abs(values) <= np.inf)",
@@ -61,7 +61,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/rows.py",
+        "physim/record/row_checks.py",
         "check_steps",
         "~(np.abs(rows) <= FARTHEST_POSE)",
         "np.isnan(rows)",
@@ -72,7 +72,7 @@ EDITS = (
         "record",
         "physim/record/rows.py",
         "RecordFile._check",
-        '_check_finite(source, "it", rows)',
+        'check_finite(source, "it", rows)',
         "pass",
         "lengths along paths are numbers",
         "tests/record/test_values.py::test_lengths_that_are_no_numbers",
@@ -151,7 +151,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/rows.py",
+        "physim/record/row_checks.py",
         "Source.within",
         "(values < low) | (values > high)",
         "values < low",
@@ -160,7 +160,7 @@ EDITS = (
     ),
     Edit(
         "record",
-        "physim/record/rows.py",
+        "physim/record/row_checks.py",
         "check_table",
         "np.diff(step, prepend=step[:1]) < 0",
         "np.diff(step, prepend=step[:1]) < -np.inf",

@@ -300,6 +300,21 @@ def test_a_wrong_unit_hides_no_other_fault_of_the_file(tmp_path):
     assert with_facts(errors, "controler", "controller")
 
 
+@pytest.mark.parametrize("edge", [1.0, 1.001])
+@pytest.mark.parametrize(("is_wall", "kind"), [(True, "errors"), (False, "warnings")])
+def test_a_path_along_the_very_edge_of_a_wall_is_refused(tmp_path, edge, is_wall, kind):
+    """It neither leaves the area nor crosses a wall, and no robot fits there."""
+    dent = f"[[33, 4], [20, 4], [20, {edge}], [18, {edge}], [18, 4], [-3, 4], [-3, -4]]"
+    upper = "[[33, 4], [-3, 4], [-3, -4]]"
+    post = f"obstacles: [[[18, {edge}], [20, {edge}], [20, 2], [18, 2]]]\n"
+    text = changed(DRAWN, (upper, dent)) if is_wall else DRAWN + post
+    found = check(tmp_path, text + "controller: {type: path_following}\n")
+    check_finding(
+        with_facts(lines(found)[kind == "warnings"], "a", "does not fit")[0],
+        "11:11 robots[0].path", f"{edge - 1.0:.4g} m to", "0.5 m",
+    )  # fmt: skip
+
+
 def test_a_width_in_centimetres_is_suspected(tmp_path):
     errors, warnings = lines(check(tmp_path, changed(CORRIDOR, ("width: 8.0", "width: 160"))))
     assert errors == []

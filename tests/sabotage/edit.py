@@ -33,6 +33,7 @@ ROOMS = MappingProxyType(
             "tests/test_escaping.py",
             "tests/test_frontend.py",
             "tests/test_randomness.py",
+            "tests/test_stray_settings.py",
         ),
         "geometry": ("tests/geometry",),
         "statistics": ("tests/statistics",),

@@ -24,8 +24,12 @@ SHORTEST = 1.0
 """[m] A path or reference path shorter than this is hardly meant."""
 
 
-def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
-    """Every path lies inside the accessible area, and in the sense of the reference path."""
+def check_paths(laid: PartialLayout, found: Diagnostics) -> set[Location]:
+    """Every path lies inside the accessible area, and in the sense of the reference path.
+
+    Keys of those that do not lie inside, or lead through a wall.
+    """
+    astray: set[Location] = set()
     outside = Shared(laid.area.outside_stretches) if laid.area is not None else None
     told: set[Location] = set()
     for i, path in laid.paths.items():
@@ -33,20 +37,22 @@ def check_paths(laid: PartialLayout, found: Diagnostics) -> None:
             continue  # the path of others of the group
         told.add(laid.path_key(i))
         if outside is not None:
-            _check_inside(laid, i, path, outside(path), found)
-            _check_walls_in_the_way(laid, i, path, found)
+            lies_inside = _check_inside(laid, i, path, outside(path), found)
+            if not (_check_walls_in_the_way(laid, i, path, found) and lies_inside):
+                astray.add(laid.path_key(i))
         if isinstance(laid.world.robots[i].path, Offset):
             _check_offset_folds(laid, i, found)
         else:
             _check_sense(laid, i, path, found)
+    return astray
 
 
 def _check_inside(
     laid: PartialLayout, i: int, path: FloatArray, outside: FloatArray, found: Diagnostics
-) -> None:
-    """Report the stretches (M, 2) [m] of a path outside the area, if there are any."""
+) -> bool:
+    """Report the stretches (M, 2) [m] of a path outside the area; whether there are none."""
     if not len(outside):
-        return
+        return True
     first, last = outside[0]
     more = (
         f" and on {plural(len(outside) - 1, 'more stretch', 'more stretches')}"
@@ -69,15 +75,16 @@ def _check_inside(
             f"the path of {describe(laid.names[i])} leaves the accessible area {place}; keep it "
             "between the boundaries",
         )
+    return False
 
 
 def _check_walls_in_the_way(
     laid: PartialLayout, i: int, path: FloatArray, found: Diagnostics
-) -> None:
-    """Warn of a path through a wall that stands in the accessible area."""
+) -> bool:
+    """Warn of a path through a wall that stands in the accessible area; whether it does not."""
     line = shapely.LineString(path)
     if laid.area is None or not line.intersects(laid.area.inner):
-        return
+        return True
     met = shapely.points(shapely.get_coordinates(line.intersection(laid.area.inner)))
     stations = shapely.line_locate_point(line, met)
     first = int(np.argmin(stations))
@@ -85,10 +92,11 @@ def _check_walls_in_the_way(
     more = f" and at {plural(len(met) - 1, 'more place')}" if len(met) > 1 else ""
     found.warn(
         laid.path_key(i),
-        f"the path of {describe(laid.names[i])} leads through {wall} at ({met[first].x:.6g}, "
-        f"{met[first].y:.6g}), {stations[first]:.2f} m along it{more}; the robot will have to "
-        "find a way around it; lead the path around it",
+        f"the path of {describe(laid.names[i])} leads through {wall} at "
+        f"{place_text(met[first].x, met[first].y)}, {stations[first]:.2f} m along it{more}; the "
+        "robot will have to find a way around it; lead the path around it",
     )
+    return False
 
 
 def _check_offset_folds(laid: PartialLayout, i: int, found: Diagnostics) -> None:
@@ -199,18 +207,21 @@ def _narrowest_gap(outline: FloatArray) -> float:
 
 
 def check_room(
-    laid: PartialLayout, profiles: tuple[ClearanceProfile, ...], found: Diagnostics
+    laid: PartialLayout,
+    profiles: tuple[ClearanceProfile, ...],
+    astray: set[Location],
+    found: Diagnostics,
 ) -> None:
     """Report paths so close to a wall that the robot fits there at no heading.
 
     An error where the controller follows the path itself; a warning where it keeps a safe distance
     and moves the target into the safe area, or where an obstacle is in the way. Robots that share
-    a path are reported once.
+    a path are reported once. What of ``astray`` (`check_paths`) touches a wall is reported already.
     """
     together: dict[tuple[float, ...], list[ClearanceProfile]] = {}
     for profile in profiles:
-        # outside the area, or on a wall: reported as a path that leaves the area
-        if profile.verdict == NOT and profile.narrowest[3] > CONTACT:
+        is_told = laid.path_key(profile.number) in astray and profile.narrowest[3] <= CONTACT
+        if profile.verdict == NOT and not is_told:
             together.setdefault(profile.narrowest, []).append(profile)
     for (station, x, y, clearance), group in together.items():
         point = shapely.Point(x, y)

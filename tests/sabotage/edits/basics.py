@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "basics",
+        "physim/errors.py",
+        "place_text",
+        "if abs(value) < 10.0 ** (digits - 2):",
+        "if True:",
+        "places far from the origin are told to the centimetre",
+        "tests/test_errors.py::test_places_are_told_to_the_centimetre_far_from_the_origin",
+    ),
+    Edit(
+        "basics",
         "physim/stray_settings.py",
         "load_numba",
         "numba.core.config._config_fname = os.devnull",

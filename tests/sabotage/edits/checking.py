@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "checking",
+        "physim/world/checks/paths.py",
+        "check_room",
+        "laid.path_key(profile.number) in astray and profile.narrowest[3] <= CONTACT",
+        "profile.narrowest[3] <= CONTACT",
+        "a path that touches a wall without crossing it is told",
+        "tests/checking/test_robots.py::test_a_path_along_the_very_edge_of_a_wall_is_refused",
+    ),
+    Edit(
+        "checking",
         "physim/world/checks/check.py",
         "_check_layout",
         "[*written, *own]",
@@ -229,7 +238,7 @@ EDITS = (
         "checking",
         "physim/world/checks/paths.py",
         "check_room",
-        "if profile.verdict == NOT and profile.narrowest[3] > CONTACT:",
+        "if profile.verdict == NOT and not is_told:",
         "if False:",
         "a path so near a wall that the robot does not fit is told",
         "tests/checking/test_robots.py::"

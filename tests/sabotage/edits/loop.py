@@ -25,15 +25,6 @@ EDITS = (
     ),
     Edit(
         "loop",
-        "physim/errors.py",
-        "place_text",
-        "if abs(value) < 10.0 ** (digits - 2):",
-        "if True:",
-        "places far from the origin are told to the centimetre",
-        "tests/test_errors.py::test_places_are_told_to_the_centimetre_far_from_the_origin",
-    ),
-    Edit(
-        "loop",
         "physim/simulation/run.py",
         "record_run",
         "with folder_kept():",

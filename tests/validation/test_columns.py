@@ -11,6 +11,7 @@ import physim
 from physim import Decision
 from physim.analysis.validation import report, validate
 from physim.analysis.validation.columns import wrongly_considered
+from physim.geometry import signed_distance
 from physim.parts.declarations import STANDARD_COLUMNS
 from tests.oracles.collision_time import geometry_at, marched_time
 from tests.oracles.priority import considered
@@ -102,6 +103,47 @@ def test_what_a_controller_of_ones_own_reports_is_checked(column, change):
     first = found.recomputed.mismatches[0]
     assert first.table == "/updates"
     assert f"/updates, row {first.row}, {column} is" in text
+
+
+class Ramming:
+    """Drives into the one ahead and reports the distance; ``told`` gets it with its sign."""
+
+    columns = STANDARD_COLUMNS[2:3]
+
+    def __init__(self, told) -> None:
+        self.told = told
+
+    def decide(self, observation, memory):
+        o = observation
+        others = [one.index for one in o.others]
+        mine = o.footprint + np.array(o.pose)[:2]  # both head along x all the time
+        gaps = [signed_distance(mine, x.footprint + np.array(x.pose)[:2]) for x in o.others]
+        gap = min(gaps, default=inf)
+        return Decision(
+            0.6 * o.index, 0.0, hold=0.2, considered=others,
+            report={"distance": self.told(gap, o.time)},
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("told", "agrees"),
+    [
+        (lambda gap, time: gap, True),
+        (lambda gap, time: max(gap, 0.0), True),
+        (lambda gap, time: max(gap, 0.0) if round(time / 0.2) % 2 else gap, False),
+        (lambda gap, time: max(gap, 0.0) + 1e-6 * (gap < 0.0), False),
+    ],
+)
+def test_overlaps_are_told_with_their_sign_or_as_0_all_through(told, agrees):
+    """(11) is 0 there; in a record that tells depths a 0 is wrong."""
+    world = physim.parse_world(LANE, overrides=["time.duration=3.0", "robots.1.pose=[5.497, 0, 0]"])
+    record = physim.simulate(world, controller=Ramming(told))
+    assert len(physim.summarise(record).contacts.episodes) == 1
+    found = validate(record)
+    assert {one.column for one in found.recomputed.mismatches} == (
+        set() if agrees else {"distance"}
+    )
+    assert found.code == (1 if agrees else 3)
 
 
 def test_what_is_left_out_is_not_told():

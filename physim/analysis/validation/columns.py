@@ -88,6 +88,12 @@ class StandardColumns:
         self.world = locked(scene.shapes), locked(scene.walls), locked(scene.wall_grid)
         names = record.updates.dtype.names or ()
         self.columns = [name for name in COLUMNS if name in names]
+        self.unsigned = [
+            name
+            for name in self.columns
+            if not meaning.known and not (record.updates[name] < 0.0).any()
+        ]
+        """those of a controller of one's own that are 0 where shapes overlap, as in (11)"""
 
     def take(self, block: SampleBlock, found: Mismatches) -> None:
         """Check the decisions of a block."""
@@ -95,6 +101,8 @@ class StandardColumns:
         if not len(rows) or not self.columns:
             return
         exact = self._exact(block, self.meaning.motions[0])
+        for name in self.unsigned:
+            exact[name] = np.maximum(exact[name], 0.0)
         for name in self.columns:
             wrong = differs(rows[name], exact[name], SLACKS.get(name, LENGTH))
             wrong &= ~np.isnan(rows[name])  # left out, which is the controller's own business

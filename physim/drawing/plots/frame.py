@@ -109,14 +109,21 @@ def legend_beside(figure: Any, handles: Sequence[Any], marks: float = 1.0) -> No
 
 
 def legend_below(figure: Any, handles: Sequence[Any], columns: int) -> int:
-    """Legend below the figure, in the order of reading; returns its number of rows."""
-    listed = [handles[k] for k in in_rows(len(handles), columns)]
-    if listed:
+    """Legend below the figure, in the order of reading; returns its number of rows.
+
+    It has ``columns``, or as many as the figure is wide enough for.
+    """
+    while handles:
+        listed = [handles[k] for k in in_rows(len(handles), columns)]
         legend = figure.legend(
             handles=listed, loc="outside lower left", ncols=columns, handlelength=1.5,
             borderaxespad=0.2, labelspacing=0.35, columnspacing=1.4,
         )  # fmt: skip
         legend.set_gid(f"columns {columns}")
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+        columns -= 1
     return -(-len(handles) // columns)
 
 

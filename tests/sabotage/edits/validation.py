@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/columns.py",
+        "StandardColumns.__init__",
+        "not meaning.known and not (record.updates[name] < 0.0).any()",
+        "not meaning.known",
+        "a record that tells depths may not tell 0 of an overlap",
+        "tests/validation/test_columns.py::test_overlaps_are_told_with_their_sign_or_as_0_all_through",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/analytic_contacts.py",
         "scan_robots",
         "room = max(reach, moved) + shapes",

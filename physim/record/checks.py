@@ -19,16 +19,16 @@ from physim.escaping import escaped
 from physim.json_text import parse_json
 from physim.record import layout
 
-MOST_PACKED = 1100
-"""[-] A dataset may be packed up to this, the most that deflate does; records are not packed."""
+MOST_PACKED = 30
+"""[-] A dataset may be packed up to this, far more than motion can be; records are not packed."""
 RANGES = {"dt": (1.0e-9, 10.0), "safe_distance": (0.0, 1.0e6)}
 """[s], [m] least and largest value of an attribute"""
 MOST_EVERY = 1_000_000
 """[steps] between two samples"""
 LONGEST = 120
 """Characters of a value that a message repeats."""
-LITTLE = 1_000_000
-"""[bytes] What a dataset may claim beyond what it holds: zeros that nobody wrote."""
+LITTLE = 10_000_000
+"""[bytes] What a dataset may claim whatever it holds: a constant, or zeros that nobody wrote."""
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 

@@ -27,6 +27,7 @@ from physim.record.row_checks import Bounds
 from physim.record.rows import NO_END
 from physim.record.scene import read_declared
 from physim.record.setup import Setup, setup_of
+from physim.world.rules import MOST_STEPS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -123,6 +124,10 @@ class Record(RecordedHistory):
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         last = max(self.steps_run, int(self.steps[-1]) if self.samples else 0)
+        if last > MOST_STEPS:
+            raise RecordError(
+                f"{self.where}: {last} steps; a run has at most {MOST_STEPS}; make the record again"
+            )
         if last > self.samples * self.record_every:
             raise RecordError(
                 f"{self.where}: truncated: {self.samples} samples, one every {self.record_every} "

@@ -15,6 +15,7 @@ from physim.geometry import signed_distance
 from physim.parts.declarations import STANDARD_COLUMNS
 from tests.oracles.collision_time import geometry_at, marched_time
 from tests.oracles.priority import considered
+from tests.packages import install
 from tests.validation.reports import states
 from tests.validation.runs import LANE, REAR_END
 
@@ -144,6 +145,47 @@ def test_overlaps_are_told_with_their_sign_or_as_0_all_through(told, agrees):
         set() if agrees else {"distance"}
     )
     assert found.code == (1 if agrees else 3)
+
+
+PLANNER = """
+from math import hypot
+from physim import Column, Decision
+from pydantic import BaseModel
+
+class Planner:
+    class Settings(BaseModel):
+        horizon: float = 0.5
+        collision_motion: str = "translation"
+
+    columns = (Column("collision_time", "s"),)
+
+    def __init__(self, settings):
+        self.settings = settings
+
+    def decide(self, o, memory):
+        from physim.geometry import collision_time
+        v = 0.6 * o.index
+        times = [
+            collision_time(o.footprint, o.pose, (v, 0.0), x.footprint, x.pose, (x.v, x.omega))
+            for x in o.others
+        ]
+        others = [x.index for x in o.others]
+        return Decision(v, 0.0, hold=0.2, considered=others,
+                        report={"collision_time": min(times, default=float("inf"))})
+"""
+
+
+def test_the_horizon_of_a_registered_controller_is_its_own_affair(tmp_path, monkeypatch):
+    """Such as that of its plan, while its collision times look farther."""
+    install(tmp_path, monkeypatch, "plans", PLANNER, {"physim.controllers": {"plans": "Planner"}})
+    world = physim.parse_world(
+        LANE, controller="plans", overrides=["time.duration=2.0", "robots.1.pose=[4.5, 0, 0]"]
+    )
+    record = physim.simulate(world)
+    times = record.column("collision_time")
+    assert (np.isfinite(times) & (times > 1.0)).any(), "beyond the horizon of the plan"
+    found = validate(record)
+    assert found.recomputed.mismatches == ()
 
 
 def test_what_is_left_out_is_not_told():

@@ -22,6 +22,7 @@ from physim.analysis.metrics.progress import (
     column_over_time,
     last_decisions,
     ratio,
+    spacing,
 )
 from physim.analysis.metrics.travelled import looked_at, travelled
 from physim.geometry.shapes import FloatArray
@@ -102,7 +103,7 @@ def averaged_speeds(record: Record, window: float = WINDOW, every: float = GRID)
     the turn between the ends of the window, over its length. Defined where the whole window lies
     before the robot is at its stop station.
     """
-    end = record.steps_run * record.dt
+    end, every = record.steps_run * record.dt, spacing(record, every)
     count = int((end - window) / every + 1e-9) + 1 if end >= window - 1e-9 else 0
     if record.samples < 2 or not count:
         return AveragedSpeeds(np.zeros(0), *np.zeros((2, 0, record.robots)))

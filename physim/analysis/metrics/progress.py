@@ -26,6 +26,8 @@ ASTRAY = 1.0
 """[m] from its path beyond which a robot that has not arrived is said to be off it"""
 BACKWARDS = 90.0
 """[deg] from the direction of its path beyond which it is said to be turned"""
+MOST_MOMENTS = 5_000_000
+"""Values of a course of all robots, about: of longer runs moments are farther apart."""
 GRID = 0.1
 """[s] between two values of a course over time: the longest update interval (14)"""
 MOST_COMMANDS = 500_000
@@ -230,8 +232,15 @@ def blocks(record: Record) -> Iterator[tuple[int, int]]:
         yield first, min(first + size, record.steps_run)
 
 
+def spacing(record: Record, every: float) -> float:
+    """``every`` [s], or more where a course of all robots would have `MOST_MOMENTS`."""
+    duration = record.steps_run * record.dt
+    return max(every, duration * max(record.robots, 1) / MOST_MOMENTS)
+
+
 def grid(record: Record, every: float = GRID) -> FloatArray:
-    """Times (K,) [s] from 0 to the end of the run, ``every`` [s] apart."""
+    """Times (K,) [s] from 0 to the end of the run, ``every`` [s] apart (`spacing`)."""
+    every = spacing(record, every)
     count = int(record.steps_run * record.dt / every + 1e-9) + 1
     return np.asarray(every * np.arange(float(count)))
 

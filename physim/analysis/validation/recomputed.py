@@ -244,11 +244,12 @@ def _checkers(
             "modes, rules, commands, targets, considered robots, distances and collision times of "
             "decisions: what robots sensed is not in the record"
         ]  # fmt: skip
-    settings = getattr(own, "settings", None)
-    columns = StandardColumns(record, scene, Meaning.of(record, settings), considered)
     kind = scene.world.controller.type
+    is_ours = kind in shipped_parts(CONTROLLER)  # a horizon of others may be that of a plan
+    settings = getattr(own, "settings", None) if is_ours else None
+    columns = StandardColumns(record, scene, Meaning.of(record, settings), considered)
     why = inside.why_not
-    if own is not None and kind not in shipped_parts(CONTROLLER):
+    if own is not None and not is_ours:
         why = f"{kind} is not shipped with physim, and need not decide alike twice"
     elif own is not None and record.declared != Declared.of(own):
         why = "the record declares others"

@@ -12,6 +12,8 @@ import physim
 from physim import Decision
 from physim.analysis import metrics
 from physim.analysis.metrics.distances import sides_of, width_extreme
+from physim.analysis.metrics.held import Held
+from physim.analysis.metrics.progress import MOST_MOMENTS, grid, spacing
 from physim.drawing.preview.contents import contents
 from physim.errors import PhysimError
 from physim.geometry.corridor import MOST_PLACES, offset_polyline, sampled_widths
@@ -130,6 +132,31 @@ def test_a_window_reaches_neither_beyond_the_run_nor_beyond_arrival() -> None:
     assert np.allclose(found.forward[before, 0], 1.0)
     assert np.isnan(found.forward[~before, 0]).all()
     assert found.forward[-1, 1] == pytest.approx(0.5 * 7.0 / 10.0)
+
+
+def test_commands_from_change_to_change_are_those_of_every_step() -> None:
+    """Of decisions, and of stages at single steps; before the first decision there is none."""
+    rows = [
+        {"step": 3, "robot": 0, "nominal_v": 0.5, "nominal_omega": 0.1},
+        {"step": 40, "robot": 0, "nominal_v": -0.2},
+        {"step": 10, "robot": 1, "nominal_v": 1.0, "nominal_omega": -0.3},
+    ]
+    changed = [(12, 1, 1.0, 0.0, 1.0, 0.0, 0.7, 0.2), (41, 0, 0.0, 0.0, 0.0, 0.0, 0.3, 0.0)]
+    record = history(rows, commands=changed, pose=np.zeros((101, 2, 3)), steps_run=100)
+    whole = record.commands_over("applied", 0, 100)
+    held = Held(record)
+    for at, commands in held.stretches(np.array([7, 55])):
+        for first, last, command in zip(at, at[1:], commands, strict=False):
+            assert (whole[first:last] == command).all()
+    assert (held.at(np.arange(100)) == whole).all()
+    assert whole[12, 1].tolist() == [0.7, 0.2]
+
+
+def test_courses_of_very_long_runs_have_no_more_moments() -> None:
+    """However many steps a record claims; the formation of a usual run has one every 0.1 s."""
+    short, long = (history([{"robot": 0}], steps_run=steps) for steps in (3000, 10**8))
+    assert spacing(short, 0.1) == 0.1
+    assert len(grid(long)) <= MOST_MOMENTS / 2 + 1
 
 
 def test_a_run_shorter_than_the_window_has_no_averaged_speed() -> None:

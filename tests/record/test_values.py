@@ -218,6 +218,16 @@ def test_extremes_that_no_scene_has(made: Path, tmp_path: Path, path: str, colum
     refused(tampered(made, tmp_path, path, row, -1.7e308, column), path, column, "-1.7e+308")
 
 
+def test_no_run_has_so_many_steps(made: Path, tmp_path: Path) -> None:
+    target = tmp_path / "tampered.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        file["/steps/step"][...] = np.arange(401) * 1_000_000
+        file.attrs["record_every"] = 1_000_000
+        file.attrs["steps_run"] = file.attrs["steps_planned"] = 400_000_000
+    refused(target, "400000000 steps", "at most 100000000")
+
+
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/steps/step", slice(None), np.arange(401)[::-1])
     refused(bad, "/steps/step", "row 1", "399", "400", "increase")

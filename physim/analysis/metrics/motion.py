@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from physim.analysis.metrics.held import Held
 from physim.analysis.metrics.metric import Each, Moment, Series
 from physim.analysis.metrics.progress import (
     GRID,
     Rows,
     active_decisions,
     active_steps,
-    blocks,
     column_over_time,
     last_decisions,
     ratio,
@@ -88,11 +88,11 @@ def mean_speed(record: Record) -> float | None:
     for rows in (record.updates, record.commands):
         np.minimum.at(begins, rows["robot"], rows["step"])
     distance = total = 0.0
-    for first, last in blocks(record):
-        step = np.arange(first, last)[:, None]
-        counts = (step >= begins) & (step < ends)
-        distance += float((record.commands_over("applied", first, last)[:, :, 0] * counts).sum())
-        total += float(counts.sum())
+    for at, applied in Held(record).stretches(begins, ends):
+        begin = at[:-1, None]
+        steps = np.diff(at)[:, None] * ((begin >= begins) & (begin < ends))
+        distance += float((applied[:, :, 0] * steps).sum())
+        total += float(steps.sum())
     return distance / total if total > 0 else None
 
 

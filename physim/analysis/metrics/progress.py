@@ -26,7 +26,7 @@ ASTRAY = 1.0
 """[m] from its path beyond which a robot that has not arrived is said to be off it"""
 BACKWARDS = 90.0
 """[deg] from the direction of its path beyond which it is said to be turned"""
-MOST_MOMENTS = 5_000_000
+MOST_MOMENTS = 2_000_000
 """Values of a course of all robots, about: of longer runs moments are farther apart."""
 GRID = 0.1
 """[s] between two values of a course over time: the longest update interval (14)"""

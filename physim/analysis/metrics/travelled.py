@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physim.analysis.metrics.held import Held
 from physim.analysis.metrics.progress import blocks
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -42,9 +43,10 @@ def travelled(record: Record, steps: IntArray) -> tuple[FloatArray, FloatArray]:
     """
     if _is_fine(record):
         return _along_samples(record, steps), record.pose[steps, :, 2]
-    turned, at_samples = _turned(record, steps), _turned(record, record.steps)
-    off = record.pose[:, :, 2] - at_samples
-    return _along_commands(record, steps, off), turned + _between(record, off, steps)
+    held = Held(record)
+    off = record.pose[:, :, 2] - _turned(record, held, record.steps)
+    turned = _turned(record, held, steps) + _between(record, off, steps)
+    return _along_commands(record, held, steps, off), turned
 
 
 def _is_fine(record: Record) -> bool:
@@ -60,39 +62,45 @@ def _along_samples(record: Record, steps: IntArray) -> FloatArray:
         step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
         heading = pose[:-1, :, 2] + half
         chord = step[:, :, 0] * np.cos(heading) + step[:, :, 1] * np.sin(heading)
-        total = _note(found, steps, first, total + np.cumsum(chord / np.sinc(half / np.pi), axis=0))
+        at = np.arange(first, last + 1)
+        total = _note(found, steps, at, total + np.cumsum(chord / np.sinc(half / np.pi), axis=0))
     return found
 
 
-def _turned(record: Record, steps: IntArray) -> FloatArray:
+def _turned(record: Record, held: Held, steps: IntArray) -> FloatArray:
     """What the applied commands turn (K, N) [rad] from the start to each of some steps."""
     found, total = np.zeros((len(steps), record.robots)), np.zeros(record.robots)
-    for first, last in blocks(record):
-        omega = record.commands_over("applied", first, last)[:, :, 1]
-        total = _note(found, steps, first, total + np.cumsum(omega * record.dt, axis=0))
+    for at, applied in held.stretches(steps):
+        turn = applied[:, :, 1] * (record.dt * np.diff(at))[:, None]
+        total = _note(found, steps, at, total + np.cumsum(turn, axis=0))
     return found
 
 
-def _along_commands(record: Record, steps: IntArray, off: FloatArray) -> FloatArray:
+def _along_commands(record: Record, held: Held, steps: IntArray, off: FloatArray) -> FloatArray:
     """Distance (K, N) [m] by the applied commands and what the samples show otherwise.
 
-    ``off`` (M, N) [rad] is by how much headings at samples differ from what is commanded.
+    ``off`` (M, N) [rad] is by how much headings at samples differ from what is commanded: between
+    two changes robots move on arcs (1).
     """
     shape = (record.robots, 6)
     total, turn = np.zeros(shape), np.zeros(record.robots)
     found, samples = np.zeros((len(steps), *shape)), np.zeros((record.samples, *shape))
-    for first, last in blocks(record):
-        applied = record.commands_over("applied", first, last) * record.dt
-        heading = np.concatenate((turn[None], turn + np.cumsum(applied[:, :, 1], axis=0)))
-        turn = heading[-1].copy()
-        heading += _between(record, off, np.arange(first, last + 1))
+    touched = record.contacts["step"]
+    ends = touched - 1, touched, touched + 1
+    for at, applied in held.stretches(steps, record.steps, *ends):
+        count = np.diff(at)[:, None]
+        turned = turn + np.cumsum(applied[:, :, 1] * (record.dt * count), axis=0)
+        heading = np.concatenate((turn[None], turned)) + _between(record, off, at)
+        turn = turned[-1]
         half = np.diff(heading, axis=0) / 2.0
-        middle, way = heading[:-1] + half, applied[:, :, 0]
-        chord, cos, sin = way * np.sinc(half / np.pi), np.cos(middle), np.sin(middle)
-        parts = way, chord * cos, chord * sin, cos, sin, _touching(record, first, last)
+        middle, way = heading[:-1] + half, applied[:, :, 0] * (record.dt * count)
+        share = np.sinc(half / np.pi)
+        cos, sin = share * np.cos(middle), share * np.sin(middle)
+        touching = count * _touching(record, at)
+        parts = way, way * cos, way * sin, count * cos, count * sin, touching
         course = total + np.cumsum(np.stack(parts, axis=-1), axis=0)
-        _note(samples, record.steps, first, course)
-        total = _note(found, steps, first, course)
+        _note(samples, record.steps, at, course)
+        total = _note(found, steps, at, course)
     passed = np.diff(samples, axis=0)
     otherwise = np.diff(record.pose[:, :, :2], axis=0) - passed[:, :, 1:3]
     mean = passed[:, :, 3:5] / np.diff(record.steps)[:, None, None]
@@ -104,21 +112,22 @@ def _along_commands(record: Record, steps: IntArray, off: FloatArray) -> FloatAr
     return np.asarray(found[:, :, 0] + pushed[row] + share * along[row])
 
 
-def _touching(record: Record, first: int, last: int) -> FloatArray:
-    """(K, N) 1 for steps ``first`` to ``last - 1`` at an end of which robots touch, else `FREE`."""
-    rows = record.contacts_over(first, last + 1)
-    found = np.full((last - first, record.robots), FREE)
+def _touching(record: Record, at: IntArray) -> FloatArray:
+    """(K, N) 1 where robots touch at an end of the steps from one of ``at`` (K + 1,) to the next,
+    else `FREE`; steps with contact are among them."""
+    rows = record.contacts_over(int(at[0]), int(at[-1]) + 1)
+    found = np.full((len(at) - 1, record.robots), FREE)
     for body in (rows["a"], rows["b"]):
         for step in (rows["step"] - 1, rows["step"]):
-            mine = (body < record.robots) & (step >= first) & (step < last)
-            found[step[mine] - first, body[mine]] = 1.0
+            mine = (body < record.robots) & (step >= at[0]) & (step < at[-1])
+            found[np.searchsorted(at, step[mine]), body[mine]] = 1.0
     return found
 
 
-def _note(found: FloatArray, steps: IntArray, first: int, course: FloatArray) -> FloatArray:
-    """Put the rows of a course, after steps ``first`` on, at their ``steps``; its last row."""
-    here = (steps > first) & (steps <= first + len(course))
-    found[here] = course[steps[here] - first - 1]
+def _note(found: FloatArray, steps: IntArray, at: IntArray, course: FloatArray) -> FloatArray:
+    """Put the rows of a course, at ``at[1:]``, at their ``steps``; its last row."""
+    here = (steps > at[0]) & (steps <= at[-1])
+    found[here] = course[np.searchsorted(at, steps[here]) - 1]
     return np.asarray(course[-1])
 
 

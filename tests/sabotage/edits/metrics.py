@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "metrics",
+        "physim/analysis/metrics/held.py",
+        "Held.at",
+        'here = changed["step"][place] == steps',
+        'here = changed["step"][place] >= steps',
+        "what a stage changed holds for its step alone",
+        "tests/metrics/test_courses.py::test_commands_from_change_to_change_are_those_of_every_step",
+    ),
+    Edit(
+        "metrics",
         "physim/analysis/metrics/travelled.py",
         "looked_at",
         "if _is_fine(record):",
@@ -18,8 +27,8 @@ EDITS = (
         "metrics",
         "physim/analysis/metrics/travelled.py",
         "travelled",
-        "turned + _between(record, off, steps)",
-        "record.pose[0, :, 2] + turned",
+        "_turned(record, held, steps) + _between(record, off, steps)",
+        "_turned(record, held, steps) + record.pose[0, :, 2]",
         "headings of a coarse record are those of its samples",
         "tests/metrics/test_courses.py::test_a_turn_that_nobody_commanded_counts_in_a_coarse_record",
     ),

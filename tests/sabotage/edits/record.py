@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "record",
+        "physim/record/reader.py",
+        "Record.check_values",
+        "if last > MOST_STEPS:",
+        "if False:",
+        "a record claims no more steps than a run may have",
+        "tests/record/test_values.py::test_no_run_has_so_many_steps",
+    ),
+    Edit(
+        "record",
         "physim/record/checks.py",
         "_row_faults",
         "elif found.dtype != row:",

@@ -25,6 +25,8 @@ GAP = 16.0
 """[px] between a title and what stands beside it, in a picture as it is saved"""
 MOST_POINTS = 4000
 """Points of a curve; of more samples the least of each stretch is drawn, so no dip is lost."""
+ROW = 0.17
+"""[in] of a legend below a figure"""
 LEGEND_ROWS = 16
 """Rows of a legend beside a figure."""
 
@@ -108,19 +110,19 @@ def legend_beside(figure: Any, handles: Sequence[Any], marks: float = 1.0) -> No
         )  # fmt: skip
 
 
-def legend_below(figure: Any, handles: Sequence[Any], columns: int) -> int:
+def legend_below(figure: Any, handles: Sequence[Any], columns: int, lifted: bool = False) -> int:
     """Legend below the figure, in the order of reading; returns its number of rows.
 
-    It has ``columns``, or as many as the figure is wide enough for.
+    It has ``columns``, or as many as the figure is wide enough for; ``lifted`` by a line of text.
     """
     while handles:
         listed = [handles[k] for k in in_rows(len(handles), columns)]
         legend = figure.legend(
             handles=listed, loc="outside lower left", ncols=columns, handlelength=1.5,
-            borderaxespad=0.2, labelspacing=0.35, columnspacing=1.4,
+            borderaxespad=1.7 if lifted else 0.2, labelspacing=0.35, columnspacing=1.4,
         )  # fmt: skip
         legend.set_gid(f"columns {columns}")
-        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+        if columns == 1 or legend.get_window_extent().width <= 0.97 * figure.bbox.width:
             break
         legend.remove()
         columns -= 1

@@ -14,7 +14,15 @@ from physim.analysis.metrics.distances import width_extreme
 from physim.contacts import Kind, Phase
 from physim.drawing.crowd import MOST_LINES
 from physim.drawing.palette import Colour, hexed
-from physim.drawing.plots.frame import framed, legend_below, legend_beside, mark, nothing, short
+from physim.drawing.plots.frame import (
+    ROW,
+    framed,
+    legend_below,
+    legend_beside,
+    mark,
+    nothing,
+    short,
+)
 from physim.drawing.plots.scene import add_bodies, add_lines, draw_scene
 from physim.drawing.plots.style import CONTACT, INK, QUIET, WIDTH, WIDTHS, robot_colour
 from physim.drawing.scene_model import SceneModel, placed
@@ -64,7 +72,7 @@ def trajectories(record: Record, snapshots: float | None = None) -> Any:
     _times(axis, record, at)
     axis.set_title(f"robots every {every:g} s", loc="right", fontsize=8.5)
     rows = legend_below(figure, handles, COLUMNS)
-    figure.set_size_inches(WIDTH, tall + 0.5 + 0.17 * rows)
+    figure.set_size_inches(WIDTH, tall + 0.5 + ROW * rows)
     return figure
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from operator import itemgetter
 from typing import Any
 
-from physim.drawing.plots.frame import clear_marks, in_rows, legend_below
+from physim.drawing.plots.frame import ROW, clear_marks, in_rows, legend_below
 
 LEAST, MOST = 2.0, 20.0
 """[in] of a width"""
@@ -46,19 +46,36 @@ def _untitled(figure: Any) -> None:
 
 
 def _legends_below(figure: Any) -> None:
-    """Put each legend of the figure below it, in as many columns as there is room for."""
+    """Put each legend of the figure below it, in as many columns as there is room for.
+
+    The figure grows by its rows.
+    """
+    lifted = any(
+        text.get_gid() == "source" and text.get_visible() and text.get_va() == "bottom"
+        for text in figure.texts
+    )
     for legend in list(figure.legends):
         handles = _entries(legend)
+        columns = _columns(legend)
+        before = -(-len(handles) // columns) if columns else 0
         legend.remove()
-        for handle in handles:
-            handle.set_label(handle.get_label().replace("\n", " "))
-        for columns in range(min(len(handles), 5), 0, -1):
-            legend_below(figure, handles, columns)
-            below = figure.legends[-1]
-            figure.draw_without_rendering()
-            if columns == 1 or below.get_window_extent().width <= 0.97 * figure.bbox.width:
-                break
-            below.remove()
+        broken = [handle.get_label() for handle in handles]
+        for handle, label in zip(handles, broken, strict=True):
+            handle.set_label(label.replace("\n", " "))
+        rows = legend_below(figure, handles, min(len(handles), 5), lifted)
+        if figure.legends[-1].get_window_extent().width > figure.bbox.width:
+            figure.legends[-1].remove()
+            for handle, label in zip(handles, broken, strict=True):
+                handle.set_label(label)
+            legend_below(figure, handles, 1, lifted)
+            rows = sum(label.count("\n") + 1 for label in broken)
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(wide, high + ROW * (rows - before))
+
+
+def _columns(legend: Any) -> int:
+    """Columns of a legend below a figure; 0 of one beside it."""
+    return int((legend.get_gid() or "").partition("columns ")[2] or 0)
 
 
 def _entries(legend: Any) -> list[Any]:
@@ -66,16 +83,24 @@ def _entries(legend: Any) -> list[Any]:
     handles = list(legend.legend_handles)
     for handle, text in zip(handles, legend.get_texts(), strict=True):
         handle.set_label(text.get_text())
-    columns = (legend.get_gid() or "").partition("columns ")[2]
+    columns = _columns(legend)
     if not columns:
         return handles
-    order = in_rows(len(handles), int(columns))
+    order = in_rows(len(handles), columns)
     return [handle for _, handle in sorted(zip(order, handles, strict=True), key=itemgetter(0))]
 
 
 def _shortened(figure: Any) -> None:
-    """Where the source is wider than the figure, leave out with what to compare."""
+    """Where the source has no room, leave out with what to compare, then letters of the name."""
     figure.draw_without_rendering()
+    head = figure._suptitle.get_window_extent()
     for text in figure.texts:
-        if text.get_gid() == "source" and text.get_window_extent().x0 < 0.0:
+        if text.get_gid() != "source":
+            continue
+        least = head.x1 if text.get_window_extent().overlaps(head) else 0.0
+        if text.get_window_extent().x0 < least:
             text.set_text(text.get_text().partition(";")[0])
+        name, comma, seed = text.get_text().rpartition(",")
+        while len(name) > 4 and text.get_window_extent().x0 < least:
+            name = name[:-2].rstrip("\u2026 ") + "\u2026"
+            text.set_text(f"{name}{comma}{seed}")

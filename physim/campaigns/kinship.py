@@ -1,7 +1,7 @@
 """What ties a process to its parent: it ends with it, and what ends a command reaches the parent.
 
-A terminal sends Ctrl-C, and its end, to all processes of a command at once; a daemon may have
-children, too.
+A terminal sends Ctrl-C, and its end, to all processes of a command at once; Python looks for the
+first modules of a new process in the working folder; a daemon may have children, too.
 """
 
 from __future__ import annotations
@@ -18,24 +18,36 @@ from typing import Any
 ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """What ends a command: its first process hears it, and tells the others."""
 
+SAFE_PATH, BY_US = "PYTHONSAFEPATH", "physim"
+"""Variable by which Python leaves the working folder out of its path, and our value of it"""
+
 
 @contextmanager
-def begun_deaf() -> Iterator[None]:
-    """Processes that this thread begins in the block do not hear `ENDING` until they `hear_again`.
+def begun_apart() -> Iterator[None]:
+    """Processes that this thread begins in the block are deaf to `ENDING`, until they `settle`.
 
     From the very first, while they import what they need: there it would end them in a traceback,
-    and what they were to do would count as lost.
+    and what they were to do would count as lost. Nor do they import from the working folder, which
+    may hold a ``struct.py`` of a stranger, before they have the path of their parent.
     """
-    resource_tracker.ensure_running()  # as it begins, it lets this thread hear again
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+    known = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = known or BY_US
     try:
-        yield
+        resource_tracker.ensure_running()  # as it begins, it lets this thread hear again
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if not known:
+            os.environ.pop(SAFE_PATH, None)
 
 
-def hear_again() -> None:
-    """Hear `ENDING`, each as its handler has it, in a process that was `begun_deaf`."""
+def settle() -> None:
+    """Hear `ENDING`, each as its handler has it, in a process that was `begun_apart`."""
+    if os.environ.get(SAFE_PATH) == BY_US:
+        del os.environ[SAFE_PATH]  # what it begins is its own affair
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
 
 

@@ -22,7 +22,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from physim.campaigns.kinship import begun_deaf, children_allowed
+from physim.campaigns.kinship import begun_apart, children_allowed
 from physim.campaigns.worker import (
     BEGINS,
     READY,
@@ -206,7 +206,7 @@ class _Worker:
         """A new process that waits for jobs."""
         ours, theirs = context.Pipe()
         process = context.Process(target=do_jobs, args=(theirs, halt), daemon=True)
-        with children_allowed(), begun_deaf():
+        with children_allowed(), begun_apart():
             process.start()
         theirs.close()
         return cls(process, ours)

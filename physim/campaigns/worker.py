@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
-from physim.campaigns.kinship import ENDING, end_with_parent, hear_again
+from physim.campaigns.kinship import ENDING, end_with_parent, settle
 from physim.errors import PhysimError
 from physim.streams import gates
 
@@ -60,7 +60,7 @@ def do_jobs(pipe: Connection, halt: Any) -> None:
     """Do jobs until the other end of the pipe is closed or gone."""
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)  # it reaches all; the parent says what follows
-    hear_again()  # for what a job begins in turn
+    settle()  # for what a job begins in turn
     threading.Thread(target=end_with_parent, daemon=True).start()
     with gates():
         with suppress(OSError):

@@ -13,7 +13,7 @@ import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 
-from physim.campaigns.kinship import begun_deaf, hear_again
+from physim.campaigns.kinship import begun_apart, settle
 from physim.compiled import is_kept
 from physim.geometry.clearance import fill
 
@@ -34,7 +34,7 @@ class SecondProcess:
         work = context.Process(
             target=compile_rest, args=(theirs, controller), name=NAME, daemon=True
         )
-        with begun_deaf():
+        with begun_apart():
             work.start()
         theirs.close()
 
@@ -67,7 +67,7 @@ def compile_rest(line: Connection, controller: str) -> None:
     os.dup2(silent, 1)
     os.dup2(silent, 2)
     with suppress(KeyboardInterrupt, EOFError), without_collector():
-        hear_again()
+        settle()
         warm_up_motion_alone()
         line.send(None)
         line.recv()

@@ -6,8 +6,11 @@ import errno
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import Executor, wait
+from pathlib import Path
 
 import pytest
 
@@ -68,6 +71,32 @@ def test_what_ends_a_command_does_not_end_its_workers(
         wait(futures, timeout=0.005)
     assert [future.result() for future in futures] == [0, 1]
     assert capfd.readouterr().err == ""
+
+
+def test_no_module_of_the_working_folder_is_run_as_workers_start(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python itself would look there first; what its parent knows a worker finds."""
+    for name in ("struct", "signal", "socket", "multiprocessing"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit(7)\n")
+    monkeypatch.chdir(tmp_path)
+    script = (
+        "import os\n"
+        "from physim.campaigns.processes import Processes\n"
+        "if __name__ == '__main__':\n"
+        "    made = Processes(1)\n"
+        "    assert made.submit(os.getenv, 'PYTHONSAFEPATH').result() is None\n"
+        "    assert os.getenv('PYTHONSAFEPATH') is None\n"
+        "    made.shutdown()\n"
+    )
+    away = tmp_path / "away"
+    away.mkdir()
+    (away / "begins.py").write_text(script)
+    done = subprocess.run(
+        [sys.executable, str(away / "begins.py")],
+        capture_output=True, text=True, check=False, timeout=LONGEST,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("most", [0, 1])

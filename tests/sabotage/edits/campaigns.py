@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "campaigns",
+        "physim/campaigns/kinship.py",
+        "begun_apart",
+        "os.environ[SAFE_PATH] = known or BY_US",
+        "pass",
+        "workers import nothing from the working folder as they start",
+        "tests/campaigns/test_processes.py::test_no_module_of_the_working_folder_is_run_as_workers_start",
+    ),
+    Edit(
+        "campaigns",
         "physim/campaigns/processes.py",
         "_Worker.end",
         "(True, None) if halted else (False, self._lost(job))",
@@ -18,7 +27,7 @@ EDITS = (
         "campaigns",
         "physim/campaigns/processes.py",
         "_Worker.begun",
-        "with children_allowed(), begun_deaf():",
+        "with children_allowed(), begun_apart():",
         "with children_allowed():",
         "what ends a command does not end its workers as they start",
         "tests/campaigns/test_processes.py::test_what_ends_a_command_does_not_end_its_workers",

@@ -172,7 +172,7 @@ EDITS = (
         "plots",
         "physim/drawing/plots/paper.py",
         "_entries",
-        "in_rows(len(handles), int(columns))",
+        "in_rows(len(handles), columns)",
         "list(range(len(handles)))",
         "entries of a legend keep their order when it moves",
         "tests/plots/test_papers.py::test_legends_keep_their_order_when_they_move",

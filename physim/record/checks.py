@@ -29,6 +29,8 @@ LONGEST = 120
 """Characters of a value that a message repeats."""
 LITTLE = 10_000_000
 """[bytes] What a dataset may claim whatever it holds: a constant, or zeros that nobody wrote."""
+FEW_TEXTS = 100
+"""Texts that are read in one go before their length is known."""
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -86,6 +88,10 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
 
     A record has datasets with all their rows in the file itself.
     """
+    for name in file.attrs:
+        values = h5py.h5a.open(file.id, name.encode("utf-8", "surrogateescape")).get_space()
+        if values.get_simple_extent_npoints() > 1:
+            yield f"attribute {escaped(name)} holds many values; a record has one"
     links: list[tuple[str, Any]] = []
     file.visititems_links(lambda name, link: links.append((name, link)))
     for name, link in links:
@@ -102,6 +108,19 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         rows, there = found.get_space().get_simple_extent_npoints(), found.get_storage_size()
         if rows * found.get_type().get_size() > max(LITTLE, MOST_PACKED * there):
             yield f"/{escaped(name)} claims {rows} values and holds {there} bytes; it is damaged"
+        if found.get_type().get_class() in (h5py.h5t.STRING, h5py.h5t.VLEN):
+            yield from _text_faults(file, name, rows)
+
+
+def _text_faults(file: h5py.File, name: str, rows: int) -> Iterator[str]:
+    """Texts that are longer together than the file: many of them are one and the same there."""
+    most, length = max(LITTLE, file.id.get_filesize()), 0
+    for first in range(0, rows, FEW_TEXTS):
+        texts = np.atleast_1d(file[name][first : first + FEW_TEXTS] if rows > 1 else file[name][()])
+        length += sum(map(len, texts.ravel().tolist()))
+        if length > most:
+            yield f"/{escaped(name)} claims more than {most} letters; it is damaged"
+            return
 
 
 def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:

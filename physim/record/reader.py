@@ -124,14 +124,14 @@ class Record(RecordedHistory):
         Raises RecordError, one line: table, row, what was given, what is allowed.
         """
         last = max(self.steps_run, int(self.steps[-1]) if self.samples else 0)
-        if last > MOST_STEPS:
-            raise RecordError(
-                f"{self.where}: {last} steps; a run has at most {MOST_STEPS}; make the record again"
-            )
         if last > self.samples * self.record_every:
             raise RecordError(
                 f"{self.where}: truncated: {self.samples} samples, one every {self.record_every} "
                 f"steps, for {last} steps; make the record again"
+            )
+        if last > MOST_STEPS:
+            raise RecordError(
+                f"{self.where}: {last} steps; a run has at most {MOST_STEPS}; make the record again"
             )
         for path in layout.TABLES:
             getattr(self, path[1:])

@@ -228,6 +228,33 @@ def test_no_run_has_so_many_steps(made: Path, tmp_path: Path) -> None:
     refused(target, "400000000 steps", "at most 100000000")
 
 
+def test_texts_that_are_all_the_same_long_one(made: Path, tmp_path: Path) -> None:
+    """In the file it stands once; read, it takes 600 times as much."""
+    target = tmp_path / "tampered.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        one = file.create_dataset("one", (1,), dtype=h5py.string_dtype())
+        one[0] = "x" * 100_000
+        file.flush()
+        place = one.id.get_offset()
+    with target.open("rb") as raw:
+        raw.seek(place)
+        where = raw.read(16)  # of the text in the file
+    with h5py.File(target, "r+") as file:
+        del file["one"], file["/modes/name"]
+        names = file.create_dataset("/modes/name", (600,), h5py.string_dtype(), chunks=(600,))
+        names.id.write_direct_chunk((0,), where * 600)
+    refused(target, "/modes/name", "letters", "damaged")
+
+
+def test_attributes_of_many_values(made: Path, tmp_path: Path) -> None:
+    target = tmp_path / "tampered.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        file.attrs["given"] = ["[]"] * 5
+    refused(target, "attribute given", "many values")
+
+
 def test_steps_must_increase(made: Path, tmp_path: Path) -> None:
     bad = tampered(made, tmp_path, "/steps/step", slice(None), np.arange(401)[::-1])
     refused(bad, "/steps/step", "row 1", "399", "400", "increase")

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "record",
+        "physim/record/checks.py",
+        "_text_faults",
+        "if length > most:",
+        "if False:",
+        "one long text many times over is refused",
+        "tests/record/test_values.py::test_texts_that_are_all_the_same_long_one",
+    ),
+    Edit(
+        "record",
         "physim/record/reader.py",
         "Record.check_values",
         "if last > MOST_STEPS:",

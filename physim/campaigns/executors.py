@@ -21,6 +21,8 @@ CONNECT_SECONDS = 5
 ADDRESS = re.compile(
     r"(?:(?:tcp|tls|ws|wss)://)?(?P<host>\[[0-9A-Fa-f:.%\w]+\]|[^\s:/\[\]]+):(?P<port>\d{1,5})"
 )
+LOGGERS = ("distributed.client", "distributed.batched", "distributed.core", "tornado.application")
+"""of Dask and its loop, which tell a cluster that went in tracebacks"""
 WORKERS_SECONDS = 30
 """[s] in which a scheduler must have a worker"""
 
@@ -56,7 +58,7 @@ def _dask(address: str) -> Iterator[Executor]:
         client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
     except Exception as error:
         raise _unreachable(address, error) from None
-    with _silent("distributed.client"), client:
+    with _silent(), client:
         try:
             client.wait_for_workers(1, timeout=WORKERS_SECONDS)
         except TimeoutError:
@@ -71,14 +73,17 @@ def _dask(address: str) -> Iterator[Executor]:
 
 
 @contextmanager
-def _silent(name: str) -> Iterator[None]:
-    """Let a logger say nothing: that of Dask tells a cluster that went in tracebacks."""
-    logger = logging.getLogger(name)
-    before, logger.disabled = logger.disabled, True
+def _silent() -> Iterator[None]:
+    """Let `LOGGERS` say nothing."""
+    loggers = [logging.getLogger(name) for name in LOGGERS]
+    before = [logger.disabled for logger in loggers]
+    for logger in loggers:
+        logger.disabled = True
     try:
         yield
     finally:
-        logger.disabled = before
+        for logger, was in zip(loggers, before, strict=True):
+            logger.disabled = was
 
 
 def _check_scheduler(address: str) -> None:

@@ -145,10 +145,11 @@ def test_commands_from_change_to_change_are_those_of_every_step() -> None:
     record = history(rows, commands=changed, pose=np.zeros((101, 2, 3)), steps_run=100)
     whole = record.commands_over("applied", 0, 100)
     held = Held(record)
-    for at, commands in held.stretches(np.array([7, 55])):
+    for robot in (0, 1):
+        at, commands = held.stretches(robot, np.array([7, 55, 300]))
+        assert {0, 7, 55, 100} <= {*at.tolist()} <= {*range(101)}
         for first, last, command in zip(at, at[1:], commands, strict=False):
-            assert (whole[first:last] == command).all()
-    assert (held.at(np.arange(100)) == whole).all()
+            assert (whole[first:last, robot] == command).all()
     assert whole[12, 1].tolist() == [0.7, 0.2]
 
 

@@ -88,10 +88,12 @@ def mean_speed(record: Record) -> float | None:
     for rows in (record.updates, record.commands):
         np.minimum.at(begins, rows["robot"], rows["step"])
     distance = total = 0.0
-    for at, applied in Held(record).stretches(begins, ends):
-        begin = at[:-1, None]
-        steps = np.diff(at)[:, None] * ((begin >= begins) & (begin < ends))
-        distance += float((applied[:, :, 0] * steps).sum())
+    held = Held(record)
+    for robot in range(record.robots):
+        at, applied = held.stretches(robot, begins[robot : robot + 1], ends[robot : robot + 1])
+        counts = (at[:-1] >= begins[robot]) & (at[:-1] < ends[robot])
+        steps = np.diff(at) * counts
+        distance += float(applied[:, 0] @ steps)
         total += float(steps.sum())
     return distance / total if total > 0 else None
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from physim.analysis.metrics.held import Held
+from physim.analysis.metrics.held import Held, by_robot
 from physim.analysis.metrics.progress import blocks
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
@@ -43,10 +43,13 @@ def travelled(record: Record, steps: IntArray) -> tuple[FloatArray, FloatArray]:
     """
     if _is_fine(record):
         return _along_samples(record, steps), record.pose[steps, :, 2]
-    held = Held(record)
-    off = record.pose[:, :, 2] - _turned(record, held, record.steps)
-    turned = _turned(record, held, steps) + _between(record, off, steps)
-    return _along_commands(record, held, steps, off), turned
+    held, touches = Held(record), _touches(record)
+    found = np.empty((2, len(steps), record.robots))
+    for robot in range(record.robots):
+        mine = touches[robot]
+        at, applied = held.stretches(robot, steps, record.steps, mine, mine + 1)
+        found[:, :, robot] = _by_commands(record, robot, steps, at, applied, mine)
+    return found[0], found[1]
 
 
 def _is_fine(record: Record) -> bool:
@@ -62,84 +65,61 @@ def _along_samples(record: Record, steps: IntArray) -> FloatArray:
         step, half = np.diff(pose, axis=0), np.diff(pose[:, :, 2], axis=0) / 2.0
         heading = pose[:-1, :, 2] + half
         chord = step[:, :, 0] * np.cos(heading) + step[:, :, 1] * np.sin(heading)
-        at = np.arange(first, last + 1)
-        total = _note(found, steps, at, total + np.cumsum(chord / np.sinc(half / np.pi), axis=0))
+        course = total + np.cumsum(chord / np.sinc(half / np.pi), axis=0)
+        here = (steps > first) & (steps <= last)
+        found[here] = course[steps[here] - first - 1]
+        total = course[-1]
     return found
 
 
-def _turned(record: Record, held: Held, steps: IntArray) -> FloatArray:
-    """What the applied commands turn (K, N) [rad] from the start to each of some steps."""
-    found, total = np.zeros((len(steps), record.robots)), np.zeros(record.robots)
-    for at, applied in held.stretches(steps):
-        turn = applied[:, :, 1] * (record.dt * np.diff(at))[:, None]
-        total = _note(found, steps, at, total + np.cumsum(turn, axis=0))
-    return found
+def _touches(record: Record) -> list[IntArray]:
+    """Steps of each robot at an end of which it touches something."""
+    rows = record.contacts
+    body = np.concatenate((rows["a"], rows["b"]))
+    steps = np.concatenate((rows["step"], rows["step"]))[body < record.robots]
+    return [
+        np.unique(np.concatenate((own - 1, own)))
+        for own in by_robot(steps, body[body < record.robots], record.robots)
+    ]
 
 
-def _along_commands(record: Record, held: Held, steps: IntArray, off: FloatArray) -> FloatArray:
-    """Distance (K, N) [m] by the applied commands and what the samples show otherwise.
+def _by_commands(
+    record: Record,
+    robot: int,
+    steps: IntArray,
+    at: IntArray,
+    applied: FloatArray,
+    touches: IntArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Distance [m] and heading [rad] (K,) of a robot at ``steps``, by commands and samples.
 
-    ``off`` (M, N) [rad] is by how much headings at samples differ from what is commanded: between
-    two changes robots move on arcs (1).
+    ``applied`` (M, 2) are its commands between ``at`` (M + 1,), where it moves on arcs (1).
     """
-    shape = (record.robots, 6)
-    total, turn = np.zeros(shape), np.zeros(record.robots)
-    found, samples = np.zeros((len(steps), *shape)), np.zeros((record.samples, *shape))
-    touched = record.contacts["step"]
-    ends = touched - 1, touched, touched + 1
-    for at, applied in held.stretches(steps, record.steps, *ends):
-        count = np.diff(at)[:, None]
-        turned = turn + np.cumsum(applied[:, :, 1] * (record.dt * count), axis=0)
-        heading = np.concatenate((turn[None], turned)) + _between(record, off, at)
-        turn = turned[-1]
-        half = np.diff(heading, axis=0) / 2.0
-        middle, way = heading[:-1] + half, applied[:, :, 0] * (record.dt * count)
-        share = np.sinc(half / np.pi)
-        cos, sin = share * np.cos(middle), share * np.sin(middle)
-        touching = count * _touching(record, at)
-        parts = way, way * cos, way * sin, count * cos, count * sin, touching
-        course = total + np.cumsum(np.stack(parts, axis=-1), axis=0)
-        _note(samples, record.steps, at, course)
-        total = _note(found, steps, at, course)
-    passed = np.diff(samples, axis=0)
-    otherwise = np.diff(record.pose[:, :, :2], axis=0) - passed[:, :, 1:3]
-    mean = passed[:, :, 3:5] / np.diff(record.steps)[:, None, None]
-    along = (otherwise * mean).sum(axis=2)
-    along /= np.maximum(np.square(mean).sum(axis=2), LEAST_ALONG**2)
-    pushed = np.concatenate((np.zeros((1, record.robots)), np.cumsum(along, axis=0)))
-    row = _interval(record, steps)
-    share = (found[:, :, 5] - samples[row, :, 5]) / passed[row, :, 5]
-    return np.asarray(found[:, :, 0] + pushed[row] + share * along[row])
+    samples, pose, count = record.steps, record.pose[:, robot], np.diff(at)
+    asked, seen = np.searchsorted(at, steps), np.searchsorted(at, samples)
+    commanded = _course(applied[:, 1] * (record.dt * count))
+    heading = commanded + np.interp(at, samples, pose[:, 2] - commanded[seen])
+    half = np.diff(heading) / 2.0
+    middle, share = heading[:-1] + half, np.sinc(half / np.pi)
+    way = applied[:, 0] * (record.dt * count)
+    cos, sin = share * np.cos(middle), share * np.sin(middle)
+    distance = _course(way)
+    x, y = np.diff(pose[:, :2], axis=0).T
+    along = (x - _over(way * cos, seen)) * (mean_x := _over(count * cos, seen) / np.diff(samples))
+    along += (y - _over(way * sin, seen)) * (mean_y := _over(count * sin, seen) / np.diff(samples))
+    along /= np.maximum(mean_x**2 + mean_y**2, LEAST_ALONG**2)
+    # what a step at an end of which it touches has of the push of its interval
+    weight = _course(count * np.where(np.isin(at[:-1], touches), 1.0, FREE))
+    row = np.clip(np.searchsorted(samples, steps, side="right") - 1, 0, len(samples) - 2)
+    part = (weight[asked] - weight[seen[row]]) / (weight[seen[row + 1]] - weight[seen[row]])
+    return distance[asked] + _course(along)[row] + part * along[row], heading[asked]
 
 
-def _touching(record: Record, at: IntArray) -> FloatArray:
-    """(K, N) 1 where robots touch at an end of the steps from one of ``at`` (K + 1,) to the next,
-    else `FREE`; steps with contact are among them."""
-    rows = record.contacts_over(int(at[0]), int(at[-1]) + 1)
-    found = np.full((len(at) - 1, record.robots), FREE)
-    for body in (rows["a"], rows["b"]):
-        for step in (rows["step"] - 1, rows["step"]):
-            mine = (body < record.robots) & (step >= at[0]) & (step < at[-1])
-            found[np.searchsorted(at, step[mine]), body[mine]] = 1.0
-    return found
+def _course(parts: FloatArray) -> FloatArray:
+    """Sum (M + 1,) of parts (M,) from 0 on."""
+    return np.concatenate(([0.0], np.cumsum(parts)))
 
 
-def _note(found: FloatArray, steps: IntArray, at: IntArray, course: FloatArray) -> FloatArray:
-    """Put the rows of a course, at ``at[1:]``, at their ``steps``; its last row."""
-    here = (steps > at[0]) & (steps <= at[-1])
-    found[here] = course[np.searchsorted(at, steps[here]) - 1]
-    return np.asarray(course[-1])
-
-
-def _between(record: Record, values: FloatArray, steps: IntArray) -> FloatArray:
-    """Values (K, N) at some steps, linear between those (M, N) at the samples."""
-    row = _interval(record, steps)
-    begin, end = record.steps[row], record.steps[row + 1]
-    share = np.clip((steps - begin) / (end - begin), 0.0, 1.0)[:, None]
-    return np.asarray(values[row] + share * (values[row + 1] - values[row]))
-
-
-def _interval(record: Record, steps: IntArray) -> IntArray:
-    """(K,) the sample before each of some steps, or at it; that before the last one at the end."""
-    row = np.searchsorted(record.steps, steps, side="right") - 1
-    return np.clip(row, 0, record.samples - 2).astype(np.int64)
+def _over(parts: FloatArray, seen: IntArray) -> FloatArray:
+    """Sum of parts (M,) over each interval between samples, whose places are ``seen``."""
+    return np.diff(_course(parts)[seen])

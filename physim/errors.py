@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -98,6 +99,17 @@ def dotted(location: Location) -> str:
 def plural(count: int, one: str, many: str = "") -> str:
     """``1 robot``, ``2 robots``."""
     return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def decimal_text(value: float, digits: int, most: int) -> str:
+    """A number with so many decimals, and more, up to ``most``, where two digits take more.
+
+    ``digits`` is what figures of metres need; a world of centimetres has smaller ones.
+    """
+    size = abs(value)
+    if 0.0 < size < 1.0:
+        digits = min(max(digits, 1 - math.floor(math.log10(size))), most)
+    return f"{value:.{digits}f}"
 
 
 def place_text(x: float, y: float, digits: int = 6) -> str:

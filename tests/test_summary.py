@@ -14,7 +14,7 @@ from physim.analysis.expectations import Held, expectations
 from physim.analysis.summary import summarise, table, table_rows
 from physim.analysis.summary.table import SHOWN_CONTACTS
 from physim.contacts import Kind
-from physim.errors import RecordError
+from physim.errors import RecordError, decimal_text
 from physim.parts.declarations import Declared, Mode
 from physim.record import Record
 from physim.record.setup import setup_of
@@ -147,6 +147,33 @@ def test_expectation_held_and_broken(key: str, held: object, broken: object) -> 
     text = table(summarise(make_record(world_text=f"expect: {{{key}: {broken}}}")))
     assert f"expected {key}" in text
     assert "NOT HELD" in text
+
+
+@pytest.mark.parametrize(
+    ("key", "wanted", "got", "text"),
+    [
+        ("min_distance", 1, 0.99999996, "NOT HELD: 0.99999996 m >= 1 m"),
+        ("max_distance", 4.8, 5.25, "NOT HELD: 5.25 m <= 4.8 m"),
+        ("contacts", 1, 2, "NOT HELD: 2 <= 1"),
+        ("finished", True, False, "NOT HELD: false = true"),
+    ],
+)
+def test_a_bound_that_is_missed_differs_from_the_figure(
+    key: str, wanted: float, got: float, text: str
+) -> None:
+    assert str(Held(key, wanted, got, False)) == text
+    assert str(Held("min_distance", 1, 1.2, True)) == "held: 1.2 m >= 1 m"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (1.234, "1.23"), (0.05, "0.050"), (-0.0123, "-0.012"), (0.001234, "0.0012"),
+        (1e-9, "0.0000"), (0.0, "0.00"),
+    ],
+)  # fmt: skip
+def test_small_figures_keep_two_digits(value: float, text: str) -> None:
+    assert decimal_text(value, 2, 4) == text
 
 
 def test_exactly_on_the_bound_holds() -> None:

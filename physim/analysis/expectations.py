@@ -10,6 +10,8 @@ from physim.errors import RecordError
 from physim.record import Record
 
 Figure = bool | float | int | None
+COUNTS = ("contacts",)
+"""Keys whose figures are numbers of things; those of others but ``finished`` are lengths."""
 
 
 class Held(NamedTuple):
@@ -24,17 +26,22 @@ class Held(NamedTuple):
     def __str__(self) -> str:
         """``held: 2 <= 2``: whether it held, what was found, the bound."""
         sign = "=" if self.key == "finished" else ">=" if self.key.startswith("min_") else "<="
-        return (
-            f"{'held' if self.held else 'NOT HELD'}: {_text(self.got)} {sign} {_text(self.wanted)}"
-        )
+        digits = 4  # as many as a bound that was missed differs in
+        while not self.held and digits < 17 and self._text(self.got, digits) == self._text(
+            self.wanted, digits
+        ):  # fmt: skip
+            digits += 1
+        got, wanted = (self._text(one, digits) for one in (self.got, self.wanted))
+        return f"{'held' if self.held else 'NOT HELD'}: {got} {sign} {wanted}"
 
-
-def _text(value: Figure) -> str:
-    if value is None:
-        return "n/a"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return f"{value:.4g} m" if isinstance(value, float) else str(value)
+    def _text(self, value: Figure, digits: int) -> str:
+        if value is None:
+            return "n/a"
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        if isinstance(value, int) and self.key in COUNTS:
+            return str(value)
+        return f"{value:.{digits}g} m"
 
 
 def expectations(record: Record) -> list[Held]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from physim.campaigns.compare import Comparison, between, by, compare
 from physim.campaigns.outcomes import Outcomes
 from physim.campaigns.report.comparison_page import comparison_page
-from physim.campaigns.report.comparison_text import comparison_text, comparison_values
+from physim.campaigns.report.comparison_text import comparison_text, comparison_values, verdict
 from physim.campaigns.report.plots import paired_plot, shift_plot
 from physim.errors import PhysimError
 from physim.statistics.paired import mcnemar, median_difference, sign_test, wilcoxon
@@ -58,6 +59,12 @@ def test_pairing_sees_what_the_arms_alone_do_not() -> None:
     near = next(f for f in one.findings if f.name == "shortest_distance")
     assert near.better == "a"
     assert median_difference(a).low < float(np.median(b)) < median_difference(a).high
+
+
+def test_a_difference_below_what_is_shown_is_not_told_as_none() -> None:
+    near = finding(compare(by(campaign(shift=0.05), "controller")), "shortest_distance")
+    tiny = replace(near, difference=-1e-9, low=-2e-9, high=-5e-10)
+    assert verdict(tiny).startswith("A is better by less than 0.001 [0.000, 0.000] m")
 
 
 def test_arms_that_do_not_differ_are_not_said_to_be_equal() -> None:

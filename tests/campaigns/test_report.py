@@ -268,7 +268,7 @@ def test_nothing_near_certain_is_written_as_certain(share: float, side: int, tex
 def test_ends_are_rounded_outward() -> None:
     assert interval(0.12349, 0.87651) == "[12.3 %, 87.7 %]"
     assert interval(0.963, 1.0) == "[96.3 %, 100.0 %]"
-    assert amount(-0.0001, "m") == "0.000 m"
+    assert amount(-1e-9, "m") == "0.000 m"
 
 
 @pytest.mark.parametrize(
@@ -284,9 +284,12 @@ def test_ends_are_rounded_outward() -> None:
         (-1.7e308, "kg", "-1.7e308 kg"),
         (1.23456e9, "m", "1.235e9 m"),
         (999999999.0, "", "999,999,999"),
+        (0.31234, "m", "0.312 m"),
+        (-0.00031234, "m", "-0.00031 m"),
+        (0.0123, "s", "0.01 s"),
     ],
 )
-def test_what_is_neither_metres_nor_seconds_keeps_its_digits(
+def test_each_unit_has_its_digits_and_what_is_small_two_at_least(
     value: float, unit: str, text: str
 ) -> None:
     assert amount(value, unit) == text

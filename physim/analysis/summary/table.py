@@ -7,6 +7,7 @@ from types import MappingProxyType
 from physim.analysis.expectations import Held
 from physim.analysis.metrics import DEFINITIONS, Metric
 from physim.analysis.summary.summary import Contacts, Summary
+from physim.errors import decimal_text
 
 SHOWN_ROBOTS = 12
 """Robots that the table lists one by one."""
@@ -141,7 +142,7 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
     """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
     found, rows = summary.metrics, []
     if "deviation_peak" in found:
-        rms = f", rms {found['deviation_rms'].value:.2f} m" if "deviation_rms" in found else ""
+        rms = f", rms {decimal_text(found['deviation_rms'].value, 2, 4)} m" if "deviation_rms" in found else ""
         rows.append(("path deviation, peak", _metric_text(summary, "deviation_peak", 2) + rms))
     for label, name in (
         ("speed averaged over 10 s", "averaged_speed"),
@@ -175,7 +176,7 @@ def _metric_text(summary: Summary, name: str, digits: int, none: str = "n/a") ->
         where = f"{where} at {metric.time:.2f} s"
     elif metric.station is not None:
         where = f"path of {where} at {metric.station:.1f} m"
-    return f"{metric.value:.{digits}f} {metric.unit} ({where})"
+    return f"{decimal_text(metric.value, digits, max(digits, 4))} {metric.unit} ({where})"
 
 
 def _time_text(summary: Summary, none: str) -> str:

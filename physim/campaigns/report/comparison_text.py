@@ -98,6 +98,9 @@ def _size(found: Finding, sign: float) -> str:
     """Difference without its sign, with the interval of its size."""
     low, high = sorted((sign * found.low, sign * found.high))
     value, low_text, high_text = (_amount(found, x) for x in (abs(found.difference), low, high))
+    if not value.strip("0.,"):  # below what is shown, of rounding
+        digits = len(value.partition(".")[2])
+        value = f"less than {10.0**-digits:.{digits}f}"
     return f"{value} [{low_text}, {high_text}] {difference_unit(found)}".rstrip()
 
 

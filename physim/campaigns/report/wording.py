@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from physim.campaigns.report.contents import SHOWN, Rate, Report
-from physim.errors import plural
+from physim.errors import decimal_text, plural
 from physim.statistics.goal import Decision, Goal
 
 RATE_NAMES = {
@@ -81,8 +81,8 @@ def number(count: int) -> str:
 
 
 def amount(value: float, unit: str) -> str:
-    """A measured value with its unit: three decimals of metres, two of seconds, whole counts,
-    four digits of others and of what is very large."""
+    """A measured value with its unit: three decimals of metres (up to six where it is small), two
+    of seconds, whole counts, four digits of others and of what is very large."""
     if math.isnan(value):
         return "-"
     if math.isinf(value):
@@ -95,7 +95,7 @@ def amount(value: float, unit: str) -> str:
         is_large = float(value).is_integer() or abs(value) >= 1000.0
         text = f"{value:,.1f}".removesuffix(".0") if is_large else f"{value:.4g}"
         return f"{text} {unit}".rstrip()
-    text = f"{value:.{digits}f}"
+    text = decimal_text(value, digits, 6 if unit == "m" else digits)
     return f"{0.0:.{digits}f} {unit}" if float(text) == 0.0 else f"{text} {unit}"
 
 

@@ -210,6 +210,8 @@ def video(options: Options) -> int:
             "speed": options.speed,
             "width": options.width,
         }
+        for record in records:
+            _tell_spacing(record, options.at)
         if options.at is not None:
             made = _still(records, output, options.at, how)
         else:
@@ -258,6 +260,20 @@ def _still(records: list[Record], output: Path, time: float, how: dict[str, Any]
         raise PhysimError(f"--at {time:g}: the run ends at {over:.15g} s")
     still(records[0], output, time, **how)
     return output
+
+
+def _tell_spacing(record: Record, at: float | None) -> None:
+    """Say of a coarse record that pictures show the samples that it has."""
+    from physim.drawing.timeline import Timeline
+
+    timeline = Timeline(record)
+    if not timeline.spacing:
+        return
+    every = f"{record.path} has a sample every {timeline.spacing:g} s (time.record_every)"
+    if at is None:
+        print(f"WARNING  {every}: the film goes from one to the next", file=sys.stderr)
+    elif (shown := timeline.at(at).time) < min(at, timeline.duration) - 1e-6:
+        print(f"WARNING  {every}: the picture shows that of {shown:g} s", file=sys.stderr)
 
 
 def _over(records: list[Record]) -> float:

@@ -33,6 +33,9 @@ MOST_MODES = 8
 """Modes that are explained; of more, those that the run has."""
 NO_ROW = -1
 """Row of a robot that has not decided yet."""
+COARSE = 0.1
+"""[s] between two samples from which on a picture shows the sample before, and that sample's time:
+the clock has so many seconds, and all of a picture is of one moment"""
 COLUMNS = ("target_x", "target_y", "formation_error", "deviation")
 """Columns of the decisions that pictures show."""
 
@@ -41,9 +44,9 @@ class Moment(NamedTuple):
     """A record at one time, N robots."""
 
     time: float
-    """[s]"""
+    """[s] of all that is shown"""
     sample: int
-    """index of the nearest sample"""
+    """index of the sample"""
     pose: FloatArray
     """(N, 3)"""
     decisions: IntArray
@@ -81,6 +84,9 @@ class Timeline:
         self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
         self.duration = float(self.time[-1])
+        spacing = float(np.diff(self.time).max(initial=0.0))
+        self.spacing = spacing if spacing > COARSE + 1e-9 else 0.0
+        """[s] greatest one between two samples of a coarse record; 0 of others"""
         robot = np.asarray(record.updates["robot"], dtype=np.int64)
         step = np.asarray(record.updates["step"], dtype=np.int64)
         self._clock = np.arange(int(step.max(initial=0)) + 1, dtype=np.float64) * record.dt
@@ -102,8 +108,13 @@ class Timeline:
         """Whether there are decisions, and none gave a mode."""
 
     def at(self, time: float) -> Moment:
-        """Return all that is shown of one time [s]."""
-        sample, rows = int(self.sample(time)), self.decisions(time)
+        """Return all that is shown of one time [s]; of a coarse record, of the sample before."""
+        if self.spacing:
+            sample = max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
+            time = float(self.time[sample])
+        else:
+            sample = int(self.sample(time))
+        rows = self.decisions(time)
         modes = self.modes(rows)
         colours = [self._colours[mode] for mode in modes.tolist()]
         if self.modeless:

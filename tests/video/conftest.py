@@ -14,7 +14,7 @@ from tests.records import make_record
 FIELDS = (
     "time dt steps pose samples clearance boundary_clearance updates contacts bodies names "
     "footprints walls paths reference stop_station arrived modes accessible safe safe_distance "
-    "name seed robots world_text commands shapes path setup"
+    "name seed robots world_text commands shapes path setup record_every"
 )
 
 

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 
 from physim.drawing.crowd import MOST_LINES, NAMED, quantiles
+from physim.drawing.distances import Distances
 from physim.drawing.page.packing import Pack
 from physim.drawing.timeline import Timeline
-from physim.geometry.clearance import ClearanceFinder
 from physim.geometry.shapes import FloatArray, IntArray
-from physim.geometry.wall_grid import build_wall_grid
-from physim.record import Record
 
 BINS = 3000
 """Least values at most; of longer runs each is that of a stretch of time"""
@@ -21,10 +19,6 @@ MOMENTS = 400
 MOST_NOW, MOST_LOOKED_AT = 40_000, 4_000_000
 """Samples, and samples of robots, of which the distances of that very moment are kept; of more,
 those of samples spread evenly"""
-REACH, CELL = 10.0, 2.0
-"""[m] of the look-up of walls: a matter of speed, not of values"""
-MOST_POSES = 100_000
-"""whose distances are worked out in one go"""
 LENGTH, SECONDS = 1e-4, 1e-3
 """[m], [s] to which they are rounded"""
 
@@ -57,33 +51,13 @@ def _pack_now(timeline: Timeline, pack: Pack) -> None:
     count = min(len(record.steps), MOST_NOW, max(BINS, MOST_LOOKED_AT // timeline.robots))
     at = np.unique(np.linspace(0, len(record.steps) - 1, count).astype(np.int64))
     pack.whole("now", record.steps[at])
-    clearance, walls = _distances(record, at)
+    clearance, walls = Distances(record).at(at)
     if timeline.robots > 1:
         nearest = np.sort(np.argsort(clearance, axis=1, kind="stable")[:, :2], axis=1)
         pack.real("now_pair", clearance.min(axis=1), LENGTH)
         pack.whole("now_a", nearest[:, 0])
         pack.whole("now_b", nearest[:, 1])
     pack.real("now_wall", walls.min(axis=1), LENGTH)
-
-
-def _distances(record: Record, at: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Distances (M, N) [m] to robots and walls at the very samples ``at``.
-
-    Those of a record with fewer samples than steps are the least since the sample before: they are
-    worked out from the poses.
-    """
-    if record.record_every == 1:
-        return record.clearance[at], record.boundary_clearance[at]
-    grid = build_wall_grid(record.walls, REACH, CELL)
-    finder = ClearanceFinder(record.shapes, record.walls, grid)
-    block = max(1, MOST_POSES // record.robots)
-    found = [
-        finder.find(record.pose[at[first : first + block]]) for first in range(0, len(at), block)
-    ]
-    return (
-        np.concatenate([one.clearance for one in found]),
-        np.concatenate([one.boundary_clearance for one in found]),
-    )
 
 
 def _bins(timeline: Timeline) -> IntArray:

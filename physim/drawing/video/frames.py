@@ -71,7 +71,7 @@ class Painter:
         pair = self._view.paint(self._image, now)
         self._panel.paint(now, pair)
         if self._overview is not None:
-            corners = self._view.camera.corners(time)
+            corners = self._view.camera.corners(now.time)
             self._overview.paint(self._overview_image, corners, now)
         if self._strip is not None:
             self._strip.paint(now)
@@ -91,6 +91,8 @@ BANNER = (33, 57)
 """[px] from top to bottom of what marks the header of such a run"""
 PALE = 0.45
 """Share of white in its picture"""
+SAMPLE = "shown at {:.1f} s: "
+"""Before what is said of a coarse record, of which a sample before the clock's time is shown"""
 MOST_NAMED = 2
 """Differing values of the two worlds that the titles name; of more the number."""
 
@@ -130,18 +132,25 @@ class Beside:
             end = view.timeline.duration
             then = min(time, end)
             held = view.timeline.over(time) and time < self.duration - 1e-9
-            view.paint(image, view.timeline.at(then), held)
+            now = view.timeline.at(then)
+            view.paint(image, now, held)
             if held:
                 shown = view.box.of(image)
                 shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
-            self._outcome(image, view, then, held)
+            shown = SAMPLE if now.time < then - 1e-6 else ""
+            self._outcome(image, view, now.time, held, shown)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
-    def _outcome(self, image: Image, view: View, time: float, held: bool) -> None:
-        """What came of a run so far, at the right end of its title; of one ``held`` that it is."""
+    def _outcome(
+        self, image: Image, view: View, time: float, held: bool, shown: str = ""
+    ) -> None:
+        """What came of a run so far, at the right end of its title; of one ``held`` that it is.
+
+        ``shown`` says of what time the view is, where that is not the clock's.
+        """
         timeline, right = view.timeline, view.box.left + view.box.width - PAD
         count, arrived = timeline.contacts.count(time), timeline.arrived(time)
         colour = palette.CONTACT if count else palette.INK
@@ -153,6 +162,7 @@ class Beside:
             return
         if timeline.over(time) and self._ends_first(timeline):
             words = f"ended at {end:.1f} s, {words}"
+        words = shown.format(time) + words
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
 
     def _ends_first(self, timeline: Timeline) -> bool:

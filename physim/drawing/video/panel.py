@@ -11,6 +11,7 @@ import numpy as np
 
 from physim.drawing import palette
 from physim.drawing.crowd import NAMED
+from physim.drawing.distances import Distances
 from physim.drawing.labels import metres, number, round_step
 from physim.drawing.palette import Colour, rgb
 from physim.drawing.timeline import Moment, Timeline
@@ -179,6 +180,7 @@ class Panel:
         the legend's signs.
         """
         self._timeline, self._image = timeline, image
+        self._distances = Distances(timeline.record)
         self._box = Box(0, 0, image.shape[1], image.shape[0])
         self._right = self._box.width - PAD
         contacts = timeline.contacts
@@ -298,7 +300,8 @@ class Panel:
 
     def _figures(self, now: Moment, pair: Pair | None) -> Iterator[tuple[str, str, Colour]]:
         """Words, value and colour of every line of figures."""
-        record, contacts = self._timeline.record, self._timeline.contacts
+        contacts = self._timeline.contacts
+        clearance, walls = (one[0] for one in self._distances.at(np.array([now.sample])))
         swept = contacts.swept_count(now.time)
         touched = contacts.count(now.time) - swept
         colour = palette.CONTACT if touched or swept else palette.INK
@@ -312,11 +315,11 @@ class Panel:
         if len(contacts.began):
             yield NOW, *self._touching(now.time)
         if pair is not None:
-            a, b, gap = as_recorded(pair, record.clearance[now.sample])
+            a, b, gap = as_recorded(pair, clearance)
             names = self._both(a, b, CLOSEST_NOW, metres(gap))
             colour = palette.INK if gap > 0.0 else palette.CONTACT
             yield f"{CLOSEST_NOW}{names}", metres(gap), colour
-        wall = float(np.min(record.boundary_clearance[now.sample]))
+        wall = float(np.min(walls))
         if np.isfinite(wall):
             colour = palette.INK if wall > 0.0 else palette.CONTACT
             yield "wall, closest now", metres(wall), colour

@@ -74,6 +74,7 @@ class View:
         self.timeline, self.box = timeline, box
         self.camera = Camera(timeline, world.extent, box, speed)
         self._speed = speed
+        self._lasts = max(mark_lasts(speed), timeline.spacing)
         self._background = Background(world, self.camera.scale)
         footprints = timeline.record.footprints
         self._fleet = Fleet(footprints)
@@ -150,7 +151,7 @@ class View:
         A swept contact, between two samples, has a sign of its own. Of a crowd signs are small.
         A pair that rattles, apart for less than a mark lasts, has one mark and flashes once.
         """
-        contacts, lasts = self.timeline.contacts, mark_lasts(self._speed)
+        contacts, lasts = self.timeline.contacts, self._lasts
         recent = contacts.recent(time, lasts)
         for row in recent[contacts.apart[recent] > lasts]:
             began = float(contacts.began[row])

@@ -248,7 +248,8 @@ def checked_settings(
     allowed = [] if model is None else list(model.model_fields)
     faults: list[Fault] = []
     for key in (key for key in settings if key not in allowed):
-        fault = unknown_key((*where, key), allowed)
+        known_keys = ["type", *allowed] if where and allowed else allowed
+        fault = unknown_key((*where, key), known_keys)
         text = fault.message if allowed else f"{fault.message}; {part.__name__} takes no settings"
         faults.append(replace(fault, message=text))
     if model is None:

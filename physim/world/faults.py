@@ -205,13 +205,17 @@ def _misspelt_type(details: Mapping[str, Any]) -> str:
 
 def _other_units(model: type[BaseModel], location: Location, details: Mapping[str, Any]) -> str:
     """What to write for a number with a unit or a comma, and for a length too large for metres."""
+    is_coordinate = bool(location) and isinstance(location[-1], int)
     while location and (isinstance(location[-1], int) or location[-1] in TAGS):
         location = location[:-1]
     field = field_at(model, location)
     unit = ((field.description if field is not None else "") or "").partition(" ")[0]
     given, kind = details.get("input"), details["type"]
     if kind == "less_than_equal":
-        return f"; {in_metres(given)}" if unit == "[m]" and given is not None else ""
+        if unit != "[m]" or given is None:
+            return ""
+        origin = ", or subtract an origin from all points of a map" if is_coordinate else ""
+        return f"; {in_metres(given)}{origin}"
     if kind == "too_long":
         return of_commas(given, details["ctx"]["max_length"])
     return of_text(given, unit) if isinstance(given, str) and kind not in LISTS else ""

@@ -195,6 +195,13 @@ def test_settings_beside_one_that_cannot_be_read_are_judged():
     assert "unknown key" in lines[1]
 
 
+def test_type_is_among_the_keys_beside_settings():
+    (line,) = message(changed("look_ahead: 2.0", "typ: 2.0")).splitlines()
+    assert "unknown key" in line
+    assert "allowed: type, " in line
+    assert line.endswith('did you mean "type"?')
+
+
 @pytest.mark.parametrize(
     ("given", "suggested"),
     [("tee", "tee.yaml"), ("hall", "hall.yml"), ("te", "tee.yaml"), ("strait", "straight")],

@@ -60,12 +60,12 @@ def test_every_fault_of_every_part_comes_at_once_with_its_place() -> None:
     text = text.replace("margin: 2", "margin: far").replace("[a, b]", "[a, 1]")
     text = text.replace("gains, gains", "gain, gains")
     expected = [
-        ("4:20: sensing.stages[0].sdd:", "unknown", "allowed: sd", '"sd"'),
+        ("4:20: sensing.stages[0].sdd:", "unknown", "allowed: type, sd", '"sd"'),
         ("5:24: sensing.stages[1].sd:", "at least 0", "given -1"),
         ("7:26: filters[0].margin:", "number", '"far"'),
         ("7:42: filters[0].names[1]:", "text", "given 1", "quotes"),
         ("8:23: disturbances[0].type:", "disturbance", '"gain"', "registered: gains", '"gains"'),
-        ("9:11: arrival.gian:", "unknown", "allowed: tolerance"),
+        ("9:11: arrival.gian:", "unknown", "allowed: type, tolerance"),
     ]
     for line, (place, *parts) in zip(faults(text + "arrival: {gian: 1}\n"), expected, strict=True):
         check_error(f"{line}\n", place, *parts)

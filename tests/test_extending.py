@@ -95,7 +95,7 @@ def test_keys_of_the_page_go_into_a_world(folder: Path) -> None:
     (folder / "w.yaml").write_text(base + "filters: [{type: ramp, acelleration: 1.0}]\n")
     done = run("physim check w.yaml", folder)
     assert done.returncode == 2
-    assert 'unknown key; allowed: acceleration; did you mean "acceleration"?' in done.stdout
+    assert 'unknown key; allowed: type, acceleration; did you mean "acceleration"?' in done.stdout
 
 
 def test_controller_waits_and_tells_why(folder: Path) -> None:

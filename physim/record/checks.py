@@ -27,6 +27,8 @@ MOST_EVERY = 1_000_000
 """[steps] between two samples"""
 LONGEST = 120
 """Characters of a value that a message repeats."""
+DEEPEST = 8
+"""Levels of groups: those of records are two."""
 LITTLE = 10_000_000
 """[bytes] What a dataset may claim whatever it holds: a constant, or zeros that nobody wrote."""
 FEW_TEXTS = 100
@@ -92,16 +94,26 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         values = h5py.h5a.open(file.id, name.encode("utf-8", "surrogateescape")).get_space()
         if values.get_simple_extent_npoints() > 1:
             yield f"attribute {escaped(name)} holds many values; a record has one"
-    links: list[tuple[str, Any]] = []
-    file.visititems_links(lambda name, link: links.append((name, link)))
-    for name, link in links:
-        if not isinstance(link, h5py.HardLink):
-            yield f"/{escaped(name)} is a link to another place; a record has none"
-    # by the library itself: a record of many robots has thousands of datasets
-    for name, _ in links:
-        found = h5py.h5o.open(file.id, name.encode("utf-8", "surrogateescape"))
+    # by the library itself, which looks up no path from the root: there may be many
+    links: list[bytes] = []
+
+    def look_at(link: bytes, info: h5py.h5l.LinkInfo) -> str | None:
+        links.append(link)
+        if info.type != h5py.h5l.TYPE_HARD:
+            return "is a link to another place; a record has none"
+        too_deep = link.count(b"/") >= DEEPEST
+        return f"lies deeper than {DEEPEST} levels; no part of a record does" if too_deep else None
+
+    fault = file.id.links.visit(look_at, info=True)
+    if fault is not None:
+        yield f"/{escaped(links[-1].decode('utf-8', 'surrogateescape')[:LONGEST])} {fault}"
+    for link in links:
+        name = link.decode("utf-8", "surrogateescape")
+        found = h5py.h5o.open(file.id, link)
         if not isinstance(found, h5py.h5d.DatasetID):
             continue
+        if h5py.h5o.get_info(found).rc > 1:
+            yield f"/{escaped(name)} is in several places; a record has each part once"
         plan = found.get_create_plist()
         if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
             yield f"/{escaped(name)} lies in another file; a record is one file"

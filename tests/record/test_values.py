@@ -228,6 +228,32 @@ def test_no_run_has_so_many_steps(made: Path, tmp_path: Path) -> None:
     refused(target, "400000000 steps", "at most 100000000")
 
 
+@pytest.mark.parametrize("levels", [8, 3000])
+def test_groups_in_one_another(levels: int, tmp_path: Path, made: Path) -> None:
+    """Opening each by its path from the root costs the square of their number."""
+    path = shutil.copy(made, tmp_path / "r.h5")
+    with h5py.File(path, "r+", libver="latest") as file:
+        inner = file.id
+        for _ in range(levels + 1):
+            inner = h5py.h5g.create(inner, b"a", gcpl=h5py.h5p.create(h5py.h5p.GROUP_CREATE))
+    refused(path, "/a/a/a/a/a/a/a/a/a", "8 levels")
+
+
+def test_one_dataset_in_many_places(tmp_path: Path, made: Path) -> None:
+    path = shutil.copy(made, tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        file["again"] = file["/bodies/name"]
+    refused(path, "several places")
+
+
+@pytest.mark.parametrize("group", ["new", "steps/new"])
+def test_what_a_later_version_adds_is_passed_over(group: str, tmp_path: Path, made: Path) -> None:
+    path = shutil.copy(made, tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        file.create_group(group)["values"] = np.arange(3)
+    Record.load(path).close()
+
+
 def test_texts_that_are_all_the_same_long_one(made: Path, tmp_path: Path) -> None:
     """In the file it stands once; read, it takes 600 times as much."""
     target = tmp_path / "tampered.h5"

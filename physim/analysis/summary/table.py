@@ -142,8 +142,10 @@ def _motion_rows(summary: Summary) -> list[tuple[str, str]]:
     """Lines on deviations, averaged speeds and width, as far as they have a meaning."""
     found, rows = summary.metrics, []
     if "deviation_peak" in found:
-        rms = f", rms {decimal_text(found['deviation_rms'].value, 2, 4)} m" if "deviation_rms" in found else ""
-        rows.append(("path deviation, peak", _metric_text(summary, "deviation_peak", 2) + rms))
+        text = _metric_text(summary, "deviation_peak", 2)
+        if "deviation_rms" in found:
+            text += f", rms {decimal_text(found['deviation_rms'].value, 2, 4)} m"
+        rows.append(("path deviation, peak", text))
     for label, name in (
         ("speed averaged over 10 s", "averaged_speed"),
         ("corridor width", "width"),

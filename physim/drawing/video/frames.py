@@ -137,16 +137,14 @@ class Beside:
             if held:
                 shown = view.box.of(image)
                 shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
-            shown = SAMPLE if now.time < then - 1e-6 else ""
-            self._outcome(image, view, now.time, held, shown)
+            said = SAMPLE if now.time < then - 1e-6 else ""
+            self._outcome(image, view, now.time, held, said)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
-    def _outcome(
-        self, image: Image, view: View, time: float, held: bool, shown: str = ""
-    ) -> None:
+    def _outcome(self, image: Image, view: View, time: float, held: bool, shown: str = "") -> None:
         """What came of a run so far, at the right end of its title; of one ``held`` that it is.
 
         ``shown`` says of what time the view is, where that is not the clock's.

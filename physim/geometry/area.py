@@ -18,6 +18,7 @@ from shapely.ops import unary_union
 
 from physim.geometry.joints import joined
 from physim.geometry.shapes import FloatArray
+from physim.geometry.thinning import LONGEST_RUN, simplified
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
@@ -172,6 +173,8 @@ def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | Mu
     wall, the arcs around its points cross each other in pairs: 10 GB for 100,000 points 1.2 mm
     apart. Such a one is grown in stretches, and taken away.
     """
+    if shapely.get_num_coordinates(shape) > LONGEST_RUN:
+        return shape.difference(grown(shape.boundary, distance, round_segments))
     if shapely.get_num_coordinates(shape) > MANY:
         shape = shape.simplify(SIMPLER * distance)
     if shapely.get_num_coordinates(shape) <= MANY:
@@ -182,7 +185,9 @@ def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | Mu
 def grown(lines: shapely.Geometry, distance: float, round_segments: int) -> shapely.Geometry:
     """What is nearer than ``distance`` [m] to lines, as `shrunk` takes it away from an edge."""
     if shapely.get_num_coordinates(lines) > MANY:
-        lines = lines.simplify(SIMPLER * distance)
+        every = map(shapely.get_coordinates, shapely.get_parts(lines))
+        lines = shapely.multilinestrings([LineString(simplified(one, SIMPLER * distance))
+                                          for one in every])  # fmt: skip
     if shapely.get_num_coordinates(lines) <= MANY:
         return lines.buffer(distance, quad_segs=round_segments)
     return _grown_in_stretches(lines, distance, round_segments)

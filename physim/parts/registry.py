@@ -132,7 +132,7 @@ def find_part(kind: Kind, name: str, trusted: bool = False) -> type[Any]:
                 f"{describe(name)} names a class; a world may name registered {kind.word}s only: "
                 f"{', '.join(sorted(entries)) or 'none'}{advice}"
             )
-        make_folder_importable()
+        make_folder_importable(kind, name)
         return load_class(kind, name, name)
     known = sorted(entries)
     raise ControllerError(

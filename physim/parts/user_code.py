@@ -6,12 +6,15 @@ A line names the file and line of their code, not of ours.
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import inspect
 import os
+import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from importlib.machinery import PathFinder
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any
 
@@ -204,12 +207,38 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
     return found
 
 
-def make_folder_importable() -> None:
-    """Let ``module:Class`` name a file of the current folder, as ``python -m`` does."""
+def make_folder_importable(kind: Kind, target: str) -> None:
+    """Let ``module:Class`` name a file of the current folder.
+
+    The folder comes last, other than with ``python -m``: what physim and its libraries import later
+    must not be a file of the user that has the same name, such as an ``av.py`` for vehicles.
+    Raises ControllerError where an installed module would be taken for the file that is meant.
+    """
     folder = os.getcwd()
     if folder not in sys.path and "" not in sys.path:
-        sys.path.insert(0, folder)
+        sys.path.append(folder)
         importlib.invalidate_caches()
+    name = re.split("[.:]", target, maxsplit=1)[0]
+    if hidden := _hidden(name):
+        raise ControllerError(
+            f"{kind.word} {describe(target)}: {describe(name)} is a module of this folder, and "
+            f"another that is installed ({hidden}); rename yours"
+        )
+
+
+def _hidden(name: str) -> str:
+    """Where an installed module lies that has the name of another in the current folder, and comes
+    first; empty where there is none."""
+    if not name.isidentifier():
+        return ""
+    here = PathFinder.find_spec(name, [os.getcwd()])
+    try:
+        found = importlib.util.find_spec(name)
+    except (ImportError, ValueError):  # made by hand, without a spec
+        return ""
+    if here is None or found is None or here.origin == found.origin:
+        return ""
+    return str(found.origin or "a namespace package")
 
 
 def _package(kind: Kind, name: str, target: str) -> str:

@@ -18,6 +18,7 @@ from physim.errors import RecordError
 from physim.escaping import escaped
 from physim.json_text import parse_json
 from physim.record import layout
+from physim.record.packing import packing_fault
 
 MOST_PACKED = 30
 """[-] A dataset may be packed up to this, far more than motion can be; records are not packed."""
@@ -107,6 +108,7 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
     fault = file.id.links.visit(look_at, info=True)
     if fault is not None:
         yield f"/{escaped(links[-1].decode('utf-8', 'surrogateescape')[:LONGEST])} {fault}"
+    texts: list[tuple[str, int]] = []
     for link in links:
         name = link.decode("utf-8", "surrogateescape")
         found = h5py.h5o.open(file.id, link)
@@ -118,21 +120,30 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
             yield f"/{escaped(name)} lies in another file; a record is one file"
         rows, there = found.get_space().get_simple_extent_npoints(), found.get_storage_size()
-        if rows * found.get_type().get_size() > max(LITTLE, MOST_PACKED * there):
+        most, size = max(LITTLE, MOST_PACKED * there), found.get_type().get_size()
+        if rows * size > most:
             yield f"/{escaped(name)} claims {rows} values and holds {there} bytes; it is damaged"
+        if (fault := packing_fault(found, most)) is not None:
+            yield f"/{escaped(name)} {fault}"
         if found.get_type().get_class() in (h5py.h5t.STRING, h5py.h5t.VLEN):
-            yield from _text_faults(file, name, rows)
+            texts.append((name, rows))
+    yield from _text_faults(file, texts)
 
 
-def _text_faults(file: h5py.File, name: str, rows: int) -> Iterator[str]:
-    """Texts that are longer together than the file: many of them are one and the same there."""
+def _text_faults(file: h5py.File, names: list[tuple[str, int]]) -> Iterator[str]:
+    """Texts that are longer together than the file: many of them are one and the same there.
+
+    ``names`` are those of datasets, each with its number of texts.
+    """
     most, length = max(LITTLE, file.id.get_filesize()), 0
-    for first in range(0, rows, FEW_TEXTS):
-        texts = np.atleast_1d(file[name][first : first + FEW_TEXTS] if rows > 1 else file[name][()])
-        length += sum(map(len, texts.ravel().tolist()))
-        if length > most:
-            yield f"/{escaped(name)} claims more than {most} letters; it is damaged"
-            return
+    for name, rows in names:
+        for first in range(0, rows, FEW_TEXTS):
+            last = first + FEW_TEXTS
+            texts = np.atleast_1d(file[name][first:last] if rows > 1 else file[name][()])
+            length += sum(map(len, texts.ravel().tolist()))
+            if length > most:
+                yield f"/{escaped(name)} claims more than {most} letters; it is damaged"
+                return
 
 
 def _attribute_faults(attributes: h5py.AttributeManager) -> Iterator[str]:

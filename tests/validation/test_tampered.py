@@ -5,9 +5,12 @@ from __future__ import annotations
 import h5py
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import physim
-from physim.analysis.validation import report, validate
+from physim.analysis.validation import analytic_contacts, report, validate
+from physim.analysis.validation.disagreements import distance_at, distinct
 from physim.cli import main
 from physim.errors import RecordError
 from tests.facts import facts
@@ -131,3 +134,37 @@ def test_an_overlap_is_told_as_one(rear_end, tmp_path):
     assert found.code == 3
     assert states(text, "bodies overlap", "slow and fast", "no contact", "3.00 s")
     assert "within -" not in text
+
+
+def heap(file):
+    file["/steps/pose"][:, 1] = file["/steps/pose"][:, 0]
+
+
+def test_far_more_contacts_than_the_record_has(apart, tmp_path, monkeypatch):
+    """Hundreds of robots in one place, of a record of 140 kB, took minutes and gigabytes."""
+    with physim.Record.load(tampered(apart, tmp_path, heap)) as record:
+        samples = record.samples
+        monkeypatch.setattr(analytic_contacts, "MOST_UNKNOWN", samples)
+        assert validate(record).code == 3
+        monkeypatch.setattr(analytic_contacts, "MOST_UNKNOWN", samples - 1)
+        with pytest.raises(
+            RecordError, match=facts(str(samples - 1), "/contacts", "0 rows", "tampered.h5")
+        ):
+            validate(record)
+
+
+def test_distances_of_contacts_that_the_record_lacks_are_those_of_the_shapes(apart, tmp_path):
+    with physim.Record.load(tampered(apart, tmp_path, heap)) as record:
+        lacking = [
+            one for one in validate(record).comparison.disagreements if "no contact" in one.what
+        ]
+        assert [(one.a, one.b, one.step, one.steps) for one in lacking] == [
+            (0, 1, 0, record.samples)
+        ]
+        assert lacking[0].distance == distance_at(record, 0, 1, 0) < -0.1
+
+
+@given(st.lists(st.integers(-5, 5)))
+def test_distinct_is_unique(keys):
+    keys = np.array(keys, dtype=np.int64)
+    assert np.array_equal(distinct(keys), np.unique(keys))

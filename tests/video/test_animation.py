@@ -103,14 +103,19 @@ def test_an_error_on_the_way_leaves_nothing(
     assert (tmp_path / name).read_bytes() == b"an older film"
 
 
-def test_stopping_leaves_the_film_so_far(made: Callable[..., Any], tmp_path: Path) -> None:
-    asked = iter([False, False, True])
-    short = tmp_path / "film.cut_short.gif"
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+@pytest.mark.parametrize("frames", [1, 3])
+def test_stopping_leaves_the_film_so_far(
+    made: Callable[..., Any], tmp_path: Path, frames: int, kind: str
+) -> None:
+    asked = iter([*[False] * (frames - 1), True])
+    short = tmp_path / f"film.cut_short.{kind}"
     done = render(
-        made(3), tmp_path / "film.gif", fps=10.0, speed=1.0, width=320,
+        made(3), tmp_path / f"film.{kind}", fps=10.0, speed=1.0, width=320,
         stop=lambda: next(asked), cut_short=short,
     )  # fmt: skip
-    assert done == 3 == len(decoded(short)[0])
+    with Image.open(short) as film:
+        assert done == frames == film.n_frames
     assert [file.name for file in tmp_path.iterdir()] == [short.name]
 
 

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from physim.errors import ControllerError, WorldError
 from physim.parts.registry import CONTROLLER, controller_names, find_part, make_part
+from tests.cli.commands import environment
 from tests.facts import facts
 from tests.world_file import parts_for_tests as fakes
 
@@ -74,3 +78,43 @@ def test_a_class_in_the_current_folder_is_found(tmp_path, monkeypatch):
         ControllerError, match=facts("ZeroDivisionError", "my_faulty_controller.py:2")
     ):
         find_part(CONTROLLER, "my_faulty_controller:Mine", trusted=True)
+
+
+def test_the_current_folder_comes_last(tmp_path, monkeypatch):
+    """A file of the user must not be taken for a module that physim or a library imports later."""
+    (tmp_path / "my_late_controller.py").write_text(
+        "class Mine:\n    def decide(self, observation, memory):\n        return None\n"
+    )
+    for name in ("av", "random"):
+        (tmp_path / f"{name}.py").write_text("class Mine:\n    pass\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*sys.path])
+    find_part(CONTROLLER, "my_late_controller:Mine", trusted=True)
+    assert sys.path[-1] == str(tmp_path)
+    for name in ("av:Mine", "random.more:Mine"):
+        with pytest.raises(ControllerError) as caught:
+            find_part(CONTROLLER, name, trusted=True)
+        top = name.partition(":")[0].partition(".")[0]
+        assert re.search(facts(name, f'"{top}"', "this folder", "installed"), str(caught.value))
+        assert f"{top}.py" in str(caught.value) or f"{top}/__init__.py" in str(caught.value)
+
+
+def test_files_named_as_libraries_beside_a_controller(tmp_path):
+    (tmp_path / "ctl.py").write_text(
+        "from physim import Decision\n\nclass C:\n    def decide(self, observation, memory):\n"
+        "        return Decision(v=0.5, omega=0.0, hold=0.1)\n"
+    )
+    for name in ("av", "cma", "argparse", "random", "heapq", "shapely", "controllers"):
+        (tmp_path / f"{name}.py").write_text("raise SystemError('of the user')\n")
+    for arguments in (
+        ("run", "three_robots", "--quiet", "-o", "out"),
+        ("sweep", "three_robots", "--quiet", "--seeds", "0:2", "--workers", "2", "-o", "study"),
+    ):
+        # the script: with python -m, Python itself has the folder first
+        command = [Path(sys.executable).with_name("physim"), *arguments, "--controller", "ctl:C",
+                   "--set", "time.duration=0.2", "--set", "expect=null"]  # fmt: skip
+        done = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=300, env=environment()
+        )
+        assert (done.returncode, "SystemError" in done.stderr) == (0, False), done.stderr
+    assert (tmp_path / "out/video.mp4").is_file()

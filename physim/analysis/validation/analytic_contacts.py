@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from physim.compiled import compiled
+from physim.errors import RecordError
 from physim.geometry.separation import body_distance, point_gap, wall_distance
 from physim.geometry.shapes import FloatArray, IntArray, Shapes
 from physim.geometry.swept import swept_pair, swept_walls
@@ -236,10 +237,15 @@ def _refuse_jumps(source: Source, poses: FloatArray) -> None:
     source.refuse(far > FARTHEST_STEP, lambda k: f"a step of {far[k]:.6g} m")
 
 
+MOST_UNKNOWN = 1_000_000
+"""Pairs that touch at a sample, beyond those in the record: as many as can be told apart in some
+seconds. A thousand robots in one place have as many at two samples."""
+
+
 def analytic_contacts(record: Record) -> AnalyticContacts:
     """Compute the contacts and approaches of a record that holds the poses of every step.
 
-    Raises RecordError if it is damaged.
+    Raises RecordError if it is damaged, and where far more touches than it says.
     """
     shapes, walls = record.shapes, record.walls
     reach = float(shapes.radius.max())  # about half the length of a robot
@@ -248,9 +254,17 @@ def analytic_contacts(record: Record) -> AnalyticContacts:
     running: dict[tuple[int, int], Approach] = {}
     done: list[Approach] = []
     room = Room()
+    left = len(record.contacts) + MOST_UNKNOWN
     for poses, start in pose_blocks(record):
         rows = near_rows(poses, start, shapes, walls, reach, record.dt, room)
         touching.append(rows[rows["distance"] <= CONTACT])
+        left -= len(touching[-1])
+        if left < 0:
+            raise RecordError(
+                f"{record.where}: bodies touch more than {MOST_UNKNOWN} times, counted over pairs "
+                f"and samples, that /contacts, of {len(record.contacts)} rows, does not have; no "
+                "run has such"
+            )
         grazes.append(rows[(rows["distance"] > CONTACT) & np.isfinite(rows["entry"])])
         follow(rows[rows["distance"] <= reach], running, done)
     done += running.values()

@@ -29,6 +29,7 @@ from physim.analysis.validation.disagreements import (
     UNEXPLAINED,
     Disagreement,
     distances_over,
+    distinct,
     row_keys,
     stretches,
 )
@@ -39,7 +40,7 @@ from physim.analysis.validation.recorded_contacts import (
 )
 from physim.analysis.validation.recorded_distances import Exact, check_extremes
 from physim.contacts import touching
-from physim.geometry.shapes import IntArray
+from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import Record
 from physim.tolerances import CONTACT
 
@@ -79,9 +80,9 @@ def compare(record: Record, analytic: AnalyticContacts, exact: Exact) -> Compari
     """
     bodies = len(record.bodies)
     physical = touching(record.contacts)
-    theirs = np.unique(row_keys(physical, bodies))
-    ours = np.unique(row_keys(analytic.touching, bodies))
-    found = _at_samples(record, theirs, ours)
+    theirs = distinct(row_keys(physical, bodies))
+    ours = row_keys(analytic.touching, bodies)  # each once, in order
+    found = _at_samples(record, theirs, ours, analytic.touching["distance"])
     found += check_swept_contacts(record, analytic)
     found += check_false_contacts(record)
     found += _lost_entries(record, analytic)
@@ -90,7 +91,8 @@ def compare(record: Record, analytic: AnalyticContacts, exact: Exact) -> Compari
     found += check_extremes(record, analytic, exact)
     found += check_contact_rows(record)
     found.sort(key=lambda one: (one.step, one.a, -1 if one.b is None else one.b))
-    swept = np.union1d(_spread(ours, bodies, analytic.samples), row_keys(analytic.grazes, bodies))
+    spread = _spread(ours, bodies, analytic.samples)
+    swept = distinct(np.concatenate((spread, row_keys(analytic.grazes, bodies))))
     return Comparison(
         _tables(record, analytic, theirs, ours, analytic.samples),
         _tables(
@@ -105,7 +107,7 @@ def _spread(keys: IntArray, bodies: int, samples: int) -> IntArray:
     """Steps (numbered by the sample at their end) that have one of these samples at an end."""
     step = keys // (bodies * bodies)
     both = np.concatenate((keys[step > 0], keys[step < samples - 1] + bodies * bodies))
-    return np.unique(both)
+    return distinct(both)
 
 
 def _tables(
@@ -125,21 +127,31 @@ def _tables(
     }
 
 
-def _at_samples(record: Record, theirs: IntArray, ours: IntArray) -> list[Disagreement]:
-    """Samples at which one says contact and the other apart."""
+def _at_samples(
+    record: Record, theirs: IntArray, ours: IntArray, distances: FloatArray
+) -> list[Disagreement]:
+    """Samples at which one says contact and the other apart; ours with their ``distances``."""
     found = []
-    for keys, claim in (
-        (np.setdiff1d(theirs, ours), "contact in the record, shapes apart"),
-        (np.setdiff1d(ours, theirs), "no contact in the record, shapes overlap"),
-    ):
-        for a, b, step, steps in stretches(keys, len(record.bodies)):
-            exact = distances_over(record, a, b, step, steps)
-            close = all(abs(d) <= CONTACT + ROUNDING for d in exact)
-            cause = TOLERANCE if close else UNEXPLAINED
-            found.append(
-                Disagreement.at(record, (a, b), step, exact[0], claim, steps=steps, cause=cause)
-            )
+    bodies = len(record.bodies)
+    claim = "contact in the record, shapes apart"
+    for a, b, step, steps in stretches(np.setdiff1d(theirs, ours, assume_unique=True), bodies):
+        exact = np.array(distances_over(record, a, b, step, steps))
+        found.append(_of_stretch(record, (a, b), step, steps, exact, claim))
+    claim = "no contact in the record, shapes overlap"
+    for a, b, step, steps in stretches(np.setdiff1d(ours, theirs, assume_unique=True), bodies):
+        keys = ((step + np.arange(steps)) * bodies + a) * bodies + b
+        exact = distances[np.searchsorted(ours, keys)]
+        found.append(_of_stretch(record, (a, b), step, steps, exact, claim))
     return found
+
+
+def _of_stretch(
+    record: Record, pair: tuple[int, int], step: int, steps: int, exact: FloatArray, claim: str
+) -> Disagreement:
+    """Of a pair at so many samples, explained where all are as good as touching."""
+    close = bool((np.abs(exact) <= CONTACT + ROUNDING).all())
+    cause = TOLERANCE if close else UNEXPLAINED
+    return Disagreement.at(record, pair, step, exact[0], claim, steps=steps, cause=cause)
 
 
 def _lost_entries(record: Record, analytic: AnalyticContacts) -> list[Disagreement]:

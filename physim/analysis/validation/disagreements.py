@@ -89,6 +89,12 @@ def row_keys(rows: NDArray[np.void], bodies: int) -> IntArray:
     return np.asarray(key, dtype=np.int64)
 
 
+def distinct(keys: IntArray) -> IntArray:
+    """`numpy.unique`, which is several times as slow for millions of numbers in order."""
+    ordered: IntArray = np.sort(keys)
+    return np.delete(ordered, 1 + np.flatnonzero(ordered[1:] == ordered[:-1]))
+
+
 def stretches(keys: IntArray, bodies: int) -> Iterator[tuple[int, int, int, int]]:
     """a, b, first step and number of steps of each run of consecutive steps of a pair."""
     step, pair = keys // (bodies * bodies), keys % (bodies * bodies)

@@ -91,7 +91,10 @@ class Animation:
         """The file, made in memory: imageio tells errors of a disk by tracebacks of its own."""
         from imageio import v3 as imageio
 
-        how: dict[str, Any] = {"duration": self._durations(), "loop": 0}
+        durations = self._durations()
+        # of a single picture Pillow takes no list
+        duration = durations if len(durations) > 1 else durations[0]
+        how: dict[str, Any] = {"duration": duration, "loop": 0}
         step = -(-len(self._frames) // SAMPLES)
         colours = chosen_colours(self._unpacked(step), self._kept)
         pictures: Iterator[Image] = map(Indexer(colours), self._unpacked())

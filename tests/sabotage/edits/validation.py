@@ -7,6 +7,25 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/analytic_contacts.py",
+        "analytic_contacts",
+        "if left < 0:",
+        "if False:",
+        "far more contacts than a record has are not told one by one",
+        "tests/validation/test_tampered.py::test_far_more_contacts_than_the_record_has",
+    ),
+    Edit(
+        "validation",
+        "physim/analysis/validation/comparison.py",
+        "_at_samples",
+        "distances[np.searchsorted(ours, keys)]",
+        "distances[: len(keys)] + 1.0",
+        "the distance of a contact that the record lacks is that of the shapes",
+        "tests/validation/test_tampered.py::"
+        "test_distances_of_contacts_that_the_record_lacks_are_those_of_the_shapes",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/columns.py",
         "StandardColumns.__init__",
         "not meaning.known and not (record.updates[name] < 0.0).any()",

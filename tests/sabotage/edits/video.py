@@ -9,6 +9,15 @@ RATTLES = "tests/video/test_frames.py::test_a_pair_that_rattles_has_one_mark_and
 EDITS = (
     Edit(
         "video",
+        "physim/drawing/video/animation.py",
+        "Animation._packed",
+        "durations if len(durations) > 1 else durations[0]",
+        "durations",
+        "a GIF that is cut short after its first picture can be written",
+        "tests/video/test_animation.py::test_stopping_leaves_the_film_so_far",
+    ),
+    Edit(
+        "video",
         "physim/drawing/video/closest.py",
         "as_recorded",
         'sorted(np.argsort(clearance, kind="stable")[:2].tolist())',

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "world_file",
+        "physim/parts/user_code.py",
+        "make_folder_importable",
+        "sys.path.append(folder)",
+        "sys.path.insert(0, folder)",
+        "no file of the user is taken for a module that a library imports late",
+        "tests/world_file/test_registry.py::test_the_current_folder_comes_last",
+    ),
+    Edit(
+        "world_file",
+        "physim/parts/user_code.py",
+        "_hidden",
+        "here.origin == found.origin",
+        "True",
+        "an installed module is not taken for the file of the user",
+        "tests/world_file/test_registry.py::test_the_current_folder_comes_last",
+    ),
+    Edit(
+        "world_file",
         "physim/world/file/loading.py",
         "_check_one_controller",
         'in ("controller", "controller.type")',

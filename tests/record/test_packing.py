@@ -1,0 +1,127 @@
+"""Records that were packed: read as they are, but for those that unpack to far more."""
+
+from __future__ import annotations
+
+import shutil
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from physim.errors import RecordError
+from physim.record import Record
+from physim.record.checks import LITTLE
+from tests.record.test_values import in_order
+from tests.records import make_record
+
+POSE = "/steps/pose"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("made") / "record.h5"
+    make_record(path, seconds=4.0, world_text="").close()
+    return path
+
+
+def repacked(made: Path, folder: Path, rows: int = 32, **how: Any) -> tuple[Path, bytes]:
+    """Copy whose poses are stored anew, ``rows`` a chunk; and its first chunk, unpacked."""
+    target = folder / "packed.h5"
+    shutil.copyfile(made, target)
+    with h5py.File(target, "r+") as file:
+        values = file[POSE][()]
+        del file[POSE]
+        chunks = (rows, *values.shape[1:])
+        file.create_dataset(POSE, data=values, chunks=chunks, maxshape=(None, 3, 3), **how)
+    return target, values[:rows].tobytes()
+
+
+def refused(record: Path, *parts: str) -> None:
+    with pytest.raises(RecordError) as raised:
+        Record.load(record)
+    in_order(str(raised.value), str(record), POSE, *parts)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {},
+        {"compression": "gzip"},
+        {"compression": "gzip", "compression_opts": 0},
+        {"shuffle": True, "compression": "gzip", "compression_opts": 9, "fletcher32": True},
+        {"shuffle": True, "fletcher32": True},
+        {"fletcher32": True},
+    ],
+)
+def test_packed_records_are_read(made: Path, tmp_path: Path, how: Mapping[str, Any]) -> None:
+    path, _ = repacked(made, tmp_path, **how)
+    with Record.load(path) as record, Record.load(made) as plain:
+        assert np.array_equal(record.pose, plain.pose)
+        assert record.digest() == plain.digest()
+
+
+@pytest.mark.parametrize("how", [{"compression": "lzf"}, {"scaleoffset": 6}])
+def test_other_filters(made: Path, tmp_path: Path, how: Mapping[str, Any]) -> None:
+    path, _ = repacked(made, tmp_path, **how)
+    refused(path, "filters", "shuffle, gzip and fletcher32")
+
+
+def test_a_chunk_is_not_far_larger_than_its_dataset(made: Path, tmp_path: Path) -> None:
+    """Unpacked whole to read one value: 5 MB of zeros are 4 GB."""
+    path, _ = repacked(made, tmp_path, LITTLE // 72 + 1, compression="gzip")
+    refused(path, "chunks", "damaged")
+    path, _ = repacked(made, tmp_path, LITTLE // 72, compression="gzip")
+    Record.load(path).close()
+
+
+@pytest.mark.parametrize("checksum", [False, True])
+@pytest.mark.parametrize("more", [0, 65, 10_000_000])
+def test_a_chunk_unpacks_to_what_it_says(
+    made: Path, tmp_path: Path, more: int, checksum: bool
+) -> None:
+    path, chunk = repacked(made, tmp_path, compression="gzip", fletcher32=checksum)
+    with h5py.File(path, "r+") as file:
+        given = zlib.compress(chunk + bytes(more)) + bytes(4 * checksum)
+        file[POSE].id.write_direct_chunk((0, 0, 0), given)
+    if more:
+        refused(path, "longer than it says", "damaged")
+    elif not checksum:
+        Record.load(path).close()
+
+
+def test_a_chunk_that_is_stored_as_it_is(made: Path, tmp_path: Path) -> None:
+    """The mask of a chunk says which filters it did not go through."""
+    path, chunk = repacked(made, tmp_path, compression="gzip")
+    with h5py.File(path, "r+") as file:
+        file[POSE].id.write_direct_chunk((0, 0, 0), chunk, filter_mask=1)
+    Record.load(path).close()
+    with h5py.File(path, "r+") as file:
+        file[POSE].id.write_direct_chunk((0, 0, 0), chunk + bytes(100), filter_mask=1)
+    refused(path, "longer than it says")
+
+
+def test_texts_are_counted_over_all_datasets(made: Path, tmp_path: Path) -> None:
+    path = shutil.copyfile(made, tmp_path / "texts.h5")
+    with h5py.File(path, "r+") as file:
+        for k in range(5):
+            many = file.create_dataset(f"x{k}", (4,), h5py.string_dtype())
+            many[:] = ["x" * (LITTLE // 16)] * 4
+    Record.load(path).close()  # as long as the file
+    with h5py.File(path, "r+") as file:
+        places = []
+        for k in range(5):
+            many = file.create_dataset(f"y{k}", (1,), h5py.string_dtype())
+            many[0] = "y" * (LITTLE // 2)
+            file.flush()
+            places.append(many.id.get_offset())
+    raw = Path(path).read_bytes()
+    with h5py.File(path, "r+") as file:
+        for k, place in enumerate(places):
+            of_one = file.create_dataset(f"z{k}", (3,), h5py.string_dtype(), chunks=(3,))
+            of_one.id.write_direct_chunk((0,), raw[place : place + 16] * 3)
+    with pytest.raises(RecordError, match="letters; it is damaged"):
+        Record.load(path)

@@ -18,7 +18,7 @@ from shapely.ops import unary_union
 
 from physim.geometry.joints import joined
 from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import LONGEST_RUN, simplified
+from physim.geometry.thinning import simplified
 from physim.tolerances import LENGTH
 
 ROUND_SEGMENTS = 16
@@ -30,6 +30,9 @@ MANY = 1_000
 
 SIMPLER = 1e-4
 """How far that moves an outline at most, as a share of the distance by which it is shrunk."""
+
+LONGEST = 60_000
+"""Points of an outline beyond which its lines are simplified in runs, for what that costs."""
 
 STRETCH = 8
 """Edges of an outline that are grown together where it still has `MANY` points."""
@@ -173,7 +176,7 @@ def shrunk(shape: Polygon, distance: float, round_segments: int) -> Polygon | Mu
     wall, the arcs around its points cross each other in pairs: 10 GB for 100,000 points 1.2 mm
     apart. Such a one is grown in stretches, and taken away.
     """
-    if shapely.get_num_coordinates(shape) > LONGEST_RUN:
+    if shapely.get_num_coordinates(shape) > LONGEST:
         return shape.difference(grown(shape.boundary, distance, round_segments))
     if shapely.get_num_coordinates(shape) > MANY:
         shape = shape.simplify(SIMPLER * distance)

@@ -12,7 +12,7 @@ import shapely
 
 from physim.geometry.area import SIMPLER, SMALL, accessible_area, shrunk
 from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import MANY, thinned
+from physim.geometry.thinning import MANY, simplified, thinned
 from physim.tolerances import LENGTH
 
 ROOT = Path(__file__).parents[2]
@@ -160,3 +160,30 @@ def test_rough_walls_of_many_points_take_little_memory() -> None:
     area, grown = map(float, done.stdout.split())
     assert area == pytest.approx(2.0 * 1.0, rel=3e-2)
     assert grown < 200_000.0  # [kB]
+
+
+ZIGZAG = np.stack((np.arange(100_000), np.arange(100_000) % 2), axis=1).astype(float)
+"""A line all of whose points are corners: in one go it took all of the stack."""
+
+
+def test_lines_of_many_corners_are_kept_whole() -> None:
+    assert np.array_equal(thinned({"a": ZIGZAG})["a"], ZIGZAG)
+    assert np.array_equal(simplified(ZIGZAG, LENGTH), ZIGZAG)
+
+
+def test_what_stays_of_a_simplified_line_is_as_near_as_it_should() -> None:
+    line = np.stack((np.linspace(0.0, 60.0, 35_000), np.zeros(35_000)), axis=1)
+    line[:, 1] = np.sin(line[:, 0])
+    kept = simplified(line, 1e-3, [7])
+    assert len(kept) < 2_000
+    for one in (line[0], line[7], line[10_000], line[-1]):
+        assert (kept == one).all(axis=1).sum() == 1
+    assert shapely.distance(shapely.LineString(kept), shapely.points(line)).max() <= 1e-3
+
+
+def test_the_safe_area_of_an_outline_of_many_corners() -> None:
+    sides = ZIGZAG[:35_000], ZIGZAG[:35_000][::-1] + (0.0, 8.0)
+    room = shapely.Polygon(np.concatenate(sides))
+    safe = shrunk(room, 1.0, 4)
+    check_gaps(room, safe, 1.0)
+    assert shapely.covers(safe, shapely.points(np.arange(2.0, 34_990.0, 500.0), 4.5)).all()

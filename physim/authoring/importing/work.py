@@ -16,6 +16,7 @@ import shapely
 from physim.authoring.importing.drawing import refused
 from physim.geometry.shapes import FloatArray
 from physim.geometry.tangles import meet_more_often, segments_of
+from physim.geometry.thinning import simplified
 
 MOST_POINTS = 50_000
 """Points of all lines together."""
@@ -71,8 +72,7 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
 
 def thinned(line: FloatArray, within: float) -> FloatArray:
     """A line (n, 2) [m] with the points left out without which it runs ``within`` [m] of it."""
-    simple = shapely.simplify(shapely.LineString(line), within, preserve_topology=False)
-    return np.asarray(shapely.get_coordinates(simple))
+    return simplified(line, within)
 
 
 def coarse(area: Any, within: float) -> Any:

@@ -14,7 +14,7 @@ from benchmarks.planted import MIDDLE, planted_world
 from physim import Decision, Observation
 from physim.analysis.validation import validate
 from physim.campaigns.falsify.evaluate import accepted, controller_of
-from physim.campaigns.falsify.later import later
+from physim.campaigns.falsify.later import later, starts_of
 from physim.campaigns.falsify.passes import tree_of, with_robots
 from physim.campaigns.falsify.robustness import ROBOTS, WALL, Judged, Moment, Touched
 from physim.campaigns.falsify.shrink import Shrunk, shrink, size_of
@@ -170,7 +170,7 @@ def test_numbers_become_round() -> None:
     assert all(number == round(number, 1) for number in one.pose)
     assert one.pose[2] == 1.0
     assert found.world.corridor is not None
-    assert found.world.corridor.width == 7.0
+    assert found.world.corridor.width == 7.3  # in 7 m it would start too near to the wall
     assert one.footprint == into_the_wall().robots[0].footprint
 
 
@@ -280,6 +280,22 @@ def test_told_to_stop_it_returns_what_it_has() -> None:
     assert not found.is_least
     assert found.taken == 2
     assert judge(found.world).failed
+
+
+def test_starts_stay_as_far_apart_as_a_search_has_them() -> None:
+    """However the numbers are rounded: of 3.6 and 5.4 whole ones leave no room between the two."""
+    robots = [robot("r2", 3.6, 0.0, 0.0), robot("r4", 5.4, 0.0, 0.0)]
+    world = five_robots(robots=robots, controller={"type": "constant"})
+    result = replace(judge(five_robots()), before=())
+
+    def fails_ever(worlds: Sequence[World]) -> Iterator[Judged]:
+        return iter([result for _ in worlds])
+
+    gap = float(starts_of(world).gap.min())
+    found = shrink(world, result, fails_ever, ACCEPTS)
+    assert found.taken > 3
+    assert gap > 0.29
+    assert starts_of(found.world).gap.min() >= gap
 
 
 def test_only_a_failure_can_be_shrunk() -> None:

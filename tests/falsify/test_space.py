@@ -142,6 +142,15 @@ def test_settings_stay_within_what_the_controller_declares() -> None:
             assert (one.low, one.high) == (one.base / FACTOR, one.base * FACTOR)
 
 
+def test_settings_that_the_world_forbids_stay() -> None:
+    """A speed of the controller stands beside no formation: every such world was refused."""
+    world = load_world("three_robots")
+    assert world.formation is not None
+    alone = world.changed(formation=None)
+    keys = [{one.key for one in Settings(each).varied} for each in (world, alone)]
+    assert keys[1] - keys[0] == {"speed"}
+
+
 @settings(max_examples=20)
 @given(st.data())
 def test_settings_that_contradict_one_another_are_repaired(data: st.DataObject) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import physim
 from physim import Decision
 from physim.analysis.validation import report, validate
+from physim.analysis.validation.contact_report import describe_cause
 from physim.analysis.validation.wording import length, short
 from physim.parts.declarations import AT_STOP, PAPER_MODES, SAFE, STANDARD_COLUMNS
 from tests.validation.reports import states
@@ -85,3 +87,28 @@ def test_huge_values_are_short():
         "1e+308 m", "-1e+308 m", "999999.00 m", "0.50 m",
     ]  # fmt: skip
     assert [short(x) for x in (1e308, inf, 12.0)] == ["1e+308 s", "inf s", "12.000 s"]
+
+
+def test_a_command_that_kept_clear_of_what_was_known_is_not_blamed():
+    """Of crowded_start with seed 97: r1 decides in the same step as r3, which avoids it."""
+    world = physim.load_world("crowded_start", overrides=["time.duration=15", "expect=null"])
+    with physim.simulate(world, seed=97) as record:
+        found = validate(record)
+        (one,) = found.contacts
+        avoiding, other = (
+            next(s for s in one.sides if s.responsible is who) for who in (True, False)
+        )
+        assert avoiding.mode.danger
+        assert avoiding.decided == other.decided
+        said = describe_cause(one, found.names)
+        assert states(said, "r3", "reported no collision", "r1", "in the same step")
+        for decided, words in ((avoiding.decided - 0.2, "held"), (avoiding.decided + 0.1, "after")):
+            sides = tuple(
+                replace(side, decided=decided) if side is other else side for side in one.sides
+            )
+            assert words in describe_cause(replace(one, sides=sides), found.names)
+        sides = tuple(
+            replace(side, reported_time=1.5) if side is avoiding else side for side in one.sides
+        )
+        said = describe_cause(replace(one, sides=sides), found.names)
+        assert states(said, "no command that kept it clear of r1")

@@ -251,6 +251,11 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
         said.append(f"{name} reported no distance to {other} and no collision time.")
     elif not wall and side.considered == 0:
         said.append(f"{name} considered no robot, though it had to consider {other}.")
+    elif not wall and math.isinf(side.reported_time) and _moves_by_choice(side):
+        said.append(
+            f"{name} {'looked' if side.mode is None else 'was avoiding'}, and reported no collision "
+            f"for the command it took; {other} {_held_or_changed(one, side)}."
+        )
     elif side.mode is None:
         said.append(f"{name} looked, but took no command that kept it clear of {other}.")
     elif side.mode.danger:
@@ -260,6 +265,20 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
     else:
         said.append(f"{name} was in mode {side.mode}: it did not take {other} for a danger.")
     return " ".join(said)
+
+
+def _moves_by_choice(side: RobotInContact) -> bool:
+    """Whether a robot looked for a command that keeps clear, as far as its mode says."""
+    return side.mode is None or side.mode.danger
+
+
+def _held_or_changed(one: ContactReport, side: RobotInContact) -> str:
+    """What the other robot did since this one decided: a collision time holds for its command."""
+    (other,) = (each for each in one.sides if each is not side)
+    assert side.decided is not None
+    if other.decided is None or other.decided < side.decided:
+        return "held the command that it had then"
+    return f"decided anew {'in the same step' if other.decided == side.decided else 'after it'}"
 
 
 def _by_third(side: RobotInContact, one: ContactReport | SweptContactReport) -> bool:

@@ -38,7 +38,7 @@ def later(state: State) -> Iterator[Tree]:
         tree = state.tree
         try:
             world = World(**tree)
-            starts = Starts(lay_out(world), [None] * len(world.robots))
+            starts = starts_of(world)
         except WorldError:  # as where robots stand closer than a start may be judged
             return
         for moment in state.judged.before:
@@ -49,6 +49,11 @@ def later(state: State) -> Iterator[Tree]:
                 break
         else:
             return
+
+
+def starts_of(world: World) -> Starts:
+    """Where the robots of a world may start, its own starts first. Raises WorldError."""
+    return Starts(lay_out(world), [None] * len(world.robots))
 
 
 def _from(state: State, world: World, moment: Moment) -> Tree:

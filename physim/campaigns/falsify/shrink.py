@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from physim.campaigns.falsify.evaluate import Accepts, Evaluate, StoppedError, never
-from physim.campaigns.falsify.later import later
+from physim.campaigns.falsify.later import later, starts_of
 from physim.campaigns.falsify.passes import (
     State,
     Tree,
@@ -55,6 +55,9 @@ class Shrunk:
     is_least: bool = False
     """no pass finds anything simpler; otherwise the runs were used up, or it was told to stop"""
     stopped: bool = False
+    _gap: float = 0.0
+    """[m] that starts keep, as those of the search do: what begins all but in contact tells nobody
+    anything"""
     _seen: set[str] = field(default_factory=set)
 
 
@@ -74,7 +77,7 @@ def shrink(
     """
     if result.touched is None:
         raise ValueError("only a world that fails can be shrunk")
-    found = Shrunk(world, result, tree_of(world))
+    found = Shrunk(world, result, tree_of(world), _gap=_least_gap(world))
     try:
         while not found.is_least:
             before = found.taken
@@ -105,6 +108,8 @@ def _try(found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_r
     if world == found.world:  # what was left out says what holds anyway
         found.tree = tree
         return
+    if _least_gap(world) < found._gap:
+        return
     if found.runs >= most_runs:
         raise _SpentError
     found.runs += 1
@@ -113,6 +118,14 @@ def _try(found: Shrunk, tree: Tree, evaluate: Evaluate, accepts: Accepts, most_r
         return
     found.world, found.judged, found.tree = world, result, tree
     found.taken += 1
+
+
+def _least_gap(world: World) -> float:
+    """The least that any robot has at its start; 0 where that cannot be told."""
+    try:
+        return float(starts_of(world).gap.min())
+    except WorldError:
+        return 0.0
 
 
 def _fails_alike(result: Judged, before: Judged) -> bool:

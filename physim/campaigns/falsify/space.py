@@ -17,10 +17,11 @@ from physim.parts.registry import (
     CONTROLLER,
     checked_settings,
     find_part,
+    made_part,
     make_part,
     settings_model,
 )
-from physim.parts.world_checks import robot_faults
+from physim.parts.world_checks import robot_faults, world_faults
 from physim.world import Robot, World
 
 POSE, HEADING, SPEED, SETTINGS = KINDS = ("pose", "heading", "speed", "settings")
@@ -63,7 +64,7 @@ class Settings:
     """The numeric settings of the controller of a world."""
 
     def __init__(self, world: World) -> None:
-        choice = world.controller
+        self._world, choice = world, world.controller
         self._part = find_part(CONTROLLER, choice.type, trusted=True)
         self.given = dict(choice.settings)
         self.varied = tuple(
@@ -93,7 +94,18 @@ class Settings:
         return one.low <= moved <= one.high and self._are_valid({one.key: one.value(moved)})
 
     def _are_valid(self, changed: Mapping[str, Any]) -> bool:
-        return not checked_settings(self._part, {**self.given, **changed}, ())[1]
+        """Whether the controller takes settings, and the world and its robots beside them."""
+        settings, name = {**self.given, **changed}, self._world.controller.type
+        made, faults = checked_settings(self._part, settings, ())
+        if faults:
+            return False
+        controller = made_part(CONTROLLER, self._part, made, name)
+        choice = type(self._world.controller)(type=name, settings=settings)
+        world = self._world.changed(controller=choice)
+        robots = dict(enumerate(world.robots))
+        return not (
+            world_faults(controller, world, CONTROLLER.key) or robot_faults(controller, robots)
+        )
 
     def repaired(self, numbers: Mapping[str, float]) -> tuple[dict[str, Any], bool]:
         """Settings that the controller takes, and whether they are others than those asked for.

@@ -7,6 +7,24 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "falsify",
+        "physim/campaigns/falsify/shrink.py",
+        "_try",
+        "if _least_gap(world) < found._gap:",
+        "if False:",
+        "a shrunk world starts no nearer than the search does",
+        "tests/falsify/test_shrink.py::test_starts_stay_as_far_apart_as_a_search_has_them",
+    ),
+    Edit(
+        "falsify",
+        "physim/campaigns/falsify/space.py",
+        "Settings._are_valid",
+        "world_faults(controller, world, CONTROLLER.key)",
+        "False",
+        "a setting that the world forbids is not varied",
+        "tests/falsify/test_space.py::test_settings_that_the_world_forbids_stay",
+    ),
+    Edit(
+        "falsify",
         "physim/cli/falsify.py",
         "_folder",
         "later=True",

@@ -67,6 +67,7 @@ LAYERS = {
     "physim.drawing.split_line": (0, 5),
     "physim.drawing.scene_model": (5, 0),
     "physim.drawing.timeline": (5, 1),
+    "physim.drawing.distances": (5, 1),
     "physim.drawing.video": (5, 2),
     "physim.drawing.plots": (5, 2),
     "physim.drawing.page": (5, 3),

@@ -86,7 +86,8 @@ def take(
     except BaseException as error:
         found = {**found, "ended": ERROR, "reason": one_line(error)}
     found["wall_seconds"] = time.perf_counter() - began
-    found["cpu_seconds"] = time.process_time() - cpu
+    # of a process that a controller began the clock starts anew
+    found["cpu_seconds"] = max(0.0, time.process_time() - cpu)
     return Taken(_row(spec, **found), image)
 
 

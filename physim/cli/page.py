@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -78,8 +79,10 @@ def make_page(
 
     ``found`` is the validation of the one record, where it was validated.
     """
-    from physim.drawing.page import is_warm, write_page
+    from physim.drawing.page import drawn_between, is_warm, write_page
 
     if any(len(record.contacts) for record in records) and not is_warm():
         announce_compiling("what is said of contacts", COMPILING, quiet)
     write_page(records, output, found)
+    if between := drawn_between(records):
+        print(f"WARNING  {output}: {between}: contacts may lie beside them", file=sys.stderr)

@@ -64,6 +64,9 @@ def replay(options: Options) -> int:
         path = folder / "record.h5"
         broke = replay(spec, path, interrupt)
         if not path.exists():
+            if interrupt():
+                print("interrupted before anything was recorded", file=sys.stderr)
+                return INTERRUPTED
             raise PhysimError(f"run {row.run}: {broke or 'nothing was recorded'}")
         with Record.load(path) as record:
             differing = [] if interrupt() else check(record, row)

@@ -32,6 +32,11 @@ DEEPEST = 8
 """Levels of groups: those of records are two."""
 LITTLE = 10_000_000
 """[bytes] What a dataset may claim whatever it holds: a constant, or zeros that nobody wrote."""
+PLACE = (b"areas/", b"walls/", b"reference/")
+"""What of a record describes the place: nothing in it comes again and again, as paths and
+footprints of many robots may."""
+LITTLE_PLACE = 1_000_000
+"""[bytes] What a dataset of it may claim: pictures cost by its points."""
 FEW_TEXTS = 100
 """Texts that are read in one go before their length is known."""
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -120,7 +125,8 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
             yield f"/{escaped(name)} lies in another file; a record is one file"
         rows, there = found.get_space().get_simple_extent_npoints(), found.get_storage_size()
-        most, size = max(LITTLE, MOST_PACKED * there), found.get_type().get_size()
+        little = LITTLE_PLACE if link.startswith(PLACE) else LITTLE
+        most, size = max(little, MOST_PACKED * there), found.get_type().get_size()
         if rows * size > most:
             yield f"/{escaped(name)} claims {rows} values and holds {there} bytes; it is damaged"
         if (fault := packing_fault(found, most)) is not None:

@@ -32,6 +32,7 @@ from physim.record.checks import damaged
 from physim.record.datasets import put, put_texts
 from physim.record.row_checks import Source
 from physim.record.rows import RecordFile, frozen
+from physim.world.kinds import MOST_CORNERS
 from physim.world.scene import Body, Scene
 
 FEWEST_CORNERS = 3
@@ -188,6 +189,11 @@ class RecordedScene(RecordFile):
         """Footprints of the N robots, packed, in their frames."""
         corners = np.full(self.robots, FEWEST_CORNERS)
         shapes = self._shapes("/footprints", corners)
+        counts = np.diff(shapes.body_start)
+        Source(self.where, "/footprints/body_start").refuse(
+            counts > MOST_CORNERS,
+            lambda k: f"a footprint of {counts[k]} parts; of a polygon at most {MOST_CORNERS}",
+        )
         areas = [sum(map(_area, parts)) for parts in unpack(shapes)]
         Source(self.where, "/footprints/body_start").refuse(
             np.array(areas) <= 0.0, lambda _: "a footprint without area"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -168,3 +170,18 @@ def test_a_report_says_how_runs_of_a_controller_of_ones_own_are_drawn(
     assert physim(*given, capture=capsys).code == 0
     assert "physim report out --controller" not in page.read_text(encoding="utf-8")
     assert any(Path("out/stills").iterdir())
+
+
+def test_an_interrupt_before_the_first_step_is_one(
+    swept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @contextmanager
+    def interrupted() -> Iterator[Callable[[], bool]]:
+        yield lambda: True
+
+    monkeypatch.setattr("physim.cli.replay.interrupts", interrupted)
+    done = again("out:0", "-o", "again", capture=capsys)
+    assert not (swept / "again/record.h5").exists()
+    assert done.code == 130
+    assert "interrupted" in done.err
+    assert "nothing was recorded" not in done.err

@@ -16,6 +16,7 @@ import pytest
 from physim.cli import main
 from physim.errors import RecordError
 from physim.record import Record
+from physim.record.checks import LITTLE_PLACE
 from tests.records import make_record
 
 
@@ -252,6 +253,38 @@ def test_what_a_later_version_adds_is_passed_over(group: str, tmp_path: Path, ma
     with h5py.File(path, "r+") as file:
         file.create_group(group)["values"] = np.arange(3)
     Record.load(path).close()
+
+
+def test_a_footprint_has_no_more_parts_than_a_polygon_may(made: Path, tmp_path: Path) -> None:
+    path = shutil.copy(made, tmp_path / "r.h5")
+    with h5py.File(path, "r+") as file:
+        group = file["footprints"]
+        corners = group["part_start"][1]
+        ends = np.cumsum([2000, 2001, 1])
+        for name, rows in (
+            ("vertices", np.tile(group["vertices"][:corners], (ends[-1], 1))),
+            ("part_start", corners * np.arange(ends[-1] + 1)),
+            ("body_start", np.array([0, *ends])),
+        ):
+            kind = group[name].dtype
+            del group[name]
+            group[name] = rows.astype(kind)
+    refused(path, "/footprints/body_start", "row 1", "2001 parts", "2000")
+
+
+def test_places_are_packed_no_further_than_they_are_drawn(made: Path, tmp_path: Path) -> None:
+    path = shutil.copy(made, tmp_path / "r.h5")
+    for points, is_read in ((LITTLE_PLACE // 16, True), (LITTLE_PLACE // 16 + 1, False)):
+        with h5py.File(path, "r+") as file:
+            group = file["areas/safe"]
+            del group["points"], group["start"]
+            rows = np.tile([[1.0, 2.0], [3.0, 1.0]], (points // 2 + 1, 1))[:points]
+            group.create_dataset("points", data=rows, compression="gzip")
+            group["start"] = np.array([0, points])
+        if is_read:
+            Record.load(path).close()
+        else:
+            refused(path, "/areas/safe/points", "claims", "damaged")
 
 
 def test_texts_that_are_all_the_same_long_one(made: Path, tmp_path: Path) -> None:

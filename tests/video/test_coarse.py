@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import physim
+from physim.cli.page import make_page
+from physim.drawing.page import page
 from physim.drawing.timeline import Timeline
 from physim.drawing.video.frames import SAMPLE, Beside, Painter
 from physim.drawing.video.marks import mark_lasts
@@ -115,3 +117,14 @@ def test_the_command_says_which_sample_it_shows(
         assert re.search(facts("WARNING", *said), done.err) if said else not done.err, done.err
     done = physim_command("video", tmp_path / "few/record.h5", "--quiet", capture=capsys)
     assert re.search(facts("WARNING", "every 0.4 s"), done.err), done.err
+
+
+def test_a_page_says_how_robots_are_drawn_between_samples(
+    runs: tuple[Record, Record], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fine, coarse = runs
+    for records, is_told in (((fine,), False), ((coarse,), True), ((fine, coarse), True)):
+        assert ("samples every 0.4 s" in page(*records).html) == is_told
+        make_page(records, tmp_path / "p.html", quiet=True)
+        told = capsys.readouterr().err
+        assert bool(re.search(facts("WARNING", "p.html", "0.4 s", "between"), told)) == is_told

@@ -252,9 +252,10 @@ def describe_cause(one: ContactReport, names: list[str]) -> str:
     elif not wall and side.considered == 0:
         said.append(f"{name} considered no robot, though it had to consider {other}.")
     elif not wall and math.isinf(side.reported_time) and _moves_by_choice(side):
+        did = "looked" if side.mode is None else "was avoiding"
         said.append(
-            f"{name} {'looked' if side.mode is None else 'was avoiding'}, and reported no collision "
-            f"for the command it took; {other} {_held_or_changed(one, side)}."
+            f"{name} {did}, and reported no collision for the command it took; {other} "
+            f"{_held_or_changed(one, side)}."
         )
     elif side.mode is None:
         said.append(f"{name} looked, but took no command that kept it clear of {other}.")

@@ -148,12 +148,22 @@ def _differences(records: Sequence[Record]) -> str:
 
 
 def _about(records: Sequence[Record]) -> str:
+    between = f"; {drawn_between(records)}" if drawn_between(records) else ""
     if len(records) > 1:
         differ = _differences(records)
-        return html_text(plural(len(records), "run") + (f"; {differ}" if differ else ""))
+        words = plural(len(records), "run") + (f"; {differ}" if differ else "")
+        return html_text(words + between)
     record = records[0]
     count = plural(record.robots, "robot")
-    return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}")
+    return html_text(f"{count}, seed {record.seed}, {record.setup.controller.name}{between}")
+
+
+def drawn_between(records: Sequence[Record]) -> str:
+    """Say how robots are drawn where not every step was recorded; empty where each was."""
+    every = max(record.record_every * record.dt for record in records)
+    if all(record.record_every == 1 for record in records):
+        return ""
+    return f"samples every {every:g} s (time.record_every), robots on arcs between them"
 
 
 def _tables(

@@ -6,6 +6,7 @@ no state of matplotlib's is read or changed outside `styled`.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -82,6 +83,9 @@ def styled() -> Iterator[None]:
         yield
 
 
+DATE = "SOURCE_DATE_EPOCH"
+
+
 def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any) -> None:
     """Write the figure that ``make()`` gives, whole or not at all.
 
@@ -90,7 +94,7 @@ def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any
     """
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     part = draft_of(path)
-    with styled(), warnings.catch_warnings():
+    with styled(), _undated(), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing from font")  # names in any script
         figure = make()
         try:
@@ -99,6 +103,18 @@ def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any
             part.replace(path)
         finally:  # of an error or Ctrl-C nothing is left
             discard(part)
+
+
+@contextmanager
+def _undated() -> Iterator[None]:
+    """Without the variable by which files are dated: no date is written, and one that is no whole
+    number would end in an error of matplotlib."""
+    date = os.environ.pop(DATE, None)
+    try:
+        yield
+    finally:
+        if date is not None:
+            os.environ[DATE] = date
 
 
 def robot_mark(index: int) -> tuple[str, str]:

@@ -316,13 +316,11 @@ class Panel:
             yield NOW, *self._touching(now.time)
         if pair is not None:
             a, b, gap = as_recorded(pair, clearance)
-            names = self._both(a, b, CLOSEST_NOW, metres(gap))
-            colour = palette.INK if gap > 0.0 else palette.CONTACT
-            yield f"{CLOSEST_NOW}{names}", metres(gap), colour
+            words = CLOSEST_NOW + self._both(a, b, CLOSEST_NOW, metres(gap))
+            yield words, metres(gap), palette.INK if gap > 0.0 else palette.CONTACT
         wall = float(np.min(walls))
         if np.isfinite(wall):
-            colour = palette.INK if wall > 0.0 else palette.CONTACT
-            yield "wall, closest now", metres(wall), colour
+            yield "wall, closest now", metres(wall), palette.INK if wall > 0.0 else palette.CONTACT
         deviation = float(self._timeline.values("deviation", now.decisions)[0])
         if pair is None and np.isfinite(deviation):
             side = "left" if deviation >= 0.0 else "right"

@@ -176,6 +176,18 @@ def test_small_figures_keep_two_digits(value: float, text: str) -> None:
     assert decimal_text(value, 2, 4) == text
 
 
+@pytest.mark.parametrize(
+    ("expect", "said"),
+    [("{contacts: 2}", "contacts: 2, as expected>"), ("{contacts: 1}", ", not as expected>"),
+     ("null", "contacts: 2>")],
+)  # fmt: skip
+def test_a_summary_says_whether_that_was_expected_where_something_was(
+    expect: str, said: str
+) -> None:
+    with make_record(seconds=10.0, world_text=f"name: x\nexpect: {expect}\n") as record:
+        assert repr(summarise(record)).endswith(said)
+
+
 def test_exactly_on_the_bound_holds() -> None:
     with make_record() as record:
         bound = float(record.extremes["clearance"].min())

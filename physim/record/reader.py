@@ -56,7 +56,10 @@ class Record(RecordedHistory):
         """Read an open file. Raises RecordError where it is no record with all its parts.
 
         ``path`` is where it lies, as messages name it; values are checked when they are read.
+        Raises TypeError for what is no open file, such as its path.
         """
+        if not isinstance(file, h5py.File):
+            raise TypeError(f"Record is made of an open file; Record.load({file!r}) opens one")
         check_layout(file, _named(file, path))
         self._begin(file, path)
 

@@ -56,6 +56,8 @@ def _registered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_it_is_drawn_by_name(record: Record, tmp_path: Path) -> None:
     assert names() == (*NAMES, "broken", "speed", "words")
+    (one,) = draw(record, tmp_path / "one", only="speed")
+    assert one.name == "speed.png"
     (first,) = draw(record, tmp_path / "a", only=("speed",))
     (second,) = draw(record, tmp_path / "b", only=("speed",))
     assert first.name == "speed.png"

@@ -289,6 +289,11 @@ def test_step_that_is_not_recorded(made: Path) -> None:
         record.pose_at(401)
 
 
+def test_a_path_is_no_open_file(made: Path) -> None:
+    with pytest.raises(TypeError, match=facts("Record.load", str(made))):
+        Record(str(made))  # type: ignore[arg-type]
+
+
 def test_unwritable_place(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match=facts("no/r.h5: ", "No such file")):
         make_record(tmp_path / "no" / "r.h5")

@@ -114,8 +114,9 @@ class Summary:
         found = self.contacts
         contacts = "contacts not recorded" if found is None else f"contacts: {found.count}"
         end = f"ended {describe(self.ended)} after {self.value('simulated_time'):g} s"
-        kept = "as expected" if self.held else "not as expected"
-        return f"<Summary of {describe(self.name)} seed {self.seed}: {end}, {contacts}, {kept}>"
+        kept = ", as expected" if self.held else ", not as expected"
+        kept = kept if self.expectations else ""
+        return f"<Summary of {describe(self.name)} seed {self.seed}: {end}, {contacts}{kept}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows of it: the lines of `table`."""

@@ -86,7 +86,11 @@ def sweep_text(folder: Path, outcomes: Outcomes, labels: Collection[Label], tall
             f"{label}: {plural(one['runs'], 'run')}, {one['contact_free']} contact-free, "
             f"{one['finished']} finished{failed}"
         )
-    before = f" ({tally.before} were there before)" if tally.before else ""
+    before = (
+        f" ({tally.before} {'was' if tally.before == 1 else 'were'} there before)"
+        if tally.before
+        else ""
+    )
     lines.append(f"{plural(tally.known, 'run')}{before}; rows in {folder}/results.parquet")
     rows, where = to_look_at(outcomes, labels), shlex.quote(str(folder))
     if len(rows):

@@ -95,6 +95,8 @@ def draw(
     """
     check_record(record)
     known, every = names(), only is None
+    if isinstance(only, str):  # a text is a sequence, of its letters
+        only = (only,)
     only = known if only is None else only
     for name in only:
         if name not in known:

@@ -14,7 +14,7 @@ import shapely
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.tolerances import LENGTH
 
-LONGEST_RUN = 10_000
+LONGEST_RUN = 30_000
 """Points that are looked at together; those at its ends stay"""
 MANY = 1_000
 """Points up to which the walls of a world are taken as they are drawn."""

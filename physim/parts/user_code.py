@@ -10,7 +10,9 @@ import importlib.util
 import inspect
 import os
 import re
+import site
 import sys
+import sysconfig
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -210,35 +212,39 @@ def load_class(kind: Kind, target: str, name: str) -> type[Any]:
 def make_folder_importable(kind: Kind, target: str) -> None:
     """Let ``module:Class`` name a file of the current folder.
 
-    The folder comes last, other than with ``python -m``: what physim and its libraries import later
-    must not be a file of the user that has the same name, such as an ``av.py`` for vehicles.
-    Raises ControllerError where an installed module would be taken for the file that is meant.
+    The folder comes after what is installed, other than with ``python -m``: what physim and its
+    libraries import later must not be a file of the user that has the same name, such as an
+    ``av.py`` for vehicles. Raises ControllerError where an installed module would be taken for the
+    file that is meant.
     """
-    folder = os.getcwd()
+    folder, installed = os.getcwd(), _installed()
     if folder not in sys.path and "" not in sys.path:
-        sys.path.append(folder)
+        last = max((k for k, one in enumerate(sys.path) if one in installed), default=-1)
+        sys.path.insert(last + 1, folder)
         importlib.invalidate_caches()
     name = re.split("[.:]", target, maxsplit=1)[0]
-    if hidden := _hidden(name):
+    hidden = _found(name) if PathFinder.find_spec(name, [folder]) is not None else ""
+    others = tuple(os.path.join(one, "") for one in installed)
+    if hidden in ("built-in", "frozen") or hidden.startswith(others):
         raise ControllerError(
             f"{kind.word} {describe(target)}: {describe(name)} is a module of this folder, and "
             f"another that is installed ({hidden}); rename yours"
         )
 
 
-def _hidden(name: str) -> str:
-    """Where an installed module lies that has the name of another in the current folder, and comes
-    first; empty where there is none."""
-    if not name.isidentifier():
-        return ""
-    here = PathFinder.find_spec(name, [os.getcwd()])
+def _installed() -> set[str]:
+    """Folders of the standard library and of what is installed."""
+    paths = sysconfig.get_paths()
+    return {*site.getsitepackages(), *(paths[key] for key in ("stdlib", "purelib", "platlib"))}
+
+
+def _found(name: str) -> str:
+    """Where Python finds a module; empty where nowhere, or in no file."""
     try:
         found = importlib.util.find_spec(name)
     except (ImportError, ValueError):  # made by hand, without a spec
         return ""
-    if here is None or found is None or here.origin == found.origin:
-        return ""
-    return str(found.origin or "a namespace package")
+    return "" if found is None else found.origin or ""
 
 
 def _package(kind: Kind, name: str, target: str) -> str:

@@ -12,7 +12,7 @@ import shapely
 
 from physim.geometry.area import SIMPLER, SMALL, accessible_area, shrunk
 from physim.geometry.shapes import FloatArray
-from physim.geometry.thinning import MANY, simplified, thinned
+from physim.geometry.thinning import LONGEST_RUN, MANY, simplified, thinned
 from physim.tolerances import LENGTH
 
 ROOT = Path(__file__).parents[2]
@@ -176,7 +176,7 @@ def test_what_stays_of_a_simplified_line_is_as_near_as_it_should() -> None:
     line[:, 1] = np.sin(line[:, 0])
     kept = simplified(line, 1e-3, [7])
     assert len(kept) < 2_000
-    for one in (line[0], line[7], line[10_000], line[-1]):
+    for one in (line[0], line[7], line[LONGEST_RUN], line[-1]):
         assert (kept == one).all(axis=1).sum() == 1
     assert shapely.distance(shapely.LineString(kept), shapely.points(line)).max() <= 1e-3
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 import pytest
@@ -90,7 +91,9 @@ def test_the_current_folder_comes_last(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.path", [*sys.path])
     find_part(CONTROLLER, "my_late_controller:Mine", trusted=True)
-    assert sys.path[-1] == str(tmp_path)
+    place = sys.path.index(str(tmp_path))
+    for key in ("stdlib", "purelib"):
+        assert sys.path.index(sysconfig.get_paths()[key]) < place
     for name in ("av:Mine", "random.more:Mine"):
         with pytest.raises(ControllerError) as caught:
             find_part(CONTROLLER, name, trusted=True)

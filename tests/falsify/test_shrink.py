@@ -283,13 +283,14 @@ def test_told_to_stop_it_returns_what_it_has() -> None:
 
 
 def test_starts_stay_as_far_apart_as_a_search_has_them() -> None:
-    """However the numbers are rounded: of 3.6 and 5.4 whole ones leave no room between the two."""
-    robots = [robot("r2", 3.6, 0.0, 0.0), robot("r4", 5.4, 0.0, 0.0)]
+    """However the numbers are rounded: 3.0 and 4.24 would leave 0.22 m between the two."""
+    robots = [robot("r2", 2.56, 0.0, 0.0), robot("r4", 4.24, 0.0, 0.0)]
     world = five_robots(robots=robots, controller={"type": "constant"})
     result = replace(judge(five_robots()), before=())
 
     def fails_ever(worlds: Sequence[World]) -> Iterator[Judged]:
-        return iter([result for _ in worlds])
+        alone = replace(result, touched=None)
+        return iter([result if len(one.robots) == 2 else alone for one in worlds])
 
     gap = float(starts_of(world).gap.min())
     found = shrink(world, result, fails_ever, ACCEPTS)

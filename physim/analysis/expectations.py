@@ -10,8 +10,6 @@ from physim.errors import RecordError
 from physim.record import Record
 
 Figure = bool | float | int | None
-COUNTS = ("contacts",)
-"""Keys whose figures are numbers of things; those of others but ``finished`` are lengths."""
 
 
 class Held(NamedTuple):
@@ -39,9 +37,7 @@ class Held(NamedTuple):
             return "n/a"
         if isinstance(value, bool):
             return "true" if value else "false"
-        if isinstance(value, int) and self.key in COUNTS:
-            return str(value)
-        return f"{value:.{digits}g} m"
+        return str(value) if self.key == "contacts" else f"{value:.{digits}g} m"
 
 
 def expectations(record: Record) -> list[Held]:

@@ -66,6 +66,17 @@ class Curves(NamedTuple):
     column: str
 
 
+def coarse_spacing(times: FloatArray) -> float:
+    """Greatest time [s] between two samples at times (K,) of a coarse record; 0 of others."""
+    spacing = float(np.diff(times).max(initial=0.0))
+    return spacing if spacing > COARSE + 1e-9 else 0.0
+
+
+def sample_before(times: FloatArray, time: float) -> int:
+    """Index of the last of samples at times (K,) [s] that is not after ``time``; 0 before all."""
+    return max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
+
+
 class Timeline:
     """Look-ups in a record at any time [s]; N robots.
 
@@ -84,9 +95,8 @@ class Timeline:
         self.scene = SceneModel.of_record(record)
         self.robots = len(record.names)
         self.duration = float(self.time[-1])
-        spacing = float(np.diff(self.time).max(initial=0.0))
-        self.spacing = spacing if spacing > COARSE + 1e-9 else 0.0
-        """[s] greatest one between two samples of a coarse record; 0 of others"""
+        self.spacing = coarse_spacing(self.time)
+        """[s] that of `coarse_spacing`"""
         robot = np.asarray(record.updates["robot"], dtype=np.int64)
         step = np.asarray(record.updates["step"], dtype=np.int64)
         self._clock = np.arange(int(step.max(initial=0)) + 1, dtype=np.float64) * record.dt
@@ -110,7 +120,7 @@ class Timeline:
     def at(self, time: float) -> Moment:
         """Return all that is shown of one time [s]; of a coarse record, of the sample before."""
         if self.spacing:
-            sample = max(int(np.searchsorted(self.time, time + 1e-9, side="right")) - 1, 0)
+            sample = sample_before(self.time, time)
             time = float(self.time[sample])
         else:
             sample = int(self.sample(time))

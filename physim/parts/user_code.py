@@ -235,7 +235,8 @@ def make_folder_importable(kind: Kind, target: str) -> None:
 def _installed() -> set[str]:
     """Folders of the standard library and of what is installed."""
     paths = sysconfig.get_paths()
-    return {*site.getsitepackages(), *(paths[key] for key in ("stdlib", "purelib", "platlib"))}
+    library = (paths[key] for key in ("stdlib", "purelib", "platlib"))
+    return {*library, *site.getsitepackages(), site.getusersitepackages()}
 
 
 def _found(name: str) -> str:

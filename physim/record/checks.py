@@ -100,7 +100,26 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         values = h5py.h5a.open(file.id, name.encode("utf-8", "surrogateescape")).get_space()
         if values.get_simple_extent_npoints() > 1:
             yield f"attribute {escaped(name)} holds many values; a record has one"
-    # by the library itself, which looks up no path from the root: there may be many
+    links, fault = _links(file)
+    if fault is not None:
+        yield f"/{_name(links[-1])} {fault}"
+    texts: list[tuple[bytes, int]] = []
+    for link in links:
+        found = h5py.h5o.open(file.id, link)
+        if not isinstance(found, h5py.h5d.DatasetID):
+            continue
+        if (fault := _storage_fault(found, link.startswith(PLACE))) is not None:
+            yield f"/{_name(link)} {fault}"
+        if found.get_type().get_class() in (h5py.h5t.STRING, h5py.h5t.VLEN):
+            texts.append((link, found.get_space().get_simple_extent_npoints()))
+    yield from _text_faults(file, texts)
+
+
+def _links(file: h5py.File) -> tuple[list[bytes], str | None]:
+    """Path of every part, up to the first with a fault, and that fault.
+
+    By the library itself, which looks up no path from the root: there may be many.
+    """
     links: list[bytes] = []
 
     def look_at(link: bytes, info: h5py.h5l.LinkInfo) -> str | None:
@@ -110,45 +129,40 @@ def _link_faults(file: h5py.File) -> Iterator[str]:
         too_deep = link.count(b"/") >= DEEPEST
         return f"lies deeper than {DEEPEST} levels; no part of a record does" if too_deep else None
 
-    fault = file.id.links.visit(look_at, info=True)
-    if fault is not None:
-        yield f"/{escaped(links[-1].decode('utf-8', 'surrogateescape')[:LONGEST])} {fault}"
-    texts: list[tuple[str, int]] = []
-    for link in links:
-        name = link.decode("utf-8", "surrogateescape")
-        found = h5py.h5o.open(file.id, link)
-        if not isinstance(found, h5py.h5d.DatasetID):
-            continue
-        if h5py.h5o.get_info(found).rc > 1:
-            yield f"/{escaped(name)} is in several places; a record has each part once"
-        plan = found.get_create_plist()
-        if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
-            yield f"/{escaped(name)} lies in another file; a record is one file"
-        rows, there = found.get_space().get_simple_extent_npoints(), found.get_storage_size()
-        little = LITTLE_PLACE if link.startswith(PLACE) else LITTLE
-        most, size = max(little, MOST_PACKED * there), found.get_type().get_size()
-        if rows * size > most:
-            yield f"/{escaped(name)} claims {rows} values and holds {there} bytes; it is damaged"
-        if (fault := packing_fault(found, most)) is not None:
-            yield f"/{escaped(name)} {fault}"
-        if found.get_type().get_class() in (h5py.h5t.STRING, h5py.h5t.VLEN):
-            texts.append((name, rows))
-    yield from _text_faults(file, texts)
+    return links, file.id.links.visit(look_at, info=True)
 
 
-def _text_faults(file: h5py.File, names: list[tuple[str, int]]) -> Iterator[str]:
+def _name(link: bytes) -> str:
+    return str(escaped(link.decode("utf-8", "surrogateescape")[:LONGEST]))
+
+
+def _storage_fault(dataset: h5py.h5d.DatasetID, is_place: bool) -> str | None:
+    """What is wrong with how a dataset lies in the file; ``is_place``: it is one of `PLACE`."""
+    if h5py.h5o.get_info(dataset).rc > 1:
+        return "is in several places; a record has each part once"
+    plan = dataset.get_create_plist()
+    if plan.get_layout() == h5py.h5d.VIRTUAL or plan.get_external_count():
+        return "lies in another file; a record is one file"
+    rows, there = dataset.get_space().get_simple_extent_npoints(), dataset.get_storage_size()
+    most = max(LITTLE_PLACE if is_place else LITTLE, MOST_PACKED * there)
+    if rows * dataset.get_type().get_size() > most:
+        return f"claims {rows} values and holds {there} bytes; it is damaged"
+    return packing_fault(dataset, most)
+
+
+def _text_faults(file: h5py.File, links: list[tuple[bytes, int]]) -> Iterator[str]:
     """Texts that are longer together than the file: many of them are one and the same there.
 
-    ``names`` are those of datasets, each with its number of texts.
+    ``links`` are those of datasets, each with its number of texts.
     """
     most, length = max(LITTLE, file.id.get_filesize()), 0
-    for name, rows in names:
+    for link, rows in links:
         for first in range(0, rows, FEW_TEXTS):
             last = first + FEW_TEXTS
-            texts = np.atleast_1d(file[name][first:last] if rows > 1 else file[name][()])
+            texts = np.atleast_1d(file[link][first:last] if rows > 1 else file[link][()])
             length += sum(map(len, texts.ravel().tolist()))
             if length > most:
-                yield f"/{escaped(name)} claims more than {most} letters; it is damaged"
+                yield f"/{_name(link)} claims more than {most} letters; it is damaged"
                 return
 
 

@@ -16,9 +16,9 @@ import numpy as np
 import shapely
 
 from physim.authoring.importing.drawing import DIGITS, Drawing, listed, place, refused
-from physim.authoring.importing.work import thinned
 from physim.geometry.area import inner_lines
 from physim.geometry.shapes import FloatArray
+from physim.geometry.thinning import simplified
 
 SMALLEST_PLACE, LARGEST_PLACE = 1.0, 10_000.0
 """[m] extent below which a place is refused, and above which its scale is doubted"""
@@ -123,7 +123,7 @@ def thin_out(drawing: Drawing, within: float) -> bool:
     points = sum(map(len, lines))
     if points <= DENSE or drawing.area is not None:
         return False
-    drawing.boundaries = [thinned(line, within) for line in drawing.boundaries]
+    drawing.boundaries = [simplified(line, within) for line in drawing.boundaries]
     drawing.obstacles = [_thinned_ring(ring, within) for ring in drawing.obstacles]
     left = sum(map(len, (*drawing.boundaries, *drawing.obstacles)))
     if left < points:
@@ -135,7 +135,7 @@ def thin_out(drawing: Drawing, within: float) -> bool:
 
 
 def _thinned_ring(ring: FloatArray, within: float) -> FloatArray:
-    thin = thinned(np.vstack([ring, ring[:1]]), within)[:-1] if len(ring) > 3 else ring
+    thin = simplified(np.vstack([ring, ring[:1]]), within)[:-1] if len(ring) > 3 else ring
     return thin if len(thin) > 2 else ring
 
 

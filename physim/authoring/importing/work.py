@@ -16,7 +16,6 @@ import shapely
 from physim.authoring.importing.drawing import refused
 from physim.geometry.shapes import FloatArray
 from physim.geometry.tangles import meet_more_often, segments_of
-from physim.geometry.thinning import simplified
 
 MOST_POINTS = 50_000
 """Points of all lines together."""
@@ -68,11 +67,6 @@ def check_work(path: Path, lines: Sequence[FloatArray]) -> None:
             f"the lines go to and fro across the place more than {MOST_ACROSS} times; leave out "
             "what is no wall",
         )
-
-
-def thinned(line: FloatArray, within: float) -> FloatArray:
-    """A line (n, 2) [m] with the points left out without which it runs ``within`` [m] of it."""
-    return simplified(line, within)
 
 
 def coarse(area: Any, within: float) -> Any:

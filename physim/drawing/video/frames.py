@@ -137,17 +137,16 @@ class Beside:
             if held:
                 shown = view.box.of(image)
                 shown[:] = (PALE * 255.0 + (1.0 - PALE) * shown).astype(np.uint8)
-            said = SAMPLE if now.time < then - 1e-6 else ""
-            self._outcome(image, view, now.time, held, said)
+            self._outcome(image, view, now.time, then, held)
         y = HEIGHT - FOOTER + 32
         write(image, f"{time:.1f} s", (PAD, y), 24, weight=BOLD)
         draw_progress(image, PAD + 200, BAR_END, y - 8, time / max(self.duration, 1e-9))
         return image
 
-    def _outcome(self, image: Image, view: View, time: float, held: bool, shown: str = "") -> None:
+    def _outcome(self, image: Image, view: View, time: float, clock: float, held: bool) -> None:
         """What came of a run so far, at the right end of its title; of one ``held`` that it is.
 
-        ``shown`` says of what time the view is, where that is not the clock's.
+        ``time`` is that of the view, told where the ``clock`` is ahead of it.
         """
         timeline, right = view.timeline, view.box.left + view.box.width - PAD
         count, arrived = timeline.contacts.count(time), timeline.arrived(time)
@@ -160,7 +159,8 @@ class Beside:
             return
         if timeline.over(time) and self._ends_first(timeline):
             words = f"ended at {end:.1f} s, {words}"
-        words = shown.format(time) + words
+        if time < clock - 1e-6:
+            words = SAMPLE.format(time) + words
         write(image, words, (right, 48), TEXT, colour=palette.QUIET, anchor="right")
 
     def _ends_first(self, timeline: Timeline) -> bool:

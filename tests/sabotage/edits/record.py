@@ -8,7 +8,7 @@ EDITS = (
     Edit(
         "record",
         "physim/record/checks.py",
-        "_link_faults",
+        "_links",
         'link.count(b"/") >= DEEPEST',
         "False",
         "groups of a record that lie in one another without end are refused",
@@ -17,8 +17,8 @@ EDITS = (
     Edit(
         "record",
         "physim/record/checks.py",
-        "_link_faults",
-        "h5py.h5o.get_info(found).rc > 1",
+        "_storage_fault",
+        "h5py.h5o.get_info(dataset).rc > 1",
         "False",
         "each part of a record is there once",
         "tests/record/test_values.py::test_one_dataset_in_many_places",
@@ -54,8 +54,8 @@ EDITS = (
         "record",
         "physim/record/checks.py",
         "_text_faults",
-        "most, length = max(LITTLE, file.id.get_filesize()), 0\n    for name, rows in names:",
-        "most = max(LITTLE, file.id.get_filesize())\n    for name, rows in names:\n"
+        "most, length = max(LITTLE, file.id.get_filesize()), 0\n    for link, rows in links:",
+        "most = max(LITTLE, file.id.get_filesize())\n    for link, rows in links:\n"
         "        length = 0",
         "the texts of all datasets count together",
         "tests/record/test_packing.py::test_texts_are_counted_over_all_datasets",

@@ -120,6 +120,16 @@ def test_a_run_that_raises_is_a_row_that_says_where(here: Path, how: str, text: 
     assert row.contacts is None
 
 
+def test_a_clock_that_begins_anew_makes_no_row_that_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As in a process that a controller forked, whose row comes back by the same pipe."""
+    times = iter([1000.0])
+    monkeypatch.setattr("time.process_time", lambda: next(times, 0.5))
+    (spec,) = specs(1)
+    assert run_one(spec).cpu_seconds == 0.0
+
+
 def test_robots_that_cannot_be_placed_are_a_row() -> None:
     (good,) = specs(1)
     text = good.text.replace("20.0", "20.0").replace("6.0, 1.0", "3.0, -1.0")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,7 +21,7 @@ from physim.drawing.plots.frame import in_rows
 from physim.drawing.plots.multiples import MOST_TOGETHER
 from physim.drawing.plots.paper import fitted
 from physim.drawing.plots.pictures import PICTURES
-from physim.drawing.plots.style import robot_colour, styled
+from physim.drawing.plots.style import DATE, robot_colour, styled
 from physim.errors import PhysimError
 from physim.record import Record
 from tests.records import make_record
@@ -137,3 +138,17 @@ def test_the_file_has_the_size(seven: Record, tmp_path: Path) -> None:
     with pytest.raises(PhysimError, match="2 to 20"):
         draw(seven, tmp_path / "no", width=1.0)
     assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize("format", ["svg", "pdf"])
+@pytest.mark.parametrize("date", ["abc", "1.5", "9" * 20])
+def test_files_have_no_date_whatever_the_environment_says(
+    seven: Record, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: str, date: str
+) -> None:
+    monkeypatch.setenv(DATE, date)
+    (path,) = draw(seven, tmp_path, only=("speeds",), format=format)
+    written = path.read_bytes()
+    assert len(written) > 5000
+    assert b"dc:date" not in written
+    assert b"CreationDate" not in written
+    assert os.environ[DATE] == date

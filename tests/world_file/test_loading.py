@@ -195,6 +195,14 @@ def test_settings_beside_one_that_cannot_be_read_are_judged():
     assert "unknown key" in lines[1]
 
 
+def test_coordinates_of_a_map_are_told_to_take_an_origin():
+    (line,) = message(changed("[0, 0]", "[0, 5334760.0]")).splitlines()
+    assert "subtract an origin" in line
+    (line,) = message(changed("width: 8.0", "width: 5334760.0")).splitlines()
+    assert "centimetres" in line
+    assert "origin" not in line
+
+
 def test_type_is_among_the_keys_beside_settings():
     (line,) = message(changed("look_ahead: 2.0", "typ: 2.0")).splitlines()
     assert "unknown key" in line

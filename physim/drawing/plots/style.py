@@ -84,6 +84,7 @@ def styled() -> Iterator[None]:
 
 
 DATE = "SOURCE_DATE_EPOCH"
+"""Variable by which builds date their files"""
 
 
 def save_figure(path: Path, format: str, make: Callable[[], Any], **options: Any) -> None:

@@ -7,6 +7,15 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "plots",
+        "physim/drawing/plots/style.py",
+        "_undated",
+        "os.environ.pop(DATE, None)",
+        "os.environ.get(DATE)",
+        "figures have no date, whatever the environment says",
+        "tests/plots/test_papers.py::test_files_have_no_date_whatever_the_environment_says",
+    ),
+    Edit(
+        "plots",
         "physim/drawing/plots/modes.py",
         "_shares",
         "share_of_modes(record, danger=False)",

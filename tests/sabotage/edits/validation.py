@@ -7,6 +7,16 @@ from tests.sabotage.edit import Edit
 EDITS = (
     Edit(
         "validation",
+        "physim/analysis/validation/contact_report.py",
+        "describe_cause",
+        "math.isinf(side.reported_time)",
+        "False",
+        "a command that kept clear of what was known is not blamed",
+        "tests/validation/test_words.py::"
+        "test_a_command_that_kept_clear_of_what_was_known_is_not_blamed",
+    ),
+    Edit(
+        "validation",
         "physim/analysis/validation/analytic_contacts.py",
         "analytic_contacts",
         "if left < 0:",

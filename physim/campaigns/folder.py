@@ -6,11 +6,12 @@ import fcntl
 import json
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from physim._version import __version__
+from physim.campaigns.asked import Asked, as_stored, merged, ranges_of
 from physim.campaigns.rows import FOLDER as ROWS
 from physim.campaigns.rows import Shards, write_whole
 from physim.campaigns.spec import Label, RunSpec, engine
@@ -48,8 +49,11 @@ class Folder:
         """Folder of the records that are kept."""
         return self.path / RECORDS
 
-    def open(self, cells: Iterable[RunSpec]) -> None:
+    def open(self, cells: Iterable[RunSpec], asked: Mapping[Label, range] | None = None) -> None:
         """Make the folder ready for runs of some cells, a spec of each; the seed does not matter.
+
+        ``asked`` are the seeds of each cell that the folder is to have in the end; they are added
+        to those of before.
 
         Raises PhysimError where it holds another campaign or something else, or cannot be written.
         """
@@ -60,7 +64,8 @@ class Folder:
                     f"{spec.world}: is too large for a campaign: written out it has more than "
                     f"{MOST_BYTES} bytes"
                 )
-        known = self.cells() if self._is_there() else []
+        is_there = self._is_there()
+        known, before = (self.cells(), self.asked()) if is_there else ([], {})
         _check(self.path, known, wanted)
         try:
             for folder in (self.path / ROWS, self.records, self.path / WORLDS):
@@ -73,14 +78,28 @@ class Folder:
                 write_whole(file, spec.text.encode())
         there = {label_of(one) for one in known}
         new = [_described(spec) for label, spec in wanted.items() if label not in there]
-        if new or not known:
-            self._describe([*known, *new])
+        seeds = {**before}
+        for label, one in (asked or {}).items():
+            seeds[label] = merged((*before.get(label, ()), one))
+        if new or not known or seeds != before:
+            self._describe([*known, *new], seeds)
 
     def cells(self) -> list[dict[str, str]]:
         """What there are runs of: world, settings and controller, and the hashes of what they are.
 
         Raises PhysimError where this is no folder of a campaign.
         """
+        return [cell for cell, _ in self._read()]
+
+    def asked(self) -> Asked:
+        """Seeds that each cell was asked for, where that is known: with ``--until`` it is not.
+
+        Raises PhysimError as `cells`.
+        """
+        return {label_of(cell): seeds for cell, seeds in self._read() if seeds}
+
+    def _read(self) -> list[tuple[dict[str, str], tuple[range, ...]]]:
+        """Cells, and the seeds that each was asked for."""
         try:
             found = file_json(self.path / CAMPAIGN)
             if not isinstance(found, dict) or found.get("format") != FORMAT:
@@ -120,10 +139,10 @@ class Folder:
             )
         return False
 
-    def _describe(self, cells: list[dict[str, str]]) -> None:
+    def _describe(self, cells: list[dict[str, str]], asked: Asked) -> None:
         tree: dict[str, Any] = {
             "format": FORMAT, "version": VERSION, "physim": __version__, "engine": engine(),
-            "cells": cells,
+            "cells": [{**one, "seeds": as_stored(asked.get(label_of(one), ()))} for one in cells],
         }  # fmt: skip
         text = json.dumps(tree, indent=1, ensure_ascii=False)
         write_whole(self.path / CAMPAIGN, text.encode())
@@ -179,8 +198,8 @@ def label_of(cell: dict[str, str]) -> Label:
     return cell["world"], cell["settings"], cell["controller"]
 
 
-def _cells(values: object) -> list[dict[str, str]]:
-    """Cells as they stand in the file. Raises ValueError."""
+def _cells(values: object) -> list[tuple[dict[str, str], tuple[range, ...]]]:
+    """Cells as they stand in the file, with the seeds of each. Raises ValueError."""
     if not isinstance(values, list):
         raise ValueError("cells: must be a list")
     for value in values:
@@ -195,7 +214,11 @@ def _cells(values: object) -> list[dict[str, str]]:
     found = [{key: value[key] for key in _KEYS} for value in values]
     if len({label_of(one) for one in found}) < len(found):
         raise ValueError("cells: one is there twice")
-    return found
+    try:
+        seeds = [ranges_of(value.get("seeds", [])) for value in values]
+    except ValueError as error:
+        raise ValueError(f"cells: {error}") from None
+    return list(zip(found, seeds, strict=True))
 
 
 def _described(spec: RunSpec) -> dict[str, str]:

@@ -68,6 +68,15 @@ class Grid(Sequence[RunSpec]):
         drawn = 1 if self.seeds is None else len(self.seeds)
         return len(self.fixed) + drawn * (len(self.cells) - len(self.fixed))
 
+    @property
+    def asked(self) -> dict[Label, range]:
+        """Seeds of each cell, of all shards; without those of which some are left out."""
+        once = {cell.label: range(cell.seed, cell.seed + 1) for cell in self.cells}
+        if self.seeds is None:
+            return once
+        drawn = {self.cells[k].label: self.seeds for k in self._drawn if self.seeds.step == 1}
+        return {self.cells[k].label: once[self.cells[k].label] for k in self._alone} | drawn
+
     def __len__(self) -> int:
         """Number of runs of this shard."""
         return len(self._mine)

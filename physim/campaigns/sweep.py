@@ -99,7 +99,8 @@ def sweep(
     PhysimError for the folder of another campaign, and where it cannot be written.
     """
     place = Folder(folder)
-    place.open(_cells(specs))
+    asked = specs.asked if isinstance(specs, Grid) and decided is None else None
+    place.open(_cells(specs), asked)
     work = _Sweep(place, specs, executor, keep, retry, decided)
     try:
         work.go(stop, progress)

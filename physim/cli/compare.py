@@ -21,9 +21,11 @@ from physim.cli.output import (
 )
 from physim.cli.parser import Options, command, flag, option
 from physim.cli.signals import INTERRUPTED
+from physim.cli.simulating import tell_notices
 from physim.cli.sweeping import names_of, run_grid, tell_fixed, usual_folder
 from physim.cli.values import LONGEST_QUOTE, PATH, OneOf, Value, quoted, seed_range, whole_from
 from physim.errors import PhysimError, nearest
+from physim.escaping import escaped
 
 if TYPE_CHECKING:
     from physim.campaigns.compare import Arm
@@ -240,12 +242,17 @@ def _made(options: Options) -> tuple[list[tuple[Arm, Arm, str]], str] | None:
 
 def outcomes(folder: Path) -> Outcomes:
     """Rows of a campaign. Raises PhysimError where there is none, or it has no rows yet."""
+    from physim.campaigns.asked import missing
+    from physim.campaigns.folder import Folder
     from physim.campaigns.outcomes import Outcomes
     from physim.campaigns.reading import read
+    from physim.campaigns.report.wording import missing_words
 
     found = Outcomes(read(folder))
     if not len(found):
         raise PhysimError(f"{folder}: its campaign has no runs yet")
+    if lacks := missing_words(missing(Folder(folder).asked(), found)):
+        tell_notices([escaped(f"{folder}: {lacks}")])
     return found
 
 

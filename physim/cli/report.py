@@ -85,13 +85,13 @@ def report(options: Options) -> int:
     alone(options.json, page)
     if options.output is not None:
         new_page(page, options.force)
-    Folder(folder).cells()
+    asked = Folder(folder).asked()
     regular(page)
     if page.exists() and not is_ours(page):
         new_file(page, options.force)
     until = read_until(folder)
     goal, first = (None, None) if until is None else (until.goal, until.first)
-    found = report_of(Outcomes(read(folder)), str(folder), goal, first)
+    found = report_of(Outcomes(read(folder)), str(folder), goal, first, asked)
     own = options.controllers
     with interrupts() as interrupt, Bar("pictures", 1.0, "runs", options.quiet) as bar:
         shown = pictures(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from physim.campaigns import own_metrics
+from physim.campaigns.asked import Asked, Missing, missing
 from physim.campaigns.outcomes import Cell, FloatArray, Outcomes
 from physim.statistics.goal import RATES, Decision, Goal, decide
 from physim.statistics.proportion import clopper_pearson, failure_bound, runs_needed
@@ -118,6 +119,8 @@ class Report:
     worst: tuple[int, ...]
     """rows of the runs with the least distances, the worst first"""
     failures: tuple[Failure, ...]
+    missing: tuple[Missing, ...] = ()
+    """cells that lack rows of runs that were asked for"""
 
     @property
     def runs(self) -> int:
@@ -140,18 +143,23 @@ class Report:
 
 
 def report_of(
-    outcomes: Outcomes, title: str, goal: Goal | None = None, first: int | None = None
+    outcomes: Outcomes,
+    title: str,
+    goal: Goal | None = None,
+    first: int | None = None,
+    asked: Asked | None = None,
 ) -> Report:
     """All figures. With a ``goal``, that of ``sweep --until``, by the confidence sequence.
 
-    Then only runs without a gap from seed ``first`` on count in rates: which runs after a gap are
-    there depends on how long they took.
+    ``asked`` are the seeds that the campaign is to have. With a goal only runs without a gap from
+    seed ``first`` on count in rates: which runs after a gap are there depends on how long they
+    took.
     """
     measures = {name: outcomes.column(name) for name in (*MEASURES, *outcomes.own)}
     cells = tuple(_cell(outcomes, cell, measures, goal, first) for cell in outcomes.cells)
     return Report(
         title, outcomes, goal, cells, _worst(outcomes, measures["shortest_distance"]),
-        _failures(outcomes),
+        _failures(outcomes), missing(asked or {}, outcomes),
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ from physim.campaigns.report.wording import (
     interval,
     measured,
     method,
+    missing_words,
     note_of,
     number,
     of_cells,
@@ -81,6 +82,8 @@ def _opening(report: Report) -> Iterator[str]:
         f'<p class="quiet">{plural(worlds, "world")}, {plural(controllers, "controller")}, '
         f"{plural(len(report.cells), 'cell')}, {seeds}. {text(', '.join(report.versions()))}.</p>"
     )
+    if report.missing:
+        yield f'<p class="bad">{text(missing_words(report.missing))}</p>'
     near = outcomes.column("shortest_distance")
     least = measured("", float(np.nanmin(near)), "m") if report.worst else "-"
     figures = [

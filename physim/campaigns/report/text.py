@@ -14,6 +14,7 @@ from physim.campaigns.report.wording import (
     interval,
     measured,
     method,
+    missing_words,
     note_of,
     number,
     of_cells,
@@ -59,7 +60,8 @@ def opening(report: Report) -> list[str]:
     line = f"{number(report.runs)} runs of {plural(len(report.cells), 'cell')}{between}"
     if failed:
         line += f"; {plural(failed, 'run')} failed"
-    return [f"{escaped(report.title)}: {line}", escaped(", ".join(report.versions()))]
+    lines = [f"{escaped(report.title)}: {line}", escaped(", ".join(report.versions()))]
+    return [*lines, escaped(missing_words(report.missing))] if report.missing else lines
 
 
 def _cell(report: Report, one: CellReport) -> Iterator[str]:
@@ -133,6 +135,10 @@ def report_values(report: Report) -> dict[str, Any]:
         "units": "m, s; shares from 0 to 1",
         "title": report.title,
         "runs": report.runs,
+        "missing": [
+            {"cell": ", ".join(filter(None, one.cell)), "runs": one.runs, "of": one.of}
+            for one in report.missing
+        ],
         "versions": report.versions(),
         "interval": "Clopper-Pearson" if report.goal is None else "beta-binomial sequence",
         "confidence": 0.95,

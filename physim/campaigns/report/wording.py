@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from physim.campaigns.asked import Missing
 from physim.campaigns.report.contents import SHOWN, Rate, Report
 from physim.errors import decimal_text, plural
 from physim.statistics.goal import Decision, Goal
@@ -16,6 +18,8 @@ RATE_NAMES = {
 SHARES = ("danger_share",)
 """Measures that are written as shares."""
 FEWEST_DIGITS, MOST_DIGITS = 1, 4
+MOST_MISSING = 3
+"""Cells of which is told what they lack"""
 LARGE = 1e9
 """from which on values have an exponent"""
 
@@ -73,6 +77,23 @@ def of_cells(report: Report) -> str:
     """``, all of 1 of 6 cells``: where the runs with the least distances leave cells out."""
     among, cells = report.cells_of_worst, len(report.cells)
     return f", all of {among} of {cells} cells" if among < cells else ""
+
+
+def missing_words(missing: Sequence[Missing]) -> str:
+    """What a campaign was asked for and has no rows of; empty where it has all."""
+    if not missing:
+        return ""
+    few = "; ".join(
+        f"{', '.join(filter(None, one.cell))}: {number(one.runs)} of {number(one.of)}"
+        for one in missing[:MOST_MISSING]
+    )
+    more = len(missing) - MOST_MISSING
+    rest = f"; {plural(more, 'further cell')}" if more > 0 else ""
+    return (
+        f"Not complete: {number(sum(one.runs for one in missing))} of the runs that were asked for "
+        f"have no row ({few}{rest}). The sweep is under way, was interrupted or lacks a shard; the "
+        "same command does the rest."
+    )
 
 
 def number(count: int) -> str:

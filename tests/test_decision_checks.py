@@ -23,9 +23,8 @@ NUMBERS = {
     "hold": (0.0, 0.05, 0.1, 0.3, 1e9, math.inf, -1e-9, math.nan),
     "mode": (-1, 0, 1, 2, -2),
     "rule": (-1, 0, 1),
-    "considered": (0, 1, 2, 3, -1),
 }
-RIGHT = {"command": 5, "hold": 6, "mode": 3, "rule": 2, "considered": 3}
+RIGHT = {"command": 5, "hold": 6, "mode": 3, "rule": 2}
 """how many of them are, at the front"""
 
 
@@ -37,10 +36,16 @@ def drawn(rng, due, wrong):
         right = RIGHT[name]
         return rng.choice(NUMBERS[name] if rng.random() < wrong else NUMBERS[name][:right], shape)
 
-    considered = some("considered", rng.integers(0, 5)).astype(np.int64)
+    others = [rng.permutation(np.setdiff1d(range(3), [i]))[: rng.integers(0, 3)] for i in due]
+    considered = np.concatenate((*others, np.zeros(0))).astype(np.int64)
+    start = np.cumsum([0, *map(len, others)])
+    if len(considered) and rng.random() < wrong:
+        considered[rng.integers(0, len(considered))] = rng.choice([0, 1, 2, 3, -1])
+    if rng.random() < wrong:
+        start[rng.integers(0, len(start))] = rng.integers(-1, 7)
     return Decisions(
         due, some("command", many, 2), some("hold", many), some("mode", many), some("rule", many),
-        np.zeros((many, 1)), considered, np.zeros(many + 1, dtype=np.int64),
+        np.zeros((many, 1)), considered, start,
     )  # fmt: skip
 
 
@@ -98,7 +103,7 @@ def test_other_types_and_layouts_pass_by_the_thorough_check() -> None:
         fine._replace(command=np.asfortranarray(fine.command)),
         fine._replace(hold=fine.hold.astype(np.float32)),
         fine._replace(mode=fine.mode.astype(np.int8)),
-        fine._replace(considered=[]),
+        fine._replace(considered=[], considered_start=np.zeros(4, dtype=np.int64)),
     ):
         assert plainly_fine(SCENE, 7, due, other, DECLARED) is None
         assert checked(SCENE, 7, due, other, DECLARED).dtype == np.int64

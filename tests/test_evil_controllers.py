@@ -92,7 +92,7 @@ def test_ctrl_c_within_it_is_no_error_of_its_own() -> None:
     with pytest.raises(KeyboardInterrupt):
         Simulation(road(THREE), controller=Says(lambda o: raised(KeyboardInterrupt()))).step()
     with pytest.raises(KeyboardInterrupt):
-        decision_row(decided(considered=interrupted()), Simulation(road(THREE)).declared, 3)
+        decision_row(decided(considered=interrupted()), Simulation(road(THREE)).declared, 3, 1)
 
 
 def interrupted() -> Iterator[int]:

@@ -6,6 +6,7 @@ code, or whose parent is gone.
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 import traceback
@@ -61,6 +62,7 @@ def do_jobs(pipe: Connection, halt: Any) -> None:
     for number in ENDING:
         signal.signal(number, signal.SIG_IGN)  # it reaches all; the parent says what follows
     settle()  # for what a job begins in turn
+    own = os.getpid()
     threading.Thread(target=end_with_parent, daemon=True).start()
     with gates():
         with suppress(OSError):
@@ -81,6 +83,8 @@ def do_jobs(pipe: Connection, halt: Any) -> None:
                         pipe.send(BEGINS)
                 with limited(job.limit):
                     answer = _answer(job, lambda: bool(halt.value))
+                if os.getpid() != own:  # a copy that the job forked and let go on: not asked
+                    os._exit(0)
             with suppress(OSError):
                 pipe.send(answer)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from physim.compiled import compiled
-from physim.errors import ControllerError
+from physim.errors import ControllerError, plural
 from physim.geometry.shapes import FloatArray, IntArray, read_only
 from physim.parts.controller import LONGEST_HOLD, Decisions
 from physim.parts.declarations import NO_NUMBER, Declared
@@ -41,14 +41,14 @@ def plainly_fine(
         or d.report.shape != (many, columns)
         or not d.command.dtype == d.hold.dtype == np.float64
         or not d.mode.dtype == d.rule.dtype == np.int64
-        or getattr(d.considered, "dtype", None) != np.int64
+        or not getattr(d.considered, "dtype", None) == d.considered_start.dtype == np.int64
         or not d.command.flags.c_contiguous
     ):
         return None
     next_step = np.empty(many, dtype=np.int64)
     fine = fits(
-        scene.limits, due, d.command, d.hold, d.mode, d.rule, d.considered, len(declared.modes),
-        len(declared.rules), step, scene.dt, next_step,
+        scene.limits, due, d.command, d.hold, d.mode, d.rule, d.considered, d.considered_start,
+        len(declared.modes), len(declared.rules), step, scene.dt, next_step,
     )  # fmt: skip
     return next_step if fine else None
 
@@ -62,6 +62,7 @@ def fits(
     mode: IntArray,
     rule: IntArray,
     considered: IntArray,
+    considered_start: IntArray,
     modes: int,
     rules: int,
     step: int,
@@ -77,10 +78,13 @@ def fits(
             return False
         held = min(max(np.floor(hold[k] / dt + SHARE), 1.0), LONGEST_HOLD)
         next_step[k] = step + np.int64(held)
-    for j in considered:
-        if not 0 <= j < len(limits):
+        first, end = considered_start[k], considered_start[k + 1]
+        if not 0 <= first <= end <= len(considered) or end - first >= len(limits):
             return False
-    return True
+        for j in considered[first:end]:
+            if not 0 <= j < len(limits) or j == due[k]:
+                return False
+    return bool(considered_start[0] == 0 and considered_start[-1] == len(considered))
 
 
 def outside(scene: Scene, step: int, given: ArrayLike) -> FloatArray:
@@ -182,6 +186,20 @@ def check_decisions(scene: Scene, time: float, decisions: Decisions, declared: D
         raise ControllerError(
             f"decisions at {time:g} s: considered robots {d.considered.min()} to "
             f"{d.considered.max()}; allowed: 0 to {scene.robots - 1}"
+        )
+    counts = np.diff(start)
+    if start[0] or start[-1] != len(d.considered) or (counts < 0).any():
+        raise ControllerError(
+            f"decisions at {time:g} s: considered_start is {start}; it must part "
+            f"{plural(len(d.considered), 'considered robot')} in their order"
+        )
+    own = np.repeat(robots, counts) == d.considered
+    if own.any() or counts.max() >= scene.robots:
+        row = int(np.repeat(np.arange(many), counts)[own][0] if own.any() else np.argmax(counts))
+        raise ControllerError(
+            f"{scene.names[robots[row]]} at {time:g} s: considered lists "
+            f"{d.considered[start[row] : start[row + 1]].tolist()}; it must list others than the "
+            f"robot itself, which is {robots[row]}, each once"
         )
 
 

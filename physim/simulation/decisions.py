@@ -46,8 +46,8 @@ class Row(NamedTuple):
     report: list[float]
 
 
-def decision_row(decision: object, declared: Declared, robots: int) -> Row:
-    """Numbers of a decision.
+def decision_row(decision: object, declared: Declared, robots: int, robot: int) -> Row:
+    """Numbers of a decision of a ``robot``, by index, among ``robots``.
 
     Raises ControllerError when it is no Decision, when one of its fields is of a wrong type, or
     names what the controller has not declared; or when a value of the user's own class fails as it
@@ -62,7 +62,7 @@ def decision_row(decision: object, declared: Declared, robots: int) -> Row:
             _number(decision.hold, "hold"),
             _declared(decision.mode, "mode", declared.modes),
             _declared(decision.rule, "rule", declared.rules),
-            _considered(decision.considered, robots),
+            _considered(decision.considered, robots, robot),
             _report(decision.report, declared),
         )
     except (ControllerError, KeyboardInterrupt):
@@ -98,7 +98,7 @@ def _declared(given: str | Mode | Rule | None, field: str, among: Sequence[Mode 
     raise ControllerError(f"{field} is {_quoted(given)}; {allowed}{hint}")
 
 
-def _considered(given: object, robots: int) -> list[int]:
+def _considered(given: object, robots: int, robot: int) -> list[int]:
     if type(given) is tuple and not given:
         return []
     try:
@@ -110,6 +110,11 @@ def _considered(given: object, robots: int) -> list[int]:
     if any(not 0 <= j < robots for j in found) or len(set(found)) < len(found):
         raise ControllerError(
             f"considered is {_quoted(given)}; it must list robots 0 to {robots - 1}, each once"
+        )
+    if robot in found:
+        raise ControllerError(
+            f"considered is {_quoted(given)}; it lists the robot itself, which is {robot}; it must "
+            "list others"
         )
     return found
 
@@ -296,7 +301,7 @@ class PerRobotAdapter:
         except BaseException as error:
             raise broken(error, self._where(i, views)) from error
         try:
-            return decision, decision_row(decision, self.declared, self.scene.robots)
+            return decision, decision_row(decision, self.declared, self.scene.robots, i)
         except ControllerError as error:
             place = place_of(self.controller.decide)
             raise ControllerError(f"{self._where(i, views)}: {error}{place}") from None

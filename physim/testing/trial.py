@@ -61,7 +61,7 @@ def ask(controller: Controller, scene: Scene, observation: Observation, memory: 
     robot, time = np.array([observation.index]), observation.time
     try:
         declared = Declared.of(controller)
-        row = decision_row(decision, declared, scene.robots)
+        row = decision_row(decision, declared, scene.robots, observation.index)
         check_commands(scene, time, robot, np.array([row.command]))
         hold_steps(scene, time, robot, np.array([row.hold]))
     except ControllerError as error:

@@ -52,6 +52,11 @@ def killed(stop: Stop) -> None:
     os._exit(9)
 
 
+def forks(stop: Stop) -> int:
+    """Lets a copy of its process go on where it does itself; each says which it is."""
+    return os.fork() or os.getpid()
+
+
 def raises_as_ctrl_c_does(stop: Stop) -> None:
     raise KeyboardInterrupt
 

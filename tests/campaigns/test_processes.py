@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, wait
 from pathlib import Path
@@ -29,6 +30,32 @@ def executor() -> Iterator[Processes]:
     yield made
     made.shutdown(cancel_futures=True)
     assert not multiprocessing.active_children()
+
+
+def test_a_copy_that_a_job_forks_answers_for_nobody() -> None:
+    """It answered beside the worker, and took the next jobs from its pipe: rows were lost."""
+    one = Processes(1)
+    try:
+        copies = [one.begin(Job("forks", sample.forks)).result(timeout=LONGEST) for _ in range(3)]
+        answers = [one.begin(Job("good", sample.echo, (k,))) for k in range(20)]
+        assert [future.result(timeout=LONGEST) for future in answers] == list(range(20))
+        (worker,) = one.ids
+        assert worker not in copies
+        for copy in copies:
+            ended(copy, worker)
+    finally:
+        one.shutdown(cancel_futures=True)
+
+
+def ended(copy: int, worker: int) -> None:
+    """Wait until a child of a worker, which never asks for it, is no more than its number."""
+    until = time.monotonic() + LONGEST
+    while time.monotonic() < until:
+        state = Path(f"/proc/{copy}/stat").read_text().rpartition(")")[2].split()[:2]
+        if state == ["Z", str(worker)]:
+            return
+        time.sleep(0.02)
+    raise AssertionError(f"process {copy} goes on")
 
 
 def test_it_is_an_executor(executor: Processes) -> None:

@@ -23,6 +23,7 @@ from physim.record.layout import (
     EXTREMES,
     EXTREMES_FARTHEST,
     FIXED,
+    OTHERS,
     STEPS,
     TABLES,
 )
@@ -127,13 +128,35 @@ def compare_runs(record: Record, again: Record) -> Rerun:
     digest = record.digest()
     same = digest == again.digest()
     exact = record.versions == again.versions
-    until, whole = record.steps_run, True
+    until, whole, difference = record.steps_run, True, None
     if not exact:
         touched = [int(one.contacts["step"][0]) for one in (record, again) if len(one.contacts)]
         whole = not touched
         until = min([until, *(step - 1 for step in touched)])
-    difference = None if same else _first(record, again, until, exact, whole)
+        difference = _first_contact(record, again)
+    if not same and difference is None:
+        difference = _first(record, again, until, exact, whole)
     return Rerun(exact, until * record.dt, whole, digest, same, difference)
+
+
+def _first_contact(record: Record, again: Record) -> Mismatch | None:
+    """A first contact that one run has and the other has not, or later, and that is none to touch
+    or miss by a rounding: up to it both agree within `SLACK`."""
+    claimed, repeated = (one.contacts for one in (record, again))
+    late = min(record.steps_run, again.steps_run) + 1  # contacts later than that are not compared
+    steps = [int(rows["step"][0]) if len(rows) else late for rows in (claimed, repeated)]
+    step = min(steps)
+    if step >= late or steps[0] == steps[1]:
+        return None
+    row = (claimed if steps[0] < steps[1] else repeated)[0]
+    who, column = int(row["a"]), "clearance" if row["b"] < record.robots else "boundary_clearance"
+    near = float(again.read(f"/steps/{column}", step, step + 1)[0, who])
+    there = steps[0] < steps[1]
+    if abs(near) <= SLACK:
+        return None
+    words = ("there", "not") if there else ("not there", "there")
+    at = 0 if there else None
+    return Mismatch.of(record, "/contacts", None, *words, BY, row=at, robot=who, step=step)
 
 
 def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) -> Mismatch | None:
@@ -142,6 +165,7 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
         return found
     found_at = [
         *(_table(record, again, path, until, exact) for path in TABLES),
+        _others(record, again, until),
         *(_samples(record, again, path, until, exact) for path in STEPS[1:]),
     ]
     if exact:
@@ -154,7 +178,22 @@ def _first(record: Record, again: Record, until: int, exact: bool, whole: bool) 
         last = [key for key in LAST if key != "ended" or record.ended != "error"]
         for found in (*_attributes(record, again, last), *_sums(record, again, exact)):
             return found
+    if not whole:
+        for found in _bounds(record, again, until):
+            return found
     return None
+
+
+def _bounds(record: Record, again: Record, until: int) -> Iterator[Mismatch]:
+    """Extremes of the whole run that are not even those of the part before a first contact."""
+    for column in ("clearance", "boundary_clearance"):
+        least = np.full(record.robots, np.inf)
+        for low in range(0, until + 1, BLOCK):
+            part = again.read(f"/steps/{column}", low, min(low + BLOCK, until + 1))
+            least = np.minimum(least, part.min(axis=0, initial=np.inf))
+        told = record.read(EXTREMES)[column]
+        for k in np.flatnonzero(told > least + SLACK)[:1].tolist():
+            yield Mismatch.of(record, EXTREMES, column, told[k], least[k], BY, row=k, robot=k)
 
 
 def _attributes(record: Record, again: Record, names: Sequence[str]) -> Iterator[Mismatch]:
@@ -214,6 +253,22 @@ def _table(record: Record, again: Record, path: str, until: int, exact: bool) ->
         words = ("there", "not") if some is rows else ("not there", "there")
         return _row(record, path, None, common, some, *words)
     return None
+
+
+def _others(record: Record, again: Record, until: int) -> Mismatch | None:
+    """First decision whose considered robots are others; how many they are is in a table."""
+    if "considered" not in record.tables:
+        return None
+    counts = record.read("/considered")
+    counts = counts[counts["step"] < until]
+    ends = np.cumsum(counts["count"])
+    last = int(ends[-1]) if len(ends) else 0
+    rows, others = (one.read(OTHERS)[:last] for one in (record, again))
+    if len(rows) != len(others) or not (wrong := rows != others).any():
+        return None  # where the counts differ that is found
+    at = int(np.argmax(wrong))
+    k = int(np.searchsorted(ends, at, side="right"))
+    return _row(record, OTHERS, None, k, counts, rows[at], others[at])
 
 
 def _row(

@@ -402,4 +402,13 @@ EDITS = (
         "what is named after a world is in a folder of its own",
         "tests/campaigns/test_command.py::test_names_that_name_no_folder_or_are_no_line",
     ),
+    Edit(
+        "campaigns",
+        "physim/campaigns/worker.py",
+        "do_jobs",
+        "if os.getpid() != own:",
+        "if False:",
+        "a copy of a worker that a controller forks answers for nobody",
+        "tests/campaigns/test_processes.py::test_a_copy_that_a_job_forks_answers_for_nobody",
+    ),
 )

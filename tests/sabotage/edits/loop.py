@@ -536,4 +536,22 @@ EDITS = (
         "what a batch form writes into its answer later changes no record",
         "tests/test_evil_controllers.py::test_what_a_batch_form_writes_into_its_answer_later_changes_no_record",
     ),
+    Edit(
+        "loop",
+        "physim/simulation/decisions.py",
+        "_considered",
+        "if robot in found:",
+        "if False:",
+        "a decision cannot consider the robot itself: no record may hold that",
+        "tests/test_control_loop.py::test_wrong_fields_are_named",
+    ),
+    Edit(
+        "loop",
+        "physim/simulation/decision_checks.py",
+        "fits",
+        "or j == due[k]",
+        "",
+        "nor can one of a batch",
+        "tests/test_decision_checks.py::test_the_quick_check_passes_what_the_thorough_one_passes",
+    ),
 )

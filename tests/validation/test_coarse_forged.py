@@ -1,0 +1,125 @@
+"""Forged coarse records: what the run simulated again has, whatever versions they name."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import pytest
+
+import physim
+from tests.forgeries.runs import LANE
+from tests.validation.reports import states
+from tests.validation.test_command import run
+
+
+def made(folder: Path, controller: str, duration: float) -> Path:
+    path = folder / f"{controller}.h5"
+    overrides = [f"controller={{type: {controller}}}", f"time.duration={duration}"]
+    world = physim.parse_world(LANE, overrides=[*overrides, "time.record_every=7"])
+    physim.simulate(world, path=path).close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def free(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("coarse"), "mode_switching", 30.0)
+
+
+@pytest.fixture(scope="module")
+def touching(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made(tmp_path_factory.mktemp("coarse"), "path_following", 12.0)
+
+
+def of_other_versions(file: h5py.File) -> None:
+    versions = json.loads(file.attrs["versions"])
+    file.attrs["versions"] = json.dumps({**versions, "numpy": "0.0.1"})
+
+
+def claimed_contact(file: h5py.File) -> None:
+    """From which on nothing would be compared; it has ended, so that no contact is counted."""
+    of_other_versions(file)
+    with_contact(file, step=1, b=1)
+
+
+def contact_with_a_wall(file: h5py.File) -> None:
+    of_other_versions(file)
+    with_contact(file, step=1, b=int(file["bodies/id"][-1]))
+
+
+def with_contact(file: h5py.File, step: int, b: int) -> None:
+    rows = file["contacts"]
+    row = rows[:1] if len(rows) else rows.fillvalue.reshape(1)
+    row["step"], row["a"], row["b"], row["nx"], row["phase"] = step, 0, b, 1.0, 2
+    rows.resize((1,))
+    rows[...] = row
+
+
+def no_contacts(file: h5py.File) -> None:
+    of_other_versions(file)
+    file["contacts"].resize((0,))
+
+
+def better(column: str) -> Callable[[h5py.File], None]:
+    def edit(file: h5py.File) -> None:
+        of_other_versions(file)
+        rows = file["extremes"][()]
+        rows[column] += 1.0
+        file["extremes"][...] = rows
+
+    return edit
+
+
+def other_robots(file: h5py.File) -> None:
+    file["considered_others"][-1] = 3 - file["considered_others"][-1]
+
+
+def forged(record: Path, edit: Callable[[h5py.File], None]) -> Path:
+    path = record.with_name("forged.h5")
+    shutil.copy(record, path)
+    with h5py.File(path, "r+") as file:
+        edit(file)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (claimed_contact, ("/contacts, row 0", "there in the record", "not simulated again")),
+        (contact_with_a_wall, ("/contacts, row 0", "there in the record", "not simulated again")),
+        (better("clearance"), ("/extremes, row 0, clearance",)),
+        (other_robots, ("/considered_others, row", "in the record", "simulated again")),
+    ],
+)
+def test_a_contact_free_run(free, capsys, edit, said) -> None:
+    assert run(capsys, free)[0] == 0
+    code, out, _ = run(capsys, forged(free, edit))
+    assert code == 3
+    assert states(out, *said)
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        (no_contacts, ("/contacts", "not there in the record", "there simulated again")),
+        (better("boundary_clearance"), ("/extremes, row 0, boundary_clearance",)),
+    ],
+)
+def test_a_run_with_contacts(touching, capsys, edit, said) -> None:
+    assert run(capsys, touching)[0] == 1
+    code, out, _ = run(capsys, forged(touching, edit))
+    assert code == 3
+    assert states(out, *said)
+
+
+def test_true_records_of_other_versions_agree_up_to_the_first_contact(
+    free, touching, capsys
+) -> None:
+    for record, code, said in ((free, 0, "the same within"), (touching, 1, "the first contact")):
+        found, out, _ = run(capsys, forged(record, of_other_versions))
+        assert found == code
+        assert states(out, "other versions", said, within=400)
+        assert "DISAGREEMENTS: none" in out

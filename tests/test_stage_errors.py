@@ -200,11 +200,12 @@ def test_one_stage_without_a_list_is_told() -> None:
     assert Simulation(world(), filters=(f for f in [one])).parts.filters == (one,)  # type: ignore[arg-type]
 
 
-def test_a_disturbance_that_is_not_finite_names_robot_and_value() -> None:
+@pytest.mark.parametrize(("value", "told"), [(np.inf, "inf"), (-2e6, "-2e+06")])
+def test_a_disturbance_that_is_not_finite_names_robot_and_value(value: float, told: str) -> None:
     bad = np.zeros((3, 2))
-    bad[1, 1] = np.inf
+    bad[1, 1] = value
     part: Any = Fails(lambda given: (bad, None))
-    said = facts("disturbance Fails", "r2", "0 s", "omega", "inf rad/s", "finite")
+    said = facts("disturbance Fails", "r2", "0 s", "omega", f"{told} rad/s", "finite", "10000")
     with pytest.raises(ControllerError, match=said):
         Simulation(world(), disturbances=[part]).step()
 

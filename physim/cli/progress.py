@@ -6,14 +6,16 @@ works on every file system.
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from physim.cli.signals import INTERRUPTED, heard
 from physim.escaping import escaped
@@ -26,6 +28,9 @@ if TYPE_CHECKING:
 REFRESH_SECONDS = 0.1
 PATIENCE = 1.0
 """[s] after which a second Ctrl-C breaks off what has not heard the first"""
+TOLD_AFTER, ENDED_AFTER = 3.0, 10.0
+"""[s] after which a signal that nobody has heard is told of, and, where it is none of a keyboard,
+sent again: whoever sent it may be a queue, which kills next"""
 
 
 class Bar:
@@ -88,6 +93,7 @@ class Interrupt:
     def __init__(self) -> None:
         self.count = 0
         self._unheard: float | None = None
+        self._timers: list[threading.Timer] = []
 
     def __call__(self) -> bool:
         """Whether there was one."""
@@ -102,8 +108,38 @@ class Interrupt:
         now = time.monotonic()
         if self._unheard is not None and now - self._unheard > PATIENCE:
             raise KeyboardInterrupt
-        self._unheard = self._unheard or now
         self.count += 1
+        if self._unheard is None:
+            self._unheard = now
+            self._after(TOLD_AFTER, self._tell, now, number)
+            if number != signal.SIGINT:
+                self._after(ENDED_AFTER, self._send_again, now, number)
+
+    def _after(self, seconds: float, do: Callable[[float, int], None], *given: Any) -> None:
+        timer = threading.Timer(seconds, do, given)
+        timer.daemon = True
+        timer.start()
+        self._timers.append(timer)
+
+    def _tell(self, since: float, number: int) -> None:
+        if self._unheard == since:
+            typed = number == signal.SIGINT
+            name = "Ctrl-C" if typed else signal.Signals(number).name
+            how = "once more breaks it off" if typed else "it is broken off soon"
+            with suppress(OSError, ValueError):
+                print(
+                    f"{name}: not heard by what is under way (a controller that does not return?); "
+                    f"{how}", file=sys.stderr, flush=True,
+                )  # fmt: skip
+
+    def _send_again(self, since: float, number: int) -> None:
+        if self._unheard == since:
+            os.kill(os.getpid(), number)
+
+    def forget(self) -> None:
+        """Do nothing more about what nobody has heard."""
+        for timer in self._timers:
+            timer.cancel()
 
 
 @contextmanager
@@ -114,6 +150,7 @@ def interrupts() -> Iterator[Interrupt]:
     try:
         yield interrupt
     finally:
+        interrupt.forget()
         for number, handler in before.items():
             signal.signal(number, handler)
 

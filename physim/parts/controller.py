@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from physim.world.scene import Scene
 
 
+FASTEST = 1.0e4
+"""[m/s, rad/s] No command is beyond, whatever disturbances make of it; limits end at 1000."""
 LONGEST_HOLD = 10**9
 """[steps] a hold of inf: never again"""
 

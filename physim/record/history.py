@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from physim.errors import RecordError, nearest
+from physim.errors import PhysimError, RecordError, nearest
 from physim.escaping import escaped
 from physim.geometry.shapes import FloatArray, IntArray
 from physim.record import layout
@@ -113,8 +113,15 @@ class RecordedHistory(RecordedScene):
     ) -> FloatArray:
         """(last - first, N, 2) command of each robot over steps ``first`` to ``last - 1``.
 
-        [m/s, rad/s]; a robot's command is 0 before its first decision.
+        [m/s, rad/s]; a robot's command is 0 before its first decision, and that of its last one
+        after the run, however far. Raises PhysimError for another stage.
         """
+        stages = list(layout.COMMAND_STAGES)
+        if stage not in stages:
+            raise PhysimError(
+                f"commands_over: stage is {stage!r}; allowed: {', '.join(stages)}"
+                f"{nearest(str(stage), stages)}"
+            )
         steps = max(0, last - first)
         held = np.zeros((steps, self.robots, 2))
         if not steps:

@@ -69,13 +69,11 @@ def update_type(columns: Sequence[str]) -> np.dtype[np.void]:
 DECISION = tuple(name for name, _ in _DECISION)
 """Columns of the update table that every record has."""
 
+COMMAND_STAGES = ("nominal", "filtered", "applied")
+"""Of a command: as it was decided, after the filters, after the disturbances."""
 COMMAND = np.dtype(
     [("step", "<i8"), ("robot", "<i4")]
-    + [
-        (f"{stage}_{part}", "<f8")
-        for stage in ("nominal", "filtered", "applied")
-        for part in ("v", "omega")
-    ]
+    + [(f"{stage}_{part}", "<f8") for stage in COMMAND_STAGES for part in ("v", "omega")]
 )
 """Command of one robot over the step that begins at a sample, at all its stages [m/s, rad/s]: a row
 at every step at which they differ, or at which the nominal one is not that of the robot's last

@@ -1,7 +1,8 @@
-"""Whether what a dataset holds can be unpacked: no more comes out of a chunk than it says.
+"""Whether what a dataset holds can be unpacked: out of a chunk comes what it says, to the byte.
 
 The HDF5 library unpacks a chunk whole and without a bound, whatever its size was said to be: some
-megabytes of zeros become gigabytes. Records are written unpacked; h5repack may have packed them.
+megabytes of zeros become gigabytes. Of a chunk that is shorter than it says it reads on into the
+memory of the process. Records are written unpacked; h5repack may have packed them.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from h5py import h5d, h5z
 
 ALLOWED = (h5z.FILTER_SHUFFLE, h5z.FILTER_DEFLATE, h5z.FILTER_FLETCHER32)
 """Filters in the order in which they may be used, each once."""
-SPARE = 64
-"""[bytes] beyond those of a chunk that one may take that is stored as it is: a checksum"""
+CHECKSUM = 4
+"""[bytes] that fletcher32 puts behind a chunk"""
 
 
 def packing_fault(dataset: h5d.DatasetID, most: int) -> str | None:
@@ -33,20 +34,24 @@ def packing_fault(dataset: h5d.DatasetID, most: int) -> str | None:
         return "is packed by other filters than shuffle, gzip and fletcher32, in this order"
     if not filters:
         return None
-    deflated = filters.index(h5z.FILTER_DEFLATE) if h5z.FILTER_DEFLATE in filters else None
     chunks: list[h5d.StoreInfo] = []
     dataset.chunk_iter(chunks.append)
     for chunk in chunks:
-        is_deflated = deflated is not None and not chunk.filter_mask >> deflated & 1
-        if _unpacked(dataset, chunk, size) if is_deflated else chunk.size > size + SPARE:
-            return "holds a chunk that is longer than it says; it is damaged"
+        used = [one for k, one in enumerate(filters) if not chunk.filter_mask >> k & 1]
+        if h5z.FILTER_DEFLATE in used:
+            there = _unpacked(dataset, chunk, size)
+        else:
+            there = chunk.size - CHECKSUM * (h5z.FILTER_FLETCHER32 in used)
+        if there != size:
+            than = "longer" if there > size else "shorter"
+            return f"holds a chunk that is {than} than it says; it is damaged"
     return None
 
 
-def _unpacked(dataset: h5d.DatasetID, chunk: h5d.StoreInfo, size: int) -> bool:
-    """Whether more than ``size`` bytes come out of a deflated chunk; no more are unpacked."""
+def _unpacked(dataset: h5d.DatasetID, chunk: h5d.StoreInfo, size: int) -> int:
+    """How many bytes come out of a deflated chunk; of more than ``size`` one more is unpacked."""
     _, packed = dataset.read_direct_chunk(chunk.chunk_offset)
     try:
-        return len(zlib.decompressobj().decompress(packed, size + SPARE + 1)) > size + SPARE
+        return len(zlib.decompressobj().decompress(packed, size + 1))
     except zlib.error:
-        return False  # the library says so when it is read
+        return size  # the library says so when it is read

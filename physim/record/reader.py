@@ -145,7 +145,7 @@ class Record(RecordedHistory):
 
     def close(self) -> None:
         """Close the file; what was read stays, nothing more can be read."""
-        self._file.close()
+        self._handle.close()
 
     def __enter__(self) -> Record:
         """Use in a ``with`` block, which closes the record."""

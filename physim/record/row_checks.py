@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from physim.contacts import Kind, Phase
 from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
-from physim.parts.controller import LONGEST_HOLD
+from physim.parts.controller import FASTEST, LONGEST_HOLD
 from physim.parts.declarations import NO_NUMBER
 from physim.record import layout
 from physim.record.repeats import repeated
+from physim.tolerances import SHARE
 
 FINITE: dict[str, tuple[str, ...]] = {
     "/updates": ("nominal_v", "nominal_omega", "applied_v", "applied_omega"),
@@ -34,6 +35,12 @@ FARTHEST_POSE = (FARTHEST_POINT, FARTHEST_POINT, float(np.finfo(np.float64).max)
 """[m, m, rad] no robot is beyond; headings are finite"""
 FARTHEST_APART = 3.0e8
 """[m] no two points of a scene are farther apart"""
+MOST: dict[str, float] = {
+    **{f"{stage}_{part}": FASTEST for stage in layout.COMMAND_STAGES for part in ("v", "omega")},
+    "x": FARTHEST_POINT, "y": FARTHEST_POINT, "depth": FARTHEST_APART, "distance": FARTHEST_APART,
+    "nx": 1.0 + SHARE, "ny": 1.0 + SHARE,
+}  # fmt: skip
+"""[m, m/s, rad/s, -] Greatest size of the values of columns in `FINITE`, where there is one."""
 MOST_TURN = float(np.pi)
 """[rad] no robot turns more in a step; the time step of a world allows far less"""
 STATIONS = ("/robots/stop_station", "/robots/lead")
@@ -105,6 +112,7 @@ def check_table(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
         source.within(column, rows[column], low, high)
     for column in FINITE[source.path]:
         check_finite(source, column, rows[column])
+        _check_size(source, column, rows[column], MOST.get(column, np.inf))
     step = rows["step"]
     if source.path == "/contacts":
         impulse = rows["impulse"]
@@ -123,6 +131,14 @@ def check_table(source: Source, rows: NDArray[np.void], bounds: Bounds) -> None:
 def check_finite(source: Source, column: str, values: NDArray[Any]) -> None:
     """Raise RecordError for the first value that is not finite."""
     source.refuse(~np.isfinite(values), lambda k: f"{column} is {values[k]}; it must be finite")
+
+
+def _check_size(source: Source, column: str, values: NDArray[Any], most: float) -> None:
+    """Raise RecordError for the first value that is larger than any can be, of either sign."""
+    source.refuse(
+        np.abs(values) > most,
+        lambda k: f"{column} is {values[k]:.6g}; allowed: {-most:g} to {most:g}",
+    )
 
 
 def _check_once(source: Source, rows: NDArray[np.void]) -> None:

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from physim.errors import RecordError
 from physim.geometry.shapes import FloatArray
 from physim.record import layout
 from physim.record.checks import damaged
@@ -35,9 +36,19 @@ class RecordFile:
     """
 
     def __init__(self, file: h5py.File, where: str, bounds: Bounds, samples: int) -> None:
-        self._file, self.where, self._bounds = file, where, bounds
+        self._handle, self.where, self._bounds = file, where, bounds
         self.samples, self.robots = samples, bounds.robots
         self._killed_at: int | None = None
+
+    @property
+    def _file(self) -> h5py.File:
+        """The open file. Raises RecordError where the record was closed."""
+        if not self._handle:
+            raise RecordError(
+                f"{self.where}: the record was closed, so that nothing more is read of it; read "
+                "before the end of its with block, or load it again"
+            )
+        return self._handle
 
     def _cut_tables(self) -> int:
         """End tables with the last sample, as in a run that was killed; its step, -1 without any.

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from physim.compiled import compiled
 from physim.errors import ControllerError, plural
 from physim.geometry.shapes import FloatArray, IntArray, read_only
-from physim.parts.controller import LONGEST_HOLD, Decisions
+from physim.parts.controller import FASTEST, LONGEST_HOLD, Decisions
 from physim.parts.declarations import NO_NUMBER, Declared
 from physim.tolerances import SHARE
 from physim.world.scene import Scene
@@ -139,19 +139,21 @@ def _beside(value: float, most: float) -> str:
 
 
 def check_applied(scene: Scene, time: float, applied: FloatArray, part: object) -> None:
-    """Refuse applied commands that are no finite (N, 2)."""
+    """Refuse applied commands that are no finite (N, 2) within `FASTEST`."""
     name, shape = type(part).__name__, (scene.robots, 2)
     if np.shape(applied) != shape:
         raise ControllerError(
             f"disturbance {name}: commands at {time:g} s have the shape {np.shape(applied)}; it "
             f"must be {shape}"
         )
-    if not np.isfinite(applied).all():
-        row, column = np.argwhere(~np.isfinite(applied))[0]
+    wrong = ~(np.abs(applied) <= FASTEST)  # also for NaN
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
         quantity, unit = COMMAND[column]
         raise ControllerError(
             f"disturbance {name}: {scene.names[row]} at {time:g} s: command {quantity} = "
-            f"{applied[row, column]:g} {unit}; it must be finite"
+            f"{applied[row, column]:g} {unit}; it must be finite, at most {FASTEST:g} {unit} in "
+            "either direction"
         )
 
 

@@ -34,12 +34,12 @@ from physim.parts.stages import (
     shared,
 )
 from physim.parts.world_checks import listed
+from physim.simulation import parts
 from physim.simulation.arrival import Arrivals, still_distances
 from physim.simulation.decision_checks import outside
 from physim.simulation.decisions import Decided, begun, decide
 from physim.simulation.engine import Physics
 from physim.simulation.observation import observe
-from physim.simulation.parts import ask_disturbance, ask_filter, ask_sense, part_faults, parts_of
 from physim.simulation.state import SimulationState, replaced, scene_digest
 from physim.world import World
 from physim.world.faults import describe
@@ -88,19 +88,17 @@ class Simulation:
         a name or a file in place of a world, PhysimError for a state of something else.
         """
         if isinstance(world, World):
-            if isinstance(controller, str):
-                world = world.changed(controller={"type": controller})
             seed = state.seed if seed is None and state is not None else seed
-            world = build_scene(world, seed)
+            world = build_scene(parts.driven_by(world, controller), seed)
         if not isinstance(world, Scene):
             raise TypeError(
                 f"a World or a Scene is needed, not {type(world).__name__}; "
                 "load_world(name or file) gives one"
             )
         self.scene = world
-        self.parts = parts_of(world.world, controller, sensing, filters, disturbances)
+        self.parts = parts.parts_of(world.world, controller, sensing, filters, disturbances)
         self.declared = Declared.of(self.parts.controller)
-        if faults := part_faults(self.parts, world.world):
+        if faults := parts.part_faults(self.parts, world.world):
             raise WorldError(faults)
         self.observers: list[Observer] = []
         self._host()
@@ -205,7 +203,7 @@ class Simulation:
         if self._sensed is None:
             sensed, states = everybody(self.now, self._shared), []
             for part, state in zip(self.parts.sensing, self._stages[0], strict=True):
-                sensed, state = ask_sense(part, self.scene, self.now, sensed, state)
+                sensed, state = parts.ask_sense(part, self.scene, self.now, sensed, state)
                 states.append(state)
             self._sensed = sensed, tuple(states)
         return self._sensed
@@ -229,7 +227,7 @@ class Simulation:
         """Filtered commands (N, 2): the nominal ones through every filter in turn."""
         sensed, filtered, states = self._sense()[0], nominal, []
         for part, state in zip(self.parts.filters, self._stages[1], strict=True):
-            filtered, state = ask_filter(part, self.scene, sensed, filtered, state)
+            filtered, state = parts.ask_filter(part, self.scene, sensed, filtered, state)
             states.append(state)
         return filtered, tuple(states)
 
@@ -237,7 +235,7 @@ class Simulation:
         """Applied commands (N, 2): the filtered ones through every disturbance in turn."""
         applied, states = filtered, []
         for part, state in zip(self.parts.disturbances, self._stages[2], strict=True):
-            applied, state = ask_disturbance(part, self.scene, self.now, applied, state)
+            applied, state = parts.ask_disturbance(part, self.scene, self.now, applied, state)
             states.append(state)
         return applied, tuple(states)
 

@@ -5,13 +5,14 @@ What they answer is checked, and their errors name them.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from physim.errors import ControllerError, Fault
+from physim.errors import ControllerError, Fault, Notice
 from physim.geometry.shapes import FloatArray, read_only
 from physim.parts.controller import Controller, Sensed, Snapshot
 from physim.parts.given import GivenSettings, given_settings
@@ -41,7 +42,26 @@ from physim.parts.world_checks import (
 )
 from physim.simulation.decision_checks import check_applied, check_commands
 from physim.world import World
+from physim.world.file.loading import unused_settings
 from physim.world.scene import Scene
+
+
+def driven_by(world: World, controller: Controller | str | None) -> World:
+    """The world with another controller, where that is a name, as ``--controller`` has it.
+
+    Settings of the world belong to the type beside them: that one keeps them, another goes without,
+    which a `Notice` tells. Where the world names no type they are for whatever runs. Raises
+    WorldError.
+    """
+    if not isinstance(controller, str):
+        return world
+    own = world.controller
+    mine = own.type == controller or "type" not in own.model_fields_set
+    if own.settings and not mine:
+        left = unused_settings([*own.settings], own.type, controller)
+        text = f"world {world.name}: controller: {left}"
+        warnings.warn(text, Notice, stacklevel=4)
+    return world.changed(controller={**(own.settings if mine else {}), "type": controller})
 
 
 @dataclass(frozen=True)

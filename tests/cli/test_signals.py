@@ -82,6 +82,44 @@ def test_what_does_not_hear_the_first_is_broken_off_by_the_second(
     assert interrupt.count == 4
 
 
+def test_what_nobody_hears_is_told_and_broken_off(
+    handlers: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A queue sends SIGTERM once, and then kills: what was simulated would be lost."""
+    monkeypatch.setattr("physim.cli.progress.PATIENCE", 0.0)
+    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.05)
+    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.2)
+    with interrupts(), pytest.raises(KeyboardInterrupt):
+        hit(signal.SIGTERM)
+    assert "SIGTERM: not heard" in capsys.readouterr().err
+
+
+def test_ctrl_c_that_nobody_hears_is_told_and_waits_for_another(
+    handlers: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.05)
+    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.1)
+    with interrupts() as interrupt:
+        hit(signal.SIGINT)
+        assert "Ctrl-C: not heard" in capsys.readouterr().err
+        assert interrupt()
+    assert interrupt.count == 1
+
+
+def test_nothing_is_told_of_what_was_heard(
+    handlers: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("physim.cli.progress.TOLD_AFTER", 0.3)
+    monkeypatch.setattr("physim.cli.progress.ENDED_AFTER", 0.4)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with interrupts() as interrupt:
+            os.kill(os.getpid(), number)
+            assert interrupt()
+            time.sleep(0.6)
+            assert interrupt.count == 1
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize("left", [False, True])
 def test_a_thread_left_behind_does_not_outlive_a_signal(handlers: None, left: bool) -> None:
     stop = threading.Event()

@@ -79,16 +79,16 @@ def test_a_chunk_is_not_far_larger_than_its_dataset(made: Path, tmp_path: Path) 
 
 
 @pytest.mark.parametrize("checksum", [False, True])
-@pytest.mark.parametrize("more", [0, 65, 10_000_000])
+@pytest.mark.parametrize("more", [-8, 0, 1, 10_000_000])
 def test_a_chunk_unpacks_to_what_it_says(
     made: Path, tmp_path: Path, more: int, checksum: bool
 ) -> None:
     path, chunk = repacked(made, tmp_path, compression="gzip", fletcher32=checksum)
     with h5py.File(path, "r+") as file:
-        given = zlib.compress(chunk + bytes(more)) + bytes(4 * checksum)
-        file[POSE].id.write_direct_chunk((0, 0, 0), given)
+        there = chunk[:more] if more < 0 else chunk + bytes(more)
+        file[POSE].id.write_direct_chunk((0, 0, 0), zlib.compress(there) + bytes(4 * checksum))
     if more:
-        refused(path, "longer than it says", "damaged")
+        refused(path, f"{'longer' if more > 0 else 'shorter'} than it says", "damaged")
     elif not checksum:
         Record.load(path).close()
 
@@ -99,9 +99,25 @@ def test_a_chunk_that_is_stored_as_it_is(made: Path, tmp_path: Path) -> None:
     with h5py.File(path, "r+") as file:
         file[POSE].id.write_direct_chunk((0, 0, 0), chunk, filter_mask=1)
     Record.load(path).close()
+    for given, said in ((chunk + bytes(1), "longer"), (chunk[:-1], "shorter")):
+        with h5py.File(path, "r+") as file:
+            file[POSE].id.write_direct_chunk((0, 0, 0), given, filter_mask=1)
+        refused(path, f"{said} than it says")
+
+
+@pytest.mark.parametrize(
+    "how", [{"shuffle": True}, {"fletcher32": True}, {"shuffle": True, "compression": "gzip"}]
+)
+def test_a_chunk_that_is_shorter_is_not_read(
+    made: Path, tmp_path: Path, how: Mapping[str, Any]
+) -> None:
+    """The library reads on behind it: figures of what lies in memory, or the end of the process."""
+    path, chunk = repacked(made, tmp_path, **how)
     with h5py.File(path, "r+") as file:
-        file[POSE].id.write_direct_chunk((0, 0, 0), chunk + bytes(100), filter_mask=1)
-    refused(path, "longer than it says")
+        few = chunk[:100]
+        given = zlib.compress(few) if "compression" in how else few
+        file[POSE].id.write_direct_chunk((0, 0, 0), given)
+    refused(path, "shorter than it says")
 
 
 def test_texts_are_counted_over_all_datasets(made: Path, tmp_path: Path) -> None:

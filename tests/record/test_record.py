@@ -17,8 +17,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import physim
 from physim.contacts import CONTACT_ROW
-from physim.errors import RecordError
+from physim.errors import PhysimError, RecordError
 from physim.record import Record, RecordWriter
 from physim.record.layout import ARRIVED, DATASETS, EXTREMES
 from physim.record.writer import Extremes
@@ -287,6 +288,27 @@ def test_a_record_is_pickled_by_its_file(made: Path) -> None:
 def test_step_that_is_not_recorded(made: Path) -> None:
     with Record.load(made) as record, pytest.raises(RecordError, match="nearest: 400"):
         record.pose_at(401)
+
+
+def test_a_closed_record_says_so(made: Path) -> None:
+    """It was told as damaged, of a file that is as it should be."""
+    with Record.load(made) as record:
+        pass
+    for ask in (
+        lambda: record.pose, lambda: record.versions, record.digest, lambda: physim.page(record)
+    ):  # fmt: skip
+        with pytest.raises(RecordError, match=facts(str(made), "closed", "load")):
+            ask()
+    assert record.name
+    record.close()
+
+
+def test_commands_of_a_stage_that_is_none(made: Path) -> None:
+    with (
+        Record.load(made) as record,
+        pytest.raises(PhysimError, match=facts("'aplied'", "applied")),
+    ):
+        record.commands_over("aplied", 0, 1)
 
 
 def test_a_path_is_no_open_file(made: Path) -> None:

@@ -338,6 +338,25 @@ def test_a_command_that_is_no_number(made: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("path", "column", "value", "most"),
+    [
+        ("/updates", "nominal_v", 1e155, "10000"),
+        ("/updates", "applied_omega", -2e6, "10000"),
+        ("/contacts", "x", 1e9, "1e+08"),
+        ("/contacts", "nx", 1.5, "1"),
+        ("/contacts", "depth", -1e300, "3e+08"),
+        ("/false_contacts", "distance", 1e300, "3e+08"),
+    ],
+)
+def test_a_number_that_is_too_large_for_any_run(
+    made: Path, tmp_path: Path, path: str, column: str, value: float, most: str
+) -> None:
+    """A command of 1e155 m/s ended a validation in a traceback."""
+    bad = tampered(made, tmp_path, path, 0, value, column)
+    refused(bad, path, "row 0", column, f"{value:.6g}", "allowed", most)
+
+
+@pytest.mark.parametrize(
     ("path", "columns", "who"),
     [
         ("/updates", ("robot",), "robot"),

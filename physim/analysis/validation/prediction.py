@@ -29,6 +29,9 @@ from physim.record import Record
 HORIZON = 10.0
 """[s] how far ahead one query looks; a contact later than that takes several"""
 
+MOST_SLACK = 10.0 * HORIZON
+"""[s] A touch is not looked for longer than that after the step at which it was found: a forged
+command that turns 10^4 rad/s has a slack of hours."""
 AS_COMMANDED = 1e-7
 """[m, rad] A robot within this of the arc that it was to follow has moved as commanded."""
 
@@ -142,7 +145,8 @@ class Predictor:
         for i in robots:
             gap += tolerances.chord(*self.table.held(i, made), dt)
         slack = tolerances.TIME + gap / max(closing, tolerances.CLOSING_SPEED)
-        predicted = made * dt + self.due(a, b, made, found + dt + slack - made * dt)
+        until = found + dt + min(slack, MOST_SLACK) - made * dt
+        predicted = made * dt + self.due(a, b, made, until)
         verdict = AGREES if found - dt - slack <= predicted <= found + slack else DISAGREES
         if verdict == DISAGREES and self._touches_then(a, b, step, predicted, gap):
             verdict = AGREES

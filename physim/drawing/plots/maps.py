@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from physim.analysis.metrics import Width, corridor_width
 from physim.analysis.metrics.distances import width_extreme
@@ -192,17 +193,17 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
     wide = float(np.ptp(axis.get_xlim()))
     last: FloatArray | None = None
     for row in at:
-        places = record.pose[row, :, :2]
+        group = _group(record.pose[row, :, :2], 0.1 * wide)
+        places = record.pose[row, group, :2]
         middle = np.median(places, axis=0)
         if last is not None and np.hypot(*(middle - last)) < 0.045 * wide:
             continue  # it would be written over the one before
         last = middle
         around = np.clip([row - record.samples // 100, row + record.samples // 100], 0, None)
-        ends = np.median(record.pose[np.minimum(around, record.samples - 1), :, :2], axis=1)
+        ends = np.median(record.pose[np.minimum(around, record.samples - 1)][:, group, :2], axis=1)
         ahead = np.hypot(*(ends[1] - ends[0]))
         left = np.array([-1.0, 1.0]) * (ends[1] - ends[0])[::-1] / ahead if ahead > 0.0 else UP
-        near = np.hypot(*(places - middle).T) < 0.1 * wide
-        beside = float(((places[near] - middle) @ left).max()) if near.any() else 0.0
+        beside = float(((places - middle) @ left).max())
         time = float(record.time[row])
         said = f"{time:.3g} s" if time < 999.5 else f"{time:.0f} s"
         axis.annotate(
@@ -211,6 +212,16 @@ def _times(axis: Any, record: Record, at: IntArray) -> None:
             zorder=6, gid="time",
             bbox={"boxstyle": "square,pad=0.1", "fc": "white", "alpha": 0.75, "linewidth": 0},
         )  # fmt: skip
+
+
+def _group(places: FloatArray, near: float) -> NDArray[np.bool_]:
+    """Robots (N,) beside which a time is written: those about the middle of all, or, where these
+    are few since robots come from several sides, the first robot and those about it."""
+    middle, first = (
+        np.asarray(np.hypot(*(places - about).T) <= near)
+        for about in (np.median(places, axis=0), places[0])
+    )
+    return middle if np.count_nonzero(middle) >= len(places) / 4.0 else first
 
 
 def _contacts(axis: Any, record: Record) -> list[Any]:

@@ -175,5 +175,6 @@ class Expectation(Model):
         default=None, description="[m] greatest distance between two robots"
     )
     finished: Flag | None = Field(
-        default=None, description="whether all robots arrive at their stop stations"
+        default=None,
+        description="whether all robots arrive: stand at their stop stations, or past them",
     )

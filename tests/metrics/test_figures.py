@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from physim.analysis import metrics
 from physim.analysis.metrics import DangerShare, Moment
+from physim.analysis.summary import summarise, table_rows
 from physim.geometry.shapes import FloatArray, pack_polylines
 from physim.parts.declarations import Declared, Mode
 from physim.record import RecordWriter
@@ -195,6 +196,19 @@ def along(scene: Any, *stations: FloatArray) -> FloatArray:
         for k in (0, 1):
             found[:, i, k] = np.interp(scene.stop_station[i] - short, at, points[:, k])
     return found
+
+
+def test_how_far_from_their_stops_robots_are_that_arrived() -> None:
+    """Past it or beside it a robot has arrived, too: others may have pushed it there."""
+    pose = along(make_scene(3), *np.zeros((3, 101)))
+    pose[-1, 1, :2] += (0.3, -0.4)
+    done = history([{"step": 0, "robot": 0}], robots=3, pose=pose, arrived=[50, 60, 70])
+    found = metrics.stop_distance(done)
+    assert found is not None
+    assert found.robots == pytest.approx((0.0, 0.5, 0.0), abs=1e-9)
+    assert found.value == pytest.approx(0.5)
+    assert "0.50 m" in dict(table_rows(summarise(done)))["all robots arrived"]
+    assert metrics.stop_distance(history(robots=3, pose=pose, arrived=[50, -1, 70])) is None
 
 
 def test_why_a_robot_has_not_arrived() -> None:

@@ -17,6 +17,7 @@ from tests.records import make_record
 UNITS = {"-", "m", "s", "1/s", "1/min", "m/s", "rad/s", "m^2"}
 OF_SEVERAL = {"shortest_distance", "farthest_distance", "contacts_between_robots"}
 OF_A_FORMATION = {name for name in DEFINITIONS if name.startswith("formation_")}
+OF_A_FINISH = {"time_to_finish", "stop_distance"}
 OF_CONTACTS = {"first_contact", "deepest_contact"}
 
 
@@ -31,7 +32,7 @@ def test_every_metric_is_defined() -> None:
 def test_all_are_measured_where_all_have_a_meaning() -> None:
     with make_record(seconds=12.0) as record:
         found = measure(record)
-    assert list(found) == [name for name in DEFINITIONS if name != "time_to_finish"]
+    assert list(found) == [name for name in DEFINITIONS if name not in OF_A_FINISH]
     for metric in found.values():
         assert math.isfinite(metric.value)
         assert metric.robots is None or len(metric.robots) == 3
@@ -41,7 +42,7 @@ def test_one_robot_has_no_metric_of_several() -> None:
     with make_record(robots=1, seconds=12.0) as record:
         found = set(measure(record))
     missing = set(DEFINITIONS) - found
-    assert missing == (OF_A_FORMATION | OF_CONTACTS | OF_SEVERAL | {"time_to_finish"})
+    assert missing == (OF_A_FORMATION | OF_CONTACTS | OF_SEVERAL | OF_A_FINISH)
 
 
 def test_without_a_formation_there_is_no_formation_error() -> None:

@@ -52,7 +52,7 @@ def test_a_good_world_has_no_fault(world):
         ((6, 3.75, 0), (3, 0, 0), 0, ('"r1"', "0.25 m over", "corridor")),
         ((6, 3.6, math.pi / 2), (3, 0, 0), 0, ('"r1"', "0.5 m over", "corridor")),
         ((6, 9, 0), (3, 0, 0), 0, ('"r1"', "outside", "4.5 m")),
-        ((6, 1, 0), (20, 0, 0), 1, ('"r2"', "overlaps", "obstacles[0]", "by 1 m")),
+        ((6, 1, 0), (20, 0, 0), 1, ('"r2"', "overlaps", "obstacles[0]", "at least 1 m")),
         ((6, 1, 0), (17.1, 0, 0), 1, ('"r2"', "touches", "obstacles[0]")),
     ],
 )

@@ -84,6 +84,7 @@ from physim.analysis.metrics.progress import (
     column_over_time,
     finished,
     last_decisions,
+    stop_distance,
     time_to_finish,
 )
 from physim.analysis.metrics.registered import own_metrics, own_part
@@ -157,6 +158,7 @@ __all__ = [
     "shortest_boundary_distance",
     "shortest_collision_time",
     "shortest_distance",
+    "stop_distance",
     "time_to_finish",
     "updates_per_second",
 ]

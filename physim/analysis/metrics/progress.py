@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from physim.analysis.metrics.metric import Each, Series
@@ -68,6 +69,23 @@ def finished(record: Record) -> bool:
 def time_to_finish(record: Record) -> float | None:
     """Time at which the last robot had arrived [s]; None for a run that did not finish."""
     return float(record.arrived.max() * record.dt) if finished(record) else None
+
+
+def stop_distance(record: Record) -> Each | None:
+    """Distances [m] of all robots from their stop stations at the last sample, and the largest.
+
+    To arrive a robot has to stand no more than the tolerance before its stop station; past it or
+    beside it, as where others pushed it, it has arrived, too. None of a run that did not finish.
+    """
+    if not finished(record):
+        return None
+    paths = zip(pairwise(record.paths.start), record.stop_station.tolist(), strict=True)
+    stops = [
+        shapely.line_interpolate_point(shapely.LineString(record.paths.points[a:b]), station)
+        for (a, b), station in paths
+    ]
+    away = np.hypot(*(record.pose[-1, :, :2] - shapely.get_coordinates(stops)).T)
+    return Each(float(away.max()), tuple(away.tolist()))
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ from physim.analysis.metrics.motion import (
     formation_error_rms,
     mean_speed,
 )
-from physim.analysis.metrics.progress import finished, time_to_finish
+from physim.analysis.metrics.progress import finished, stop_distance, time_to_finish
 from physim.analysis.metrics.registered import own_metrics
 from physim.errors import PhysimError, nearest
 from physim.geometry.shapes import FloatArray
@@ -141,6 +141,10 @@ _ALL = (
     Definition(
         "time_to_finish", "s", "time at which the last robot stood at its stop station for good",
         "Section 1", _of(time_to_finish),
+    ),
+    Definition(
+        "stop_distance", "m", "distance of a robot from its stop station at the end, once all have "
+        "arrived, the largest", "-", _of(stop_distance),
     ),
     Definition(
         "contacts", "-", "contact episodes: maximal runs of samples at which two bodies touch",

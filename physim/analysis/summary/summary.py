@@ -169,6 +169,7 @@ class Summary:
             "simulated_s": self.value("simulated_time"),
             "finished": self.value("finished"),
             "time_to_finish_s": self.value("time_to_finish"),
+            "stop_distance_m": self.value("stop_distance"),
             "not_arrived": [self._absent(one) for one in self.not_arrived],
             "contacts": self._contacts(),
             "grazes": _with_places(

@@ -67,7 +67,10 @@ def _arrival_rows(summary: Summary) -> list[tuple[str, str]]:
     """Whether all have arrived, and why the first of those that have not did not."""
     finish = summary.value("time_to_finish")
     if finish is not None:
-        return [("all robots arrived", f"yes, at {finish:.2f} s")]
+        away = summary.metrics["stop_distance"]
+        far = summary.bodies[(away.robots or ()).index(away.value)]
+        most = f"{decimal_text(away.value, 2, 6)} m from its stop ({far})"
+        return [("all robots arrived", f"yes, at {finish:.2f} s; at most {most}")]
     absent = summary.not_arrived
     some = f", {summary.robots - len(absent)} of {summary.robots}" if absent else ""
     reasons = [

@@ -138,10 +138,11 @@ def _meeting(shape: Any, body: Any) -> FloatArray:
 
 
 def _overlap(a: Any, b: Any, label: str) -> str:
-    """``overlaps LABEL by D m``: the least width of the common area, at most the true depth."""
+    """``overlaps LABEL by at least D m``: the least width of the common area; one robot deep in
+    another has to be moved farther."""
     common = a.intersection(b)
     depth = least_width(shapely.get_coordinates(common)) if common.area > 0.0 else 0.0
-    return f"overlaps {label} by {depth:.4g} m" if depth > CONTACT else f"touches {label}"
+    return f"overlaps {label} by at least {depth:.4g} m" if depth > CONTACT else f"touches {label}"
 
 
 def robot_faults(robots: Sequence[Placed]) -> list[Fault]:

@@ -302,4 +302,13 @@ EDITS = (
         "no name of a file makes a line of its own",
         "tests/cli/test_mistakes.py::test_a_mistake_is_told_in_one_line",
     ),
+    Edit(
+        "cli",
+        "physim/cli/progress.py",
+        "Interrupt._note",
+        "if number != signal.SIGINT:",
+        "if False:",
+        "a signal of a queue that nobody hears is sent again before the queue kills",
+        "tests/cli/test_signals.py::test_what_nobody_hears_is_told_and_broken_off",
+    ),
 )

@@ -231,4 +231,13 @@ EDITS = (
         "a sum beyond any number is no figure",
         "tests/metrics/test_figures.py::test_evaluations_beyond_any_number_have_no_figure",
     ),
+    Edit(
+        "metrics",
+        "physim/analysis/metrics/progress.py",
+        "stop_distance",
+        "record.pose[-1, :, :2]",
+        "record.pose[0, :, :2]",
+        "how far from its stop a robot is that arrived is told of the end",
+        "tests/metrics/test_figures.py::test_how_far_from_their_stops_robots_are_that_arrived",
+    ),
 )

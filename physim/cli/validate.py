@@ -180,16 +180,19 @@ def _validate_world(world: World, document: Document, options: Options) -> int:
 
 
 def _validate_seeds(world: World, document: Document, options: Options) -> int:
-    """Validate every seed; an interrupt (Ctrl-C) ends the study with what is known by then."""
+    """Validate every seed; an interrupt (Ctrl-C), and a run that fails, end the study with what is
+    known by then."""
     from physim.analysis.validation.seeds import SeedResult, SeedStudy, seed_line
     from physim.campaigns.executors import executor
     from physim.campaigns.judged import judged
     from physim.campaigns.spec import spec_of
+    from physim.campaigns.worker import LostError
 
     out = text_stream(options.json)
     first, last = options.seeds
     results: list[SeedResult] = []
     worst: Judged | None = None
+    failed: tuple[int, PhysimError] | None = None
     _warm_up(world, document, options)
     with (
         interrupts() as interrupt,
@@ -200,8 +203,8 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
         source = f"simulated just now from {document.source}"
         for seed, found in judged(specs, source, workers, interrupt, bar.update):
             if isinstance(found, PhysimError):
-                _run_and_validate(world, document, seed, options)  # tells it with its place
-                raise found
+                failed = seed, found
+                break
             results.append(found.result)
             if worst is None or found.result.code > worst.result.code:
                 worst = found
@@ -213,9 +216,14 @@ def _validate_seeds(world: World, document: Document, options: Options) -> int:
     study = SeedStudy(world.name, tuple(results), last - first)
     if study.interrupted:
         below = "; the results so far:" if results else ""
-        print(f"interrupted after {len(results)} of {study.asked} seeds{below}", file=sys.stderr)
+        how = "interrupted" if failed is None else f"seed {failed[0]} failed"
+        print(f"{how} after {len(results)} of {study.asked} seeds{below}", file=sys.stderr)
     if results:
         _report_study(study, worst, options)
+    if failed is not None:
+        if not isinstance(failed[1], LostError):  # which would end this process, too
+            _run_and_validate(world, document, failed[0], options)  # tells it with its place
+        raise failed[1]
     return INTERRUPTED if interrupt() else study.code
 
 

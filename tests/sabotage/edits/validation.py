@@ -467,4 +467,13 @@ EDITS = (
         "a jump that no search for contacts ends over is refused",
         "tests/validation/test_disagreeing_parts.py::test_a_jump_of_millions_of_metres_is_refused",
     ),
+    Edit(
+        "validation",
+        "physim/cli/validate.py",
+        "_validate_seeds",
+        "if not isinstance(failed[1], LostError):",
+        "if True:",
+        "a seed that ended a worker is not run again where the study is",
+        "tests/validation/test_failing_seeds.py::test_the_seeds_so_far_are_reported_and_written",
+    ),
 )
